@@ -1,0 +1,24 @@
+"""How time integration schemes behave on non-linear dynamic equations."""
+
+from study import xla  # noqa: F401  (first: JAX reads its settings once)
+from study.observers import observers
+from study.problem import Problem
+from study.problems import problems
+from study.schemes import HHTAlpha, Houbolt, Newmark, RungeKutta4, Scheme, WilsonTheta, schemes
+from study.datasets import open
+from study.runs import run
+
+__all__ = [
+    "HHTAlpha",
+    "Houbolt",
+    "Newmark",
+    "Problem",
+    "RungeKutta4",
+    "Scheme",
+    "WilsonTheta",
+    "observers",
+    "open",
+    "problems",
+    "run",
+    "schemes",
+]

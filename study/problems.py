@@ -1,0 +1,56 @@
+"""The named problems of the study, each with its parameters and its source."""
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from study.problem import Problem
+from study.registry import Registry
+
+
+class CubicSpring(eqx.Module):
+    """p(u) = S1 u (1 + S2 u²), the Duffing spring of Xie (1996), eqs (2) and (4)."""
+
+    S1: float
+    S2: float
+
+    def force(self, u):
+        """S1 u (1 + S2 u²)."""
+        return self.S1 * u * (1 + self.S2 * u * u)
+
+    def potential(self, u):
+        """½ S1 u² + ¼ S1 S2 u⁴."""
+        return 0.5 * self.S1 * u * u * (1 + 0.5 * self.S2 * u * u)
+
+
+class TanhSpring(eqx.Module):
+    """p(u) = S tanh u, the softening spring of Xie (1996), eqs (3) and (5)."""
+
+    S: float
+
+    def force(self, u):
+        """S tanh u."""
+        return self.S * jnp.tanh(u)
+
+    def potential(self, u):
+        """S ln cosh u, in a form that does not overflow at large |u|."""
+        size = jnp.abs(u)
+        return self.S * (size + jnp.log1p(jnp.exp(-2 * size)) - jnp.log(2.0))
+
+
+def _oscillator(title: str, spring: CubicSpring | TanhSpring, u0: float) -> Problem:
+    return Problem(force=spring.force, potential=spring.potential, u0=u0, title=title)
+
+
+#: Every problem that can be called by name.
+problems = Registry(
+    "problem",
+    {
+        "hardening": _oscillator("hardening spring", CubicSpring(100.0, 10.0), u0=1.5),
+        "softening": _oscillator("softening spring", TanhSpring(100.0), u0=4.0),
+        "softening_large": _oscillator("softening spring, large amplitude", TanhSpring(100.0), u0=10.0),
+        "double_well": _oscillator("double well", CubicSpring(-0.5, -1.0), u0=0.5),
+    },
+)
+
+#: The periods that the paper prints and takes its step sizes from (sections 3.1, 3.2 and 4): two or three digits.
+printed_periods = {"hardening": 0.15, "softening": 1.14, "softening_large": 1.8, "double_well": 7.3}

@@ -1,0 +1,176 @@
+"""``study.run``: one scheme on one problem, or an ensemble of them, as a labelled dataset."""
+
+from collections.abc import Sequence
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from jax import lax
+
+from study.march import STATUS_MEANINGS, march, march_one
+from study.observers import Observer, Record, Reduction, observers
+from study.problem import Problem
+from study.problems import problems
+from study.schemes import Scheme, schemes
+
+#: Lanes that are marched side by side: as many as keep the state of a tile in the cache next to the processor.
+TILE = 128
+
+STATUS_ATTRIBUTES = {
+    "long_name": "how the run ended",
+    "flag_values": np.arange(3, dtype=np.int32),
+    "flag_meanings": STATUS_MEANINGS,
+}
+FAILED_AT_STEP_ATTRIBUTES = {"long_name": "step at which the run failed, -1 where it did not", "units": "1"}
+
+
+@eqx.filter_jit
+def _march_lanes(problem, scheme, reductions, records, u0, dt, steps, samples):
+    def lane(values):
+        return march(problem, scheme, reductions, records, *values, steps, samples)
+
+    return lax.map(lane, (u0, dt), batch_size=min(TILE, len(dt)))
+
+
+def _resolve(thing, registry, kind):
+    if isinstance(thing, str):
+        return registry[thing]
+    if not isinstance(thing, kind):
+        raise TypeError(f"a {registry.kind} is a name or a study.{kind.__name__}, not {thing!r}.")
+    return thing
+
+
+def _positive_integer(name, value):
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+        raise ValueError(f"{name} must be a whole number of at least 1, not {value!r}.")
+    return int(value)
+
+
+def _checked_step_size(dt):
+    dt = np.asarray(dt, dtype=np.float64)
+    if dt.ndim > 1:
+        raise ValueError(f"dt must be a number or one per lane (lanes,), not an array of shape {dt.shape}.")
+    if not np.all(np.isfinite(dt) & (dt > 0)):
+        raise ValueError(f"dt must be finite and greater than zero, not {dt[()]}.")
+    return dt
+
+
+def _checked_start(problem, u0):
+    shape = np.shape(problem.u0)
+    if u0 is None:
+        return np.asarray(problem.u0)
+    u0 = np.asarray(u0, dtype=np.float64)
+    if u0.shape != shape and u0.shape[1:] != shape or u0.ndim > len(shape) + 1:
+        raise ValueError(f"u0 must have the shape {shape} of the problem, or (lanes, *{shape}), not {u0.shape}.")
+    if not np.isfinite(u0).all():
+        raise ValueError(f"u0 must be finite, not {u0}.")
+    return u0
+
+
+def _checked_observers(problem, observe) -> tuple[Observer, ...]:
+    chosen = [_resolve(o, observers, Observer) for o in ([observe] if isinstance(observe, str) else observe)]
+    for observer in chosen:
+        if observer.needs_energy and problem.potential is None:
+            raise ValueError(
+                f"{', '.join(observer.variables)} of '{problem.title}' needs an energy: give Problem(potential=...)."
+            )
+    return tuple(chosen)
+
+
+def run(
+    problem: str | Problem,
+    scheme: str | Scheme,
+    *,
+    dt: float | np.ndarray,
+    steps: int,
+    observe: Sequence[str | Observer] = ("trajectory",),
+    u0: float | np.ndarray | None = None,
+    every: int = 1,
+) -> xr.Dataset:
+    """March one scheme on one problem and return what was observed.
+
+    Parameters
+    ----------
+    problem, scheme
+        Names out of ``study.problems`` and ``study.schemes``, or objects of your own.
+    dt
+        Step size; an array (lanes,) makes an ensemble.
+    steps
+        Number of steps.
+    observe
+        Names out of ``study.observers``, or observers of your own.
+    u0
+        Initial displacement in place of the problem's; an array (lanes, ...) makes an ensemble.
+    every
+        Store what is recorded along time at every so many steps; it must divide ``steps``.
+
+    Returns
+    -------
+    xarray.Dataset
+        The observed variables with ``status`` and ``failed_at_step``, along ``t`` (elapsed time) where recorded and
+        along ``lane`` in an ensemble. Lanes with step sizes of their own have the dimension ``sample`` and the
+        coordinate ``t`` over (lane, sample). Where a run failed there is NaN.
+
+    Raises
+    ------
+    KeyError
+        If there is no such problem, scheme or observer.
+    ValueError, TypeError
+        If an argument is out of range or has the wrong shape; the message tells which and what would be right.
+
+    Examples
+    --------
+    >>> import study
+    >>> ds = study.run("hardening", "average_acceleration", dt=0.15 / 20, steps=2000, observe=["max_energy_error"])
+    >>> print(f"{ds.max_energy_error.item():.1f} {ds.max_energy_error.units}")
+    4.1 percent
+    """
+    problem = _resolve(problem, problems, Problem)
+    scheme = _resolve(scheme, schemes, Scheme)
+    dt, u0 = _checked_step_size(dt), _checked_start(problem, u0)
+    steps, every = _positive_integer("steps", steps), _positive_integer("every", every)
+    chosen = _checked_observers(problem, observe)
+    if steps % every:
+        raise ValueError(f"every must divide the number of steps; {every} does not divide {steps}.")
+    reductions = tuple(o for o in chosen if isinstance(o, Reduction))
+    records = tuple(o for o in chosen if isinstance(o, Record))
+    samples = steps // every if records else 0
+
+    lanes = {len(dt)} if dt.ndim else set()
+    lanes |= {len(u0)} if u0.ndim > np.ndim(problem.u0) else set()
+    if len(lanes) > 1:
+        raise ValueError(f"u0 and dt must have one length to make an ensemble, not {len(u0)} and {len(dt)}.")
+    arguments = (problem, scheme, reductions, records)
+    if lanes:
+        (n,) = lanes
+        u0_of_lanes = np.broadcast_to(u0, (n, *np.shape(problem.u0)))
+        outcome = _march_lanes(*arguments, u0_of_lanes, np.broadcast_to(dt, n), jnp.asarray(steps), samples)
+    else:
+        outcome = march_one(*arguments, u0, dt, jnp.asarray(steps), samples)
+    return _labelled(problem, scheme, outcome, chosen, dt, every, samples, bool(lanes))
+
+
+def _labelled(problem, scheme, outcome, chosen, dt, every, samples, ensemble) -> xr.Dataset:
+    attributes = {name: a for observer in chosen for name, a in observer.variables.items()}
+    lane = ("lane",) if ensemble else ()
+    component = ("component",) if np.ndim(problem.u0) else ()
+    along = "sample" if dt.ndim else "t"
+    data = {
+        "status": (lane, np.asarray(outcome.status, dtype=np.int32), STATUS_ATTRIBUTES),
+        "failed_at_step": (lane, np.asarray(outcome.failed_at_step), FAILED_AT_STEP_ATTRIBUTES),
+    }
+    for name, value in outcome.values.items():
+        data[name] = ((*lane, *component[: np.ndim(value) - len(lane)]), np.asarray(value), attributes[name])
+    for name, value in outcome.samples.items():
+        extra = component[: np.ndim(value) - len(lane) - 1]
+        data[name] = ((*lane, along, *extra), np.asarray(value), attributes[name])
+    coordinates = {}
+    if samples:
+        t = np.multiply.outer(dt, np.arange(samples + 1) * every)
+        coordinates["t"] = ((*lane, "sample") if dt.ndim else "t", t, {"long_name": "elapsed time", "units": "s"})
+    return xr.Dataset(
+        data,
+        coordinates,
+        {"title": f"{scheme.title} on the {problem.title}", "problem": problem.title, "scheme": scheme.title},
+    )

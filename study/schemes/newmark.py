@@ -1,0 +1,74 @@
+"""Newmark's family, among it the average acceleration method and central difference."""
+
+from typing import ClassVar
+
+import equinox as eqx
+
+from study.equilibrium import Effort, Motion, acceleration, balance, load
+from study.schemes.scheme import Scheme, check_range, start_in_balance
+
+
+class Newmark(Scheme):
+    """The Newmark method, Xie (1996), eqs (6) and (7).
+
+    u₁ = u₀ + Δt u̇₀ + Δt² (½ − β) ü₀ + Δt² β ü₁
+    u̇₁ = u̇₀ + Δt (1 − γ) ü₀ + Δt γ ü₁
+    M ü₁ + C u̇₁ + p(u₁) = f(t₁)
+
+    Second order for γ = ½, first order otherwise. For linear systems unconditionally stable if 2β ≥ γ ≥ ½; with
+    γ > ½ it damps. β = 0 and γ = ½ is central difference, which needs no iteration and is stable for ωΔt ≤ 2.
+
+    Parameters
+    ----------
+    beta
+        0 ≤ β ≤ ½.
+    gamma
+        0 ≤ γ ≤ 1.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range.
+
+    References
+    ----------
+    N. M. Newmark, A method of computation for structural dynamics, J. Eng. Mech. Div. ASCE 85(EM3), 1959, 67-94.
+    """
+
+    beta: float
+    gamma: float
+    title: str = eqx.field(default="Newmark", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Newmark"
+    source: ClassVar[str] = "Newmark (1959)"
+    doi: ClassVar[str] = "10.1061/JMCEA3.0000098"
+
+    def __check_init__(self):
+        check_range(self, "beta", 0.0, 0.5)
+        check_range(self, "gamma", 0.0, 1.0)
+
+    @property
+    def order(self) -> int:
+        return 2 if self.gamma == 0.5 else 1
+
+    @property
+    def explicit(self) -> bool:
+        return isinstance(self.beta, float | int) and self.beta == 0
+
+    start = start_in_balance
+
+    def step(self, problem, state, t, dt):
+        u, v, a = state
+        c_u, c_v = self.beta * dt**2, self.gamma * dt
+        u_predicted = u + dt * v + dt**2 * (0.5 - self.beta) * a
+        v_predicted = v + dt * (1 - self.gamma) * a
+        if self.explicit:
+            a, effort = acceleration(problem, t + dt, u_predicted, v_predicted, c_v), Effort()
+        else:
+            a, effort = balance(problem, load(problem, t + dt), u_predicted, v_predicted, c_u, c_v, guess=a)
+        return Motion(u_predicted + c_u * a, v_predicted + c_v * a, a), effort
+
+
+average_acceleration = Newmark(beta=0.25, gamma=0.5, title="Average acceleration")
+central_difference = Newmark(beta=0.0, gamma=0.5, title="Central difference")
+newmark_dissipative = Newmark(beta=0.3025, gamma=0.6, title="Newmark β = 0.3025, γ = 0.6")

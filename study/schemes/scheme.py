@@ -1,0 +1,55 @@
+"""What a time integration scheme is: a frozen set of parameters with a start and a step."""
+
+import abc
+from typing import Any, ClassVar
+
+import equinox as eqx
+import numpy as np
+
+from study.equilibrium import Effort, Motion, acceleration
+from study.problem import Problem
+
+
+class Scheme(eqx.Module):
+    """A time integration scheme for M ü + C u̇ + p(u) = f(t).
+
+    A scheme carries its own state from step to step, anything with the fields ``u`` and ``v`` (:class:`Motion` adds
+    the acceleration; a multi-step scheme adds its history). Both functions are pure, so that JAX can compile,
+    vectorise and differentiate them.
+    """
+
+    title: eqx.AbstractVar[str]
+    family: ClassVar[str]
+    source: ClassVar[str]
+    doi: ClassVar[str]
+
+    @property
+    @abc.abstractmethod
+    def order(self) -> int:
+        """Order of accuracy of the displacement in Δt."""
+
+    @property
+    @abc.abstractmethod
+    def explicit(self) -> bool:
+        """Whether a step needs no iteration, however non-linear the internal force."""
+
+    @abc.abstractmethod
+    def start(self, problem: Problem, u0, v0, dt) -> tuple[Any, Effort]:
+        """State at t = 0, and what it took."""
+
+    @abc.abstractmethod
+    def step(self, problem: Problem, state, t, dt) -> tuple[Any, Effort]:
+        """State at t + Δt from the state at t, and what it took."""
+
+
+def start_in_balance(self, problem: Problem, u0, v0, dt) -> tuple[Motion, Effort]:
+    """State at t = 0 with the acceleration that the equation of motion gives there."""
+    return Motion(u0, v0, acceleration(problem, 0.0, u0, v0)), Effort()
+
+
+def check_range(scheme: Scheme, name: str, low: float, high: float) -> None:
+    """Refuse a parameter outside [low, high] with a sentence; a traced one cannot be checked."""
+    value = getattr(scheme, name)
+    if isinstance(value, float | int | np.ndarray | np.generic) and not np.all((value >= low) & (value <= high)):
+        limits = f"at least {low:g}" if np.isinf(high) else f"between {low:g} and {high:g}"
+        raise ValueError(f"{type(scheme).__name__}({name}={value}): {name} must be {limits}.")
