@@ -1,0 +1,33 @@
+"""Energy error of the seven schemes against time: what the paper tells of and does not show."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.figures.style import PAGE, letter, looks, main
+
+
+def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
+    """Largest |error| within each group of ``steps`` samples: the oscillation within a period would blacken the panel."""
+    return np.abs(error).isel(t=slice(1, None)).coarsen(t=steps, boundary="trim").max()
+
+
+def draw(*portraits: xr.Dataset) -> Figure:
+    """One panel a problem: the largest |E − E₀|/E₀ in each stretch of 20 steps, on a logarithmic scale."""
+    figure, axes = plt.subplots(1, len(portraits), figsize=(PAGE, 0.4 * PAGE), sharey=True)
+    for index, (ax, portrait) in enumerate(zip(axes, portraits, strict=True)):
+        for name, look in looks(portrait.scheme).items():
+            run = portrait.sel(scheme=name)
+            envelope = _envelope(run.energy_error, 20)
+            ax.plot(envelope.t, envelope, label=run.scheme_title.item(), markevery=(0.05, 0.15), **look)
+        ax.set(xlabel="elapsed time $t$ (s)", yscale="log")
+        letter(ax, index, portrait.problem_title)
+    axes[0].set_ylabel("energy error (%)")
+    handles, names = axes[0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=4)
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

@@ -1,0 +1,58 @@
+"""Where a step is small enough, and how each scheme fails where it is not."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from paper.figures.style import PAGE, letter, main
+
+#: Classes of the outcome, from good to bad: name, grey value falls and colour warms along the way.
+CLASSES = {
+    "error below 1 %": "#f7f7f7",
+    "below 10 %": "#c7dcef",
+    "below 50 %": "#72b2d7",
+    "below 100 %": "#2879b9",
+    "above 100 %": "#E69F00",
+    "Newton did not converge": "#b2182b",
+    "not finite": "#000000",
+}
+_BOUNDS = [1, 10, 50, 100]
+
+
+def classify(error: xr.DataArray, status: xr.DataArray) -> np.ndarray:
+    """Index of the class of every run."""
+    finite = np.digitize(np.nan_to_num(error, nan=0.0), _BOUNDS)
+    return np.where(status == 0, finite, len(_BOUNDS) + status)
+
+
+def draw(large_steps: xr.Dataset) -> Figure:
+    """One panel a problem, one row a scheme."""
+    figure, axes = plt.subplots(2, 2, figsize=(PAGE, 0.62 * PAGE), sharex=True, sharey=True)
+    parts = large_steps.dt_over_period.values
+    edges = np.concatenate([[parts[0]], np.sqrt(parts[1:] * parts[:-1]), [parts[-1]]])
+    colours = ListedColormap(list(CLASSES.values()))
+    rows = np.arange(large_steps.sizes["scheme"] + 1) - 0.5
+    for index, (ax, problem) in enumerate(zip(axes.ravel(), large_steps.problem.values, strict=True)):
+        one = large_steps.sel(problem=problem)
+        outcome = classify(one.max_energy_error, one.status)
+        ax.pcolormesh(
+            edges, rows, outcome, cmap=colours, vmin=-0.5, vmax=len(CLASSES) - 0.5, edgecolors="white", linewidth=0.3
+        )
+        for part in (1 / 20, 1 / 5):
+            ax.axvline(part, color="black", linewidth=0.8, linestyle="--")
+        ax.set(xscale="log", yticks=rows[:-1] + 0.5, yticklabels=large_steps.scheme_title.values)
+        ax.set_xticks([0.01, 0.05, 0.2, 1], ["1/100", "1/20", "1/5", "1"])
+        ax.minorticks_off()
+        letter(ax, index, one.problem_title.item())
+    axes[0, 0].invert_yaxis()
+    figure.supxlabel("step size over period", fontsize=8)
+    handles = [Patch(facecolor=colour, edgecolor="0.5", label=name) for name, colour in CLASSES.items()]
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

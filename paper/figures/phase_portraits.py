@@ -1,0 +1,55 @@
+"""Phase portraits of the exact solution and of the seven schemes (Figures 1, 2 and 4 of the paper)."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.figures.style import PAGE, letter, main
+
+# where a scheme leaves the exact orbit far behind, this much of the plane around the orbit is shown
+_MARGIN = 1.6
+
+
+def _order(portrait: xr.Dataset) -> list[str]:
+    """The order of the paper's panels; in the double well it has the explicit schemes last, without a panel."""
+    if portrait.problem != "double_well":
+        return portrait.scheme.values.tolist()
+    return portrait.scheme.sortby("explicit").values.tolist()
+
+
+def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
+    middle, half = (reference.max() + reference.min()) / 2, (reference.max() - reference.min()) / 2
+    reach = np.nanmax(np.abs(values - middle))
+    half = min(max(reach, half), 4 * _MARGIN * half) * 1.08
+    return middle - half, middle + half
+
+
+def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
+    """Eight panels: (a) exact, then a scheme each, coloured by elapsed time over the exact orbit in grey."""
+    figure, axes = plt.subplots(2, 4, figsize=(PAGE, 0.52 * PAGE), sharex=True, sharey=True)
+    panels = axes.ravel()
+    periods = portrait.t / reference.period
+    panels[0].plot(reference.u, reference.v, color="black")
+    letter(panels[0], 0, "Exact")
+    failed = portrait.status != 0
+    shown = portrait.where(~failed)
+    panels[0].set_xlim(_limits(reference.u.values, shown.u.values))
+    panels[0].set_ylim(_limits(reference.v.values, shown.v.values))
+    for index, scheme in enumerate(_order(portrait), start=1):
+        ax, run = panels[index], portrait.sel(scheme=scheme)
+        ax.plot(reference.u, reference.v, color="0.75", linewidth=0.8, zorder=0)
+        points = ax.scatter(run.u, run.v, c=periods, s=1.5, linewidths=0, rasterized=True, vmin=0, vmax=periods[-1])
+        letter(ax, index, run.scheme_title.item())
+        if run.status != 0:
+            ax.plot(run.u, run.v, color="0.4", linewidth=0.5, marker=".", markersize=3)
+            what = run.status.flag_meanings.split()[int(run.status)].replace("_", " ")
+            ax.text(0.03, 0.03, f"{what} at step {run.failed_at_step.item()}", transform=ax.transAxes, fontsize=7)
+    figure.supxlabel("displacement $u$", fontsize=8)
+    figure.supylabel("velocity $\\dot u$ (1/s)", fontsize=8)
+    figure.colorbar(points, ax=axes, label="elapsed periods", pad=0.01, aspect=40)
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

@@ -1,0 +1,68 @@
+"""What the figures have in common: size, type, colours that survive greyscale, and how they are saved."""
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("agg")
+
+import matplotlib.pyplot as plt
+import xarray as xr
+from cycler import cycler
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+#: Widths in inches of one column and of the whole page of the manuscript.
+COLUMN, PAGE = 3.4, 7.1
+
+# Okabe and Ito's palette without its yellow; line styles and markers tell the curves apart without any colour.
+_LOOKS = (
+    cycler(color=["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"])
+    + cycler(linestyle=["-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)), (0, (1, 1))])
+    + cycler(marker=["o", "s", "v", "^", "D", "P", "X"])
+)
+
+plt.rcParams.update(
+    {
+        "font.size": 8,
+        "axes.titlesize": 8,
+        "axes.titlelocation": "left",
+        "axes.labelsize": 8,
+        "legend.fontsize": 7,
+        "legend.frameon": False,
+        "xtick.labelsize": 7,
+        "ytick.labelsize": 7,
+        "axes.linewidth": 0.6,
+        "lines.linewidth": 1.0,
+        "lines.markersize": 3.5,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "figure.constrained_layout.use": True,
+        "savefig.dpi": 300,
+        "image.cmap": "viridis",
+        "pdf.fonttype": 42,
+        "svg.hashsalt": "study",
+    }
+)
+
+
+def looks(schemes: xr.DataArray) -> dict[str, dict]:
+    """One look (colour, line style, marker) for each scheme, the same in every figure that shows the same schemes."""
+    return {name: look for name, look in zip(schemes.values.tolist(), _LOOKS, strict=False)}
+
+
+def letter(axes: Axes, index: int, title: str) -> None:
+    """Title of a panel: (a), (b), ... and what it shows."""
+    axes.set_title(f"({chr(ord('a') + index)}) {title}")
+
+
+def main(draw: Callable[..., Figure]) -> None:
+    """Draw the datasets named on the command line and save the figure three times, the same bytes for the same data."""
+    output, *paths = map(Path, sys.argv[1:])
+    figure = draw(*(xr.load_dataset(path) for path in paths))
+    os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
+    for suffix in (".pdf", ".png", ".svg"):
+        figure.savefig(output.with_suffix(suffix), metadata={"Date": None} if suffix == ".svg" else None)

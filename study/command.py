@@ -1,0 +1,46 @@
+"""How the pipeline calls a function that makes a dataset: ``python -m MODULE OUTPUT 'JSON OPTIONS'``."""
+
+import inspect
+import json
+import sys
+from collections.abc import Callable
+
+import xarray as xr
+
+from study.datasets import check_writable, provenance, write
+from study.registry import did_you_mean
+
+
+def _options(function: Callable, text: str) -> dict:
+    """Options of ``function`` out of a JSON object, refused with a sentence when they do not fit."""
+    try:
+        options = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise SystemExit(f"the options must be a JSON object: {error}.") from None
+    known = inspect.signature(function).parameters
+    for name in options:
+        if name not in known:
+            raise SystemExit(f"there is no option '{name}'; {did_you_mean(name, known)}")
+    missing = [name for name, p in known.items() if p.default is p.empty and name not in options]
+    if missing:
+        raise SystemExit(f"the option '{missing[0]}' is missing.")
+    return options
+
+
+def main(function: Callable[..., xr.Dataset]) -> None:
+    """Make the dataset of ``function`` and write it whole, with its provenance; the output is checked first."""
+    module = function.__module__ if function.__module__ != "__main__" else inspect.getmodule(function).__spec__.name
+    if len(sys.argv) != 3:
+        raise SystemExit(f"usage: python -m {module} OUTPUT 'JSON OPTIONS'")
+    path, options = check_writable(sys.argv[1]), _options(function, sys.argv[2])
+    try:
+        dataset = function(**options)
+    except (KeyError, ValueError, FileNotFoundError) as error:
+        raise SystemExit(f"{module}: {error}") from error
+    dataset.attrs = provenance(dataset.attrs.pop("title"), f"python -m {module}") | dataset.attrs
+    write(dataset, path)
+
+
+def progress(message: str) -> None:
+    """Tell the person who waits, and the log, what is being done."""
+    print(message, flush=True)

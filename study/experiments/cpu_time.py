@@ -1,0 +1,95 @@
+"""The last rows of Tables 1 and 2 of Xie (1996): the time of 100,000 steps at T/1000."""
+
+import time
+from collections.abc import Sequence
+
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+
+from study.observers import observers
+from study.command import main, progress
+from study.experiments import labels
+from study.march import march_one
+from study.problems import printed_periods, problems
+from study.schemes import schemes
+
+BASELINE = "average_acceleration"
+
+
+def _compiled(problem: str, scheme: str, dt: float, steps: int):
+    """The compiled march with the energy observed, its arguments, and how long compiling it took."""
+    definition = problems[problem]
+    arguments = (
+        definition,
+        schemes[scheme],
+        (observers["max_energy_error"],),
+        (),
+        jnp.asarray(definition.u0),
+        jnp.asarray(dt),
+        jnp.asarray(steps),
+    )
+    start = time.perf_counter()
+    compiled = march_one.lower(*arguments).compile()
+    return compiled, arguments, time.perf_counter() - start
+
+
+def _timed(compiled, arguments) -> float:
+    start = time.perf_counter()
+    compiled(*arguments).status.block_until_ready()
+    return time.perf_counter() - start
+
+
+def cpu_time(
+    problems: Sequence[str], schemes: Sequence[str], steps_per_period: int, steps: int, repeats: int
+) -> xr.Dataset:
+    """Time of ``steps`` steps, energy observed, compilation apart.
+
+    The schemes take turns, so that a slow moment of the machine meets all of them; the first turn is a warm-up.
+    """
+    shape = (len(problems), len(schemes))
+    compile_time, elapsed = np.empty(shape), np.empty((*shape, repeats))
+    for p, problem in enumerate(problems):
+        progress(f"timing on {problem}")
+        runs = []
+        for s, scheme in enumerate(schemes):
+            compiled, arguments, compile_time[p, s] = _compiled(
+                problem, scheme, printed_periods[problem] / steps_per_period, steps
+            )
+            runs.append((compiled, arguments))
+        for repeat in range(-1, repeats):
+            for s, (compiled, arguments) in enumerate(runs):
+                seconds = _timed(compiled, arguments)
+                if repeat >= 0:
+                    elapsed[p, s, repeat] = seconds
+    per_step = 1e9 * elapsed / steps
+    quartiles = np.quantile(per_step, [0.25, 0.5, 0.75], axis=-1)
+    ratio = per_step / per_step[:, [list(schemes).index(BASELINE)]]
+    dims = ("problem", "scheme")
+    return xr.Dataset(
+        {
+            "time_per_step": ((*dims, "repeat"), per_step, {"long_name": "time of one step, by repeat", "units": "ns"}),
+            "median_time_per_step": (dims, quartiles[1], {"long_name": "median time of one step", "units": "ns"}),
+            "spread_of_time_per_step": (
+                dims,
+                quartiles[2] - quartiles[0],
+                {"long_name": "interquartile range of the time of one step", "units": "ns"},
+            ),
+            "ratio": (
+                dims,
+                np.median(ratio, axis=-1),
+                {"long_name": f"median ratio of the time to that of {BASELINE} in the same repeat", "units": "1"},
+            ),
+            "compile_time": (dims, compile_time, {"long_name": "time to trace and compile", "units": "s"}),
+        },
+        coords={
+            "repeat": ("repeat", np.arange(repeats), {"long_name": "repeat", "units": "1"}),
+            **labels.problem_coordinates(problems),
+            **labels.scheme_coordinates(schemes),
+        },
+        attrs={"title": f"Time of {steps} steps at T/{steps_per_period} with the energy observed", "steps": steps},
+    )
+
+
+if __name__ == "__main__":
+    main(cpu_time)

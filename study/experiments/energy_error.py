@@ -1,0 +1,57 @@
+"""Tables 1 and 2 of Xie (1996): the largest energy error over 100 periods, for printed and for exact periods."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from study.command import main, progress
+from study.experiments import labels
+from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+
+
+def energy_error(
+    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], periods: int
+) -> xr.Dataset:
+    """Largest energy error over ``periods`` periods of every scheme on every problem at every step size."""
+    period_used = ["printed", "exact"]
+    shape = (len(period_used), len(problems), len(steps_per_period), len(schemes))
+    error, period = np.full(shape, np.nan), np.empty(shape[:2])
+    status, failed_at_step = np.zeros(shape, np.int32), np.full(shape, -1)
+    for p, problem in enumerate(problems):
+        progress(f"energy error on {problem}")
+        known = labels.periods(problem)
+        for s, scheme in enumerate(schemes):
+            for i, used in enumerate(period_used):
+                period[i, p] = known[used]
+                for k, steps in enumerate(steps_per_period):
+                    ds = run(
+                        problem, scheme, dt=known[used] / steps, steps=steps * periods, observe=["max_energy_error"]
+                    )
+                    at = i, p, k, s
+                    error[at], status[at], failed_at_step[at] = ds.max_energy_error, ds.status, ds.failed_at_step
+    dims = ("period_used", "problem", "steps_per_period", "scheme")
+    attributes = {"long_name": f"largest relative error of the total energy over {periods} periods", "units": "percent"}
+    return xr.Dataset(
+        {
+            "max_energy_error": (dims, error, attributes),
+            "status": (dims, status, STATUS_ATTRIBUTES),
+            "failed_at_step": (dims, failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
+            "period": (dims[:2], period, {"long_name": "period that gives the step size", "units": "s"}),
+        },
+        coords={
+            "period_used": (
+                "period_used",
+                period_used,
+                {"long_name": "which period the step size is a part of: the paper's rounded one or the exact one"},
+            ),
+            **labels.problem_coordinates(problems),
+            **labels.steps_per_period_coordinate(steps_per_period),
+            **labels.scheme_coordinates(schemes),
+        },
+        attrs={"title": "Largest energy error by problem, step size and scheme (Tables 1 and 2 of the paper)"},
+    )
+
+
+if __name__ == "__main__":
+    main(energy_error)

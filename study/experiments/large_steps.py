@@ -1,0 +1,55 @@
+"""How large may a step be? Energy error and failure of every scheme from fine steps to one step per period."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from study.command import main, progress
+from study.experiments import labels
+from study.problems import printed_periods
+from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+
+
+def large_steps(
+    problems: Sequence[str], schemes: Sequence[str], dt_over_period: Sequence[float], periods: int
+) -> xr.Dataset:
+    """Largest energy error, status and failing step over ``periods`` printed periods, by relative step size."""
+    dims = ("problem", "scheme", "dt_over_period")
+    shape = (len(problems), len(schemes), len(dt_over_period))
+    error, status, failed_at_step = np.empty(shape), np.zeros(shape, np.int32), np.empty(shape, int)
+    for p, problem in enumerate(problems):
+        progress(f"large steps on {problem}")
+        for s, scheme in enumerate(schemes):
+            for r, part in enumerate(dt_over_period):
+                ds = run(
+                    problem,
+                    scheme,
+                    dt=printed_periods[problem] * part,
+                    steps=round(periods / part),
+                    observe=["max_energy_error"],
+                )
+                at = p, s, r
+                error[at], status[at], failed_at_step[at] = ds.max_energy_error, ds.status, ds.failed_at_step
+    attributes = {"long_name": f"largest relative error of the total energy over {periods} periods", "units": "percent"}
+    return xr.Dataset(
+        {
+            "max_energy_error": (dims, error, attributes),
+            "status": (dims, status, STATUS_ATTRIBUTES),
+            "failed_at_step": (dims, failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
+        },
+        coords={
+            **labels.problem_coordinates(problems),
+            **labels.scheme_coordinates(schemes),
+            "dt_over_period": (
+                "dt_over_period",
+                list(dt_over_period),
+                {"long_name": "step size over the printed period", "units": "1"},
+            ),
+        },
+        attrs={"title": "Energy error and failure of the schemes at small and at large steps"},
+    )
+
+
+if __name__ == "__main__":
+    main(large_steps)

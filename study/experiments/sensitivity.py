@@ -1,0 +1,37 @@
+"""Regular or chaotic? How far two runs drift apart that start next to each other."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from study.command import main, progress
+from study.experiments import labels
+from study.problems import problems
+from study.runs import run
+
+
+def sensitivity(
+    problem: str, schemes: Sequence[str], dt: float, duration: float, perturbation: float
+) -> xr.Dataset:
+    """Distance |Δu| of two runs whose initial displacements differ by ``perturbation``, along time."""
+    progress(f"sensitivity of {problem}")
+    u0 = float(problems[problem].u0) + np.array([0.0, perturbation])
+    pairs = [run(problem, scheme, dt=dt, steps=round(duration / dt), u0=u0).u for scheme in schemes]
+    separation = np.stack([np.abs(u.values[1] - u.values[0]) for u in pairs])
+    return xr.Dataset(
+        {
+            "separation": (
+                ("scheme", "t"),
+                separation,
+                {"long_name": "distance of the displacements of two runs", "units": "1"},
+            ),
+            "perturbation": ((), perturbation, {"long_name": "initial distance", "units": "1"}),
+        },
+        coords={"t": pairs[0].t, **labels.scheme_coordinates(schemes)},
+        attrs={"title": f"Sensitivity of the schemes to the initial displacement: {problems[problem].title}"},
+    )
+
+
+if __name__ == "__main__":
+    main(sensitivity)
