@@ -321,3 +321,77 @@ rule table:
         "table {wildcards.table}"
     shell:
         "{PYTHON} -m paper.tables.{wildcards.table} {output[0]} {input.data} > {log} 2>&1"
+
+
+rule claims:
+    input:
+        data=[f"results/{name}.nc" for name in DATASETS],
+        sources=sources("paper.claims.__main__"),
+    output:
+        "results/claims.csv",
+    params:
+        names=DATASETS,
+    log:
+        "results/logs/claims.log",
+    benchmark:
+        "results/benchmarks/claims.tsv"
+    message:
+        "ledger of claims"
+    shell:
+        "{PYTHON} -m paper.claims {output} results {params.names} > {log} 2>&1"
+
+
+rule claims_table:
+    input:
+        "results/claims.csv",
+        "results/energy_error.nc",
+        sources=sources("paper.tables.claims"),
+    output:
+        "results/tables/claims.csv",
+        "results/tables/claims.tex",
+    log:
+        "results/logs/table_claims.log",
+    benchmark:
+        "results/benchmarks/table_claims.tsv"
+    message:
+        "table of claims"
+    shell:
+        "{PYTHON} -m paper.tables.claims {output[0]} {input[0]} {input[1]} > {log} 2>&1"
+
+
+rule numbers:
+    input:
+        "results/claims.csv",
+        [f"results/{name}.nc" for name in ("energy_error", "energy_drift", "cpu_time", "sensitivity")],
+        expand("results/phase_portrait/{name}.nc", name=["softening_large", "double_well"]),
+        sources=sources("paper.numbers"),
+    output:
+        "results/numbers.json",
+    log:
+        "results/logs/numbers.log",
+    benchmark:
+        "results/benchmarks/numbers.tsv"
+    message:
+        "numbers of the text"
+    shell:
+        "{PYTHON} -m paper.numbers results {output} > {log} 2>&1"
+
+
+rule manuscript:
+    input:
+        "results/numbers.json",
+        expand("results/figures/{figure}.pdf", figure=FIGURES),
+        expand("results/tables/{table}.csv", table=[*TABLES, "claims"]),
+        text=f"{PROJECT}/paper/manuscript.typ",
+        bibliography=f"{PROJECT}/paper/references.bib",
+        sources=sources("paper.compile"),
+    output:
+        "results/manuscript.pdf",
+    log:
+        "results/logs/manuscript.log",
+    benchmark:
+        "results/benchmarks/manuscript.tsv"
+    message:
+        "manuscript"
+    shell:
+        "{PYTHON} -m paper.compile results {output} > {log} 2>&1"

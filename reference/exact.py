@@ -68,7 +68,7 @@ def period(problem: Problem) -> mpmath.mpf:
 
 def digits(value: mpmath.mpf) -> str:
     """Thirty significant digits."""
-    return mpmath.nstr(value, 30)
+    return mpmath.nstr(value, 30, strip_zeros=False)
 
 
 def has_trajectory(problem: Problem) -> bool:

@@ -1,0 +1,34 @@
+"""The time of 100,000 steps: here in nanoseconds a step, and as a ratio beside that of 1996."""
+
+import pandas as pd
+import xarray as xr
+
+from paper.published import printed_cpu_times
+from paper.tables.writing import main
+
+
+def tabulate(cpu_time: xr.Dataset) -> pd.DataFrame:
+    """One row a problem and scheme."""
+    seconds = printed_cpu_times()
+    printed_ratio = seconds / seconds.sel(scheme="average_acceleration")
+    rows = []
+    for problem in cpu_time.problem.values:
+        for scheme in cpu_time.scheme.values:
+            cell = {"problem": problem, "scheme": scheme}
+            one = cpu_time.sel(cell)
+            rows.append(
+                {
+                    "Problem": problem,
+                    "Scheme": one.scheme_title.item(),
+                    "1996 (s)": f"{seconds.sel(cell).item():.2f}",
+                    "Ratio of 1996": f"{printed_ratio.sel(cell).item():.2f}",
+                    "Now (ns a step)": f"{one.median_time_per_step.item():.1f}",
+                    "Spread (ns)": f"{one.spread_of_time_per_step.item():.1f}",
+                    "Ratio now": f"{one.ratio.item():.2f}",
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    main(tabulate)

@@ -1,0 +1,41 @@
+"""The cells of Tables 1 and 2 that do not round to the printed digit, each with its reason."""
+
+import pandas as pd
+import xarray as xr
+
+from paper.published import printed_energy_errors
+from paper.rounding import once, same, twice
+from paper.tables.writing import main
+
+_ROUNDED_TWICE = "rounded to two decimals, then to one"
+_UNEXPLAINED = "by no rounding; see the text"
+
+
+def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
+    """One row a cell whose value, rounded once, is not the printed one."""
+    ours = energy_error.max_energy_error.sel(period_used="printed")
+    printed = printed_energy_errors()
+    rows = []
+    for problem in ours.problem.values:
+        for steps in ours.steps_per_period.values:
+            for scheme in ours.scheme.values:
+                cell = {"problem": problem, "steps_per_period": steps, "scheme": scheme}
+                value, digit = ours.sel(cell), printed.sel(cell)
+                if same(once(value), digit):
+                    continue
+                rows.append(
+                    {
+                        "Problem": problem,
+                        "Step": f"T/{steps}",
+                        "Scheme": value.scheme_title.item(),
+                        "Printed": f"{digit.item():.1f}",
+                        "Computed": f"{value.item():.4f}",
+                        "To two decimals": f"{value.item():.2f}",
+                        "Explained": _ROUNDED_TWICE if same(twice(value), digit) else _UNEXPLAINED,
+                    }
+                )
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    main(tabulate)

@@ -71,4 +71,4 @@ class Newmark(Scheme):
 
 average_acceleration = Newmark(beta=0.25, gamma=0.5, title="Average acceleration")
 central_difference = Newmark(beta=0.0, gamma=0.5, title="Central difference")
-newmark_dissipative = Newmark(beta=0.3025, gamma=0.6, title="Newmark β = 0.3025, γ = 0.6")
+newmark_dissipative = Newmark(beta=0.3025, gamma=0.6, title="Newmark, γ = 0.6")

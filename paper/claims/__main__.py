@@ -1,0 +1,35 @@
+"""``python -m paper.claims OUTPUT RESULTS NAME...`` checks every claim against the named datasets."""
+
+import sys
+from pathlib import Path
+
+import pandas as pd
+import xarray as xr
+
+from paper.claims import comparisons, conclusions, discussion, introduction  # noqa: F401  (they enter their claims)
+from paper.claims.ledger import CLAIMS
+
+
+def main(output: Path, results: Path, names: list[str]) -> None:
+    """Write the ledger, a line a claim, in the order of the paper."""
+    data = {name: xr.load_dataset(results / f"{name}.nc") for name in names}
+    rows = []
+    for number, claim in enumerate(sorted(CLAIMS, key=lambda claim: claim.section), start=1):
+        finding = claim.check(data)
+        rows.append(
+            {
+                "number": number,
+                "section": claim.section,
+                "claim": claim.statement,
+                "quantity": claim.quantity,
+                "printed": claim.printed,
+                "ours": finding.ours,
+                "verdict": str(finding.verdict),
+                "reason": finding.qualification,
+            }
+        )
+    pd.DataFrame(rows).to_csv(output, index=False)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:])

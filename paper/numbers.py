@@ -1,0 +1,130 @@
+"""Every number that the text of the manuscript and the README quote, out of the datasets."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from paper.published import printed_energy_errors
+from paper.rounding import once, same, twice
+
+
+def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
+    period = energy_error.period.sel(problem=problem)
+    return (period.sel(period_used="printed") / period.sel(period_used="exact")).item()
+
+
+def _of_cells(energy_error: xr.Dataset) -> dict:
+    printed = printed_energy_errors()
+    ours = energy_error.max_energy_error.sel(period_used="printed")
+    exact = energy_error.max_energy_error.sel(period_used="exact")
+    off = np.abs(ours - printed)
+    unexplained = ~same(twice(ours), printed)
+    (odd,) = np.argwhere(unexplained.values)
+    odd_cell = {"problem": odd[0], "steps_per_period": odd[1], "scheme": odd[2]}
+    return {
+        "cells": ours.size,
+        "cells_within_tolerance": int((off <= 0.06).sum()),
+        "cells_rounded_once": int(same(once(ours), printed).sum()),
+        "cells_rounded_twice": int(same(twice(ours), printed).sum()),
+        "cells_exact_period": int(same(twice(exact), printed).sum()),
+        "largest_deviation": f"{off.max().item():.3f}",
+        "second_largest_deviation": f"{np.sort(off.values.ravel())[-2]:.3f}",
+        "odd_cell_printed": f"{printed.isel(odd_cell).item():.1f}",
+        "odd_cell": f"{ours.isel(odd_cell).item():.3f}",
+        "odd_cell_exact": f"{exact.isel(odd_cell).item():.3f}",
+        "printed_rk4_20": f"{printed.sel(problem='softening', scheme='rk4', steps_per_period=20).item():.1f}",
+        "printed_rk4_25": f"{printed.sel(problem='softening', scheme='rk4', steps_per_period=25).item():.1f}",
+        "count_at_start_20": f"{20 / _printed_over_exact(energy_error, 'softening'):.3f}",
+        "period_rounding_hardening": f"{100 * (1 - _printed_over_exact(energy_error, 'hardening')):.1f}",
+        "period_rounding_softening": f"{100 * (1 - _printed_over_exact(energy_error, 'softening')):.2f}",
+        "largest_effect_of_period": f"{np.abs(exact - ours).max().item():.1f}",
+    }
+
+
+def _caught(drift: xr.Dataset) -> np.ndarray:
+    """Whole even number of steps per oscillation that holds each run, 0 where none does.
+
+    A run is held if an oscillation takes that number at the end to one part in a thousand while its neighbours on the
+    grid of step sizes, which it would lie between, have lost at least twice the energy.
+    """
+    count, lost = drift.steps_per_oscillation.values, -drift.energy_drift.values
+    even = 2 * np.round(count / 2)
+    trend = np.median(np.lib.stride_tricks.sliding_window_view(np.pad(lost, 20, mode="edge"), 41), axis=1)
+    return np.where((np.abs(count / even - 1) < 1e-3) & (lost < trend / 2), even, 0).astype(int)
+
+
+def _of_drift(drift: xr.Dataset) -> dict:
+    parts, count, caught = drift.steps_per_period, drift.steps_per_oscillation, _caught(drift)
+    near_20 = parts.values[caught == 20]
+    numbers = {}
+    for part in (20, 20.5, 25):
+        at = drift.sel(steps_per_period=part, method="nearest")
+        numbers[f"drift_{part}"] = f"{at.energy_drift.item():.2f}"
+        numbers[f"count_{part}"] = f"{at.steps_per_oscillation.item():.2f}"
+    return numbers | {
+        "drift_runs": parts.size,
+        "resonances": ", ".join(str(number) for number in sorted(set(caught) - {0})),
+        "caught_runs": int((caught > 0).sum()),
+        "resonance_20_from": f"{near_20.min():.2f}",
+        "resonance_20_to": f"{near_20.max():.2f}",
+    }
+
+
+def _of_instability(portrait: xr.Dataset) -> dict:
+    growth = 1 + portrait.energy_error.max("t") / 100
+    return {f"growth_{name}": f"{growth.sel(scheme=name).item():.1f}" for name in growth.scheme.values}
+
+
+def _of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
+    u = portrait.u.sel(scheme="average_acceleration").values
+    apart = sensitivity.separation.sel(scheme="average_acceleration").values > 0.1
+    return {
+        "jumps": int((np.diff(np.sign(u)) != 0).sum()),
+        "steps_to_diverge": int(np.argmax(apart)),
+        "fails_central_difference": int(portrait.failed_at_step.sel(scheme="central_difference")),
+        "fails_rk4": int(portrait.failed_at_step.sel(scheme="rk4")),
+    }
+
+
+def _of_times(cpu_time: xr.Dataset) -> dict:
+    return {
+        f"ns_{problem}_{scheme}": f"{cpu_time.median_time_per_step.sel(problem=problem, scheme=scheme).item():.0f}"
+        for problem in cpu_time.problem.values
+        for scheme in ("average_acceleration", "central_difference", "rk4")
+    }
+
+
+def _of_claims(claims: pd.DataFrame) -> dict:
+    count = claims["verdict"].value_counts()
+    return {
+        "claims": len(claims),
+        "claims_reproduced": int(count.get("reproduced", 0)),
+        "claims_qualified": int(count.get("reproduced with a qualification", 0)),
+        "claims_not_reproduced": int(count.get("not reproduced", 0)),
+    }
+
+
+def numbers(results: Path) -> dict:
+    """All numbers by name, those with decimals as texts."""
+
+    def dataset(name):
+        return xr.load_dataset(results / f"{name}.nc")
+
+    claims = pd.read_csv(results / "claims.csv", dtype=str, keep_default_na=False)
+    return {
+        **_of_cells(dataset("energy_error")),
+        **_of_drift(dataset("energy_drift")),
+        **_of_instability(dataset("phase_portrait/softening_large")),
+        **_of_double_well(dataset("phase_portrait/double_well"), dataset("sensitivity")),
+        **_of_times(dataset("cpu_time")),
+        **_of_claims(claims),
+    }
+
+
+if __name__ == "__main__":
+    results, output = map(Path, sys.argv[1:])
+    output.write_text(json.dumps(numbers(results), indent=1) + "\n")

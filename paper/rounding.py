@@ -1,0 +1,24 @@
+"""How the numbers of 1996 were rounded: to two decimals first, and from there to one."""
+
+import numpy as np
+import xarray as xr
+
+
+def _half_up(values: xr.DataArray, decimals: int) -> xr.DataArray:
+    # what is within round-off of a half counts as one
+    return np.floor(values * 10**decimals + 0.5 + 1e-9) / 10**decimals
+
+
+def once(values: xr.DataArray) -> xr.DataArray:
+    """Rounded to one decimal, halves up."""
+    return _half_up(values, 1)
+
+
+def twice(values: xr.DataArray) -> xr.DataArray:
+    """Rounded to two decimals and then to one, halves up."""
+    return _half_up(_half_up(values, 2), 1)
+
+
+def same(a: xr.DataArray, b: xr.DataArray) -> xr.DataArray:
+    """Whether two arrays of rounded numbers print the same digit."""
+    return np.abs(a - b) < 0.01
