@@ -109,7 +109,7 @@ def _of_claims(claims: pd.DataFrame) -> dict:
 
 
 def numbers(results: Path) -> dict:
-    """All numbers by name, those with decimals as texts."""
+    """All numbers by name, those with decimals formatted."""
 
     def dataset(name):
         return xr.load_dataset(results / f"{name}.nc")
@@ -127,4 +127,5 @@ def numbers(results: Path) -> dict:
 
 if __name__ == "__main__":
     results, output = map(Path, sys.argv[1:])
-    output.write_text(json.dumps(numbers(results), indent=1) + "\n")
+    texts = {name: str(value).replace("-", "−") for name, value in numbers(results).items()}
+    output.write_text(json.dumps(texts, indent=1, ensure_ascii=False) + "\n")

@@ -48,7 +48,8 @@ def draw(large_steps: xr.Dataset) -> Figure:
         ax.minorticks_off()
         letter(ax, index, one.problem_title.item())
     axes[0, 0].invert_yaxis()
-    figure.supxlabel("step size over period", fontsize=8)
+    for ax in axes[1]:
+        ax.set_xlabel("step size over period")
     handles = [Patch(facecolor=colour, edgecolor="0.5", label=name) for name, colour in CLASSES.items()]
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from paper.figures.style import PAGE, letter, main
 
-# where a scheme leaves the exact orbit far behind, this much of the plane around the orbit is shown
-_MARGIN = 1.6
+_REACH = 4.0
+_PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 1}
 
 
 def _order(portrait: xr.Dataset) -> list[str]:
@@ -19,10 +19,12 @@ def _order(portrait: xr.Dataset) -> list[str]:
 
 
 def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
-    middle, half = (reference.max() + reference.min()) / 2, (reference.max() - reference.min()) / 2
-    reach = np.nanmax(np.abs(values - middle))
-    half = min(max(reach, half), 4 * _MARGIN * half) * 1.08
-    return middle - half, middle + half
+    """The exact orbit and the points of the schemes, but no further from it than ``_REACH`` of its width."""
+    low, high = reference.min(), reference.max()
+    reach = _REACH * (high - low)
+    low, high = max(min(low, np.nanmin(values)), low - reach), min(max(high, np.nanmax(values)), high + reach)
+    margin = 0.05 * (high - low)
+    return low - margin, high + margin
 
 
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
@@ -32,8 +34,7 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     periods = portrait.t / reference.period
     panels[0].plot(reference.u, reference.v, color="black")
     letter(panels[0], 0, "Exact")
-    failed = portrait.status != 0
-    shown = portrait.where(~failed)
+    shown = portrait.where(portrait.status == 0)
     panels[0].set_xlim(_limits(reference.u.values, shown.u.values))
     panels[0].set_ylim(_limits(reference.v.values, shown.v.values))
     for index, scheme in enumerate(_order(portrait), start=1):
@@ -44,7 +45,8 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
         if run.status != 0:
             ax.plot(run.u, run.v, color="0.4", linewidth=0.5, marker=".", markersize=3)
             what = run.status.flag_meanings.split()[int(run.status)].replace("_", " ")
-            ax.text(0.03, 0.03, f"{what} at step {run.failed_at_step.item()}", transform=ax.transAxes, fontsize=7)
+            label = f"{what} at step {run.failed_at_step.item()}"
+            ax.text(0.5, 0.04, label, transform=ax.transAxes, ha="center", fontsize=7, bbox=_PAPER)
     figure.supxlabel("displacement $u$", fontsize=8)
     figure.supylabel("velocity $\\dot u$ (1/s)", fontsize=8)
     figure.colorbar(points, ax=axes, label="elapsed periods", pad=0.01, aspect=40)

@@ -25,6 +25,7 @@ def draw(energy_error: xr.Dataset) -> Figure:
         letter(ax, index, f"step sizes from the {used} periods")
     axes[0].set_ylim(-0.11, 0.11)
     axes[1].set_yscale("symlog", linthresh=0.1)
+    axes[1].set_ylim(-3, 12)
     axes[0].set_ylabel("ours less printed (percentage points)")
     handles, names = axes[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=4)
