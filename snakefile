@@ -3,6 +3,7 @@
 import json
 import os
 import sys
+from pathlib import Path
 
 import grimp
 from snakemake.utils import min_version
@@ -19,9 +20,15 @@ from study.schemes import schemes
 
 check(config)
 
-PYTHON = f"{sys.executable} -P"
 PROJECT = workflow.basedir
-os.environ["PYTHONPATH"] = PROJECT
+SOURCES = Path(os.path.relpath(PROJECT))  # relative, so that a project that is moved stays made
+# the commands run with this Python and find the project wherever the results are made
+os.environ |= {
+    "PATH": os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]),
+    "PYTHONPATH": PROJECT,
+    "PYTHONSAFEPATH": "1",
+}
+ENVIRONMENT = "config/environment.yaml"  # for --sdm conda only
 
 
 # ---------------------------------------------------------------------------------------------------------------------
@@ -31,7 +38,6 @@ os.environ["PYTHONPATH"] = PROJECT
 IMPORTS = grimp.build_graph("study", "reference", "paper", cache_dir=None)
 for importer in IMPORTS.find_modules_that_directly_import("study.schemes"):
     IMPORTS.remove_import(importer=importer, imported="study.schemes")
-ALWAYS = {"study.xla"}
 
 
 def sources(module, used_schemes=()):
@@ -40,37 +46,39 @@ def sources(module, used_schemes=()):
     for name in used_schemes:
         scheme = type(schemes[name]).__module__
         modules |= {scheme} | IMPORTS.find_upstream_modules(scheme)
-    if module.startswith(("study", "reference")):
-        modules |= ALWAYS
-    paths = (f"{PROJECT}/{name.replace('.', '/')}" for name in sorted(modules))
-    return [f"{path}/__init__.py" if os.path.isdir(path) else f"{path}.py" for path in paths]
+    if not module.startswith("paper"):
+        modules.add("study.xla")  # imported by the package itself
+    paths = [SOURCES.joinpath(*name.split(".")) for name in sorted(modules)]
+    return [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
 
 
-def options(section):
-    """A section of the configuration as the JSON argument of its experiment."""
-    return json.dumps(section)
-
-
-def references(section):
-    return [f"results/reference/{name}.nc" for name in section["problems"]]
-
+# ---------------------------------------------------------------------------------------------------------------------
+# What there is to make.
 
 PORTRAITS = list(config["phase_portrait"])
+#: Experiment: the schemes that it uses. Its options are the section of the configuration of the same name.
+EXPERIMENTS = {
+    "energy_error": config["energy_error"]["schemes"],
+    "houbolt_start": ["houbolt"],
+    "cpu_time": config["cpu_time"]["schemes"],
+    "energy_drift": [config["energy_drift"]["scheme"]],
+    "large_steps": config["large_steps"]["schemes"],
+    "sensitivity": config["sensitivity"]["schemes"],
+    "spectral": config["spectral"]["schemes"],
+}
 DATASETS = [
-    "energy_error",
-    "houbolt_start",
-    "cpu_time",
-    "energy_drift",
-    "large_steps",
-    "sensitivity",
-    "spectral",
+    *EXPERIMENTS,
     *(f"phase_portrait/{name}" for name in PORTRAITS),
     *(f"reference/{name}" for name in config["references"]),
 ]
 
 
+def dataset(*names):
+    return [f"results/{name}.nc" for name in names]
+
+
 def portrait(name):
-    return [f"results/phase_portrait/{name}.nc", f"results/reference/{name}.nc"]
+    return dataset(f"phase_portrait/{name}", f"reference/{name}")
 
 
 #: Figure: its script, the datasets that it shows, and its caption for the report.
@@ -81,29 +89,31 @@ FIGURES = {
     "double_well": ("phase_portraits", portrait("double_well"), "Phase portraits of the double well at Δt = 2.5."),
     "energy_history": (
         "energy_history",
-        [f"results/phase_portrait/{name}.nc" for name in ("hardening", "softening")],
+        dataset("phase_portrait/hardening", "phase_portrait/softening"),
         "Energy error against time.",
     ),
-    "energy_drift": ("energy_drift", ["results/energy_drift.nc"], "Runge-Kutta captured by resonances."),
-    "printed_digits": ("printed_digits", ["results/energy_error.nc"], "How the printed numbers were rounded."),
-    "large_steps": ("large_steps", ["results/large_steps.nc"], "Where a step is small enough."),
+    "energy_drift": ("energy_drift", dataset("energy_drift"), "Runge-Kutta caught by resonances."),
+    "printed_digits": ("printed_digits", dataset("energy_error"), "How the printed numbers were rounded."),
+    "large_steps": ("large_steps", dataset("large_steps"), "Where a step is small enough."),
 }
 #: Table: the datasets that it shows.
 TABLES = {
-    "schemes": ["results/energy_error.nc"],
-    "energy_error": ["results/energy_error.nc"],
-    "printed_digits": ["results/energy_error.nc"],
-    "cpu_time": ["results/cpu_time.nc"],
-    "houbolt_start": ["results/houbolt_start.nc"],
-    "references": [f"results/reference/{name}.nc" for name in config["references"]],
+    "schemes": dataset("energy_error"),
+    "energy_error": dataset("energy_error"),
+    "printed_digits": dataset("energy_error"),
+    "cpu_time": dataset("cpu_time"),
+    "houbolt_start": dataset("houbolt_start"),
+    "references": dataset(*(f"reference/{name}" for name in config["references"])),
+    "claims": ["results/claims.csv", *dataset("energy_error")],
 }
 
 
 wildcard_constraints:
+    experiment="|".join(EXPERIMENTS),
     figure="|".join(FIGURES),
-    table="|".join(TABLES),
-    problem="|".join(config["references"]),
     portrait="|".join(PORTRAITS),
+    problem="|".join(config["references"]),
+    table="|".join(TABLES),
 
 
 rule all:
@@ -111,12 +121,9 @@ rule all:
     input:
         "results/manuscript.pdf",
         "results/claims.csv",
-        expand("results/{dataset}.nc", dataset=DATASETS),
+        dataset(*DATASETS),
         expand("results/figures/{figure}.{format}", figure=FIGURES, format=["pdf", "png", "svg"]),
-        expand("results/tables/{table}.{format}", table=[*TABLES, "claims"], format=["csv", "tex"]),
-
-
-# --------------------------------------------------------------------------------------------------------- references
+        expand("results/tables/{table}.{format}", table=TABLES, format=["csv", "tex"]),
 
 
 rule reference:
@@ -125,72 +132,44 @@ rule reference:
     output:
         "results/reference/{problem}.nc",
     params:
-        options=lambda wildcards: options({"problem": wildcards.problem}),
+        options=lambda wildcards: json.dumps({"problem": wildcards.problem}),
     log:
         "results/logs/reference_{problem}.log",
     benchmark:
         "results/benchmarks/reference_{problem}.tsv"
+    conda:
+        ENVIRONMENT
     message:
         "reference of {wildcards.problem}: closed form, CVODE, diffrax"
     shell:
-        "{PYTHON} -m reference.agreement {output} {params.options:q} > {log} 2>&1"
+        "python -m reference.agreement {output} {params.options:q} > {log} 2>&1"
 
 
-# -------------------------------------------------------------------------------------------------------- experiments
+def inputs_of(experiment):
+    """The sources of an experiment, and the references whose periods it takes its steps from."""
+    exact = [f"reference/{name}" for name in config["energy_error"]["problems"]] if experiment == "energy_error" else []
+    return dataset(*exact) + sources(f"study.experiments.{experiment}", EXPERIMENTS[experiment])
 
 
-rule energy_error:
+rule experiment:
     input:
-        references(config["energy_error"]),
-        sources("study.experiments.energy_error", config["energy_error"]["schemes"]),
+        lambda wildcards: inputs_of(wildcards.experiment),
     output:
-        "results/energy_error.nc",
+        "results/{experiment}.nc",
     params:
-        options=options(config["energy_error"]),
+        options=lambda wildcards: json.dumps(config[wildcards.experiment]),
     log:
-        "results/logs/energy_error.log",
+        "results/logs/{experiment}.log",
     benchmark:
-        "results/benchmarks/energy_error.tsv"
+        "results/benchmarks/{experiment}.tsv"
+    conda:
+        ENVIRONMENT
+    # what is timed takes every core, so that nothing else runs beside it
+    threads: lambda wildcards: workflow.cores if wildcards.experiment == "cpu_time" else 1
     message:
-        "Tables 1 and 2: energy errors with printed and exact periods"
+        "experiment {wildcards.experiment}"
     shell:
-        "{PYTHON} -m study.experiments.energy_error {output} {params.options:q} > {log} 2>&1"
-
-
-rule houbolt_start:
-    input:
-        sources("study.experiments.houbolt_start", ["houbolt"]),
-    output:
-        "results/houbolt_start.nc",
-    params:
-        options=options(config["houbolt_start"]),
-    log:
-        "results/logs/houbolt_start.log",
-    benchmark:
-        "results/benchmarks/houbolt_start.tsv"
-    message:
-        "Houbolt's method under every start"
-    shell:
-        "{PYTHON} -m study.experiments.houbolt_start {output} {params.options:q} > {log} 2>&1"
-
-
-rule cpu_time:
-    input:
-        sources("study.experiments.cpu_time", config["cpu_time"]["schemes"]),
-    output:
-        "results/cpu_time.nc",
-    params:
-        options=options(config["cpu_time"]),
-    log:
-        "results/logs/cpu_time.log",
-    benchmark:
-        "results/benchmarks/cpu_time.tsv"
-    # every core, so that nothing else runs beside what is timed
-    threads: workflow.cores
-    message:
-        "timing of the schemes, alone on the machine"
-    shell:
-        "{PYTHON} -m study.experiments.cpu_time {output} {params.options:q} > {log} 2>&1"
+        "python -m study.experiments.{wildcards.experiment} {output} {params.options:q} > {log} 2>&1"
 
 
 rule phase_portrait:
@@ -201,88 +180,19 @@ rule phase_portrait:
     output:
         "results/phase_portrait/{portrait}.nc",
     params:
-        options=lambda wildcards: options(
-            {"problem": wildcards.portrait} | config["phase_portrait"][wildcards.portrait]
+        options=lambda wildcards: json.dumps(
+            {"problem": wildcards.portrait, **config["phase_portrait"][wildcards.portrait]}
         ),
     log:
         "results/logs/phase_portrait_{portrait}.log",
     benchmark:
         "results/benchmarks/phase_portrait_{portrait}.tsv"
+    conda:
+        ENVIRONMENT
     message:
         "phase portraits of {wildcards.portrait}"
     shell:
-        "{PYTHON} -m study.experiments.phase_portrait {output} {params.options:q} > {log} 2>&1"
-
-
-rule energy_drift:
-    input:
-        sources("study.experiments.energy_drift", [config["energy_drift"]["scheme"]]),
-    output:
-        "results/energy_drift.nc",
-    params:
-        options=options(config["energy_drift"]),
-    log:
-        "results/logs/energy_drift.log",
-    benchmark:
-        "results/benchmarks/energy_drift.tsv"
-    message:
-        "drift of the energy over many step sizes"
-    shell:
-        "{PYTHON} -m study.experiments.energy_drift {output} {params.options:q} > {log} 2>&1"
-
-
-rule large_steps:
-    input:
-        sources("study.experiments.large_steps", config["large_steps"]["schemes"]),
-    output:
-        "results/large_steps.nc",
-    params:
-        options=options(config["large_steps"]),
-    log:
-        "results/logs/large_steps.log",
-    benchmark:
-        "results/benchmarks/large_steps.tsv"
-    message:
-        "small and large steps on every problem"
-    shell:
-        "{PYTHON} -m study.experiments.large_steps {output} {params.options:q} > {log} 2>&1"
-
-
-rule sensitivity:
-    input:
-        sources("study.experiments.sensitivity", config["sensitivity"]["schemes"]),
-    output:
-        "results/sensitivity.nc",
-    params:
-        options=options(config["sensitivity"]),
-    log:
-        "results/logs/sensitivity.log",
-    benchmark:
-        "results/benchmarks/sensitivity.tsv"
-    message:
-        "sensitivity to the initial displacement"
-    shell:
-        "{PYTHON} -m study.experiments.sensitivity {output} {params.options:q} > {log} 2>&1"
-
-
-rule spectral:
-    input:
-        sources("study.experiments.spectral", config["spectral"]["schemes"]),
-    output:
-        "results/spectral.nc",
-    params:
-        options=options(config["spectral"]),
-    log:
-        "results/logs/spectral.log",
-    benchmark:
-        "results/benchmarks/spectral.tsv"
-    message:
-        "linear theory: spectral radii"
-    shell:
-        "{PYTHON} -m study.experiments.spectral {output} {params.options:q} > {log} 2>&1"
-
-
-# -------------------------------------------------------------------------------------------------------------- paper
+        "python -m study.experiments.phase_portrait {output} {params.options:q} > {log} 2>&1"
 
 
 rule figure:
@@ -290,9 +200,9 @@ rule figure:
         data=lambda wildcards: FIGURES[wildcards.figure][1],
         sources=lambda wildcards: sources(f"paper.figures.{FIGURES[wildcards.figure][0]}"),
     output:
-        "results/figures/{figure}.pdf",
-        "results/figures/{figure}.png",
-        report("results/figures/{figure}.svg", caption="paper/figures/caption.rst", category="Figures"),
+        pdf="results/figures/{figure}.pdf",
+        png="results/figures/{figure}.png",
+        svg=report("results/figures/{figure}.svg", caption="paper/figures/caption.rst", category="Figures"),
     params:
         script=lambda wildcards: FIGURES[wildcards.figure][0],
         caption=lambda wildcards: FIGURES[wildcards.figure][2],
@@ -300,32 +210,17 @@ rule figure:
         "results/logs/figure_{figure}.log",
     benchmark:
         "results/benchmarks/figure_{figure}.tsv"
+    conda:
+        ENVIRONMENT
     message:
         "figure {wildcards.figure}"
     shell:
-        "{PYTHON} -m paper.figures.{params.script} {output[0]} {input.data} > {log} 2>&1"
-
-
-rule table:
-    input:
-        data=lambda wildcards: TABLES[wildcards.table],
-        sources=lambda wildcards: sources(f"paper.tables.{wildcards.table}"),
-    output:
-        "results/tables/{table}.csv",
-        "results/tables/{table}.tex",
-    log:
-        "results/logs/table_{table}.log",
-    benchmark:
-        "results/benchmarks/table_{table}.tsv"
-    message:
-        "table {wildcards.table}"
-    shell:
-        "{PYTHON} -m paper.tables.{wildcards.table} {output[0]} {input.data} > {log} 2>&1"
+        "python -m paper.figures.{params.script} {output.pdf} {input.data} > {log} 2>&1"
 
 
 rule claims:
     input:
-        data=[f"results/{name}.nc" for name in DATASETS],
+        data=dataset(*DATASETS),
         sources=sources("paper.claims.__main__"),
     output:
         "results/claims.csv",
@@ -335,35 +230,38 @@ rule claims:
         "results/logs/claims.log",
     benchmark:
         "results/benchmarks/claims.tsv"
+    conda:
+        ENVIRONMENT
     message:
         "ledger of claims"
     shell:
-        "{PYTHON} -m paper.claims {output} results {params.names} > {log} 2>&1"
+        "python -m paper.claims {output} results {params.names} > {log} 2>&1"
 
 
-rule claims_table:
+rule table:
     input:
-        "results/claims.csv",
-        "results/energy_error.nc",
-        sources=sources("paper.tables.claims"),
+        data=lambda wildcards: TABLES[wildcards.table],
+        sources=lambda wildcards: sources(f"paper.tables.{wildcards.table}"),
     output:
-        "results/tables/claims.csv",
-        "results/tables/claims.tex",
+        csv="results/tables/{table}.csv",
+        tex="results/tables/{table}.tex",
     log:
-        "results/logs/table_claims.log",
+        "results/logs/table_{table}.log",
     benchmark:
-        "results/benchmarks/table_claims.tsv"
+        "results/benchmarks/table_{table}.tsv"
+    conda:
+        ENVIRONMENT
     message:
-        "table of claims"
+        "table {wildcards.table}"
     shell:
-        "{PYTHON} -m paper.tables.claims {output[0]} {input[0]} {input[1]} > {log} 2>&1"
+        "python -m paper.tables.{wildcards.table} {output.csv} {input.data} > {log} 2>&1"
 
 
 rule numbers:
     input:
         "results/claims.csv",
-        [f"results/{name}.nc" for name in ("energy_error", "energy_drift", "cpu_time", "sensitivity")],
-        expand("results/phase_portrait/{name}.nc", name=["softening_large", "double_well"]),
+        dataset("energy_error", "energy_drift", "cpu_time", "sensitivity"),
+        dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
         sources=sources("paper.numbers"),
     output:
         "results/numbers.json",
@@ -371,19 +269,21 @@ rule numbers:
         "results/logs/numbers.log",
     benchmark:
         "results/benchmarks/numbers.tsv"
+    conda:
+        ENVIRONMENT
     message:
         "numbers of the text"
     shell:
-        "{PYTHON} -m paper.numbers results {output} > {log} 2>&1"
+        "python -m paper.numbers results {output} > {log} 2>&1"
 
 
 rule manuscript:
     input:
         "results/numbers.json",
         expand("results/figures/{figure}.pdf", figure=FIGURES),
-        expand("results/tables/{table}.csv", table=[*TABLES, "claims"]),
-        text=f"{PROJECT}/paper/manuscript.typ",
-        bibliography=f"{PROJECT}/paper/references.bib",
+        expand("results/tables/{table}.csv", table=TABLES),
+        text=SOURCES / "paper" / "manuscript.typ",
+        bibliography=SOURCES / "paper" / "references.bib",
         sources=sources("paper.compile"),
     output:
         "results/manuscript.pdf",
@@ -391,7 +291,9 @@ rule manuscript:
         "results/logs/manuscript.log",
     benchmark:
         "results/benchmarks/manuscript.tsv"
+    conda:
+        ENVIRONMENT
     message:
         "manuscript"
     shell:
-        "{PYTHON} -m paper.compile results {output} > {log} 2>&1"
+        "python -m paper.compile results {output} > {log} 2>&1"

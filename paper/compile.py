@@ -14,8 +14,8 @@ def main(results: Path, output: Path) -> None:
     """
     manuscript = Path(__file__).parent / "manuscript.typ"
     typst.compile(
-        manuscript,
-        output=output,
+        str(manuscript),
+        output=str(output),
         root="/",
         sys_inputs={"results": str(results.resolve())},
         ignore_system_fonts=True,

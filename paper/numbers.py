@@ -21,7 +21,7 @@ def _of_cells(energy_error: xr.Dataset) -> dict:
     printed = printed_energy_errors()
     ours = energy_error.max_energy_error.sel(period_used="printed")
     exact = energy_error.max_energy_error.sel(period_used="exact")
-    off = np.abs(ours - printed)
+    off = abs(ours - printed)
     unexplained = ~same(twice(ours), printed)
     (odd,) = np.argwhere(unexplained.values)
     odd_cell = {"problem": odd[0], "steps_per_period": odd[1], "scheme": odd[2]}
@@ -41,7 +41,7 @@ def _of_cells(energy_error: xr.Dataset) -> dict:
         "count_at_start_20": f"{20 / _printed_over_exact(energy_error, 'softening'):.3f}",
         "period_rounding_hardening": f"{100 * (1 - _printed_over_exact(energy_error, 'hardening')):.1f}",
         "period_rounding_softening": f"{100 * (1 - _printed_over_exact(energy_error, 'softening')):.2f}",
-        "largest_effect_of_period": f"{np.abs(exact - ours).max().item():.1f}",
+        "largest_effect_of_period": f"{abs(exact - ours).max().item():.1f}",
     }
 
 
@@ -58,7 +58,7 @@ def _caught(drift: xr.Dataset) -> np.ndarray:
 
 
 def _of_drift(drift: xr.Dataset) -> dict:
-    parts, count, caught = drift.steps_per_period, drift.steps_per_oscillation, _caught(drift)
+    parts, caught = drift.steps_per_period, _caught(drift)
     near_20 = parts.values[caught == 20]
     numbers = {}
     for part in (20, 20.5, 25):

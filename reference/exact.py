@@ -13,7 +13,9 @@ DIGITS = 50
 def _spring(problem: Problem) -> CubicSpring | TanhSpring:
     spring = getattr(problem.force, "__self__", None)
     if not isinstance(spring, CubicSpring | TanhSpring) or float(problem.v0) != 0.0:
-        raise ValueError(f"no closed form is known for '{problem.title}': it must be a named spring released from rest.")
+        raise ValueError(
+            f"no closed form is known for '{problem.title}': it must be a named spring released from rest."
+        )
     return spring
 
 
@@ -85,7 +87,7 @@ def trajectory(problem: Problem, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]
         If there is no closed form for the trajectory.
     """
     spring = _spring(problem)
-    if not has_trajectory(problem):
+    if not isinstance(spring, CubicSpring):
         raise ValueError(f"the trajectory of '{problem.title}' has no closed form; only its period has.")
     u, v = np.empty(len(t)), np.empty(len(t))
     with mpmath.workdps(DIGITS):

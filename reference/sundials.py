@@ -52,7 +52,7 @@ def period(problem: Problem, estimate: float) -> float:
     def velocity(t, y, events):
         events[0] = y[1]
 
-    velocity.terminal = [True]
+    velocity.terminal = [True]  # type: ignore[attr-defined]
     solution = _solve(problem, [0.0, 0.75 * estimate], eventsfn=velocity, num_events=1)
     if solution.t_events is None:
         raise RuntimeError(f"CVODE met no turning point of '{problem.title}' up to t = {0.75 * estimate:g}.")

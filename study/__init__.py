@@ -1,12 +1,12 @@
 """How time integration schemes behave on non-linear dynamic equations."""
 
 from study import xla  # noqa: F401  (first: JAX reads its settings once)
+from study.datasets import open
 from study.observers import observers
 from study.problem import Problem
 from study.problems import problems
-from study.schemes import HHTAlpha, Houbolt, Newmark, RungeKutta4, Scheme, WilsonTheta, schemes
-from study.datasets import open
 from study.runs import run
+from study.schemes import HHTAlpha, Houbolt, Newmark, RungeKutta4, Scheme, WilsonTheta, schemes
 
 __all__ = [
     "HHTAlpha",

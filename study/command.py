@@ -29,7 +29,7 @@ def _options(function: Callable, text: str) -> dict:
 
 def main(function: Callable[..., xr.Dataset]) -> None:
     """Make the dataset of ``function`` and write it whole, with its provenance; the output is checked first."""
-    module = function.__module__ if function.__module__ != "__main__" else inspect.getmodule(function).__spec__.name
+    module = sys.modules[function.__module__].__spec__.name  # type: ignore[union-attr]
     if len(sys.argv) != 3:
         raise SystemExit(f"usage: python -m {module} OUTPUT 'JSON OPTIONS'")
     path, options = check_writable(sys.argv[1]), _options(function, sys.argv[2])

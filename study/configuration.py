@@ -7,11 +7,11 @@ import jsonschema
 import yaml
 
 from study.problems import problems
-from study.registry import did_you_mean
+from study.registry import Registry, did_you_mean
 from study.schemes import schemes
 
 SCHEMA = Path(__file__).parent.parent / "config" / "schema.yaml"
-_REGISTRIES = {
+_REGISTRIES: dict[str, Registry] = {
     "problem": problems,
     "problems": problems,
     "references": problems,
@@ -23,13 +23,13 @@ _REGISTRIES = {
 def _sentence(error: jsonschema.ValidationError) -> str:
     place = ".".join(map(str, error.absolute_path)) or "the configuration"
     if error.validator == "additionalProperties":
-        known = error.schema["properties"]
-        unknown = next(key for key in error.instance if key not in known)
+        known: dict = error.schema["properties"]  # type: ignore[index, assignment]
+        unknown = next(key for key in error.instance if key not in known)  # type: ignore[union-attr]
         return f"{place} has no key '{unknown}'; {did_you_mean(unknown, known)}"
     return f"{place}: {error.message}."
 
 
-def _check_names(section: Any, place: str) -> None:
+def _check_names(section: dict[str, Any], place: str) -> None:
     """Look up every name of a problem or a scheme, however deep it stands."""
     for key, value in section.items():
         if isinstance(value, dict):

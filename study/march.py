@@ -43,7 +43,7 @@ def _status_after(state, effort):
 
 
 def _or_nan(valid, values: dict) -> dict:
-    return {name: jnp.where(valid, value, jnp.nan) for name, value in values.items()}
+    return {name: jnp.where(valid, jnp.asarray(value, float), jnp.nan) for name, value in values.items()}
 
 
 def march(
@@ -73,7 +73,7 @@ def march(
 
     def step(progress: _Progress) -> _Progress:
         # time is a product, not a running sum, whose round-off would grow with the number of steps
-        state, effort = scheme.step(problem, progress.state, progress.step * dt, dt)
+        state, effort = scheme.step(problem, progress.state, progress.step.astype(dt.dtype) * dt, dt)
         carried = tuple(
             reduction.update(c, problem, state, effort)
             for reduction, c in zip(reductions, progress.carried, strict=True)
@@ -86,6 +86,7 @@ def march(
     def sample(state) -> dict:
         return {name: value for record in records for name, value in record.sample(problem, initial, state).items()}
 
+    dt, steps = jnp.asarray(dt), jnp.asarray(steps)
     initial, effort = scheme.start(problem, u0, jnp.asarray(problem.v0), dt)
     progress = _Progress(
         jnp.zeros((), int),

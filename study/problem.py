@@ -1,6 +1,7 @@
 """Equation (1): M ü + C u̇ + p(u) = f(t), with u(0) and u̇(0)."""
 
 from collections.abc import Callable
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -40,16 +41,16 @@ class Problem(eqx.Module):
 
     Raises
     ------
-    ValueError
-        If the shapes do not fit each other, or a number is not finite.
+    ValueError, TypeError
+        If the shapes do not fit each other, a number is not finite, or a function is none.
     """
 
     force: Callable
-    u0: np.ndarray = eqx.field(converter=_real)
-    v0: np.ndarray = eqx.field(converter=_real, default=0.0)
+    u0: Any = eqx.field(converter=_real)
+    v0: Any = eqx.field(converter=_real, default=0.0)
     potential: Callable | None = eqx.field(default=None, kw_only=True)
-    mass: np.ndarray | None = eqx.field(converter=_optional_real, default=None, kw_only=True)
-    damping: np.ndarray | None = eqx.field(converter=_optional_real, default=None, kw_only=True)
+    mass: Any = eqx.field(converter=_optional_real, default=None, kw_only=True)
+    damping: Any = eqx.field(converter=_optional_real, default=None, kw_only=True)
     load: Callable | None = eqx.field(default=None, kw_only=True)
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
 
@@ -72,6 +73,8 @@ class Problem(eqx.Module):
             ("potential", (self.u0,), ()),
         ):
             function = getattr(self, name)
+            if function is not None and not callable(function):
+                raise TypeError(f"{name} must be a function, not {function!r}.")
             if function is not None:
                 received = jax.eval_shape(lambda *x, f=function: jnp.asarray(f(*x)), *values).shape
                 if received != expected:

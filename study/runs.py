@@ -1,9 +1,9 @@
 """``study.run``: one scheme on one problem, or an ensemble of them, as a labelled dataset."""
 
 from collections.abc import Sequence
+from typing import TypeVar
 
 import equinox as eqx
-import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from jax import lax
@@ -12,7 +12,10 @@ from study.march import STATUS_MEANINGS, march, march_one
 from study.observers import Observer, Record, Reduction, observers
 from study.problem import Problem
 from study.problems import problems
+from study.registry import Registry
 from study.schemes import Scheme, schemes
+
+T = TypeVar("T")
 
 #: Lanes that are marched side by side: as many as keep the state of a tile in the cache next to the processor.
 TILE = 128
@@ -33,7 +36,7 @@ def _march_lanes(problem, scheme, reductions, records, u0, dt, steps, samples):
     return lax.map(lane, (u0, dt), batch_size=min(TILE, len(dt)))
 
 
-def _resolve(thing, registry, kind):
+def _resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
     if isinstance(thing, str):
         return registry[thing]
     if not isinstance(thing, kind):
@@ -47,8 +50,18 @@ def _positive_integer(name, value):
     return int(value)
 
 
+def _numbers(name, value):
+    try:
+        numbers = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number or an array of numbers, not {value!r}.") from None
+    if numbers.size == 0:
+        raise ValueError(f"{name} is empty; an ensemble needs at least one lane.")
+    return numbers
+
+
 def _checked_step_size(dt):
-    dt = np.asarray(dt, dtype=np.float64)
+    dt = _numbers("dt", dt)
     if dt.ndim > 1:
         raise ValueError(f"dt must be a number or one per lane (lanes,), not an array of shape {dt.shape}.")
     if not np.all(np.isfinite(dt) & (dt > 0)):
@@ -60,8 +73,8 @@ def _checked_start(problem, u0):
     shape = np.shape(problem.u0)
     if u0 is None:
         return np.asarray(problem.u0)
-    u0 = np.asarray(u0, dtype=np.float64)
-    if u0.shape != shape and u0.shape[1:] != shape or u0.ndim > len(shape) + 1:
+    u0 = _numbers("u0", u0)
+    if (u0.shape != shape and u0.shape[1:] != shape) or u0.ndim > len(shape) + 1:
         raise ValueError(f"u0 must have the shape {shape} of the problem, or (lanes, *{shape}), not {u0.shape}.")
     if not np.isfinite(u0).all():
         raise ValueError(f"u0 must be finite, not {u0}.")
@@ -76,6 +89,15 @@ def _checked_observers(problem, observe) -> tuple[Observer, ...]:
                 f"{', '.join(observer.variables)} of '{problem.title}' needs an energy: give Problem(potential=...)."
             )
     return tuple(chosen)
+
+
+def _lanes(problem: Problem, dt: np.ndarray, u0: np.ndarray) -> int:
+    """How many lanes an ensemble has, 0 where it is a single run."""
+    lengths = {len(dt)} if dt.ndim else set()
+    lengths |= {len(u0)} if u0.ndim > np.ndim(problem.u0) else set()
+    if len(lengths) > 1:
+        raise ValueError(f"u0 and dt must have one length to make an ensemble, not {len(u0)} and {len(dt)}.")
+    return max(lengths, default=0)
 
 
 def run(
@@ -126,29 +148,24 @@ def run(
     >>> print(f"{ds.max_energy_error.item():.1f} {ds.max_energy_error.units}")
     4.1 percent
     """
-    problem = _resolve(problem, problems, Problem)
-    scheme = _resolve(scheme, schemes, Scheme)
-    dt, u0 = _checked_step_size(dt), _checked_start(problem, u0)
+    definition, method = _resolve(problem, problems, Problem), _resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
+    step_size, start = _checked_step_size(dt), _checked_start(definition, u0)
     steps, every = _positive_integer("steps", steps), _positive_integer("every", every)
-    chosen = _checked_observers(problem, observe)
+    chosen = _checked_observers(definition, observe)
     if steps % every:
         raise ValueError(f"every must divide the number of steps; {every} does not divide {steps}.")
     reductions = tuple(o for o in chosen if isinstance(o, Reduction))
     records = tuple(o for o in chosen if isinstance(o, Record))
     samples = steps // every if records else 0
-
-    lanes = {len(dt)} if dt.ndim else set()
-    lanes |= {len(u0)} if u0.ndim > np.ndim(problem.u0) else set()
-    if len(lanes) > 1:
-        raise ValueError(f"u0 and dt must have one length to make an ensemble, not {len(u0)} and {len(dt)}.")
-    arguments = (problem, scheme, reductions, records)
+    lanes = _lanes(definition, step_size, start)
     if lanes:
-        (n,) = lanes
-        u0_of_lanes = np.broadcast_to(u0, (n, *np.shape(problem.u0)))
-        outcome = _march_lanes(*arguments, u0_of_lanes, np.broadcast_to(dt, n), jnp.asarray(steps), samples)
+        start = np.broadcast_to(start, (lanes, *np.shape(definition.u0)))
+        outcome = _march_lanes(
+            definition, method, reductions, records, start, np.broadcast_to(step_size, lanes), np.asarray(steps), samples
+        )
     else:
-        outcome = march_one(*arguments, u0, dt, jnp.asarray(steps), samples)
-    return _labelled(problem, scheme, outcome, chosen, dt, every, samples, bool(lanes))
+        outcome = march_one(definition, method, reductions, records, start, step_size, np.asarray(steps), samples)
+    return _labelled(definition, method, outcome, chosen, step_size, every, samples, bool(lanes))
 
 
 def _labelled(problem, scheme, outcome, chosen, dt, every, samples, ensemble) -> xr.Dataset:

@@ -1,7 +1,6 @@
 """Energy error of the seven schemes against time: what the paper tells of and does not show."""
 
 import matplotlib.pyplot as plt
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -9,8 +8,8 @@ from paper.figures.style import PAGE, letter, looks, main
 
 
 def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
-    """Largest |error| within each group of ``steps`` samples: the oscillation within a period would blacken the panel."""
-    return np.abs(error).isel(t=slice(1, None)).coarsen(t=steps, boundary="trim").max()
+    """Largest |error| within each ``steps`` samples: the oscillation within a period would blacken the panel."""
+    return abs(error).isel(t=slice(1, None)).coarsen(t=steps, boundary="trim").max()
 
 
 def draw(*portraits: xr.Dataset) -> Figure:

@@ -17,7 +17,7 @@ def draw(energy_error: xr.Dataset) -> Figure:
         difference = energy_error.max_energy_error.sel(period_used=used) - printed
         for name, look in looks(energy_error.scheme).items():
             one = difference.sel(scheme=name)
-            x, y = np.abs(printed.sel(scheme=name)).values.ravel(), one.values.ravel()
+            x, y = printed.sel(scheme=name).values.ravel(), one.values.ravel()
             look = {key: look[key] for key in ("color", "marker")}
             ax.plot(np.maximum(x, 0.05), y, linestyle="none", label=one.scheme_title.item(), alpha=0.8, **look)
         ax.axhspan(-0.05, 0.05, color="0.9", zorder=0)

@@ -7,10 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
-from study.observers import observers
 from study.command import main, progress
 from study.experiments import labels
 from study.march import march_one
+from study.observers import observers
 from study.problems import printed_periods, problems
 from study.schemes import schemes
 
@@ -30,7 +30,7 @@ def _compiled(problem: str, scheme: str, dt: float, steps: int):
         jnp.asarray(steps),
     )
     start = time.perf_counter()
-    compiled = march_one.lower(*arguments).compile()
+    compiled = march_one.lower(*arguments).compile()  # type: ignore[attr-defined]
     return compiled, arguments, time.perf_counter() - start
 
 

@@ -1,7 +1,5 @@
 """Why Runge-Kutta's error falls to 1.0 % at T/20 and rises to 8.3 % at T/25: the drift over many step sizes."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 

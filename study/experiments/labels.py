@@ -1,6 +1,6 @@
 """Coordinates that the experiments share: problems and schemes by name, with what there is to know of them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from study import datasets
 from study.problems import printed_periods, problems
@@ -29,7 +29,7 @@ def scheme_coordinates(names: Sequence[str]) -> dict:
     }
 
 
-def steps_per_period_coordinate(values: Sequence[float]) -> dict:
+def steps_per_period_coordinate(values: Iterable[float]) -> dict:
     """Steps per period along ``steps_per_period``."""
     attributes = {"long_name": "steps per period", "units": "1"}
     return {"steps_per_period": ("steps_per_period", list(values), attributes)}
@@ -37,5 +37,6 @@ def steps_per_period_coordinate(values: Sequence[float]) -> dict:
 
 def periods(problem: str) -> dict[str, float]:
     """The period that the paper prints and the exact one, from the reference's dataset."""
+    problems[problem]  # an unknown name is told as such, not as a dataset that is missing
     exact = datasets.open(f"reference/{problem}").period.item()
     return {"printed": printed_periods[problem], "exact": exact}

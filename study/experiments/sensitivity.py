@@ -11,9 +11,7 @@ from study.problems import problems
 from study.runs import run
 
 
-def sensitivity(
-    problem: str, schemes: Sequence[str], dt: float, duration: float, perturbation: float
-) -> xr.Dataset:
+def sensitivity(problem: str, schemes: Sequence[str], dt: float, duration: float, perturbation: float) -> xr.Dataset:
     """Distance |Δu| of two runs whose initial displacements differ by ``perturbation``, along time."""
     progress(f"sensitivity of {problem}")
     u0 = float(problems[problem].u0) + np.array([0.0, perturbation])

@@ -64,7 +64,7 @@ def _exact(problem: Problem, u0, v0, dt):
     h = -dt / substeps
 
     def back(i, phase):
-        return RungeKutta4().step(problem, phase, i * h, h)[0]
+        return RungeKutta4().step(problem, phase, i.astype(float) * h, h)[0]
 
     once = lax.fori_loop(0, substeps, back, Phase(u0, v0))
     twice = lax.fori_loop(substeps, 2 * substeps, back, once)

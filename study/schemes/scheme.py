@@ -50,6 +50,7 @@ def start_in_balance(self, problem: Problem, u0, v0, dt) -> tuple[Motion, Effort
 def check_range(scheme: Scheme, name: str, low: float, high: float) -> None:
     """Refuse a parameter outside [low, high] with a sentence; a traced one cannot be checked."""
     value = getattr(scheme, name)
-    if isinstance(value, float | int | np.ndarray | np.generic) and not np.all((value >= low) & (value <= high)):
+    known = isinstance(value, float | int | np.ndarray | np.generic)
+    if known and not np.all((low <= np.asarray(value)) & (np.asarray(value) <= high)):
         limits = f"at least {low:g}" if np.isinf(high) else f"between {low:g} and {high:g}"
         raise ValueError(f"{type(scheme).__name__}({name}={value}): {name} must be {limits}.")

@@ -1,0 +1,35 @@
+# `make` sets everything up and reproduces the study; `make test` sets everything up and runs the tests.
+
+PYTHON ?= python3
+CONFIG ?= config/study.yaml
+BIN := .venv/bin
+
+.PHONY: study test check lock clean
+
+study: .venv/ready
+	$(BIN)/snakemake --configfile $(CONFIG)
+
+test: .venv/ready
+	$(BIN)/pytest -n auto
+
+# what the tests do not look at: format, types
+check: .venv/ready
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+.venv/ready: requirements.txt pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Python 3.11 or later is needed; name one with 'make PYTHON=...'." >&2; exit 1; }
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install --quiet --require-hashes -r requirements.txt
+	$(BIN)/pip install --quiet --no-deps --no-build-isolation --editable .
+	touch $@
+
+# renew requirements.txt after a change of the dependencies in pyproject.toml
+lock: .venv/ready
+	$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-annotate --upgrade \
+	  --extra pipeline --extra test --python-version 3.11 pyproject.toml -o requirements.txt
+
+clean:
+	rm -rf results .snakemake

@@ -1,0 +1,37 @@
+"""The arrows of the design: who may import whom."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import yaml
+from importlinter.cli import lint_imports
+
+import study
+from paper.published import printed_energy_errors
+
+PROJECT = Path(__file__).parent.parent
+
+
+def test_the_arrows_of_the_design_hold(monkeypatch):
+    monkeypatch.chdir(PROJECT)
+    assert lint_imports(config_filename=str(PROJECT / "pyproject.toml"), no_cache=True) == 0
+
+
+def test_environment_for_conda_holds_the_dependencies():
+    project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
+    environment = yaml.safe_load((PROJECT / "config" / "environment.yaml").read_text())
+    wanted = project["dependencies"] + project["optional-dependencies"]["pipeline"]
+    assert set(environment["dependencies"][-1]["pip"]) == set(wanted)
+
+
+def test_every_scheme_explains_itself(scheme):
+    text = type(scheme).__doc__
+    assert "References" in text and re.search(r"\d{4}", text)
+    assert scheme.title and scheme.family and scheme.source
+    assert scheme.order in (1, 2, 4)
+
+
+def test_names_are_those_of_the_contract():
+    assert list(study.problems) == ["hardening", "softening", "softening_large", "double_well"]
+    assert list(study.schemes)[:7] == printed_energy_errors().scheme.values.tolist()

@@ -1,0 +1,44 @@
+"""The configuration is refused with one sentence that names the key."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from study.configuration import check
+
+FOLDER = Path(__file__).parent.parent / "config"
+
+
+@pytest.fixture(params=["study.yaml", "small.yaml"])
+def config(request) -> dict:
+    """Both configurations that are shipped."""
+    return yaml.safe_load((FOLDER / request.param).read_text())
+
+
+def test_what_is_shipped_is_accepted(config):
+    check(config)
+
+
+@pytest.mark.parametrize(
+    "change, sentence",
+    [
+        (
+            lambda c: c.update(enery_error={}),
+            "the configuration has no key 'enery_error'; did you mean 'energy_error'?",
+        ),
+        (lambda c: c["cpu_time"].update(repeat=3), "cpu_time has no key 'repeat'; did you mean 'repeats'?"),
+        (lambda c: c["cpu_time"].update(repeats="many"), "cpu_time.repeats: 'many' is not of type 'integer'."),
+        (lambda c: c["energy_error"].update(periods=0), "energy_error.periods: 0 is less than the minimum of 1."),
+        (lambda c: c["energy_error"].pop("periods"), "energy_error: 'periods' is a required property."),
+        (lambda c: c["sensitivity"].update(dt=0), "sensitivity.dt: 0 is less than or equal to the minimum of 0."),
+        (lambda c: c["large_steps"].update(schemes=["rk5"]), "large_steps.schemes: there is no scheme 'rk5'; did you"),
+        (lambda c: c.update(references=["hard"]), "references: there is no problem 'hard'; did you mean 'hardening'?"),
+        (lambda c: c["phase_portrait"].update(soft=c["phase_portrait"]["softening"]), "there is no problem 'soft'"),
+    ],
+)
+def test_mistakes_get_a_sentence(config, change, sentence):
+    change(config)
+    with pytest.raises((ValueError, KeyError)) as caught:
+        check(config)
+    assert sentence in str(caught.value)

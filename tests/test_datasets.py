@@ -1,0 +1,74 @@
+"""Datasets: whole or not at all, the same bytes for the same data, and a sentence when one cannot be opened."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import study
+from study import datasets
+
+
+@pytest.fixture
+def dataset():
+    """A dataset as the experiments make them."""
+    ds = study.run("hardening", "rk4", dt=0.0075, steps=2000)
+    ds.attrs = datasets.provenance("A test", "the tests")
+    return ds
+
+
+def test_round_trip_with_everything_a_stranger_needs(dataset, tmp_path):
+    datasets.write(dataset, tmp_path / "one.nc")
+    back = study.open("one", tmp_path)
+    xr.testing.assert_identical(back, dataset)
+    assert {"title", "source", "references", "history", "commit", "packages"} <= set(back.attrs)
+    assert "jax" in back.attrs["packages"]
+
+
+def test_the_same_bytes_twice(dataset, tmp_path):
+    for name in ("one.nc", "two.nc"):
+        datasets.write(dataset, tmp_path / name)
+    assert (tmp_path / "one.nc").read_bytes() == (tmp_path / "two.nc").read_bytes()
+
+
+def test_an_interrupted_write_leaves_what_was_there(dataset, tmp_path, monkeypatch):
+    path = tmp_path / "one.nc"
+    datasets.write(dataset, path)
+    before = path.read_bytes()
+
+    def interrupted(self, target, **options):
+        target.write_bytes(before[:100])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        datasets.write(dataset, path)
+    assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["one.nc"]
+
+
+def test_a_missing_dataset_says_what_to_run(dataset, tmp_path):
+    with pytest.raises(FileNotFoundError, match="`snakemake .*energy_error.nc` makes it"):
+        study.open("energy_error", tmp_path)
+    datasets.write(dataset, tmp_path / "energy_error.nc")
+    with pytest.raises(FileNotFoundError, match="did you mean 'energy_error'"):
+        study.open("energy_eror", tmp_path)
+
+
+def test_a_truncated_dataset_is_refused(dataset, tmp_path):
+    path = tmp_path / "one.nc"
+    datasets.write(dataset, path)
+    path.write_bytes(path.read_bytes()[:2000])
+    with pytest.raises(ValueError, match="one.nc' is damaged or no netCDF file .* delete it and run `snakemake"):
+        study.open("one", tmp_path)
+
+
+def test_a_foreign_dataset_is_refused(tmp_path):
+    xr.Dataset({"x": ("y", np.arange(3))}).to_netcdf(tmp_path / "one.nc")
+    with pytest.raises(ValueError, match="was not written by this study"):
+        study.open("one", tmp_path)
+
+
+def test_results_that_cannot_be_written_are_refused_before_any_work(tmp_path):
+    (tmp_path / "results").write_text("a file where a folder should be")
+    with pytest.raises(SystemExit, match="results' cannot be made"):
+        datasets.check_writable(tmp_path / "results" / "one.nc")

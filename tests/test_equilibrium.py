@@ -1,0 +1,82 @@
+"""The balance of forces: Newton against an independent root finder, and what it says when it fails."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+import study
+from study.equilibrium import MAX_ITERATIONS, acceleration, balance
+
+finite = st.floats(-3.0, 3.0)
+
+
+@settings(max_examples=60, deadline=None)
+@given(u=finite, v=finite, rhs=finite, c_u=st.floats(1e-6, 1.0), weight=st.floats(0.5, 1.0), cubic=st.floats(0.0, 10.0))
+def test_newton_finds_the_root(u, v, rhs, c_u, weight, cubic):
+    problem = study.Problem(lambda x: x + cubic * x**3, u0=0.0, mass=2.0, damping=0.3)
+    a, effort = balance(problem, jnp.asarray(rhs), jnp.asarray(u), jnp.asarray(v), c_u, 0.5, jnp.asarray(0.0), weight)
+
+    def residual(x):
+        return 2 * x + 0.3 * (v + 0.5 * x) + weight * float(problem.force(u + c_u * x)) - rhs
+
+    root = brentq(residual, -1e4, 1e4, xtol=1e-14, rtol=1e-14)
+    assert effort.converged
+    assert float(a) == pytest.approx(root, rel=1e-9, abs=1e-9)
+
+
+def test_convergence_is_quadratic_down_to_round_off():
+    problem = study.problems["hardening"]
+    a, effort = balance(problem, 0.0, jnp.asarray(1.5), jnp.asarray(0.0), 1e-4, 1e-2, jnp.asarray(-3000.0))
+    assert effort.iterations <= 6
+    assert float(a + problem.force(1.5 + 1e-4 * a)) == pytest.approx(0.0, abs=1e-11 * abs(float(a)))
+
+
+def test_failure_is_reported_within_the_bound():
+    """√|u| sgn u − like forces send Newton from side to side for ever."""
+    problem = study.Problem(lambda u: jnp.cbrt(u), u0=1.0)
+    _, effort = balance(problem, 0.0, jnp.asarray(1.0), jnp.asarray(0.0), 1e9, 1.0, jnp.asarray(1.0))
+    assert not effort.converged
+    assert effort.iterations <= MAX_ITERATIONS
+
+
+def test_what_is_not_finite_ends_the_iteration_at_once():
+    problem = study.Problem(lambda u: jnp.log(u), u0=1.0)
+    _, effort = balance(problem, 0.0, jnp.asarray(-1.0), jnp.asarray(0.0), 0.1, 1.0, jnp.asarray(0.0))
+    assert not effort.converged
+    assert effort.iterations == 1
+
+
+@pytest.mark.parametrize(
+    "mass",
+    [None, 2.0, np.array([2.0, 1.0]), np.array([[2.0, 0.3], [0.3, 1.0]])],
+    ids=["none", "number", "diagonal", "matrix"],
+)
+@pytest.mark.parametrize(
+    "damping",
+    [None, 0.5, np.array([0.5, 0.1]), np.array([[0.5, -0.1], [-0.1, 0.4]])],
+    ids=["none", "number", "diagonal", "matrix"],
+)
+def test_every_form_of_mass_and_damping(mass, damping):
+    """M a + C (v + c_v a) + p(u + c_u a) = r, checked with dense NumPy matrices."""
+    stiffness = np.array([[6.0, -2.0], [-2.0, 4.0]])
+    problem = study.Problem(
+        lambda u: jnp.asarray(stiffness) @ u + u**3, u0=np.zeros(2), v0=np.zeros(2), mass=mass, damping=damping
+    )
+    u, v, rhs = np.array([0.3, -0.2]), np.array([1.0, 2.0]), np.array([0.5, 10.0])
+    a, effort = balance(problem, jnp.asarray(rhs), jnp.asarray(u), jnp.asarray(v), 0.1, 0.4, jnp.zeros(2))
+    M, C = (_dense(x, default) for x, default in ((mass, 1.0), (damping, 0.0)))
+    a = np.asarray(a)
+    x = u + 0.1 * a
+    assert effort.converged
+    np.testing.assert_allclose(M @ a + C @ (v + 0.4 * a) + stiffness @ x + x**3, rhs, atol=1e-12)
+
+    a = np.asarray(acceleration(problem, 0.0, jnp.asarray(u), jnp.asarray(v), 0.4))
+    np.testing.assert_allclose(M @ a + C @ (v + 0.4 * a) + stiffness @ u + u**3, 0.0, atol=1e-12)
+
+
+def _dense(x, default):
+    x = np.asarray(default if x is None else x)
+    return x if x.ndim == 2 else np.diag(np.broadcast_to(x, 2))

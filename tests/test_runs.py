@@ -1,0 +1,84 @@
+"""``study.run`` as a person uses it: labels, and a sentence for every mistake."""
+
+import numpy as np
+import pytest
+
+import study
+
+
+def test_the_contract_of_the_labels():
+    ds = study.run("hardening", "rk4", dt=0.0075, steps=20, observe=["trajectory", "max_energy_error"])
+    assert ds.u.dims == ("t",) and ds.v.attrs["units"] == "s-1"
+    assert ds.t.attrs["long_name"] == "elapsed time"
+    assert ds.max_energy_error.attrs["units"] == "percent"
+    for variable in ds.variables.values():
+        assert variable.attrs["long_name"]
+
+
+def test_vectors_have_components():
+    problem = study.Problem(lambda u: u, u0=[1.0, 2.0], v0=[0.0, 0.0])
+    ds = study.run(problem, "average_acceleration", dt=0.1, steps=5)
+    assert ds.u.dims == ("t", "component")
+    lanes = study.run(problem, "average_acceleration", dt=0.1, steps=5, u0=[[1.0, 2.0], [3.0, 4.0], [0.0, 1.0]])
+    assert lanes.u.dims == ("lane", "t", "component") and lanes.sizes["lane"] == 3
+    np.testing.assert_allclose(lanes.u[0], ds.u, rtol=1e-12)
+
+
+def test_objects_of_ones_own():
+    problem = study.Problem(force=lambda u: 4 * u, u0=1.0, potential=lambda u: 2 * u**2, title="mine")
+    ds = study.run(problem, study.Newmark(beta=1 / 6, gamma=0.5), dt=0.01, steps=100, observe=["max_energy_error"])
+    assert ds.max_energy_error < 0.1
+
+
+@pytest.mark.parametrize(
+    "arguments, error, sentence",
+    [
+        ({"problem": "hardning"}, KeyError, "there is no problem 'hardning'; did you mean 'hardening'?"),
+        ({"scheme": "houbold"}, KeyError, "there is no scheme 'houbold'; did you mean 'houbolt'?"),
+        ({"scheme": "zzz"}, KeyError, "there is no scheme 'zzz'; known are average_acceleration, "),
+        ({"observe": ["trajectry"]}, KeyError, "there is no observer 'trajectry'; did you mean 'trajectory'?"),
+        ({"problem": 3}, TypeError, "a problem is a name or a study.Problem, not 3."),
+        ({"scheme": None}, TypeError, "a scheme is a name or a study.Scheme, not None."),
+        ({"dt": 0.0}, ValueError, "dt must be finite and greater than zero, not 0.0."),
+        ({"dt": -1.0}, ValueError, "dt must be finite and greater than zero, not -1.0."),
+        ({"dt": float("nan")}, ValueError, "dt must be finite and greater than zero, not nan."),
+        ({"dt": [0.1, 0.0]}, ValueError, "dt must be finite and greater than zero"),
+        ({"dt": [[0.1]]}, ValueError, "dt must be a number or one per lane"),
+        ({"dt": "fast"}, ValueError, "dt must be a number or an array of numbers, not 'fast'."),
+        ({"steps": 0}, ValueError, "steps must be a whole number of at least 1, not 0."),
+        ({"steps": 1.5}, ValueError, "steps must be a whole number of at least 1, not 1.5."),
+        ({"steps": True}, ValueError, "steps must be a whole number of at least 1, not True."),
+        ({"every": 3}, ValueError, "every must divide the number of steps; 3 does not divide 10."),
+        ({"u0": [[1.0]]}, ValueError, "u0 must have the shape () of the problem"),
+        ({"u0": float("inf")}, ValueError, "u0 must be finite"),
+        ({"u0": "high"}, ValueError, "u0 must be a number or an array of numbers, not 'high'."),
+        ({"u0": []}, ValueError, "an ensemble needs at least one lane"),
+        ({"u0": [1.0, 2.0], "dt": [0.1, 0.1, 0.1]}, ValueError, "must have one length to make an ensemble, not 2"),
+        ({"problem": study.Problem(lambda u: u, u0=1.0, title="bare"), "observe": ["max_energy_error"]}, ValueError,
+         "max_energy_error of 'bare' needs an energy: give Problem(potential=...)."),
+    ],
+)  # fmt: skip
+def test_mistakes_get_a_sentence(arguments, error, sentence):
+    arguments = {"problem": "hardening", "scheme": "rk4", "dt": 0.01, "steps": 10} | arguments
+    with pytest.raises(error) as caught:
+        study.run(**arguments)
+    assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        ({"u0": [[1.0]]}, "u0 must be a number or a vector (n,), not an array of shape (1, 1)."),
+        ({"u0": [1.0, 2.0], "v0": 0.0}, "v0 must have the shape of u0, (2,), not ()."),
+        ({"mass": [1.0, 2.0]}, "mass must be a number, a diagonal or a matrix for u0 of shape (); got (2,)."),
+        ({"force": lambda u: u.sum() * np.ones(3)}, "force must return the shape (), not (3,)."),
+        ({"potential": lambda u: np.ones(3)}, "potential must return the shape (), not (3,)."),
+        ({"load": lambda t: np.ones(3)}, "load must return the shape (), not (3,)."),
+        ({"u0": float("nan")}, "u0 must be finite, not nan."),
+        ({"force": 3.0}, "force must be a function, not 3.0."),
+    ],
+)
+def test_problems_that_do_not_fit_are_refused(arguments, sentence):
+    with pytest.raises((ValueError, TypeError)) as caught:
+        study.Problem(**({"force": lambda u: u, "u0": 1.0} | arguments))
+    assert sentence in str(caught.value)
