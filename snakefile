@@ -124,6 +124,8 @@ rule all:
         dataset(*DATASETS),
         expand("results/figures/{figure}.{format}", figure=FIGURES, format=["pdf", "png", "svg"]),
         expand("results/tables/{table}.{format}", table=TABLES, format=["csv", "tex"]),
+    message:
+        "everything is made; see results/manuscript.pdf"
 
 
 rule reference:
