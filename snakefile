@@ -65,11 +65,20 @@ EXPERIMENTS = {
     "large_steps": config["large_steps"]["schemes"],
     "sensitivity": config["sensitivity"]["schemes"],
     "spectral": config["spectral"]["schemes"],
+    "accuracy": config["accuracy"]["schemes"],
+    "round_off": [*config["round_off"]["schemes"]],
+}
+#: Experiment: the problems whose references it reads.
+READS_REFERENCE = {
+    "energy_error": config["energy_error"]["problems"],
+    "accuracy": config["accuracy"]["problems"],
+    "round_off": [config["round_off"]["problem"]],
 }
 DATASETS = [
     *EXPERIMENTS,
+    "reference_agreement",
     *(f"phase_portrait/{name}" for name in PORTRAITS),
-    *(f"reference/{name}" for name in config["references"]),
+    *(f"reference/{name}" for name in config["references"]["problems"]),
 ]
 
 
@@ -95,6 +104,9 @@ FIGURES = {
     "energy_drift": ("energy_drift", dataset("energy_drift"), "Runge-Kutta caught by resonances."),
     "printed_digits": ("printed_digits", dataset("energy_error"), "How the printed numbers were rounded."),
     "large_steps": ("large_steps", dataset("large_steps"), "Where a step is small enough."),
+    "tolerance": ("tolerance", dataset("reference_agreement"), "What a tolerance delivers."),
+    "accuracy": ("accuracy", dataset("accuracy"), "Every measure of error against the step size."),
+    "round_off": ("round_off", dataset("round_off"), "Round-off, and what compensated summation buys."),
 }
 #: Table: the datasets that it shows.
 TABLES = {
@@ -103,7 +115,8 @@ TABLES = {
     "printed_digits": dataset("energy_error"),
     "cpu_time": dataset("cpu_time"),
     "houbolt_start": dataset("houbolt_start"),
-    "references": dataset(*(f"reference/{name}" for name in config["references"])),
+    "orders": dataset("accuracy"),
+    "references": dataset("reference_agreement", *(f"reference/{name}" for name in config["references"]["problems"])),
     "claims": ["results/claims.csv", *dataset("energy_error")],
 }
 
@@ -112,7 +125,7 @@ wildcard_constraints:
     experiment="|".join(EXPERIMENTS),
     figure="|".join(FIGURES),
     portrait="|".join(PORTRAITS),
-    problem="|".join(config["references"]),
+    problem="|".join(config["references"]["problems"]),
     table="|".join(TABLES),
 
 
@@ -130,11 +143,13 @@ rule all:
 
 rule reference:
     input:
-        sources("reference.agreement"),
+        sources("reference.exact"),
     output:
         "results/reference/{problem}.nc",
     params:
-        options=lambda wildcards: json.dumps({"problem": wildcards.problem}),
+        options=lambda wildcards: json.dumps(
+            {"problem": wildcards.problem, "steps_per_period": config["references"]["steps_per_period"]}
+        ),
     log:
         "results/logs/reference_{problem}.log",
     benchmark:
@@ -142,14 +157,51 @@ rule reference:
     conda:
         ENVIRONMENT
     message:
-        "reference of {wildcards.problem}: closed form, CVODE, diffrax"
+        "truth of {wildcards.problem}, beyond double precision"
+    shell:
+        "python -m reference.exact {output} {params.options:q} > {log} 2>&1"
+
+
+rule agreement:
+    input:
+        sources("reference.agreement"),
+    output:
+        temp("results/reference_agreement/{problem}.nc"),
+    params:
+        options=lambda wildcards: json.dumps({"problem": wildcards.problem, **config["agreement"]}),
+    log:
+        "results/logs/agreement_{problem}.log",
+    benchmark:
+        "results/benchmarks/agreement_{problem}.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "what a tolerance delivers on {wildcards.problem}: CVODE, diffrax, heyoka"
     shell:
         "python -m reference.agreement {output} {params.options:q} > {log} 2>&1"
 
 
+rule gathered_agreement:
+    input:
+        parts=dataset(*(f"reference_agreement/{name}" for name in config["references"]["problems"])),
+        sources=sources("study.gather"),
+    output:
+        "results/reference_agreement.nc",
+    log:
+        "results/logs/agreement.log",
+    benchmark:
+        "results/benchmarks/agreement.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "what a tolerance delivers, all problems"
+    shell:
+        "python -m study.gather {output} problem {input.parts} > {log} 2>&1"
+
+
 def inputs_of(experiment):
-    """The sources of an experiment, and the references whose periods it takes its steps from."""
-    exact = [f"reference/{name}" for name in config["energy_error"]["problems"]] if experiment == "energy_error" else []
+    """The sources of an experiment, and the references that it reads."""
+    exact = [f"reference/{name}" for name in READS_REFERENCE.get(experiment, [])]
     return dataset(*exact) + sources(f"study.experiments.{experiment}", EXPERIMENTS[experiment])
 
 
@@ -263,6 +315,7 @@ rule numbers:
     input:
         "results/claims.csv",
         dataset("energy_error", "energy_drift", "cpu_time", "sensitivity"),
+        dataset("reference_agreement", "accuracy", "round_off"),
         dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
         sources=sources("paper.numbers"),
     output:

@@ -98,6 +98,35 @@ def _of_times(cpu_time: xr.Dataset) -> dict:
     }
 
 
+def _of_agreement(agreement: xr.Dataset) -> dict:
+    error = agreement.u_error.sel(periods=100, problem="hardening")
+    # by a mapping: xarray has an argument of that name
+    at_nine = error.sel({"tolerance": 1e-9}, method="nearest")
+    at_periods = agreement.u_error_at_periods.sel(periods=100, problem="hardening")
+    numbers = {}
+    for route in ("cvode_adams", "cvode_bdf", "dopri8", "tsit5", "heyoka"):
+        numbers[f"delivered_{route}"] = f"{at_nine.sel(route=route).item():.0e}"
+        numbers[f"best_{route}"] = f"{error.sel(route=route).min().item():.0e}"
+        numbers[f"best_at_periods_{route}"] = f"{at_periods.sel(route=route).min().item():.0e}"
+    return numbers
+
+
+def _of_accuracy(accuracy: xr.Dataset) -> dict:
+    run = accuracy.sel(problem="hardening", scheme="average_acceleration").sel(steps_per_period=64)
+    return {
+        "misled_energy": f"{run.max_energy_error.item():.2f}",
+        "misled_delay": f"{run.phase_error.item():.2f}",
+        "misled_trajectory": f"{100 * run.max_trajectory_error.item():.0f}",
+        "flagged_runs": int(accuracy.flagged.sum()),
+        "accuracy_runs": accuracy.flagged.size,
+    }
+
+
+def _of_round_off(round_off: xr.Dataset) -> dict:
+    finest = round_off.error.sel(scheme="rk4").isel(steps_per_period=-1)
+    return {f"floor_{name}": f"{finest.sel(summation=name).item():.0e}" for name in round_off.summation.values}
+
+
 def _of_claims(claims: pd.DataFrame) -> dict:
     count = claims["verdict"].value_counts()
     return {
@@ -121,6 +150,9 @@ def numbers(results: Path) -> dict:
         **_of_instability(dataset("phase_portrait/softening_large")),
         **_of_double_well(dataset("phase_portrait/double_well"), dataset("sensitivity")),
         **_of_times(dataset("cpu_time")),
+        **_of_agreement(dataset("reference_agreement")),
+        **_of_accuracy(dataset("accuracy")),
+        **_of_round_off(dataset("round_off")),
         **_of_claims(claims),
     }
 

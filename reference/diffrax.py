@@ -1,45 +1,133 @@
-"""diffrax: the explicit Runge-Kutta method Dopri8 under step size control."""
+"""diffrax: explicit and implicit Runge-Kutta methods under step size control."""
+
+import time
 
 import diffrax
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+import optimistix
 
+from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, StepLimit, check_tolerance, release
 from study.problem import Problem
 
-RTOL, ATOL = 1e-14, 1e-16
+SMALLEST_RTOL = 1e-15
+LOOSE_RTOL = 1e-3
 MAX_STEPS = 1_000_000
+#: Evaluations of the right side in one step.
+STAGES = {"Dopri8": 13, "Tsit5": 6, "Kvaerno5": 7}
 
 
-def _final_and_saved(problem: Problem, t1, t: np.ndarray | None = None):
-    """Solution from 0 to ``t1``, saved at ``t`` or at the end; steps are clipped to these times, never interpolated."""
-    times = jnp.asarray([t1] if t is None else t)
-    solution = diffrax.diffeqsolve(
-        diffrax.ODETerm(lambda t, y, args: jnp.stack([y[1], -problem.force(y[0])])),
-        diffrax.Dopri8(),
+def _right_side(t, y, problem: Problem):
+    u, v = y
+    balance = -problem.force(u)
+    if problem.damping is not None:
+        balance -= problem.damping * v
+    if problem.load is not None:
+        balance += problem.load(t)
+    return jnp.stack([v, balance if problem.mass is None else balance / problem.mass])
+
+
+def _controller(rtol, stops=None):
+    controller = diffrax.PIDController(rtol=rtol, atol=rtol * ATOL_BELOW_RTOL)
+    return controller if stops is None else diffrax.ClipStepSizeController(controller, step_ts=stops)
+
+
+@eqx.filter_jit
+def _solve(problem: Problem, t, rtol, method: str, max_steps: int):
+    return diffrax.diffeqsolve(
+        diffrax.ODETerm(_right_side),
+        getattr(diffrax, method)(),
+        t0=0.0,
+        t1=t[-1],
+        dt0=None,
+        y0=jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)]),
+        args=problem,
+        stepsize_controller=_controller(rtol, stops=t),
+        saveat=diffrax.SaveAt(ts=t),
+        max_steps=max_steps,
+        throw=False,
+    )
+
+
+def _check(problem: Problem, method: str, solution) -> None:
+    if solution.result not in (diffrax.RESULTS.successful, diffrax.RESULTS.event_occurred):
+        reason = diffrax.RESULTS[solution.result].splitlines()[0]  # type: ignore[misc]
+        failure = StepLimit if solution.result == diffrax.RESULTS.max_steps_reached else RouteFailed
+        raise failure(f"diffrax {method} did not finish '{problem.title}': {reason}")
+
+
+def trajectory(
+    problem: Problem, t: np.ndarray, rtol: float = 1e-14, method: str = "Dopri8", max_steps: int = MAX_STEPS
+) -> Solution:
+    """Displacement and velocity at the increasing times ``t``; steps end on them, none is interpolated.
+
+    Parameters
+    ----------
+    method
+        ``Dopri8``, ``Tsit5`` or ``Kvaerno5``.
+
+    Raises
+    ------
+    ValueError
+        If the tolerance cannot be reached.
+    RouteFailed
+        If diffrax gives up, for instance at the limit of steps.
+    """
+    check_tolerance(f"diffrax {method}", rtol, SMALLEST_RTOL)
+    times = jnp.asarray(t, float)
+    _solve(problem, times, jnp.asarray(LOOSE_RTOL), method, max_steps).ys.block_until_ready()  # compiles
+    start = time.perf_counter()
+    solution = _solve(problem, times, jnp.asarray(rtol), method, max_steps)
+    _check(problem, method, solution)
+    u, v = np.asarray(solution.ys).T
+    seconds = time.perf_counter() - start
+    return Solution(u, v, int(solution.stats["num_steps"]) * STAGES[method], seconds)
+
+
+@eqx.filter_jit
+def _until(problem: Problem, t1, turning, rtol, method: str):
+    """Solution at ``t1``, or where ``turning`` v becomes positive; with ``turning`` zero only ``t1`` ends it."""
+    event = diffrax.Event(
+        lambda t, y, args, **_: jnp.where(turning == 0, -1.0, turning * y[1]),
+        optimistix.Newton(rtol=1e-6, atol=1e-6),
+        direction=True,
+    )
+    return diffrax.diffeqsolve(
+        diffrax.ODETerm(_right_side),
+        getattr(diffrax, method)(),
         t0=0.0,
         t1=t1,
         dt0=None,
-        y0=jnp.stack([problem.u0, problem.v0]),
-        stepsize_controller=diffrax.ClipStepSizeController(diffrax.PIDController(rtol=RTOL, atol=ATOL), step_ts=times),
-        saveat=diffrax.SaveAt(ts=times),
+        y0=jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)]),
+        args=problem,
+        stepsize_controller=_controller(rtol),
+        event=event,
         max_steps=MAX_STEPS,
+        throw=False,
     )
-    return np.asarray(solution.ys)
 
 
-def trajectory(problem: Problem, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and velocity at the times ``t`` (shape (n,)) of an undamped, unloaded oscillator."""
-    y = _final_and_saved(problem, t[-1], t)
-    return y[:, 0], y[:, 1]
+def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str = "Dopri8") -> float:
+    """Twice the time to the next turning point: the event v = 0, then Newton's correction −v/ü integrated anew.
 
+    The event is found on the interpolant of a step, which is of lower order than the step; the correction removes it.
 
-def period(problem: Problem, estimate: float) -> float:
-    """Twice the time to the next turning point: Newton's iteration on the velocity, each time integrated anew."""
-    t = 0.5 * estimate
-    for _ in range(8):
-        ((u, v),) = _final_and_saved(problem, t)
-        correction = v / float(problem.force(u))
-        t += correction
-        if abs(correction) <= 4 * np.finfo(float).eps * t:
-            break
+    Raises
+    ------
+    ValueError
+        If the problem has no such period.
+    RouteFailed
+        If no turning point comes within three quarters of ``estimate``.
+    """
+    sign = release(f"diffrax {method}", problem)
+    traced = jnp.asarray(rtol)
+    found = _until(problem, jnp.asarray(0.75 * estimate), jnp.asarray(-sign), traced, method)
+    _check(problem, method, found)
+    if found.result != diffrax.RESULTS.event_occurred:
+        raise RouteFailed(f"diffrax {method} met no turning point of '{problem.title}' up to t = {0.75 * estimate:g}.")
+    t = float(found.ts[-1])
+    for _ in range(2):
+        y = _until(problem, jnp.asarray(t), jnp.asarray(0.0), traced, method).ys[-1]
+        t -= float(y[1] / _right_side(t, y, problem)[1])
     return 2 * t

@@ -1,103 +1,164 @@
-"""Closed forms in arbitrary precision: elliptic functions for the cubic springs, quadrature for the tanh period."""
+"""The truth beyond double precision, with an uncertainty that is measured.
 
+The Taylor method of heyoka is run with significands of 128 and of 192 bits, each in two formulations of the equation.
+What all four agree on is certified; where a closed form is known it is a fifth witness. A free oscillator is computed
+over one period only: with the period known to more than thirty digits, a time of any size is folded into it.
+"""
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import NamedTuple
+
+import heyoka as hy
+import jax
 import mpmath
 import numpy as np
+import xarray as xr
 
+from reference import closed_form, taylor
+from reference.symbolic import first_order, with_force_as_state
+from study.command import main, progress
 from study.problem import Problem
-from study.problems import CubicSpring, TanhSpring
+from study.problems import printed_periods, problems
 
-#: Decimal digits that are carried; the periods are good to 30.
-DIGITS = 50
-
-
-def _spring(problem: Problem) -> CubicSpring | TanhSpring:
-    spring = getattr(problem.force, "__self__", None)
-    if not isinstance(spring, CubicSpring | TanhSpring) or float(problem.v0) != 0.0:
-        raise ValueError(
-            f"no closed form is known for '{problem.title}': it must be a named spring released from rest."
-        )
-    return spring
+BITS = (192, 128)
+FORMULATIONS = (first_order, with_force_as_state)
+#: How many samples of the trajectory the closed form is held against.
+WITNESSED = 33
 
 
-def _cubic(spring: CubicSpring, u0):
-    """Amplitude A, rate κ, modulus m, phase and Jacobi function of the solution of ü + S1 u (1 + S2 u²) = 0.
+class Truth(NamedTuple):
+    """Displacement and velocity rounded to double, and the largest difference of the four integrations, absolute."""
 
-    A hardening spring swings as A cn(κt), κ² = S1 (1 + S2 A²), m = S2 A² / (2 (1 + S2 A²)). In one well of the double
-    well the solution is A dn(κt + φ), κ² = S1 S2 A²/2, m = 1 − (a/A)² between the turning points a and A.
-    Source: P. F. Byrd, M. D. Friedman, Handbook of Elliptic Integrals for Engineers and Scientists, 1971.
-    """
-    S1, S2 = mpmath.mpf(spring.S1), mpmath.mpf(spring.S2)
-    if S1 > 0 and S2 > 0:
-        stiffness = 1 + S2 * u0**2
-        return u0, mpmath.sqrt(S1 * stiffness), S2 * u0**2 / (2 * stiffness), mpmath.mpf(0), "cn"
-    if S1 < 0 and S2 < 0 and 0 < -S2 * u0**2 < 2:
-        squares = sorted([u0**2, -2 / S2 - u0**2])  # turning points: equal potential on both sides of the well
-        m = 1 - squares[0] / squares[1]
-        phase = mpmath.ellipk(m) if u0**2 == squares[0] else mpmath.mpf(0)
-        amplitude = mpmath.sign(u0) * mpmath.sqrt(squares[1])
-        return amplitude, mpmath.sqrt(S1 * S2 * squares[1] / 2), m, phase, "dn"
-    raise ValueError(f"no closed form is implemented for {spring} released at {u0}.")
+    u: np.ndarray
+    v: np.ndarray
+    u_certified: float
+    v_certified: float
 
 
-def _tanh_period(spring: TanhSpring, u0):
-    """T = 4 ∫ du / √(2S ln(cosh u₀ / cosh u)) over 0 ≤ u ≤ u₀, with u = u₀ (1 − x²) so that the end is regular."""
-
-    def integrand(x):
-        drop = u0 * x**2
-        # ln(cosh u₀ / cosh(u₀ − drop)) without cancellation
-        logarithm = -mpmath.log1p(2 * mpmath.sinh(drop / 2) ** 2 - mpmath.tanh(u0) * mpmath.sinh(drop))
-        return 2 * u0 * x / mpmath.sqrt(2 * spring.S * logarithm)
-
-    return 4 * mpmath.quad(integrand, mpmath.linspace(0, 1, 5))
+def _mpf(value: hy.real) -> mpmath.mpf:
+    with mpmath.workprec(value.prec):
+        return mpmath.mpf(str(value))
 
 
-def period(problem: Problem) -> mpmath.mpf:
-    """Exact period to ``DIGITS`` digits.
+def _spread(values: Sequence[np.ndarray]) -> float:
+    """Largest difference of any of the arrays from the first."""
+    return max(float(np.max(np.abs(other - values[0]))) for other in values[1:])
+
+
+def _doubles(values: np.ndarray) -> np.ndarray:
+    return np.array([float(value) for value in values])
+
+
+def period(problem: Problem, estimate: float) -> tuple[hy.real, float]:
+    """Exact period, and the largest relative difference of the integrations and of the closed form from it.
 
     Raises
     ------
     ValueError
-        If there is no closed form for the problem.
+        If the problem has no period.
     """
-    spring = _spring(problem)
-    with mpmath.workdps(DIGITS):
-        u0 = mpmath.mpf(float(problem.u0))
-        if isinstance(spring, TanhSpring):
-            return _tanh_period(spring, u0)
-        _, kappa, m, _, function = _cubic(spring, u0)
-        return (4 if function == "cn" else 2) * mpmath.ellipk(m) / kappa
+    found = [
+        taylor.period(problem, estimate, bits=bits, formulation=formulation)
+        for bits in BITS
+        for formulation in FORMULATIONS
+    ]
+    best = found[0]
+    differences = [float(abs(other / best - 1)) for other in found[1:]]
+    with mpmath.workdps(closed_form.DIGITS):
+        differences.append(float(abs(closed_form.period(problem) / _mpf(best) - 1)))
+    return best, max(differences)
 
 
-def digits(value: mpmath.mpf) -> str:
-    """Thirty significant digits."""
-    return mpmath.nstr(value, 30, strip_zeros=False)
-
-
-def has_trajectory(problem: Problem) -> bool:
-    """Whether the trajectory has a closed form, not only the period."""
-    return isinstance(_spring(problem), CubicSpring)
-
-
-def trajectory(problem: Problem, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Exact displacement and velocity at the times ``t`` (shape (n,)), rounded to double precision.
+def trajectory(problem: Problem, t: Sequence) -> Truth:
+    """Truth at the increasing times ``t``, given as floats, fractions or numbers of heyoka.
 
     Raises
     ------
     ValueError
-        If there is no closed form for the trajectory.
+        If the problem is not smooth or has more than one unknown.
     """
-    spring = _spring(problem)
-    if not isinstance(spring, CubicSpring):
-        raise ValueError(f"the trajectory of '{problem.title}' has no closed form; only its period has.")
-    u, v = np.empty(len(t)), np.empty(len(t))
-    with mpmath.workdps(DIGITS):
-        amplitude, kappa, m, phase, function = _cubic(spring, mpmath.mpf(float(problem.u0)))
-        for i, time in enumerate(t):
-            x = kappa * mpmath.mpf(float(time)) + phase
-            sn, cn, dn = (mpmath.ellipfun(name, x, m=m) for name in ("sn", "cn", "dn"))
-            if function == "cn":
-                value, slope = cn, -sn * dn
-            else:
-                value, slope = dn, -m * sn * cn
-            u[i], v[i] = amplitude * value, amplitude * kappa * slope
-    return u, v
+    solutions = [
+        taylor.trajectory(problem, t, bits=bits, formulation=formulation)
+        for bits in BITS
+        for formulation in FORMULATIONS
+    ]
+    u, v = [s.u for s in solutions], [s.v for s in solutions]
+    return Truth(_doubles(u[0]), _doubles(v[0]), _spread(u), _spread(v))
+
+
+def phases(steps_per_period: Sequence[int]) -> list[Fraction]:
+    """Every part of the period that is met with one of these numbers of steps, in order, both ends included."""
+    parts = {Fraction(step, steps) for steps in steps_per_period for step in range(steps + 1)}
+    return sorted(parts)
+
+
+def _witnessed(problem: Problem, truth: Truth, times: Sequence[hy.real]) -> float:
+    """Largest difference of the closed form from the truth in double precision, relative; NaN without closed form."""
+    if not closed_form.has_trajectory(problem):
+        return np.nan
+    chosen = np.linspace(0, len(times) - 1, WITNESSED).astype(int)
+    u, v = closed_form.trajectory(problem, [_mpf(times[i]) for i in chosen])
+    return max(
+        np.max(np.abs(np.array(exact, float) - found[chosen])) / np.max(np.abs(found))
+        for exact, found in ((u, truth.u), (v, truth.v))
+    )
+
+
+def _uncertainty(values: np.ndarray, certified: float) -> float:
+    """Half a unit in the last place of the largest value, as it is stored in double precision, and the certificate."""
+    return 0.5 * np.spacing(np.max(np.abs(values))) + certified
+
+
+def reference(problem: str, steps_per_period: Sequence[int]) -> xr.Dataset:
+    """Period and trajectory over one period, at every phase that the given numbers of steps per period meet."""
+    definition = problems[problem]
+    progress(f"truth of {problem}: 128 and 192 bits, two formulations")
+    exact_period, period_certified = period(definition, printed_periods[problem])
+    parts = phases(steps_per_period)
+    times = [exact_period * part.numerator / part.denominator for part in parts]
+    truth = trajectory(definition, times)
+    energy = np.asarray(jax.vmap(definition.energy)(truth.u, truth.v))
+    rounded = float(exact_period)
+
+    def scalar(value, long_name, units):
+        return (), float(value), {"long_name": long_name, "units": units}
+
+    def spread(quantity, certified, units):
+        return scalar(certified, f"largest difference of the {quantity} between precisions and formulations", units)
+
+    return xr.Dataset(
+        {
+            "u": ("t", truth.u, {"long_name": "displacement", "units": "1"}),
+            "v": ("t", truth.v, {"long_name": "velocity", "units": "s-1"}),
+            "u_uncertainty": scalar(_uncertainty(truth.u, truth.u_certified), "uncertainty of the displacement", "1"),
+            "v_uncertainty": scalar(_uncertainty(truth.v, truth.v_certified), "uncertainty of the velocity", "s-1"),
+            "u_certified": spread("displacement before rounding", truth.u_certified, "1"),
+            "v_certified": spread("velocity before rounding", truth.v_certified, "s-1"),
+            "closed_form_difference": scalar(
+                _witnessed(definition, truth, times), "largest relative difference of the closed form", "1"
+            ),
+            "period": scalar(rounded, "period", "s"),
+            "period_remainder": scalar(exact_period - rounded, "what rounding took from the period", "s"),
+            "period_uncertainty": scalar(0.5 * np.spacing(rounded), "uncertainty of the period as stored", "s"),
+            "period_certified": scalar(
+                period_certified, "largest relative difference of the period between integrations and closed form", "1"
+            ),
+            "energy_drift": scalar(
+                np.max(np.abs(energy / energy[0] - 1)), "largest relative change of the energy along the reference", "1"
+            ),
+        },
+        coords={
+            "t": ("t", [float(time) for time in times], {"long_name": "elapsed time", "units": "s"}),
+            "phase": ("t", [float(part) for part in parts], {"long_name": "elapsed part of the period", "units": "1"}),
+        },
+        attrs={
+            "title": f"Exact solution of the {definition.title} over one period",
+            "problem": problem,
+            "period_30_digits": mpmath.nstr(_mpf(exact_period), 30, strip_zeros=False),
+        },
+    )
+
+
+if __name__ == "__main__":
+    main(reference)

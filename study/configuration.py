@@ -14,7 +14,6 @@ SCHEMA = Path(__file__).parent.parent / "config" / "schema.yaml"
 _REGISTRIES: dict[str, Registry] = {
     "problem": problems,
     "problems": problems,
-    "references": problems,
     "scheme": schemes,
     "schemes": schemes,
 }

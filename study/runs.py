@@ -161,7 +161,14 @@ def run(
     if lanes:
         start = np.broadcast_to(start, (lanes, *np.shape(definition.u0)))
         outcome = _march_lanes(
-            definition, method, reductions, records, start, np.broadcast_to(step_size, lanes), np.asarray(steps), samples
+            definition,
+            method,
+            reductions,
+            records,
+            start,
+            np.broadcast_to(step_size, lanes),
+            np.asarray(steps),
+            samples,
         )
     else:
         outcome = march_one(definition, method, reductions, records, start, step_size, np.asarray(steps), samples)

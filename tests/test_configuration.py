@@ -33,7 +33,10 @@ def test_what_is_shipped_is_accepted(config):
         (lambda c: c["energy_error"].pop("periods"), "energy_error: 'periods' is a required property."),
         (lambda c: c["sensitivity"].update(dt=0), "sensitivity.dt: 0 is less than or equal to the minimum of 0."),
         (lambda c: c["large_steps"].update(schemes=["rk5"]), "large_steps.schemes: there is no scheme 'rk5'; did you"),
-        (lambda c: c.update(references=["hard"]), "references: there is no problem 'hard'; did you mean 'hardening'?"),
+        (
+            lambda c: c["references"].update(problems=["hard"]),
+            "references.problems: there is no problem 'hard'; did you mean 'hardening'?",
+        ),
         (lambda c: c["phase_portrait"].update(soft=c["phase_portrait"]["softening"]), "there is no problem 'soft'"),
     ],
 )

@@ -57,16 +57,20 @@ class Newmark(Scheme):
 
     start = start_in_balance
 
-    def step(self, problem, state, t, dt):
+    def increment(self, problem, state, t, dt):
         u, v, a = state
         c_u, c_v = self.beta * dt**2, self.gamma * dt
-        u_predicted = u + dt * v + dt**2 * (0.5 - self.beta) * a
-        v_predicted = v + dt * (1 - self.gamma) * a
+        du = dt * v + dt**2 * (0.5 - self.beta) * a
+        dv = dt * (1 - self.gamma) * a
         if self.explicit:
-            a, effort = acceleration(problem, t + dt, u_predicted, v_predicted, c_v), Effort()
+            a, effort = acceleration(problem, t + dt, u + du, v + dv, c_v), Effort()
         else:
-            a, effort = balance(problem, load(problem, t + dt), u_predicted, v_predicted, c_u, c_v, guess=a)
-        return Motion(u_predicted + c_u * a, v_predicted + c_v * a, a), effort
+            a, effort = balance(problem, load(problem, t + dt), u + du, v + dv, c_u, c_v, guess=a)
+        return Motion(du + c_u * a, dv + c_v * a, a), effort
+
+    def step(self, problem, state, t, dt):
+        (du, dv, a), effort = self.increment(problem, state, t, dt)
+        return Motion(state.u + du, state.v + dv, a), effort
 
 
 average_acceleration = Newmark(beta=0.25, gamma=0.5, title="Average acceleration")

@@ -47,18 +47,20 @@ class RungeKutta4(Scheme):
     def start(self, problem, u0, v0, dt):
         return Phase(u0, v0), Effort()
 
-    def step(self, problem, state, t, dt):
-        def increment(c, du, dv):
+    def increment(self, problem, state, t, dt):
+        def k(c, du, dv):
             u, v = state.u + du, state.v + dv
             return dt * v, dt * acceleration(problem, t + c * dt, u, v)
 
-        u1, v1 = increment(0.0, 0.0, 0.0)
-        u2, v2 = increment(0.5, u1 / 2, v1 / 2)
-        u3, v3 = increment(0.5, u2 / 2, v2 / 2)
-        u4, v4 = increment(1.0, u3, v3)
-        u = state.u + (u1 + u4) / 6 + (u2 + u3) / 3
-        v = state.v + (v1 + v4) / 6 + (v2 + v3) / 3
-        return Phase(u, v), Effort()
+        u1, v1 = k(0.0, 0.0, 0.0)
+        u2, v2 = k(0.5, u1 / 2, v1 / 2)
+        u3, v3 = k(0.5, u2 / 2, v2 / 2)
+        u4, v4 = k(1.0, u3, v3)
+        return Phase((u1 + u4) / 6 + (u2 + u3) / 3, (v1 + v4) / 6 + (v2 + v3) / 3), Effort()
+
+    def step(self, problem, state, t, dt):
+        (du, dv), effort = self.increment(problem, state, t, dt)
+        return Phase(state.u + du, state.v + dv), effort
 
 
 rk4 = RungeKutta4()

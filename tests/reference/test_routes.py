@@ -1,42 +1,72 @@
-"""Every route to the reference against identities, against each other, and against printed tables of functions."""
+"""Every route to the reference against identities, against each other, and in what it refuses."""
 
+from fractions import Fraction
+
+import heyoka as hy
+import jax.numpy as jnp
 import mpmath
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
+import reference.diffrax
 import study
-from reference import diffrax, exact, sundials
+from reference import agreement, closed_form, exact, sundials, taylor
+from reference.solution import RouteFailed, StepLimit
+from reference.symbolic import expression, first_order, with_force_as_state
 from study.problems import CubicSpring, TanhSpring, printed_periods
 
 CUBIC = ["hardening", "double_well"]
+EXPLICIT = ["cvode_adams", "cvode_bdf", "dopri8", "tsit5", "heyoka"]
 
 
-@pytest.mark.parametrize("name", CUBIC)
-def test_closed_form_satisfies_energy_and_start(name):
+@pytest.fixture
+def duffing():
+    """A forced and damped Duffing oscillator before chaos sets in: no period to fold."""
+    return study.Problem(
+        CubicSpring(-1.0, -1.0).force,
+        u0=0.5,
+        v0=0.1,
+        damping=0.3,
+        load=lambda t: 0.2 * jnp.cos(1.2 * t),
+        title="Duffing",
+    )
+
+
+@pytest.mark.parametrize("name", list(study.problems))
+def test_period_is_certified_to_thirty_digits(name):
+    period, certified = exact.period(study.problems[name], printed_periods[name])
+    assert certified < 1e-36
+    with mpmath.workdps(50):
+        assert abs(closed_form.period(study.problems[name]) / mpmath.mpf(str(period)) - 1) < 1e-36
+
+
+@pytest.mark.parametrize("name", list(study.problems))
+def test_motion_is_certified_and_closes_after_a_period(name):
     problem = study.problems[name]
-    t = np.linspace(0.0, 2 * float(exact.period(problem)), 41)
-    u, v = exact.trajectory(problem, t)
-    energy = np.array([float(problem.energy(a, b)) for a, b in zip(u, v, strict=True)])
-    np.testing.assert_allclose(energy, energy[0], rtol=1e-13)
-    assert (u[0], v[0]) == pytest.approx((float(problem.u0), 0.0), abs=1e-15)
-    np.testing.assert_allclose(u[:21], u[20:], atol=1e-13)
+    period, _ = exact.period(problem, printed_periods[name])
+    truth = exact.trajectory(problem, [period * k / 16 for k in range(17)])
+    assert truth.u_certified < 1e-34 and truth.v_certified < 1e-33
+    assert (truth.u[-1], truth.v[-1]) == pytest.approx((float(problem.u0), 0.0), abs=1e-30)
+    energy = np.array([problem.energy(u, v) for u, v in zip(truth.u, truth.v, strict=True)])
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-14)
 
 
 @pytest.mark.parametrize("name", CUBIC)
-def test_closed_form_satisfies_the_equation_of_motion(name):
-    """Fourth order differences of the exact velocity are −p(u)."""
-    problem, h = study.problems[name], 1e-3 * float(exact.period(study.problems[name]))
-    t = 0.3 * float(exact.period(problem)) + h * np.arange(-2, 3)
-    u, v = exact.trajectory(problem, t)
-    acceleration = (v[0] - 8 * v[1] + 8 * v[3] - v[4]) / (12 * h)
-    assert acceleration == pytest.approx(-problem.force(u[2]), rel=1e-8)
+def test_closed_form_is_the_truth(name):
+    problem = study.problems[name]
+    period, _ = exact.period(problem, printed_periods[name])
+    times = [period * k / 16 for k in range(17)]
+    truth = exact.trajectory(problem, times)
+    u, v = closed_form.trajectory(problem, [mpmath.mpf(str(t)) for t in times])
+    np.testing.assert_allclose(np.array(u, float), truth.u, rtol=0, atol=1e-15 * np.abs(truth.u).max())
+    np.testing.assert_allclose(np.array(v, float), truth.v, rtol=0, atol=1e-15 * np.abs(truth.v).max())
 
 
 @pytest.mark.parametrize("name", list(study.problems))
 def test_period_is_the_quadrature_of_the_energy(name):
-    """T = 2 ∫ du / √(2 (V(u₀) − V(u))) between the turning points, with SciPy and another substitution."""
+    """T = 2 ∫ du / √(2 (V(u₀) − V(u))) between the turning points, in double precision with another substitution."""
     problem = study.problems[name]
     u0 = float(problem.u0)
 
@@ -52,61 +82,136 @@ def test_period_is_the_quadrature_of_the_energy(name):
 
     nodes, weights = np.polynomial.legendre.leggauss(200)
     period = 2 * sum(w * integrand(x) for x, w in zip(nodes, weights, strict=True))
-    assert float(exact.period(problem)) == pytest.approx(period, rel=1e-8)
-
-
-@pytest.mark.parametrize("name", list(study.problems))
-def test_digits_of_the_period_do_not_depend_on_the_precision(name, monkeypatch):
-    problem = study.problems[name]
-    thirty = exact.digits(exact.period(problem))
-    monkeypatch.setattr(exact, "DIGITS", 70)
-    assert exact.digits(exact.period(problem)) == thirty
+    assert float(closed_form.period(problem)) == pytest.approx(period, rel=1e-8)
 
 
 def test_small_amplitudes_have_the_linear_period():
     for spring in (CubicSpring(100.0, 10.0), TanhSpring(100.0)):
         problem = study.Problem(spring.force, u0=1e-8, potential=spring.potential)
-        assert float(exact.period(problem)) == pytest.approx(2 * np.pi / 10, rel=1e-12)
+        assert float(closed_form.period(problem)) == pytest.approx(2 * np.pi / 10, rel=1e-12)
 
 
 def test_duffing_period_is_that_of_the_complete_elliptic_integral():
     """T = 4 K(m)/ω with m = S2 u₀²/(2 (1 + S2 u₀²)), SciPy's K."""
     stiffness = 1 + 10 * 1.5**2
     expected = 4 * ellipk(22.5 / (2 * stiffness)) / np.sqrt(100 * stiffness)
-    assert float(exact.period(study.problems["hardening"])) == pytest.approx(expected, rel=1e-14)
+    assert float(closed_form.period(study.problems["hardening"])) == pytest.approx(expected, rel=1e-14)
 
 
-@pytest.mark.parametrize("route", [sundials, diffrax], ids=["CVODE", "diffrax"])
-@pytest.mark.parametrize("name", list(study.problems))
-def test_routes_meet_the_exact_period(route, name):
-    problem = study.problems[name]
-    assert route.period(problem, printed_periods[name]) == pytest.approx(float(exact.period(problem)), rel=1e-12)
+@pytest.mark.parametrize("route", EXPLICIT)
+def test_routes_meet_the_exact_period(route):
+    _, period = agreement.ROUTES[route]
+    for name in CUBIC:
+        found = period(study.problems[name], printed_periods[name], 1e-15)
+        assert found == pytest.approx(float(closed_form.period(study.problems[name])), rel=1e-12)
 
 
-@pytest.mark.parametrize("route", [sundials, diffrax], ids=["CVODE", "diffrax"])
-@pytest.mark.parametrize("name", CUBIC)
-def test_routes_meet_the_exact_trajectory(route, name):
-    problem = study.problems[name]
-    t = np.linspace(0.0, float(exact.period(problem)), 33)
-    for found, true in zip(route.trajectory(problem, t), exact.trajectory(problem, t), strict=True):
-        np.testing.assert_allclose(found, true, atol=1e-11 * np.abs(true).max())
+@pytest.mark.parametrize(
+    "route, whole_periods, anywhere",
+    [("cvode_adams", 1e-11, 1e-10), ("cvode_bdf", 1e-9, 1e-7), ("dopri8", 2e-12, 1e-11), ("tsit5", 2e-12, 1e-11),
+     ("heyoka", 1e-13, 5e-12)],
+)  # fmt: skip
+def test_what_the_tightest_tolerance_delivers_over_a_hundred_periods(route, whole_periods, anywhere):
+    problem = study.problems["hardening"]
+    truth = agreement._Folded(problem, 0.15, 100)
+    trajectory, _ = agreement.ROUTES[route]
+    errors = agreement._errors(problem, truth, trajectory(problem, truth.t, 1e-15))
+    assert errors["u_error_at_periods"][-1] < whole_periods
+    assert errors["u_error"][-1] < anywhere
+    assert np.all(np.diff(errors["u_error"]) >= 0)
+
+
+def test_folding_is_the_long_integration():
+    """The truth of the hundredth period, folded, against a run of 128 bits through all of them."""
+    problem = study.problems["softening"]
+    truth = agreement._Folded(problem, 1.14, 100)
+    last = taylor.trajectory(problem, truth.t[-3:], bits=128)
+    np.testing.assert_allclose(truth.u[-3:], [float(u) for u in last.u], rtol=0, atol=1e-15 * 4)
+    np.testing.assert_allclose(truth.v[-3:], [float(v) for v in last.v], rtol=0, atol=4e-15 * 26)
+
+
+def test_a_damped_and_forced_problem_has_a_truth_and_every_route_meets_it(duffing):
+    t = np.linspace(1.0, 60.0, 60)
+    truth = exact.trajectory(duffing, t)
+    assert truth.u_certified < 1e-30
+    for name, (trajectory, _) in agreement.ROUTES.items():
+        solution = trajectory(duffing, t, 1e-12 if name != "kvaerno5" else 1e-8)
+        allowed = {"cvode_bdf": 1e-8, "kvaerno5": 1e-5}.get(name, 1e-9)
+        np.testing.assert_allclose(solution.u, truth.u, atol=allowed, err_msg=name)
+        np.testing.assert_allclose(solution.v, truth.v, atol=allowed, err_msg=name)
+
+
+def test_a_problem_without_period_says_so(duffing):
+    for route, (_, period) in agreement.ROUTES.items():
+        with pytest.raises(ValueError, match=r"finds no period of 'Duffing': it is (damped|loaded)"):
+            period(duffing, 5.0, 1e-9)
+        resting = study.Problem(lambda u: u, u0=0.0, title="resting")
+        with pytest.raises(ValueError, match="it starts in balance"):
+            period(resting, 5.0, 1e-9)
+        moving = study.Problem(lambda u: u, u0=1.0, v0=1.0, title="moving")
+        with pytest.raises(ValueError, match="it does not start from rest"):
+            period(moving, 5.0, 1e-9)
+        assert route
+
+
+@pytest.mark.parametrize("route", [*EXPLICIT, "kvaerno5"])
+def test_a_tolerance_out_of_reach_is_refused(route):
+    trajectory, _ = agreement.ROUTES[route]
+    with pytest.raises(ValueError, match=r"cannot reach a tolerance of 1e-17; ask for .* or more"):
+        trajectory(study.problems["hardening"], np.array([0.1]), 1e-17)
+
+
+def test_a_limit_of_steps_names_the_route():
+    with pytest.raises(StepLimit, match="CVODE Adams did not finish 'hardening spring'"):
+        sundials.trajectory(study.problems["hardening"], np.array([1.0]), max_num_steps=10)
+    with pytest.raises(StepLimit, match="diffrax Dopri8 did not finish 'hardening spring': The maximum number"):
+        reference.diffrax.trajectory(study.problems["hardening"], np.array([1.0]), max_steps=10)
+
+
+@pytest.mark.parametrize("route", EXPLICIT)
+def test_a_turning_point_that_is_not_met_says_so(route):
+    _, period = agreement.ROUTES[route]
+    with pytest.raises(RouteFailed, match="met no turning point of 'hardening spring'"):
+        period(study.problems["hardening"], 0.01, 1e-9)
 
 
 def test_what_has_no_closed_form_says_so():
     with pytest.raises(ValueError, match="the trajectory of 'softening spring' has no closed form"):
-        exact.trajectory(study.problems["softening"], np.zeros(1))
+        closed_form.trajectory(study.problems["softening"], np.zeros(1))
     with pytest.raises(ValueError, match="no closed form is known for 'own'"):
-        exact.period(study.Problem(lambda u: u**5, u0=1.0, title="own"))
+        closed_form.period(study.Problem(lambda u: u**5, u0=1.0, title="own"))
     over_the_hill = study.Problem(CubicSpring(-0.5, -1.0).force, u0=2.0)
     with pytest.raises(ValueError, match="no closed form is implemented"):
-        exact.period(over_the_hill)
+        closed_form.period(over_the_hill)
 
 
-def test_a_turning_point_that_is_not_met_says_so():
-    with pytest.raises(RuntimeError, match="met no turning point of 'hardening spring'"):
-        sundials.period(study.problems["hardening"], 0.01)
+def test_translation_keeps_the_function():
+    """A JAX function and its heyoka expression agree on random arguments."""
+    u = hy.make_vars("u")
+    for function in (
+        study.problems["softening"].force,
+        lambda x: jnp.sin(x) * jnp.exp(-(x**2)) / (2.0 + jnp.cos(3.0 * x)),
+        lambda x: x**3 - 0.5 * x + jnp.sqrt(1.0 + x * x),
+    ):
+        compiled = hy.cfunc([expression(function, u)], [u])
+        for x in np.random.default_rng(0).uniform(-2, 2, 20):
+            assert compiled(np.array([x]))[0] == pytest.approx(float(function(x)), rel=1e-13)
 
 
-def test_precision_of_the_closed_form_is_fifty_digits():
-    assert mpmath.mp.dps == 15  # nothing leaks into the caller's context
-    assert exact.DIGITS == 50
+def test_what_is_not_smooth_is_refused():
+    with pytest.raises(ValueError, match="'abs' has no translation"):
+        first_order(study.Problem(lambda u: jnp.abs(u) * u, u0=1.0))
+    with pytest.raises(ValueError, match="has 2 unknowns"):
+        first_order(study.Problem(lambda u: u, u0=[1.0, 2.0], v0=[0.0, 0.0]))
+
+
+def test_the_second_formulation_does_not_evaluate_the_force():
+    (_, _), (_, acceleration), (_, _) = with_force_as_state(study.problems["softening"])
+    assert "tanh" not in str(acceleration)
+    assert "tanh" in str(first_order(study.problems["softening"])[1][1])
+
+
+def test_phases_hold_every_step_of_every_step_size():
+    parts = exact.phases([8, 11])
+    assert len(parts) == 8 + 11 - 1 + 1
+    assert Fraction(3, 8) in parts and Fraction(10, 11) in parts and parts[0] == 0 and parts[-1] == 1

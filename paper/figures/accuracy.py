@@ -1,0 +1,40 @@
+"""Four measures of error against the step size: where energy misleads, the others tell."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.figures.style import PAGE, letter, looks, main
+
+MEASURES = {
+    "max_trajectory_error": "largest error of $u$",
+    "phase_error": "delay (periods)",
+    "amplitude_decay": "amplitude lost per period",
+    "max_energy_error": "energy error (%)",
+}
+PROBLEMS = ("hardening", "softening")
+
+
+def draw(accuracy: xr.Dataset) -> Figure:
+    """A row a problem, a column a measure, over 100 periods; what is within the reference's uncertainty is left out."""
+    figure, axes = plt.subplots(len(PROBLEMS), len(MEASURES), figsize=(PAGE, 0.62 * PAGE), sharex=True, sharey="col")
+    for row, problem in zip(axes, PROBLEMS, strict=True):
+        for ax, (measure, label) in zip(row, MEASURES.items(), strict=True):
+            for name, look in looks(accuracy.scheme).items():
+                run = accuracy.sel(problem=problem, scheme=name)
+                size = abs(run[measure]).where(run.flagged == 0)
+                ax.plot(run.steps_per_period, size.where(size > 0), label=run.scheme_title.item(), markevery=2, **look)
+            ax.set(xscale="log", yscale="log")
+            ax.set_xticks([10, 100, 1000, 10000])
+            if ax in axes[-1]:
+                ax.set_xlabel("steps per period")
+            letter(ax, int(np.flatnonzero(axes.ravel() == ax)[0]), label)
+        row[0].set_ylabel(accuracy.problem_title.sel(problem=problem).item())
+    handles, names = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=4)
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

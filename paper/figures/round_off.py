@@ -1,0 +1,27 @@
+"""Where refinement ends, with plain and with compensated sums."""
+
+import matplotlib.pyplot as plt
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.figures.style import PAGE, looks, main
+
+
+def draw(round_off: xr.Dataset) -> Figure:
+    """Error over steps per period, filled markers for plain and open ones for compensated sums."""
+    figure, ax = plt.subplots(figsize=(0.8 * PAGE, 0.35 * PAGE))
+    for name, look in looks(round_off.scheme).items():
+        run = round_off.sel(scheme=name)
+        title = run.scheme_title.item()
+        ax.plot(run.steps_per_period, run.error.sel(summation="plain"), label=title, **look)
+        compensated = run.error.sel(summation="compensated")
+        ax.plot(
+            run.steps_per_period, compensated, label=f"{title}, compensated", **{**look, "markerfacecolor": "white"}
+        )
+    ax.set(xscale="log", yscale="log", xlabel="steps per period", ylabel="error after 10 periods")
+    figure.legend(loc="outside right center")
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

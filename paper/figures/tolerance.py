@@ -1,0 +1,39 @@
+"""What a tolerance delivers: the tolerance that is asked for against the true error after a hundred periods."""
+
+import matplotlib.pyplot as plt
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.figures.style import PAGE, letter, looks, main
+
+TITLES = {
+    "cvode_adams": "CVODE Adams",
+    "cvode_bdf": "CVODE BDF",
+    "dopri8": "diffrax Dopri8",
+    "tsit5": "diffrax Tsit5",
+    "kvaerno5": "diffrax Kvaerno5",
+    "heyoka": "heyoka",
+}
+
+
+def draw(agreement: xr.Dataset) -> Figure:
+    """One panel a problem: the largest error of the displacement over a hundred periods, over the tolerance."""
+    figure, axes = plt.subplots(1, agreement.sizes["problem"], figsize=(PAGE, 0.4 * PAGE), sharex=True, sharey=True)
+    for index, (ax, problem) in enumerate(zip(axes, agreement.problem.values, strict=True)):
+        ax.plot(agreement.tolerance, agreement.tolerance, color="0.7", linewidth=0.8, label="as asked for")
+        for route, look in looks(agreement.route).items():
+            error = agreement.u_error.sel(problem=problem, route=route, periods=agreement.periods.max())
+            ax.plot(agreement.tolerance, error, label=TITLES[route], **look)
+        ax.set(xscale="log", yscale="log", xlabel="relative tolerance")
+        ax.set_xticks([1e-4, 1e-8, 1e-12])
+        ax.minorticks_off()
+        letter(ax, index, problem.replace("_", " "))
+    axes[0].invert_xaxis()
+    axes[0].set_ylabel("error over 100 periods")
+    handles, names = axes[0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=4)
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

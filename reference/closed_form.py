@@ -1,0 +1,97 @@
+"""Closed forms in arbitrary precision: elliptic functions for the cubic springs, quadrature for the tanh period."""
+
+from collections.abc import Iterable
+
+import mpmath
+
+from study.problem import Problem
+from study.problems import CubicSpring, TanhSpring
+
+#: Decimal digits that are carried; the periods are good to 30.
+DIGITS = 50
+
+
+def _spring(problem: Problem) -> CubicSpring | TanhSpring:
+    spring = getattr(problem.force, "__self__", None)
+    if not isinstance(spring, CubicSpring | TanhSpring) or float(problem.v0) != 0.0:
+        raise ValueError(
+            f"no closed form is known for '{problem.title}': it must be a named spring released from rest."
+        )
+    return spring
+
+
+def _cubic(spring: CubicSpring, u0):
+    """Amplitude A, rate κ, modulus m, phase and Jacobi function of the solution of ü + S1 u (1 + S2 u²) = 0.
+
+    A hardening spring swings as A cn(κt), κ² = S1 (1 + S2 A²), m = S2 A² / (2 (1 + S2 A²)). In one well of the double
+    well the solution is A dn(κt + φ), κ² = S1 S2 A²/2, m = 1 − (a/A)² between the turning points a and A.
+    Source: P. F. Byrd, M. D. Friedman, Handbook of Elliptic Integrals for Engineers and Scientists, 1971.
+    """
+    S1, S2 = mpmath.mpf(spring.S1), mpmath.mpf(spring.S2)
+    if S1 > 0 and S2 > 0:
+        stiffness = 1 + S2 * u0**2
+        return u0, mpmath.sqrt(S1 * stiffness), S2 * u0**2 / (2 * stiffness), mpmath.mpf(0), "cn"
+    if S1 < 0 and S2 < 0 and 0 < -S2 * u0**2 < 2:
+        squares = sorted([u0**2, -2 / S2 - u0**2])  # turning points: equal potential on both sides of the well
+        m = 1 - squares[0] / squares[1]
+        phase = mpmath.ellipk(m) if u0**2 == squares[0] else mpmath.mpf(0)
+        amplitude = mpmath.sign(u0) * mpmath.sqrt(squares[1])
+        return amplitude, mpmath.sqrt(S1 * S2 * squares[1] / 2), m, phase, "dn"
+    raise ValueError(f"no closed form is implemented for {spring} released at {u0}.")
+
+
+def _tanh_period(spring: TanhSpring, u0):
+    """T = 4 ∫ du / √(2S ln(cosh u₀ / cosh u)) over 0 ≤ u ≤ u₀, with u = u₀ (1 − x²) so that the end is regular."""
+
+    def integrand(x):
+        drop = u0 * x**2
+        # ln(cosh u₀ / cosh(u₀ − drop)) without cancellation
+        logarithm = -mpmath.log1p(2 * mpmath.sinh(drop / 2) ** 2 - mpmath.tanh(u0) * mpmath.sinh(drop))
+        return 2 * u0 * x / mpmath.sqrt(2 * spring.S * logarithm)
+
+    return 4 * mpmath.quad(integrand, mpmath.linspace(0, 1, 5))
+
+
+def period(problem: Problem) -> mpmath.mpf:
+    """Exact period to ``DIGITS`` digits.
+
+    Raises
+    ------
+    ValueError
+        If there is no closed form for the problem.
+    """
+    spring = _spring(problem)
+    with mpmath.workdps(DIGITS):
+        u0 = mpmath.mpf(float(problem.u0))
+        if isinstance(spring, TanhSpring):
+            return _tanh_period(spring, u0)
+        _, kappa, m, _, function = _cubic(spring, u0)
+        return (4 if function == "cn" else 2) * mpmath.ellipk(m) / kappa
+
+
+def has_trajectory(problem: Problem) -> bool:
+    """Whether the trajectory has a closed form, not only the period."""
+    return isinstance(_spring(problem), CubicSpring)
+
+
+def trajectory(problem: Problem, t: Iterable) -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
+    """Exact displacement and velocity to ``DIGITS`` digits at the times ``t``, floats or numbers of mpmath.
+
+    Raises
+    ------
+    ValueError
+        If there is no closed form for the trajectory.
+    """
+    spring = _spring(problem)
+    if not isinstance(spring, CubicSpring):
+        raise ValueError(f"the trajectory of '{problem.title}' has no closed form; only its period has.")
+    u, v = [], []
+    with mpmath.workdps(DIGITS):
+        amplitude, kappa, m, phase, function = _cubic(spring, mpmath.mpf(float(problem.u0)))
+        for time in t:
+            x = kappa * mpmath.mpf(time) + phase
+            sn, cn, dn = (mpmath.ellipfun(name, x, m=m) for name in ("sn", "cn", "dn"))
+            value, slope = (cn, -sn * dn) if function == "cn" else (dn, -m * sn * cn)
+            u.append(amplitude * value)
+            v.append(amplitude * kappa * slope)
+    return u, v

@@ -1,0 +1,58 @@
+"""What every route returns, what it refuses, and how a period is asked for."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from study.problem import Problem
+
+#: Absolute tolerances stand this far below the relative one; displacements and velocities are of order one and more.
+ATOL_BELOW_RTOL = 1e-2
+
+
+class Solution(NamedTuple):
+    """Displacement and velocity at the times that were asked for, and what they took.
+
+    ``evaluations`` counts evaluations of the right side (for the Taylor method: of Taylor coefficients);
+    ``seconds`` is the run time without compilation.
+    """
+
+    u: np.ndarray
+    v: np.ndarray
+    evaluations: int
+    seconds: float
+
+
+class RouteFailed(RuntimeError):
+    """A route did not get where it was asked to go; the message names the route and the reason."""
+
+
+class StepLimit(RouteFailed):
+    """A route took all the steps that it was allowed."""
+
+
+def check_tolerance(route: str, rtol: float, smallest: float) -> None:
+    """Refuse a tolerance that a route cannot reach, before it tries."""
+    if not smallest <= rtol <= 1:
+        raise ValueError(f"{route} cannot reach a tolerance of {rtol:g}; ask for {smallest:g} or more.")
+
+
+def release(route: str, problem: Problem) -> float:
+    """Sign of the initial acceleration of a free oscillator at rest, whose period is twice the time to v = 0.
+
+    Raises
+    ------
+    ValueError
+        If the problem is not one: moving at the start, damped, loaded, or in balance.
+    """
+    reasons = {
+        "it is damped": problem.damping is not None,
+        "it is loaded": problem.load is not None,
+        "it has more than one unknown": np.ndim(problem.u0) > 0,
+        "it does not start from rest": np.ndim(problem.u0) == 0 and float(problem.v0) != 0.0,
+        "it starts in balance": np.ndim(problem.u0) == 0 and float(problem.force(problem.u0)) == 0.0,
+    }
+    for reason, holds in reasons.items():
+        if holds:
+            raise ValueError(f"{route} finds no period of '{problem.title}': {reason}.")
+    return -np.sign(float(problem.force(problem.u0)))

@@ -1,0 +1,101 @@
+"""The definition of a problem as a symbolic first order system, so that every route solves the very same equation."""
+
+from collections.abc import Callable
+
+import heyoka as hy
+import jax
+import jax.extend.core
+import numpy as np
+
+from study.problem import Problem
+
+_OPERATIONS: dict[str, Callable] = {
+    "add": lambda a, b: a + b,
+    "sub": lambda a, b: a - b,
+    "mul": lambda a, b: a * b,
+    "div": lambda a, b: a / b,
+    "neg": lambda a: -a,
+    "pow": lambda a, b: a**b,
+    "integer_pow": lambda a, b: a**b,
+    "square": lambda a: a * a,
+    "sqrt": hy.sqrt,
+    "exp": hy.exp,
+    "log": hy.log,
+    "sin": hy.sin,
+    "cos": hy.cos,
+    "tanh": hy.tanh,
+    "sinh": hy.sinh,
+    "cosh": hy.cosh,
+    "convert_element_type": lambda a: a,
+    "copy": lambda a: a,
+}
+
+
+def expression(function: Callable, argument: hy.expression) -> hy.expression:
+    """Translate a smooth scalar JAX function into an expression of heyoka.
+
+    Its constants are the doubles of its definition, also where more digits are computed.
+
+    Raises
+    ------
+    ValueError
+        If the function holds an operation that has no translation, such as a branch.
+    """
+
+    def evaluate(jaxpr, constants, arguments):
+        values = dict(zip(jaxpr.constvars, constants, strict=True)) | dict(zip(jaxpr.invars, arguments, strict=True))
+
+        def read(atom):
+            return float(atom.val) if isinstance(atom, jax.extend.core.Literal) else values[atom]
+
+        for equation in jaxpr.eqns:
+            inputs = [read(atom) for atom in equation.invars]
+            name = equation.primitive.name
+            if name in ("jit", "pjit"):
+                inner = equation.params["jaxpr"]
+                results = evaluate(inner.jaxpr, inner.consts, inputs)
+            elif name in _OPERATIONS:
+                exponent = [equation.params["y"]] if name == "integer_pow" else []
+                results = [_OPERATIONS[name](*inputs, *exponent)]
+            else:
+                raise ValueError(f"'{name}' has no translation into a Taylor series, which needs smooth functions.")
+            values |= dict(zip(equation.outvars, results, strict=True))
+        return [read(atom) for atom in jaxpr.outvars]
+
+    closed = jax.make_jaxpr(function)(1.0)
+    (result,) = evaluate(closed.jaxpr, [float(c) for c in closed.consts], [argument])
+    return result
+
+
+def _acceleration(problem: Problem, internal_force, v) -> hy.expression:
+    """(f(t) − C v − p) / M for a given internal force."""
+    result = -internal_force
+    if problem.damping is not None:
+        result = result - float(problem.damping) * v
+    if problem.load is not None:
+        result = result + expression(problem.load, hy.time)
+    return result if problem.mass is None else result / float(problem.mass)
+
+
+def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
+    """The system u̇ = v, v̇ = (f(t) − C v − p(u)) / M of a problem with one unknown.
+
+    Raises
+    ------
+    ValueError
+        If the problem has more than one unknown, or a function without translation.
+    """
+    if np.ndim(problem.u0):
+        raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; this route takes one.")
+    u, v = hy.make_vars("u", "v")
+    return [(u, v), (v, _acceleration(problem, expression(problem.force, u), v))]
+
+
+def with_force_as_state(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
+    """The same motion in another formulation: the internal force w is a state of its own, ẇ = p'(u) v.
+
+    Its Taylor coefficients follow from other recurrences than those of :func:`first_order`, so that an error in one
+    of them does not repeat itself in the other.
+    """
+    u, v, w = hy.make_vars("u", "v", "w")
+    return [(u, v), (v, _acceleration(problem, w, v)), (w, hy.diff(expression(problem.force, u), u) * v)]

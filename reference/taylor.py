@@ -1,0 +1,97 @@
+"""The Taylor method of heyoka, in double precision and beyond it."""
+
+import time
+from collections.abc import Callable, Sequence
+
+import heyoka as hy
+import numpy as np
+
+from reference.solution import RouteFailed, Solution, check_tolerance, release
+from reference.symbolic import expression, first_order
+from study.problem import Problem
+
+DOUBLE = 53
+_EPS = np.finfo(float).eps
+
+
+def _number(value, bits: int):
+    return float(value) if bits == DOUBLE else hy.real(value, bits)
+
+
+def _integrator(problem: Problem, bits: int, formulation: Callable, **options) -> hy.taylor_adaptive:
+    """Integrator at t = 0 of a formulation whose states are u, v and perhaps p(u)."""
+    system = formulation(problem)
+    start = [_number(float(problem.u0), bits), _number(float(problem.v0), bits)]
+    kind = {} if bits == DOUBLE else {"fp_type": hy.real, "prec": bits}
+    if len(system) == 3:
+        u = hy.make_vars("u")
+        force = hy.cfunc([expression(problem.force, u)], [u], **kind)
+        start.append(force(np.array(start[:1]))[0])
+    return hy.taylor_adaptive(system, start, **kind, **options)
+
+
+def _check(problem: Problem, outcome) -> None:
+    if outcome not in (hy.taylor_outcome.time_limit, hy.taylor_outcome.success):
+        raise RouteFailed(f"heyoka did not finish '{problem.title}': {outcome}.")
+
+
+def trajectory(
+    problem: Problem, t: Sequence, rtol: float = _EPS, bits: int = DOUBLE, formulation: Callable = first_order
+) -> Solution:
+    """Displacement and velocity at the increasing times ``t``, from the Taylor series of the step that holds them.
+
+    Parameters
+    ----------
+    t
+        Times from 0 on; numbers of heyoka where ``bits`` exceeds the double's 53.
+    rtol
+        Tolerance in double precision; beyond it the tolerance is the precision itself.
+    bits
+        Precision of the significand.
+    formulation
+        ``first_order`` or ``with_force_as_state`` of :mod:`reference.symbolic`.
+
+    Raises
+    ------
+    ValueError
+        If the tolerance cannot be reached.
+    RouteFailed
+        If the integration ends early.
+    """
+    if bits == DOUBLE:
+        check_tolerance("heyoka", rtol, _EPS)
+    options = {"tol": float(rtol)} if bits == DOUBLE else {}
+    integrator = _integrator(problem, bits, formulation, **options)
+    times = t if t[0] == 0 else [0.0, *t]  # the grid must begin where the integrator is
+    grid = np.array([_number(value, bits) for value in times])
+    start = time.perf_counter()
+    outcome, *_, steps, _, states = integrator.propagate_grid(grid)
+    seconds = time.perf_counter() - start
+    _check(problem, outcome)
+    return Solution(states[-len(t) :, 0], states[-len(t) :, 1], steps * integrator.order, seconds)
+
+
+def period(
+    problem: Problem, estimate: float, rtol: float = _EPS, bits: int = DOUBLE, formulation: Callable = first_order
+):
+    """Twice the time to the next turning point, by the event of v = 0 on the Taylor series.
+
+    Raises
+    ------
+    ValueError
+        If the problem has no such period.
+    RouteFailed
+        If no turning point comes within three quarters of ``estimate``.
+    """
+    sign = release("heyoka", problem)
+    met: list = []
+    event = hy.nt_event_dbl if bits == DOUBLE else hy.nt_event_real
+    turning = event(-float(sign) * hy.make_vars("v"), lambda _, t, direction: met.append((t, direction)))
+    options = {"tol": float(rtol)} if bits == DOUBLE else {}
+    integrator = _integrator(problem, bits, formulation, nt_events=[turning], **options)
+    outcome, *_ = integrator.propagate_until(_number(0.75 * estimate, bits))
+    _check(problem, outcome)
+    ends = [t for t, direction in met if direction > 0]
+    if not ends:
+        raise RouteFailed(f"heyoka met no turning point of '{problem.title}' up to t = {0.75 * estimate:g}.")
+    return 2 * ends[0]

@@ -1,0 +1,62 @@
+"""Where refinement ends: the error at very small steps, and what compensated summation buys."""
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+import xarray as xr
+
+from study import datasets
+from study.command import main, progress
+from study.experiments import labels
+from study.problems import problems
+from study.runs import run
+from study.schemes import Compensated
+from study.schemes import schemes as registry
+
+#: The run ends this part of a period after a whole number of them, where displacement and velocity both tell phases.
+PHASE = Fraction(1, 8)
+
+
+def round_off(problem: str, schemes: Sequence[str], steps_per_period: Sequence[int], periods: int) -> xr.Dataset:
+    """Error at the end of ``periods`` periods and an eighth, plain and compensated, by steps per period."""
+    reference = datasets.open(f"reference/{problem}")
+    at = reference.isel(t=int(np.argmin(np.abs(reference.phase.values - float(PHASE)))))
+    u, v, force = at.u.item(), at.v.item(), float(problems[problem].force(at.u.item()))
+    exact_period = Fraction(reference.period.item()) + Fraction(reference.period_remainder.item())
+    end = exact_period * (periods + PHASE)
+    summation = ["plain", "compensated"]
+    error = np.empty((len(schemes), len(summation), len(steps_per_period)))
+    for s, name in enumerate(schemes):
+        progress(f"round-off of {name} on {problem}")
+        plain = registry[name]
+        for c, scheme in enumerate((plain, Compensated(plain))):  # type: ignore[arg-type]
+            for k, parts in enumerate(steps_per_period):
+                steps = int(parts * (periods + PHASE))
+                dt = float(end / steps)
+                late = float(steps * Fraction(dt) - end)
+                last = run(problem, scheme, dt=dt, steps=steps, every=steps).isel(t=-1)
+                differences = (
+                    (last.u.item() - (u + v * late)) / np.max(np.abs(reference.u)),
+                    (last.v.item() - (v - force * late)) / np.max(np.abs(reference.v)),
+                )
+                error[s, c, k] = np.hypot(*differences)
+    return xr.Dataset(
+        {
+            "error": (
+                ("scheme", "summation", "steps_per_period"),
+                error,
+                {"long_name": f"error of displacement and velocity after {periods} periods, relative", "units": "1"},
+            )
+        },
+        coords={
+            **labels.scheme_coordinates(schemes),
+            "summation": ("summation", summation, {"long_name": "how displacement and velocity are summed"}),
+            **labels.steps_per_period_coordinate(steps_per_period),
+        },
+        attrs={"title": f"Round-off at small steps on the {problems[problem].title}", "problem": problem},
+    )
+
+
+if __name__ == "__main__":
+    main(round_off)

@@ -1,0 +1,77 @@
+"""Compensated summation: what round-off takes from each step is given back in the next."""
+
+from typing import Any, ClassVar, NamedTuple
+
+import equinox as eqx
+import jax
+
+from study.equilibrium import Effort
+from study.schemes.newmark import Newmark
+from study.schemes.runge_kutta import RungeKutta4
+from study.schemes.scheme import Scheme
+
+
+class Summed(NamedTuple):
+    """State of the scheme itself, and what its last sums lost, each of shape () or (n,)."""
+
+    inner: Any
+    lost_u: jax.Array
+    lost_v: jax.Array
+
+    @property
+    def u(self):
+        """Displacement."""
+        return self.inner.u
+
+    @property
+    def v(self):
+        """Velocity."""
+        return self.inner.v
+
+
+def _sum(total, increment, lost):
+    """Kahan's sum of a total and an increment, and what it lost."""
+    corrected = increment - lost
+    new = total + corrected
+    return new, (new - total) - corrected
+
+
+class Compensated(Scheme):
+    """Another scheme with compensated summation of displacement and velocity.
+
+    y = Δu − lost,    u₁ = u₀ + y,    lost = (u₁ − u₀) − y
+
+    Parameters
+    ----------
+    scheme
+        A scheme that tells its increments: ``Newmark`` or ``RungeKutta4``.
+
+    References
+    ----------
+    W. Kahan, Further remarks on reducing truncation errors, Comm. ACM 8(1), 1965, 40.
+    """
+
+    scheme: Newmark | RungeKutta4
+    title: str = eqx.field(default="Compensated", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Compensated"
+    source: ClassVar[str] = "Kahan (1965)"
+    doi: ClassVar[str] = "10.1145/363707.363723"
+
+    @property
+    def order(self) -> int:
+        return self.scheme.order
+
+    @property
+    def explicit(self) -> bool:
+        return self.scheme.explicit
+
+    def start(self, problem, u0, v0, dt):
+        inner, effort = self.scheme.start(problem, u0, v0, dt)
+        return Summed(inner, 0 * u0, 0 * v0), effort
+
+    def step(self, problem, state, t, dt) -> tuple[Summed, Effort]:
+        increment, effort = self.scheme.increment(problem, state.inner, t, dt)
+        u, lost_u = _sum(state.u, increment.u, state.lost_u)
+        v, lost_v = _sum(state.v, increment.v, state.lost_v)
+        return Summed(increment._replace(u=u, v=v), lost_u, lost_v), effort
