@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import grimp
+from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 min_version("9.0")
@@ -16,9 +17,14 @@ configfile: f"{workflow.basedir}/config/study.yaml"
 
 sys.path.insert(0, workflow.basedir)
 from study.configuration import check
+from study.datasets import check_writable
 from study.schemes import schemes
 
-check(config)
+try:
+    check(config)
+    check_writable("results/any")
+except (ValueError, KeyError, SystemExit) as error:
+    raise WorkflowError(str(error)) from None
 
 PROJECT = workflow.basedir
 SOURCES = Path(os.path.relpath(PROJECT))  # relative, so that a project that is moved stays made
@@ -49,11 +55,12 @@ def sources(module, used_schemes=()):
     if not module.startswith("paper"):
         modules.add("study.xla")  # imported by the package itself
     paths = [SOURCES.joinpath(*name.split(".")) for name in sorted(modules)]
-    return [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
+    printed = (SOURCES / "paper" / "published").glob("*.csv") if "paper.published" in modules else []
+    return [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths] + sorted(printed)
 
 
 # ---------------------------------------------------------------------------------------------------------------------
-# What there is to make.
+# What there is to make. Every output is an update: when a job fails, what was there before stays.
 
 PORTRAITS = list(config["phase_portrait"])
 #: Experiment: the schemes that it uses. Its options are the section of the configuration of the same name.
@@ -145,7 +152,7 @@ rule reference:
     input:
         sources("reference.exact"),
     output:
-        "results/reference/{problem}.nc",
+        update("results/reference/{problem}.nc"),
     params:
         options=lambda wildcards: json.dumps(
             {"problem": wildcards.problem, "steps_per_period": config["references"]["steps_per_period"]}
@@ -186,7 +193,7 @@ rule gathered_agreement:
         parts=dataset(*(f"reference_agreement/{name}" for name in config["references"]["problems"])),
         sources=sources("study.gather"),
     output:
-        "results/reference_agreement.nc",
+        update("results/reference_agreement.nc"),
     log:
         "results/logs/agreement.log",
     benchmark:
@@ -209,7 +216,7 @@ rule experiment:
     input:
         lambda wildcards: inputs_of(wildcards.experiment),
     output:
-        "results/{experiment}.nc",
+        update("results/{experiment}.nc"),
     params:
         options=lambda wildcards: json.dumps(config[wildcards.experiment]),
     log:
@@ -232,7 +239,7 @@ rule phase_portrait:
             "study.experiments.phase_portrait", config["phase_portrait"][wildcards.portrait]["schemes"]
         ),
     output:
-        "results/phase_portrait/{portrait}.nc",
+        update("results/phase_portrait/{portrait}.nc"),
     params:
         options=lambda wildcards: json.dumps(
             {"problem": wildcards.portrait, **config["phase_portrait"][wildcards.portrait]}
@@ -254,9 +261,11 @@ rule figure:
         data=lambda wildcards: FIGURES[wildcards.figure][1],
         sources=lambda wildcards: sources(f"paper.figures.{FIGURES[wildcards.figure][0]}"),
     output:
-        pdf="results/figures/{figure}.pdf",
-        png="results/figures/{figure}.png",
-        svg=report("results/figures/{figure}.svg", caption="paper/figures/caption.rst", category="Figures"),
+        pdf=update("results/figures/{figure}.pdf"),
+        png=update("results/figures/{figure}.png"),
+        svg=report(
+            update("results/figures/{figure}.svg"), caption="paper/figures/caption.rst", category="Figures"
+        ),
     params:
         script=lambda wildcards: FIGURES[wildcards.figure][0],
         caption=lambda wildcards: FIGURES[wildcards.figure][2],
@@ -277,7 +286,7 @@ rule claims:
         data=dataset(*DATASETS),
         sources=sources("paper.claims.__main__"),
     output:
-        "results/claims.csv",
+        update("results/claims.csv"),
     params:
         names=DATASETS,
     log:
@@ -297,8 +306,8 @@ rule table:
         data=lambda wildcards: TABLES[wildcards.table],
         sources=lambda wildcards: sources(f"paper.tables.{wildcards.table}"),
     output:
-        csv="results/tables/{table}.csv",
-        tex="results/tables/{table}.tex",
+        csv=update("results/tables/{table}.csv"),
+        tex=update("results/tables/{table}.tex"),
     log:
         "results/logs/table_{table}.log",
     benchmark:
@@ -319,7 +328,7 @@ rule numbers:
         dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
         sources=sources("paper.numbers"),
     output:
-        "results/numbers.json",
+        update("results/numbers.json"),
     log:
         "results/logs/numbers.log",
     benchmark:
@@ -341,7 +350,7 @@ rule manuscript:
         bibliography=SOURCES / "paper" / "references.bib",
         sources=sources("paper.compile"),
     output:
-        "results/manuscript.pdf",
+        update("results/manuscript.pdf"),
     log:
         "results/logs/manuscript.log",
     benchmark:

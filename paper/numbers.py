@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from paper.data import load
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
 
@@ -19,8 +20,8 @@ def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
 
 def _of_cells(energy_error: xr.Dataset) -> dict:
     printed = printed_energy_errors()
-    ours = energy_error.max_energy_error.sel(period_used="printed")
-    exact = energy_error.max_energy_error.sel(period_used="exact")
+    cells = energy_error.max_energy_error.sel(scheme=printed.scheme)
+    ours, exact = cells.sel(period_used="printed"), cells.sel(period_used="exact")
     off = abs(ours - printed)
     unexplained = ~same(twice(ours), printed)
     (odd,) = np.argwhere(unexplained.values)
@@ -31,8 +32,6 @@ def _of_cells(energy_error: xr.Dataset) -> dict:
         "cells_rounded_once": int(same(once(ours), printed).sum()),
         "cells_rounded_twice": int(same(twice(ours), printed).sum()),
         "cells_exact_period": int(same(twice(exact), printed).sum()),
-        "largest_deviation": f"{off.max().item():.3f}",
-        "second_largest_deviation": f"{np.sort(off.values.ravel())[-2]:.3f}",
         "odd_cell_printed": f"{printed.isel(odd_cell).item():.1f}",
         "odd_cell": f"{ours.isel(odd_cell).item():.3f}",
         "odd_cell_exact": f"{exact.isel(odd_cell).item():.3f}",
@@ -46,15 +45,15 @@ def _of_cells(energy_error: xr.Dataset) -> dict:
 
 
 def _caught(drift: xr.Dataset) -> np.ndarray:
-    """Whole even number of steps per oscillation that holds each run, 0 where none does.
+    """Whole number of steps per oscillation that holds each run, 0 where none does.
 
-    A run is held if an oscillation takes that number at the end to one part in a thousand while its neighbours on the
-    grid of step sizes, which it would lie between, have lost at least twice the energy.
+    A run is held if an oscillation takes that number at the end to one part in a thousand, and it has lost less than
+    half of the energy that the runs at neighbouring step sizes have lost.
     """
     count, lost = drift.steps_per_oscillation.values, -drift.energy_drift.values
-    even = 2 * np.round(count / 2)
+    whole = np.round(count)
     trend = np.median(np.lib.stride_tricks.sliding_window_view(np.pad(lost, 20, mode="edge"), 41), axis=1)
-    return np.where((np.abs(count / even - 1) < 1e-3) & (lost < trend / 2), even, 0).astype(int)
+    return np.where((np.abs(count / whole - 1) < 1e-3) & (lost < trend / 2), whole, 0).astype(int)
 
 
 def _of_drift(drift: xr.Dataset) -> dict:
@@ -68,7 +67,7 @@ def _of_drift(drift: xr.Dataset) -> dict:
     return numbers | {
         "drift_runs": parts.size,
         "resonances": ", ".join(str(number) for number in sorted(set(caught) - {0})),
-        "caught_runs": int((caught > 0).sum()),
+        "resonances_odd": int((caught % 2 == 1).sum()),
         "resonance_20_from": f"{near_20.min():.2f}",
         "resonance_20_to": f"{near_20.max():.2f}",
     }
@@ -76,7 +75,8 @@ def _of_drift(drift: xr.Dataset) -> dict:
 
 def _of_instability(portrait: xr.Dataset) -> dict:
     growth = 1 + portrait.energy_error.max("t") / 100
-    return {f"growth_{name}": f"{growth.sel(scheme=name).item():.1f}" for name in growth.scheme.values}
+    shown = ("average_acceleration", "central_difference", "hht_alpha")
+    return {f"growth_{name}": f"{growth.sel(scheme=name).item():.1f}" for name in shown}
 
 
 def _of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
@@ -92,8 +92,7 @@ def _of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
 
 def _of_times(cpu_time: xr.Dataset) -> dict:
     return {
-        f"ns_{problem}_{scheme}": f"{cpu_time.median_time_per_step.sel(problem=problem, scheme=scheme).item():.0f}"
-        for problem in cpu_time.problem.values
+        f"ns_{scheme}": f"{cpu_time.median_time_per_step.sel(problem='hardening', scheme=scheme).item():.0f}"
         for scheme in ("average_acceleration", "central_difference", "rk4")
     }
 
@@ -141,7 +140,7 @@ def numbers(results: Path) -> dict:
     """All numbers by name, those with decimals formatted."""
 
     def dataset(name):
-        return xr.load_dataset(results / f"{name}.nc")
+        return load(results / f"{name}.nc")
 
     claims = pd.read_csv(results / "claims.csv", dtype=str, keep_default_na=False)
     return {

@@ -19,6 +19,6 @@ def twice(values: xr.DataArray) -> xr.DataArray:
     return _half_up(_half_up(values, 2), 1)
 
 
-def same(a: xr.DataArray, b: xr.DataArray) -> xr.DataArray:
+def same(a: xr.DataArray, b: xr.DataArray | float) -> xr.DataArray:
     """Whether two arrays of rounded numbers print the same digit."""
     return abs(a - b) < 0.01

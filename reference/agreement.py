@@ -123,7 +123,11 @@ def agreement(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
             "problem": ((), problem, {"long_name": "problem"}),
             "route": ("route", list(ROUTES), {"long_name": "solver that was asked"}),
             "tolerance": ("tolerance", list(tolerances), {"long_name": "relative tolerance asked for", "units": "1"}),
-            "periods": ("periods", list(WINDOWS), {"long_name": "periods over which the error is the largest"}),
+            "periods": (
+                "periods",
+                list(WINDOWS),
+                {"long_name": "periods over which the error is the largest", "units": "1"},
+            ),
         },
         attrs={"title": TITLE},
     ).expand_dims("problem")

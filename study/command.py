@@ -17,6 +17,8 @@ def _options(function: Callable, text: str) -> dict:
         options = json.loads(text)
     except json.JSONDecodeError as error:
         raise SystemExit(f"the options must be a JSON object: {error}.") from None
+    if not isinstance(options, dict):
+        raise SystemExit(f"the options must be a JSON object, not {text}.")
     known = inspect.signature(function).parameters
     for name in options:
         if name not in known:

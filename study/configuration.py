@@ -1,5 +1,7 @@
 """The configuration of the pipeline, checked before any work starts."""
 
+import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,17 @@ _REGISTRIES: dict[str, Registry] = {
     "scheme": schemes,
     "schemes": schemes,
 }
+#: The sections whose products the manuscript compares with the paper, which has these schemes and problems.
+_OF_THE_PAPER = ("energy_error", "cpu_time", "large_steps", "sensitivity", "spectral", "accuracy")
+_PAPER_SCHEMES = list(schemes)[:7]
+_PAPER_PROBLEMS = ("hardening", "softening")
+#: YAML tells 15 from 15.0, and so does a count.
+_Validator = jsonschema.validators.extend(
+    jsonschema.Draft202012Validator,
+    type_checker=jsonschema.Draft202012Validator.TYPE_CHECKER.redefine(
+        "integer", lambda _, value: isinstance(value, int) and not isinstance(value, bool)
+    ),
+)
 
 
 def _sentence(error: jsonschema.ValidationError) -> str:
@@ -41,6 +54,42 @@ def _check_names(section: dict[str, Any], place: str) -> None:
                     raise ValueError(f"{place}{key}: {error}") from None
 
 
+def _numbers(section: Any, place: str) -> Iterator[tuple[str, float]]:
+    """Every number of a configuration with its place."""
+    entries = section.items() if isinstance(section, dict) else enumerate(section) if isinstance(section, list) else ()
+    for key, value in entries:
+        if isinstance(value, float | int):
+            yield f"{place}{key}", value
+        yield from _numbers(value, f"{place}{key}.")
+
+
+def _check_values(config: dict) -> None:
+    """What a schema cannot say: finite numbers, at least one step, ranges in order, what the manuscript needs."""
+    for place, value in _numbers(config, ""):
+        if not math.isfinite(value):
+            raise ValueError(f"{place} must be finite, not {value}.")
+    for name, portrait in {**config["phase_portrait"], "sensitivity": config["sensitivity"]}.items():
+        if portrait["duration"] < portrait["dt"]:
+            raise ValueError(f"{name}: a duration of {portrait['duration']} is less than one step of {portrait['dt']}.")
+    large = config["large_steps"]
+    if max(large["dt_over_period"]) > large["periods"]:
+        raise ValueError(
+            f"large_steps.dt_over_period: a step is longer than the {large['periods']} periods of the run."
+        )
+    for place, span in (
+        ("energy_drift.steps_per_period", config["energy_drift"]["steps_per_period"]),
+        ("spectral.exponents", config["spectral"]["exponents"]),
+    ):
+        if span["first"] >= span["last"]:
+            raise ValueError(f"{place}: first, {span['first']}, must be less than last, {span['last']}.")
+    portraits = {f"phase_portrait.{name}": portrait for name, portrait in config["phase_portrait"].items()}
+    for place, section in {**{key: config[key] for key in _OF_THE_PAPER}, **portraits}.items():
+        for key, needed in (("schemes", _PAPER_SCHEMES), ("problems", _PAPER_PROBLEMS)):
+            missing = [name for name in needed if key in section and name not in section[key]]
+            if missing:
+                raise ValueError(f"{place}.{key} lacks '{missing[0]}', which the manuscript and its ledger need.")
+
+
 def check(config: dict) -> None:
     """Refuse a configuration that cannot be run, with one sentence that names the key.
 
@@ -50,9 +99,10 @@ def check(config: dict) -> None:
         If a key is unknown, missing or of the wrong type, or a problem or scheme is unknown.
     """
     schema = yaml.safe_load(SCHEMA.read_text())
-    error = jsonschema.exceptions.best_match(jsonschema.Draft202012Validator(schema).iter_errors(config))
+    error = jsonschema.exceptions.best_match(_Validator(schema).iter_errors(config))
     if error is not None:
         raise ValueError(_sentence(error))
     _check_names(config, "")
+    _check_values(config)
     for name in config["phase_portrait"]:
         problems[name]

@@ -73,13 +73,15 @@ def check_writable(path: str | Path) -> Path:
         raise SystemExit(f"the results folder '{path.parent}' cannot be made: {error.strerror}.") from None
     if not os.access(path.parent, os.W_OK):
         raise SystemExit(f"the results folder '{path.parent}' is not writable; choose one that is.")
+    if path.is_dir():
+        raise SystemExit(f"'{path}' is a folder; the dataset needs the name.")
     return path
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a dataset whole or not at all: to a neighbour first, which then takes the name."""
     path = check_writable(path)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}")
+    unfinished = path.with_name(f".{path.name}.unfinished")
     try:
         dataset.to_netcdf(unfinished, engine="netcdf4", encoding=_encoding(dataset))
         os.replace(unfinished, path)
@@ -99,9 +101,9 @@ def open(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
     """
     path = Path(folder) / f"{name}.nc"
     if not path.exists():
-        present = sorted(str(p.relative_to(folder).with_suffix("")) for p in Path(folder).rglob("*.nc"))
-        hint = f" There are datasets: {did_you_mean(name, present)}" if present else ""
-        raise FileNotFoundError(f"there is no dataset '{path}'; `snakemake {path}` makes it.{hint}")
+        present = sorted(p.relative_to(folder).with_suffix("").as_posix() for p in Path(folder).rglob("*.nc"))
+        hint = f" Among those that are there: {did_you_mean(str(name), present)}" if present else ""
+        raise FileNotFoundError(f"there is no dataset '{path}'; `snakemake {path}` makes those of the study.{hint}")
     again = f"delete it and run `snakemake {path}`."
     try:
         dataset = xr.load_dataset(path, engine="netcdf4")

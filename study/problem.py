@@ -11,7 +11,12 @@ import numpy as np
 
 def _real(value):
     """Float64 for numbers and arrays; what JAX is tracing stays as it is."""
-    return value if isinstance(value, jax.Array) else np.asarray(value, dtype=np.float64)
+    if isinstance(value, jax.core.Tracer):
+        return value
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"a problem takes numbers and arrays of numbers, not {value!r}.") from None
 
 
 def _optional_real(value):
@@ -56,7 +61,7 @@ class Problem(eqx.Module):
 
     def __check_init__(self):
         shape = np.shape(self.u0)
-        if len(shape) > 1:
+        if len(shape) > 1 or shape == (0,):
             raise ValueError(f"u0 must be a number or a vector (n,), not an array of shape {shape}.")
         if np.shape(self.v0) != shape:
             raise ValueError(f"v0 must have the shape of u0, {shape}, not {np.shape(self.v0)}.")
@@ -73,7 +78,7 @@ class Problem(eqx.Module):
             ("potential", (self.u0,), ()),
         ):
             function = getattr(self, name)
-            if function is not None and not callable(function):
+            if not callable(function) and (function is not None or name == "force"):
                 raise TypeError(f"{name} must be a function, not {function!r}.")
             if function is not None:
                 received = jax.eval_shape(lambda *x, f=function: jnp.asarray(f(*x)), *values).shape
@@ -83,6 +88,10 @@ class Problem(eqx.Module):
             value = getattr(self, name)
             if isinstance(value, np.ndarray) and not np.isfinite(value).all():
                 raise ValueError(f"{name} must be finite, not {value}.")
+        if isinstance(self.mass, np.ndarray):
+            least = np.linalg.eigvalsh(self.mass).min() if self.mass.ndim == 2 else self.mass.min()
+            if least <= 0:
+                raise ValueError(f"mass must be positive (definite); its smallest value is {least:g}.")
 
     def energy(self, u, v):
         """Kinetic and potential energy ½ u̇ᵀ M u̇ + V(u), the scalar E of Xie (1996), eqs (4) and (5)."""

@@ -12,7 +12,7 @@ from study.march import STATUS_MEANINGS, march, march_one
 from study.observers import Observer, Record, Reduction, observers
 from study.problem import Problem
 from study.problems import problems
-from study.registry import Registry
+from study.registry import Registry, did_you_mean
 from study.schemes import Scheme, schemes
 
 T = TypeVar("T")
@@ -40,12 +40,12 @@ def _resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
     if isinstance(thing, str):
         return registry[thing]
     if not isinstance(thing, kind):
-        raise TypeError(f"a {registry.kind} is a name or a study.{kind.__name__}, not {thing!r}.")
+        raise TypeError(f"{thing!r} is no {registry.kind}: give a name or a {kind.__module__}.{kind.__name__}.")
     return thing
 
 
 def _positive_integer(name, value):
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 1 <= value < 2**62:
         raise ValueError(f"{name} must be a whole number of at least 1, not {value!r}.")
     return int(value)
 
@@ -53,6 +53,8 @@ def _positive_integer(name, value):
 def _numbers(name, value):
     try:
         numbers = np.asarray(value, dtype=np.float64)
+        if np.asarray(value).dtype.kind == "b":
+            raise ValueError
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be a number or an array of numbers, not {value!r}.") from None
     if numbers.size == 0:
@@ -75,13 +77,18 @@ def _checked_start(problem, u0):
         return np.asarray(problem.u0)
     u0 = _numbers("u0", u0)
     if (u0.shape != shape and u0.shape[1:] != shape) or u0.ndim > len(shape) + 1:
-        raise ValueError(f"u0 must have the shape {shape} of the problem, or (lanes, *{shape}), not {u0.shape}.")
+        ensemble = f"({', '.join(['lanes', *map(str, shape)])})"
+        raise ValueError(
+            f"u0 must have the shape {shape} of the problem, or {ensemble} for an ensemble, not {u0.shape}."
+        )
     if not np.isfinite(u0).all():
         raise ValueError(f"u0 must be finite, not {u0}.")
     return u0
 
 
 def _checked_observers(problem, observe) -> tuple[Observer, ...]:
+    if observe is None:
+        raise TypeError(f"observe must be a list of observers; {did_you_mean('', observers)}")
     chosen = [_resolve(o, observers, Observer) for o in ([observe] if isinstance(observe, str) else observe)]
     for observer in chosen:
         if observer.needs_energy and problem.potential is None:

@@ -31,6 +31,15 @@ def test_what_is_shipped_is_accepted(config):
         (lambda c: c["cpu_time"].update(repeats="many"), "cpu_time.repeats: 'many' is not of type 'integer'."),
         (lambda c: c["energy_error"].update(periods=0), "energy_error.periods: 0 is less than the minimum of 1."),
         (lambda c: c["energy_error"].pop("periods"), "energy_error: 'periods' is a required property."),
+        (lambda c: c["cpu_time"].update(repeats=15.0), "cpu_time.repeats: 15.0 is not of type 'integer'."),
+        (lambda c: c["sensitivity"].update(dt=float("nan")), "sensitivity.dt must be finite, not nan."),
+        (
+            lambda c: c["phase_portrait"]["hardening"].update(dt=75),
+            "hardening: a duration of 15.0 is less than one step of 75.",
+        ),
+        (lambda c: c["energy_drift"]["steps_per_period"].update(first=50), "first, 50, must be less than last, 40."),
+        (lambda c: c["large_steps"].update(dt_over_period=[0.1, 300.0]), "a step is longer than the 100 periods"),
+        (lambda c: c["cpu_time"].update(schemes=["rk4"]), "cpu_time.schemes lacks 'average_acceleration', which the"),
         (lambda c: c["sensitivity"].update(dt=0), "sensitivity.dt: 0 is less than or equal to the minimum of 0."),
         (lambda c: c["large_steps"].update(schemes=["rk5"]), "large_steps.schemes: there is no scheme 'rk5'; did you"),
         (

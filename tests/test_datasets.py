@@ -47,7 +47,7 @@ def test_an_interrupted_write_leaves_what_was_there(dataset, tmp_path, monkeypat
 
 
 def test_a_missing_dataset_says_what_to_run(dataset, tmp_path):
-    with pytest.raises(FileNotFoundError, match="`snakemake .*energy_error.nc` makes it"):
+    with pytest.raises(FileNotFoundError, match="`snakemake .*energy_error.nc` makes"):
         study.open("energy_error", tmp_path)
     datasets.write(dataset, tmp_path / "energy_error.nc")
     with pytest.raises(FileNotFoundError, match="did you mean 'energy_error'"):

@@ -16,7 +16,7 @@ import study
 
 PROJECT = Path(__file__).parent.parent
 #: Wall times differ from run to run; so does what is made of them.
-TIMED = {"cpu_time", "claims", "numbers", "manuscript"}
+TIMED = {"cpu_time", "reference_agreement", "claims", "numbers", "manuscript"}
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group(name="pipeline")]
 

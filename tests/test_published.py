@@ -21,6 +21,7 @@ def _error(problem, steps, scheme):
 
 
 @pytest.mark.parametrize("problem", ["hardening", "softening"])
+@pytest.mark.parametrize("scheme_name", PRINTED.scheme.values)
 def test_every_cell_agrees_with_the_print(problem, scheme_name):
     for steps in PRINTED.steps_per_period.values:
         printed = PRINTED.sel(problem=problem, steps_per_period=steps, scheme=scheme_name)

@@ -4,15 +4,15 @@ import sys
 from pathlib import Path
 
 import pandas as pd
-import xarray as xr
 
 from paper.claims import comparisons, conclusions, discussion, introduction  # noqa: F401  (they enter their claims)
 from paper.claims.ledger import CLAIMS
+from paper.data import load
 
 
 def main(output: Path, results: Path, names: list[str]) -> None:
     """Write the ledger, a line a claim, in the order of the paper."""
-    data = {name: xr.load_dataset(results / f"{name}.nc") for name in names}
+    data = {name: load(results / f"{name}.nc") for name in names}
     rows = []
     for number, claim in enumerate(sorted(CLAIMS, key=lambda claim: claim.section), start=1):
         finding = claim.check(data)

@@ -13,7 +13,7 @@ IMPLICIT_NEWMARK = ["average_acceleration", "newmark_dissipative"]
 def _both(data: Data, steps_per_period: int):
     """The larger of a scheme's errors on the two springs."""
     both = [errors(data, name).sel(steps_per_period=steps_per_period) for name in ("hardening", "softening")]
-    return xr.concat(both, "problem").max("problem")
+    return xr.concat(both, "problem", coords="minimal", compat="override").max("problem")
 
 
 @claim(
@@ -118,11 +118,11 @@ def others_cost_more(data):
         for problem in ratio.problem.values
         for scheme in ratio.scheme.values
     }
-    dearer = sum(value > 1 for value in ours.values())
+    not_dearer = [name for name, value in ours.items() if value <= 1.02]
     return Finding(
         listed(ours, ".2f"),
-        dearer > len(ours) / 2,
-        "" if min(ours.values()) > 1.02 else "the differences are within some percent, near the spread of the timing",
+        len(not_dearer) < len(ours) / 2,
+        f"not by more than 2 %: {', '.join(not_dearer)}" if not_dearer else "",
     )
 
 
@@ -166,15 +166,25 @@ def explicit_schemes_at_large_steps(data):
 
 @claim(
     "5",
-    "At such large steps the other schemes are often meaningless and sometimes chaotic.",
-    "share of runs of the implicit schemes at Δt > T/5 that fail or have an error above 50 %",
+    "At such large steps the results of the other schemes are often meaningless.",
+    "shares of the runs of the five implicit schemes at Δt > T/5 by what became of them",
 )
 def other_schemes_at_large_steps(data):
     large = data["large_steps"].drop_sel(scheme=EXPLICIT)
     large = large.where(large.dt_over_period > 0.2, drop=True)
-    share = 100 * ((large.max_energy_error > 50) | (large.status != 0)).mean().item()
-    return Finding(
-        f"{share:.0f} %",
-        share > 50,
-        "for these implicit schemes it is Newton's iteration that fails at large steps on the softening spring",
-    )
+    shares = {
+        "Newton failed": 100 * (large.status != 0).mean().item(),
+        "error above 50 %": 100 * (large.max_energy_error > 50).mean().item(),
+    }
+    return Finding(f"{listed(shares, '.0f')} %", sum(shares.values()) > 50)
+
+
+@claim(
+    "5",
+    "At such large steps they are sometimes chaotic.",
+    "distance of two runs that start 1e-10 apart in the double well at Δt = 2.5, the larger of its last two values",
+)
+def other_schemes_may_be_chaotic(data):
+    separation = data["sensitivity"].separation.drop_sel(scheme=EXPLICIT).isel(t=slice(-2, None)).max("t")
+    chaotic = [name for name, value in by_name(separation).items() if value > 1e-3]
+    return Finding(listed(by_name(separation), ".0e"), len(chaotic) > 0)

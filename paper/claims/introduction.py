@@ -3,6 +3,7 @@
 import numpy as np
 
 from paper.claims.ledger import Data, Finding, by_name, claim, listed
+from paper.rounding import same, twice
 
 PERIODS = {"hardening": 0.15, "softening": 1.14, "softening_large": 1.8, "double_well": 7.3}
 
@@ -69,13 +70,12 @@ def newmark_beta_zero_is_central_difference(data):
 )
 def start_of_houbolt(data):
     at = data["houbolt_start"].max_energy_error.sel(problem="hardening", steps_per_period=20)
-    values = {str(s): at.sel(start=s).item() for s in at.start.values}
-    rounded = {name: np.floor(np.floor(100 * v + 0.5) / 10 + 0.5) / 10 for name, v in values.items()}
-    matching = [name for name, value in rounded.items() if abs(value - 97.3) < 1e-9]
-    ours = ", ".join(f"{name.replace('_', ' ')} {value:.3f}" for name, value in values.items())
+    values = by_name(at)
+    matching = at.start.values[same(twice(at), 97.3).values].tolist()
+    ours = {name.replace("_", " "): value for name, value in values.items()}
     return Finding(
-        f"{ours} %",
+        f"{listed(ours, '.3f')} %",
         matching == ["linear_acceleration"],
         "only Houbolt's own fictitious points, which make the first step the linear acceleration method, "
-        "round to the printed digit",
+        "give the printed digit, rounded twice as the other cells were",
     )

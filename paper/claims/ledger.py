@@ -67,8 +67,8 @@ def errors(data: Data, problem: str) -> xr.DataArray:
 
 
 def listed(values: Mapping[str, float], form: str = ".1f") -> str:
-    """Names with their values: 'rk4 1.0, houbolt 97.3'."""
-    return ", ".join(f"{name} {value:{form}}" for name, value in values.items())
+    """Names with their values: 'rk4: 1.0; houbolt: 97.3'."""
+    return "; ".join(f"{name}: {value:{form}}" for name, value in values.items())
 
 
 def by_name(array: xr.DataArray) -> dict[str, float]:

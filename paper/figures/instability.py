@@ -19,7 +19,7 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     history.set(xlabel="elapsed periods", ylabel="displacement $u$")
     letter(history, 0, "α-method, history")
     plane.plot(run.u, run.v, color="black", linewidth=0.4, marker=".", markersize=2)
-    plane.fill(reference.u, reference.v, color="0.85", zorder=3)
+    plane.fill(reference.u, reference.v, color="0.85", zorder=0)
     plane.set(xlabel="displacement $u$", ylabel="velocity $\\dot u$ (1/s)")
     letter(plane, 1, "α-method, portrait")
     for name, look in looks(portrait.scheme).items():

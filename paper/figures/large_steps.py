@@ -9,23 +9,29 @@ from matplotlib.patches import Patch
 
 from paper.figures.style import PAGE, letter, main
 
-#: Classes of the outcome, from good to bad: name, grey value falls and colour warms along the way.
+#: Classes of the outcome: the better the lighter.
 CLASSES = {
     "error below 1 %": "#f7f7f7",
     "below 10 %": "#c7dcef",
     "below 50 %": "#72b2d7",
-    "below 100 %": "#2879b9",
-    "above 100 %": "#E69F00",
+    "above 50 %": "#E69F00",
+    "damped away": "#2166ac",
     "Newton did not converge": "#b2182b",
     "not finite": "#000000",
 }
-_BOUNDS = [1, 10, 50, 100]
+_BOUNDS = [1, 10, 50]
+_DAMPED, _FAILED = 4, 4
 
 
-def classify(error: xr.DataArray, status: xr.DataArray) -> np.ndarray:
-    """Index of the class of every run."""
-    finite = np.digitize(np.nan_to_num(error, nan=0.0), _BOUNDS)
-    return np.where(status == 0, finite, len(_BOUNDS) + status)
+def classify(run: xr.Dataset) -> np.ndarray:
+    """Index of the class of every run.
+
+    Damped away is an error above 50 % that is loss at the end, to nine tenths at least of the largest error.
+    """
+    error, drift = run.max_energy_error, run.energy_drift
+    completed = np.digitize(np.nan_to_num(error, nan=0.0), _BOUNDS)
+    completed = np.where((error > _BOUNDS[-1]) & (-drift > 0.9 * error), _DAMPED, completed)
+    return np.where(run.status == 0, completed, _FAILED + run.status)
 
 
 def draw(large_steps: xr.Dataset) -> Figure:
@@ -37,14 +43,14 @@ def draw(large_steps: xr.Dataset) -> Figure:
     rows = np.arange(large_steps.sizes["scheme"] + 1) - 0.5
     for index, (ax, problem) in enumerate(zip(axes.ravel(), large_steps.problem.values, strict=True)):
         one = large_steps.sel(problem=problem)
-        outcome = classify(one.max_energy_error, one.status)
+        outcome = classify(one)
         ax.pcolormesh(
             edges, rows, outcome, cmap=colours, vmin=-0.5, vmax=len(CLASSES) - 0.5, edgecolors="white", linewidth=0.3
         )
         for part in (1 / 20, 1 / 5):
             ax.axvline(part, color="black", linewidth=0.8, linestyle="--")
         ax.set(xscale="log", yticks=rows[:-1] + 0.5, yticklabels=large_steps.scheme_title.values)
-        ax.set_xticks([0.01, 0.05, 0.2, 1], ["1/100", "1/20", "1/5", "1"])
+        ax.set_xticks([0.01, 0.05, 0.2, 0.5], ["1/100", "1/20", "1/5", "1/2"])
         ax.minorticks_off()
         letter(ax, index, one.problem_title.item())
     axes[0, 0].invert_yaxis()

@@ -1,5 +1,7 @@
 """Phase portraits of the exact solution and of the seven schemes (Figures 1, 2 and 4 of the paper)."""
 
+import math
+
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
@@ -28,9 +30,12 @@ def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
 
 
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
-    """Eight panels: (a) exact, then a scheme each, coloured by elapsed time over the exact orbit in grey."""
-    figure, axes = plt.subplots(2, 4, figsize=(PAGE, 0.52 * PAGE), sharex=True, sharey=True)
+    """Panel (a) exact, then a scheme each, coloured by elapsed time over the exact orbit in grey."""
+    rows = math.ceil((1 + portrait.sizes["scheme"]) / 4)
+    figure, axes = plt.subplots(rows, 4, figsize=(PAGE, 0.26 * rows * PAGE), sharex=True, sharey=True)
     panels = axes.ravel()
+    for unused in panels[1 + portrait.sizes["scheme"] :]:
+        unused.remove()
     periods = portrait.t / reference.period
     panels[0].plot(reference.u, reference.v, color="black")
     letter(panels[0], 0, "Exact")

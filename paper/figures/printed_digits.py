@@ -13,6 +13,7 @@ def draw(energy_error: xr.Dataset) -> Figure:
     """One panel for the step sizes of the printed periods, one for those of the exact periods."""
     figure, axes = plt.subplots(1, 2, figsize=(PAGE, 0.42 * PAGE), sharex=True)
     printed = printed_energy_errors()
+    energy_error = energy_error.sel(scheme=printed.scheme)
     for index, (ax, used) in enumerate(zip(axes, ("printed", "exact"), strict=True)):
         difference = energy_error.max_energy_error.sel(period_used=used) - printed
         for name, look in looks(energy_error.scheme).items():

@@ -1,5 +1,6 @@
 """What the figures have in common: size, type, colours that survive greyscale, and how they are saved."""
 
+import itertools
 import os
 import sys
 from collections.abc import Callable
@@ -15,8 +16,10 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-#: Widths in inches of one column and of the whole page of the manuscript.
-COLUMN, PAGE = 3.4, 7.1
+from paper.data import load
+
+#: Width in inches of the page of the manuscript.
+PAGE = 7.1
 
 # Okabe and Ito's palette without its yellow; line styles and markers tell the curves apart without any colour.
 _LOOKS = (
@@ -50,8 +53,11 @@ plt.rcParams.update(
 
 
 def looks(schemes: xr.DataArray) -> dict[str, dict]:
-    """One look (colour, line style, marker) for each scheme, the same in every figure that shows the same schemes."""
-    return {name: look for name, look in zip(schemes.values.tolist(), _LOOKS, strict=False)}
+    """One look (colour, line style, marker) for each scheme, the same in every figure that shows the same schemes.
+
+    After seven the colours come again; more curves than that a panel should not hold.
+    """
+    return dict(zip(schemes.values.tolist(), itertools.cycle(_LOOKS), strict=False))
 
 
 def letter(axes: Axes, index: int, title: str) -> None:
@@ -62,7 +68,7 @@ def letter(axes: Axes, index: int, title: str) -> None:
 def main(draw: Callable[..., Figure]) -> None:
     """Draw the datasets named on the command line and save the figure three times, the same bytes for the same data."""
     output, *paths = map(Path, sys.argv[1:])
-    figure = draw(*(xr.load_dataset(path) for path in paths))
+    figure = draw(*map(load, paths))
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
     for suffix in (".pdf", ".png", ".svg"):
         figure.savefig(output.with_suffix(suffix), metadata={"Date": None} if suffix == ".svg" else None)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
+from paper.data import load
 from paper.tables.writing import write
 
 
@@ -13,6 +14,7 @@ def tabulate(claims: pd.DataFrame, energy_error: xr.Dataset) -> pd.DataFrame:
     """One row a claim."""
     titles = zip(energy_error.scheme.values, energy_error.scheme_title.values, strict=True)
     plain = claims.replace({name: title for name, title in titles}, regex=True)
+    plain["ours"] = plain["ours"].str.replace(r"(?<![\w-])-(?=\d)|(?<=\de)-(?=\d)", "−", regex=True)
     reason = ("; " + plain["reason"]).where(plain["reason"] != "", "")
     return pd.DataFrame(
         {
@@ -29,4 +31,4 @@ def tabulate(claims: pd.DataFrame, energy_error: xr.Dataset) -> pd.DataFrame:
 
 if __name__ == "__main__":
     claims = pd.read_csv(sys.argv[2], dtype=str, keep_default_na=False)
-    write(tabulate(claims, xr.load_dataset(sys.argv[3])), Path(sys.argv[1]))
+    write(tabulate(claims, load(sys.argv[3])), Path(sys.argv[1]))

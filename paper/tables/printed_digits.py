@@ -13,8 +13,8 @@ _UNEXPLAINED = "by no rounding; see the text"
 
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """One row a cell whose value, rounded once, is not the printed one."""
-    ours = energy_error.max_energy_error.sel(period_used="printed")
     printed = printed_energy_errors()
+    ours = energy_error.max_energy_error.sel(period_used="printed", scheme=printed.scheme)
     rows = []
     for problem in ours.problem.values:
         for steps in ours.steps_per_period.values:

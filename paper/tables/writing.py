@@ -5,7 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
-import xarray as xr
+
+from paper.data import load
 
 
 def write(table: pd.DataFrame, output: Path) -> None:
@@ -17,4 +18,4 @@ def write(table: pd.DataFrame, output: Path) -> None:
 def main(tabulate: Callable[..., pd.DataFrame]) -> None:
     """Tabulate the datasets named on the command line."""
     output, *paths = map(Path, sys.argv[1:])
-    write(tabulate(*(xr.load_dataset(path) for path in paths)), output)
+    write(tabulate(*map(load, paths)), output)

@@ -17,7 +17,8 @@ def large_steps(
     """Largest energy error, status and failing step over ``periods`` printed periods, by relative step size."""
     dims = ("problem", "scheme", "dt_over_period")
     shape = (len(problems), len(schemes), len(dt_over_period))
-    error, status, failed_at_step = np.empty(shape), np.zeros(shape, np.int32), np.empty(shape, int)
+    error, drift = np.empty(shape), np.empty(shape)
+    status, failed_at_step = np.zeros(shape, np.int32), np.empty(shape, int)
     for p, problem in enumerate(problems):
         progress(f"large steps on {problem}")
         for s, scheme in enumerate(schemes):
@@ -27,14 +28,20 @@ def large_steps(
                     scheme,
                     dt=printed_periods[problem] * part,
                     steps=round(periods / part),
-                    observe=["max_energy_error"],
+                    observe=["max_energy_error", "energy_drift"],
                 )
                 at = p, s, r
-                error[at], status[at], failed_at_step[at] = ds.max_energy_error, ds.status, ds.failed_at_step
+                error[at], drift[at] = ds.max_energy_error, ds.energy_drift
+                status[at], failed_at_step[at] = ds.status, ds.failed_at_step
     attributes = {"long_name": f"largest relative error of the total energy over {periods} periods", "units": "percent"}
     return xr.Dataset(
         {
             "max_energy_error": (dims, error, attributes),
+            "energy_drift": (
+                dims,
+                drift,
+                {"long_name": "signed relative error of the total energy at the end", "units": "percent"},
+            ),
             "status": (dims, status, STATUS_ATTRIBUTES),
             "failed_at_step": (dims, failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
         },

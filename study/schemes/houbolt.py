@@ -81,7 +81,7 @@ starts = {
 
 
 class Houbolt(Scheme):
-    """The Houbolt method, Xie (1996), eqs (7) and (11): backward differences of third order through four points.
+    """The Houbolt method, Xie (1996), eqs (7) and (11): backward differences through four points.
 
     u̇₁ = (11u₁ − 18u₀ + 9u₋₁ − 2u₋₂) / (6Δt)
     ü₁ = (2u₁ − 5u₀ + 4u₋₁ − u₋₂) / Δt²
@@ -117,7 +117,7 @@ class Houbolt(Scheme):
     def __check_init__(self):
         if self.start_by not in starts:
             raise ValueError(
-                f"Houbolt(start_by={self.start_by!r}): no such start; {did_you_mean(self.start_by, starts)}"
+                f"Houbolt(start_by={self.start_by!r}): no such start; {did_you_mean(str(self.start_by), starts)}"
             )
 
     @property

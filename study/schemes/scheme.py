@@ -4,6 +4,7 @@ import abc
 from typing import Any, ClassVar
 
 import equinox as eqx
+import jax
 import numpy as np
 
 from study.equilibrium import Effort, Motion, acceleration
@@ -48,9 +49,11 @@ def start_in_balance(self, problem: Problem, u0, v0, dt) -> tuple[Motion, Effort
 
 
 def check_range(scheme: Scheme, name: str, low: float, high: float) -> None:
-    """Refuse a parameter outside [low, high] with a sentence; a traced one cannot be checked."""
+    """Refuse a parameter that is no finite number within [low, high]; a traced one cannot be checked."""
     value = getattr(scheme, name)
-    known = isinstance(value, float | int | np.ndarray | np.generic)
-    if known and not np.all((low <= np.asarray(value)) & (np.asarray(value) <= high)):
-        limits = f"at least {low:g}" if np.isinf(high) else f"between {low:g} and {high:g}"
-        raise ValueError(f"{type(scheme).__name__}({name}={value}): {name} must be {limits}.")
+    if isinstance(value, jax.core.Tracer):
+        return
+    limits = f"at least {low:g}" if np.isinf(high) else f"between {low:g} and {high:g}"
+    is_number = np.ndim(value) == 0 and np.asarray(value).dtype.kind in "fiu"
+    if not is_number or not np.isfinite(value) or not low <= value <= high:
+        raise ValueError(f"{type(scheme).__name__}({name}={value}): {name} must be a number {limits}.")

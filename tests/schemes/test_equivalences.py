@@ -102,7 +102,7 @@ def test_alpha_method_of_1996_weights_two_forces():
         (lambda x: study.HHTAlpha(alpha=-0.1, beta=x, gamma=0.6), "beta"),
     ],
 )
-@pytest.mark.parametrize("value", [-0.5, float("nan")])
+@pytest.mark.parametrize("value", [-0.5, float("nan"), float("inf"), "a", None, [0.25], 1j, np.array([0.25, 0.3])])
 def test_parameters_out_of_range_are_refused(make, name, value):
     with pytest.raises(ValueError, match=rf"{name}=.*{name} must be"):
         make(value)
