@@ -18,7 +18,8 @@ PROJECT = Path(__file__).parent.parent
 #: Wall times differ from run to run; so does what is made of them.
 TIMED = {"cpu_time", "reference_agreement", "claims", "numbers", "manuscript"}
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group(name="pipeline")]
+# one worker runs this whole file, so that the pipeline runs once for all of it
+pytestmark = pytest.mark.slow
 
 
 def _copy(target: Path) -> Path:
