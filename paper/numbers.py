@@ -122,7 +122,7 @@ def _of_accuracy(accuracy: xr.Dataset) -> dict:
 
 
 def _of_round_off(round_off: xr.Dataset) -> dict:
-    finest = round_off.error.sel(scheme="rk4").isel(steps_per_period=-1)
+    finest = round_off.error.sel(scheme="rk4").isel(steps_per_period=slice(-5, None)).max("steps_per_period")
     return {f"floor_{name}": f"{finest.sel(summation=name).item():.0e}" for name in round_off.summation.values}
 
 

@@ -27,7 +27,7 @@ ROUTES: dict[str, tuple[Callable, Callable]] = {
     ),
     "heyoka": (taylor.trajectory, taylor.period),
 }
-#: Where in a period the routes are held against the truth; prime to the halves, where displacement hides phase errors.
+#: How often in a period the routes are held against the truth; not only where displacement hides phase errors.
 SAMPLES = 16
 #: A number of periods is over where the last of them ends.
 WINDOWS = (1, 10, 100)

@@ -11,13 +11,17 @@ from study.problems import CubicSpring, TanhSpring
 DIGITS = 50
 
 
-def _spring(problem: Problem) -> CubicSpring | TanhSpring:
+def is_known(problem: Problem) -> bool:
+    """Whether the problem is a cubic or tanh spring of unit mass, free and undamped, released from rest."""
+    free = problem.damping is None and problem.load is None and problem.mass is None
     spring = getattr(problem.force, "__self__", None)
-    if not isinstance(spring, CubicSpring | TanhSpring) or float(problem.v0) != 0.0:
-        raise ValueError(
-            f"no closed form is known for '{problem.title}': it must be a named spring released from rest."
-        )
-    return spring
+    return free and isinstance(spring, CubicSpring | TanhSpring) and float(problem.v0) == 0.0
+
+
+def _spring(problem: Problem) -> CubicSpring | TanhSpring:
+    if not is_known(problem):
+        raise ValueError(f"no closed form is known for '{problem.title}': it must be a free spring released from rest.")
+    return problem.force.__self__  # type: ignore[attr-defined]
 
 
 def _cubic(spring: CubicSpring, u0):
@@ -71,7 +75,7 @@ def period(problem: Problem) -> mpmath.mpf:
 
 def has_trajectory(problem: Problem) -> bool:
     """Whether the trajectory has a closed form, not only the period."""
-    return isinstance(_spring(problem), CubicSpring)
+    return is_known(problem) and isinstance(_spring(problem), CubicSpring)
 
 
 def trajectory(problem: Problem, t: Iterable) -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:

@@ -33,7 +33,9 @@ class StepLimit(RouteFailed):
 
 def check_tolerance(route: str, rtol: float, smallest: float) -> None:
     """Refuse a tolerance that a route cannot reach, before it tries."""
-    if not smallest <= rtol <= 1:
+    if not rtol < 1:
+        raise ValueError(f"{route} needs a tolerance less than 1, not {rtol:g}.")
+    if rtol < smallest:
         raise ValueError(f"{route} cannot reach a tolerance of {rtol:g}; ask for {smallest:g} or more.")
 
 

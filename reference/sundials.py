@@ -10,7 +10,7 @@ from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, StepLimit
 from reference.symbolic import first_order
 from study.problem import Problem
 
-#: CVODE refuses less, as its error test would be lost in round-off.
+#: Below this CVODE's error test is lost in round-off; somewhat below it refuses.
 SMALLEST_RTOL = 1e-15
 MAX_NUM_STEPS = 1_000_000
 CV_TOO_MUCH_WORK = -1  # of cvode.h

@@ -68,7 +68,7 @@ class PeriodError(Reduction):
 
     Between two steps time is a cubic of the displacement (inverse Hermite interpolation), as exact as a scheme of
     fourth order. The elongation is the mean of all observed periods over the exact one, less one; the phase error is
-    how many periods late the last crossing comes.
+    how many periods late the last crossing comes. NaN for a motion that does not cross any more.
 
     Attributes
     ----------
@@ -111,11 +111,15 @@ class PeriodError(Reduction):
         )
 
     def result(self, carried, problem, state):
-        *_, crossings, first, last = carried
+        step, *_, crossings, first, last = carried
         between = crossings.astype(float) - 1
-        elongation = jnp.where(crossings > 1, (last - first) / (between * self.steps) - 1, jnp.nan)
-        delay = jnp.where(crossings > 0, last / self.steps - (self.crossing + between), jnp.nan)
-        return {"period_elongation": elongation, "phase_error": delay}
+        mean_period = (last - first) / between
+        # a motion whose last crossing is long past has come to rest elsewhere, and has no phase
+        swings = (crossings > 1) & (step.astype(float) - last < 1.5 * mean_period)
+        return {
+            "period_elongation": jnp.where(swings, mean_period / self.steps - 1, jnp.nan),
+            "phase_error": jnp.where(swings, last / self.steps - (self.crossing + between), jnp.nan),
+        }
 
 
 class AmplitudeDecay(Reduction):
@@ -124,7 +128,7 @@ class AmplitudeDecay(Reduction):
     Attributes
     ----------
     rest
-        The displacement from which amplitudes are counted.
+        The displacement of equilibrium, from which amplitudes are counted.
     dt
         Step size.
     """
@@ -204,8 +208,13 @@ def against(reference: xr.Dataset, steps: int, longest: int) -> tuple[float, tup
             jnp.asarray(float(steps)),
             jnp.asarray(dt),
         ),
-        AmplitudeDecay(jnp.asarray(level), jnp.asarray(dt)),
+        AmplitudeDecay(jnp.asarray(_rest(reference)), jnp.asarray(dt)),
     )
+
+
+def _rest(reference: xr.Dataset) -> float:
+    """The displacement of equilibrium: where the exact motion is fastest."""
+    return reference.u.values[np.argmax(np.abs(reference.v.values))]
 
 
 def _first_crossing(reference: xr.Dataset, level: float) -> float:
