@@ -33,9 +33,9 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     """Panel (a) exact, then a scheme each, coloured by elapsed time over the exact orbit in grey."""
     rows = math.ceil((1 + portrait.sizes["scheme"]) / 4)
     figure, axes = plt.subplots(rows, 4, figsize=(PAGE, 0.26 * rows * PAGE), sharex=True, sharey=True)
-    panels = axes.ravel()
-    for unused in panels[1 + portrait.sizes["scheme"] :]:
-        unused.remove()
+    panels, unused = np.split(axes.ravel(), [1 + portrait.sizes["scheme"]])
+    for ax in unused:
+        ax.remove()
     periods = portrait.t / reference.period
     panels[0].plot(reference.u, reference.v, color="black")
     letter(panels[0], 0, "Exact")
@@ -54,7 +54,7 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
             ax.text(0.5, 0.04, label, transform=ax.transAxes, ha="center", fontsize=7, bbox=_PAPER)
     figure.supxlabel("displacement $u$", fontsize=8)
     figure.supylabel("velocity $\\dot u$ (1/s)", fontsize=8)
-    figure.colorbar(points, ax=axes, label="elapsed periods", pad=0.01, aspect=40)
+    figure.colorbar(points, ax=panels, label="elapsed periods", pad=0.01, aspect=40)
     return figure
 
 
