@@ -31,7 +31,6 @@ ROUTES: dict[str, tuple[Callable, Callable]] = {
 SAMPLES = 16
 #: A number of periods is over where the last of them ends.
 WINDOWS = (1, 10, 100)
-TITLE = "What a tolerance delivers: true errors of the reference solvers"
 
 
 class _Folded:
@@ -129,7 +128,7 @@ def agreement(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
                 {"long_name": "periods over which the error is the largest", "units": "1"},
             ),
         },
-        attrs={"title": TITLE},
+        attrs={"title": "What a tolerance delivers: true errors of the reference solvers"},
     ).expand_dims("problem")
 
 
