@@ -111,13 +111,16 @@ def _of_agreement(agreement: xr.Dataset) -> dict:
 
 
 def _of_accuracy(accuracy: xr.Dataset) -> dict:
+    accuracy = accuracy.sel(periods=100)
     run = accuracy.sel(problem="hardening", scheme="average_acceleration").sel(steps_per_period=64)
+    flagged = accuracy.flagged.sum(["problem", "scheme", "steps_per_period"])
     return {
         "misled_energy": f"{run.max_energy_error.item():.2f}",
         "misled_delay": f"{run.phase_error.item():.2f}",
         "misled_trajectory": f"{100 * run.max_trajectory_error.item():.0f}",
-        "flagged_runs": int(accuracy.flagged.sum()),
-        "accuracy_runs": accuracy.flagged.size,
+        "flagged_trajectories": flagged.sel(measure="max_trajectory_error").item(),
+        "flagged_decays": flagged.sel(measure="amplitude_decay").item(),
+        "accuracy_runs": accuracy.status.size,
     }
 
 

@@ -3,36 +3,41 @@
 import numpy as np
 import xarray as xr
 
-#: The measures of error whose order is fitted, and how the tables call them.
-MEASURES = {
-    "max_trajectory_error": "Trajectory",
-    "phase_error": "Phase",
-    "amplitude_decay": "Amplitude",
-    "max_energy_error": "Energy",
+#: The measures of error whose order is fitted, and after how many periods. Errors act on each other over time (a loss
+#: of amplitude changes the period), so the run is the shortest that has the measure: means over periods need three.
+PERIODS = {
+    "max_trajectory_error": 1,
+    "rms_trajectory_error": 1,
+    "phase_error": 1,
+    "period_elongation": 3,
+    "amplitude_decay": 3,
+    "max_energy_error": 1,
+    "energy_drift": 1,
 }
-#: Relative errors below this are near the round-off of a hundred periods, which no order describes.
+#: Relative errors below this are near the round-off of such a run, which no order describes.
 FLOOR = 1e-10
 #: Above this an error other than a delay cannot grow much further, and says nothing of the step.
 SATURATED = 0.5
-#: Points of a fit, the finest ones above the floor.
+#: Neighbouring step sizes of a fit, the finest above the floor.
 POINTS = 5
-#: How far a point may be off the fitted line in ln |error|.
-STRAIGHT = 0.1
+#: How much the slope from one step size to the next may change within a fit.
+STEADY = 0.1
 
 
 def observed_order(error: xr.DataArray) -> float:
-    """Slope of log |error| over log Δt at the finest ``POINTS`` step sizes above the floor.
+    """Slope of log |error| over log Δt at the finest ``POINTS`` neighbouring step sizes above the floor.
 
-    NaN with fewer points, and where they lie on no line: two causes of error of different order are then of one size,
-    or of opposite sign.
+    NaN with fewer points, and where the slope changes within them: two causes of error of different order are then of
+    one size, or of opposite sign.
 
     The error in percent of the energy is taken as a fraction, so that one floor serves all measures.
     """
     values = np.abs(error.values) / (100 if error.attrs["units"] == "percent" else 1)
     ceiling = np.inf if error.name == "phase_error" else SATURATED
-    valid = np.flatnonzero((values > FLOOR) & (values < ceiling))[-POINTS:]
-    if len(valid) < POINTS:
+    valid = (values > FLOOR) & (values < ceiling)
+    windows = [slice(end - POINTS, end) for end in range(len(valid), POINTS - 1, -1)]
+    finest = next((window for window in windows if valid[window].all()), None)
+    if finest is None:
         return np.nan
-    x, y = np.log(error.steps_per_period.values[valid]), np.log(values[valid])
-    fit = np.polyfit(x, y, 1)
-    return -fit[0] if np.max(np.abs(np.polyval(fit, x) - y)) < STRAIGHT else np.nan
+    x, y = np.log(error.steps_per_period.values[finest]), np.log(values[finest])
+    return -np.polyfit(x, y, 1)[0] if np.ptp(np.diff(y) / np.diff(x)) < STEADY else np.nan

@@ -2,12 +2,11 @@
 
 import time
 
-import heyoka as hy
 import numpy as np
 from sksundae.cvode import CVODE
 
 from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, StepLimit, check_tolerance, release
-from reference.symbolic import first_order
+from reference.symbolic import as_python
 from study.problem import Problem
 
 #: Below this CVODE's error test is lost in round-off; somewhat below it refuses.
@@ -18,11 +17,11 @@ CV_TOO_MUCH_WORK = -1  # of cvode.h
 
 def _solver(problem: Problem, rtol: float, method: str, **options) -> CVODE:
     check_tolerance(f"CVODE {method}", rtol, SMALLEST_RTOL)
-    states, rates = zip(*first_order(problem), strict=True)
-    compiled = hy.cfunc(rates, states)
+    acceleration = as_python(problem)
 
     def right_side(t, y, rate):
-        compiled(y, outputs=rate, time=t)
+        u, v = y.tolist()
+        rate[0], rate[1] = v, acceleration(t, u, v)
 
     return CVODE(
         right_side,

@@ -6,13 +6,14 @@ from study.observers import observers
 from study.problem import Problem
 from study.problems import problems
 from study.runs import run
-from study.schemes import Compensated, HHTAlpha, Houbolt, Newmark, RungeKutta4, Scheme, WilsonTheta, schemes
+from study.schemes import Compensated, HHTAlpha, Houbolt, Newmark, OneStep, RungeKutta4, Scheme, WilsonTheta, schemes
 
 __all__ = [
     "Compensated",
     "HHTAlpha",
     "Houbolt",
     "Newmark",
+    "OneStep",
     "Problem",
     "RungeKutta4",
     "Scheme",

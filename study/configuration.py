@@ -20,6 +20,8 @@ _REGISTRIES: dict[str, Registry] = {
     "schemes": schemes,
 }
 #: The sections whose products the manuscript compares with the paper, which has these schemes and problems.
+#: Lengths of runs, in periods, that figures and tables of the accuracy show.
+_SHOWN_PERIODS = (1, 3, 100)
 _OF_THE_PAPER = ("energy_error", "cpu_time", "large_steps", "sensitivity", "spectral", "accuracy")
 _PAPER_SCHEMES = list(schemes)[:7]
 _PAPER_PROBLEMS = ("hardening", "softening")
@@ -82,6 +84,12 @@ def _check_values(config: dict) -> None:
     ):
         if span["first"] >= span["last"]:
             raise ValueError(f"{place}: first, {span['first']}, must be less than last, {span['last']}.")
+    missing_length = [length for length in _SHOWN_PERIODS if length not in config["accuracy"]["periods"]]
+    if missing_length:
+        raise ValueError(f"accuracy.periods lacks {missing_length[0]}, which the manuscript and its tables need.")
+    tolerances = config["agreement"]["tolerances"]
+    if tolerances != sorted(tolerances, reverse=True):
+        raise ValueError(f"agreement.tolerances must fall, not {tolerances}.")
     portraits = {f"phase_portrait.{name}": portrait for name, portrait in config["phase_portrait"].items()}
     for place, section in {**{key: config[key] for key in _OF_THE_PAPER}, **portraits}.items():
         for key, needed in (("schemes", _PAPER_SCHEMES), ("problems", _PAPER_PROBLEMS)):

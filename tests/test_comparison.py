@@ -6,7 +6,11 @@ import xarray as xr
 
 import study
 from paper.orders import observed_order
+from study import datasets
 from study.comparison import against
+from study.equilibrium import Motion
+from study.experiments.accuracy import accuracy
+from study.experiments.round_off import round_off
 
 
 def _harmonic(steps, stretch=1.0, decay=0.0):
@@ -55,6 +59,54 @@ def test_a_longer_period_is_measured():
 def test_a_decay_of_the_amplitude_is_measured():
     ds = _observed(400, 10, decay=0.05)
     assert ds.amplitude_decay.item() == pytest.approx(1 - np.exp(-0.05), abs=1e-7)
+
+
+def test_after_one_crossing_there_is_a_phase_and_no_mean_period():
+    ds = _observed(400, 1, stretch=1.01)
+    assert ds.phase_error.item() == pytest.approx(0.75 * 0.01, abs=1e-8)
+    assert np.isnan(ds.period_elongation)
+
+
+def test_a_crossing_never_leaves_its_step():
+    """Where velocity says nothing of the way between two steps, at rest or running back, the cubic is monotone."""
+    reference, _ = _harmonic(50)
+    _, (_, period, _) = against(reference, 50, longest=50)
+    for before, after in ((0.0, 1.0), (1.0, 0.0), (-5.0, 1e-9), (0.0, 0.0)):
+        state = Motion(np.array(0.3), np.array(after), np.array(0.0))
+        carried = (np.array(6), np.array(-0.2), np.array(before), np.array(0), np.array(0.0), np.array(0.0))
+        *_, first, last = period.update(carried, None, state, None)
+        assert 6 <= first == last <= 7
+
+
+def test_what_the_reference_cannot_tell_is_flagged(tmp_path, monkeypatch):
+    """Each measure by its own uncertainty: a coarse reference hides the trajectory and not the energy."""
+    reference, _ = _harmonic(8)
+    doubts = {"u_uncertainty": 1e-3, "period_uncertainty": 1e-12, "energy_drift": 1e-15}
+    reference = reference.assign(doubts)
+    reference.attrs["source"] = datasets.SOURCE
+    monkeypatch.setattr(datasets, "open", lambda name: reference)
+    linear = study.Problem(lambda u: (2 * np.pi) ** 2 * u, potential=lambda u: 2 * (np.pi * u) ** 2, u0=1.0)
+    monkeypatch.setitem(study.problems._entries, "harmonic", linear)
+    ds = accuracy(["harmonic"], ["average_acceleration", "rk4"], [8, 64, 512], [3]).squeeze(["problem", "periods"])
+    doubt = ds.uncertainty.to_pandas()
+    assert doubt["max_trajectory_error"] == pytest.approx(1e-3) and doubt["max_energy_error"] == pytest.approx(1e-13)
+    assert doubt["phase_error"] == pytest.approx(1e-3 / (2 * np.pi), rel=1e-3)
+    for measure in ds.measure.values:
+        within = abs(ds[measure]) <= 10 * ds.uncertainty.sel(measure=measure)
+        np.testing.assert_array_equal(ds.flagged.sel(measure=measure), within)
+    trajectory = ds.flagged.sel(measure="max_trajectory_error", scheme="rk4")
+    np.testing.assert_array_equal(trajectory, [0, 1, 1])
+    assert not ds.flagged.sel(measure="max_energy_error", scheme="rk4").any()
+
+
+def test_round_off_asks_for_steps_that_meet_its_end(monkeypatch):
+    reference, _ = _harmonic(8)
+    monkeypatch.setattr(datasets, "open", lambda name: reference)
+    with pytest.raises(ValueError, match=r"round_off.steps_per_period: 20 is no multiple of 8"):
+        round_off("hardening", ["rk4"], [64, 20], 10)
+    monkeypatch.setattr(datasets, "open", lambda name: reference.isel(t=slice(None, None, 100)))
+    with pytest.raises(ValueError, match=r"the reference of 'hardening' lacks the phase 1/8; add 8 to"):
+        round_off("hardening", ["rk4"], [64], 10)
 
 
 def test_a_motion_without_crossings_has_no_period():

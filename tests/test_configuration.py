@@ -46,6 +46,11 @@ def test_what_is_shipped_is_accepted(config):
             lambda c: c["references"].update(problems=["hard"]),
             "references.problems: there is no problem 'hard'; did you mean 'hardening'?",
         ),
+        (lambda c: c["accuracy"].update(periods=[1, 100]), "accuracy.periods lacks 3, which the manuscript and its"),
+        (
+            lambda c: c["agreement"].update(tolerances=[1e-9, 1e-4]),
+            "agreement.tolerances must fall, not [1e-09, 0.0001]",
+        ),
         (lambda c: c["phase_portrait"].update(soft=c["phase_portrait"]["softening"]), "there is no problem 'soft'"),
     ],
 )

@@ -14,10 +14,7 @@ def draw(round_off: xr.Dataset) -> Figure:
         run = round_off.sel(scheme=name)
         title = run.scheme_title.item()
         ax.plot(run.steps_per_period, run.error.sel(summation="plain"), label=title, **look)
-        compensated = run.error.sel(summation="compensated")
-        ax.plot(
-            run.steps_per_period, compensated, label=f"{title}, compensated", **{**look, "markerfacecolor": "white"}
-        )
+        ax.plot(run.steps_per_period, run.error.sel(summation="compensated"), **{**look, "markerfacecolor": "white"})
     ax.set(xscale="log", yscale="log", xlabel="steps per period", ylabel="error after 10 periods")
     figure.legend(loc="outside right center")
     return figure

@@ -5,7 +5,14 @@ import xarray as xr
 
 from paper.tables.writing import main
 
-_TITLES = {"cvode_adams": "CVODE Adams", "cvode_bdf": "CVODE BDF", "dopri8": "Dopri8", "heyoka": "heyoka"}
+_TITLES = {
+    "cvode_adams": "Adams",
+    "cvode_bdf": "BDF",
+    "dopri8": "Dopri8",
+    "tsit5": "Tsit5",
+    "kvaerno5": "Kvaerno5",
+    "heyoka": "heyoka",
+}
 
 
 def tabulate(agreement: xr.Dataset, *references: xr.Dataset) -> pd.DataFrame:
@@ -15,12 +22,14 @@ def tabulate(agreement: xr.Dataset, *references: xr.Dataset) -> pd.DataFrame:
         row = {
             "Problem": reference.problem,
             "Period": reference.period_30_digits,
-            "Period certified to": f"{reference.period_certified.item():.0e}",
-            "Motion certified to": f"{(reference.u_certified / abs(reference.u).max()).item():.0e}",
+            "its doubt": f"{reference.period_certified.item():.0e}",
+            "doubt of motion": f"{(reference.u_certified / abs(reference.u).max()).item():.0e}",
         }
         best = agreement.u_error.sel(problem=reference.problem, periods=100).min("tolerance")
         for route, title in _TITLES.items():
-            row[title] = f"{best.sel(route=route).item():.0e}"
+            error = best.sel(route=route).item()
+            row[title] = f"{error:.0e}" if error == error else "–"
+        row["Worst period"] = f"{agreement.period_error.sel(problem=reference.problem).min('tolerance').max():.0e}"
         rows.append(row)
     return pd.DataFrame(rows)
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 from study import datasets
 from study.command import main, progress
-from study.comparison import against
+from study.comparison import against, uncertainties
 from study.experiments import labels
 from study.observers import EnergyDrift, MaxEnergyError
 from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
@@ -17,51 +17,58 @@ FLAGGED_WITHIN = 10
 
 
 def accuracy(
-    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], periods: int
+    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], periods: Sequence[int]
 ) -> xr.Dataset:
-    """Every measure of error of every scheme on every problem at every number of steps per exact period."""
-    dims = ("problem", "scheme", "steps_per_period")
+    """Every measure of error of every scheme on every problem, by steps per exact period and length of the run."""
+    dims = ("problem", "scheme", "steps_per_period", "periods")
+    shape = tuple(map(len, (problems, schemes, steps_per_period, periods)))
+    references = {problem: datasets.open(f"reference/{problem}") for problem in problems}
     measured: dict[str, np.ndarray] = {}
     attributes: dict[str, dict] = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
-    uncertainty = np.empty(len(problems))
-    for p, problem in enumerate(problems):
-        reference = datasets.open(f"reference/{problem}")
-        uncertainty[p] = (reference.u_uncertainty / abs(reference.u).max()).item()
+    for p, (problem, reference) in enumerate(references.items()):
         for s, scheme in enumerate(schemes):
             progress(f"accuracy of {scheme} on {problem}")
             for k, steps in enumerate(steps_per_period):
                 dt, observers = against(reference, steps, max(steps_per_period))
                 observe = [*observers, MaxEnergyError(), EnergyDrift()]
-                ds = run(problem, scheme, dt=dt, steps=steps * periods, observe=observe)
-                for name, value in ds.data_vars.items():
-                    shape = (len(problems), len(schemes), len(steps_per_period))
-                    measured.setdefault(str(name), np.empty(shape, value.dtype))[p, s, k] = value
-                    attributes[str(name)] = value.attrs
-    flagged = measured["max_trajectory_error"] <= FLAGGED_WITHIN * uncertainty[:, None, None]
+                for n, length in enumerate(periods):
+                    ds = run(problem, scheme, dt=dt, steps=steps * length, observe=observe)
+                    for name, value in ds.data_vars.items():
+                        measured.setdefault(str(name), np.empty(shape, value.dtype))[p, s, k, n] = value
+                        attributes[str(name)] = value.attrs
+    known = [[uncertainties(reference, length) for length in periods] for reference in references.values()]
+    measures = list(known[0][0])
+    uncertainty = np.array([[[of_run[measure] for of_run in row] for row in known] for measure in measures])
+    flagged = [
+        abs(measured[measure]) <= FLAGGED_WITHIN * uncertainty[m, :, None, None, :]
+        for m, measure in enumerate(measures)
+    ]
     return xr.Dataset(
         {name: (dims, values, attributes[name]) for name, values in measured.items()}
         | {
+            "uncertainty": (
+                ("measure", "problem", "periods"),
+                uncertainty,
+                {"long_name": "uncertainty of the reference in the units of the measure", "units": "1"},
+            ),
             "flagged": (
-                dims,
-                flagged.astype(np.int32),
+                ("measure", *dims),
+                np.array(flagged, np.int32),
                 {
-                    "long_name": f"trajectory error within {FLAGGED_WITHIN} times the uncertainty of the reference",
+                    "long_name": f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference",
                     "flag_values": np.arange(2, dtype=np.int32),
                     "flag_meanings": "above within",
                 },
-            ),
-            "reference_uncertainty": (
-                "problem",
-                uncertainty,
-                {"long_name": "uncertainty of the exact displacement, relative to its largest size", "units": "1"},
             ),
         },
         coords={
             **labels.problem_coordinates(problems),
             **labels.scheme_coordinates(schemes),
             **labels.steps_per_period_coordinate(steps_per_period),
+            "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
+            "measure": ("measure", measures, {"long_name": "measure of error, a variable of this dataset"}),
         },
-        attrs={"title": f"Accuracy of the schemes over {periods} periods against the exact solution"},
+        attrs={"title": "Accuracy of the schemes against the exact solution"},
     )
 
 

@@ -11,7 +11,7 @@ from study.command import main, progress
 from study.experiments import labels
 from study.problems import problems
 from study.runs import run
-from study.schemes import Compensated
+from study.schemes import Compensated, OneStep
 from study.schemes import schemes as registry
 
 #: The run ends this part of a period after a whole number of them, where displacement and velocity both tell phases.
@@ -19,18 +19,31 @@ PHASE = Fraction(1, 8)
 
 
 def round_off(problem: str, schemes: Sequence[str], steps_per_period: Sequence[int], periods: int) -> xr.Dataset:
-    """Error at the end of ``periods`` periods and an eighth, plain and compensated, by steps per period."""
+    """Error at the end of ``periods`` periods and an eighth, plain and compensated, by steps per period.
+
+    A multi-step scheme keeps displacements and adds nothing to them; its compensated error is NaN.
+
+    Raises
+    ------
+    ValueError
+        If a number of steps per period does not divide the end of the run, or the reference lacks its phase.
+    """
     reference = datasets.open(f"reference/{problem}")
-    at = reference.isel(t=int(np.argmin(np.abs(reference.phase.values - float(PHASE)))))
+    odd = [parts for parts in steps_per_period if (parts * PHASE).denominator > 1]
+    if odd:
+        raise ValueError(f"round_off.steps_per_period: {odd[0]} is no multiple of {PHASE.denominator}.")
+    if float(PHASE) not in reference.phase:
+        raise ValueError(f"the reference of '{problem}' lacks the phase {PHASE}; add 8 to references.steps_per_period.")
+    at = reference.sel(t=reference.t[reference.phase == float(PHASE)].item())
     u, v, force = at.u.item(), at.v.item(), float(problems[problem].force(at.u.item()))
     exact_period = Fraction(reference.period.item()) + Fraction(reference.period_remainder.item())
     end = exact_period * (periods + PHASE)
     summation = ["plain", "compensated"]
-    error = np.empty((len(schemes), len(summation), len(steps_per_period)))
+    error = np.full((len(schemes), len(summation), len(steps_per_period)), np.nan)
     for s, name in enumerate(schemes):
         progress(f"round-off of {name} on {problem}")
         plain = registry[name]
-        for c, scheme in enumerate((plain, Compensated(plain))):  # type: ignore[arg-type]
+        for c, scheme in enumerate([plain, Compensated(plain)] if isinstance(plain, OneStep) else [plain]):
             for k, parts in enumerate(steps_per_period):
                 steps = int(parts * (periods + PHASE))
                 dt = float(end / steps)

@@ -5,10 +5,10 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.equilibrium import Motion, balance, load
-from study.schemes.scheme import Scheme, check_range, start_in_balance
+from study.schemes.scheme import OneStep, check_range, start_in_balance
 
 
-class HHTAlpha(Scheme):
+class HHTAlpha(OneStep):
     """The α-method as Xie (1996), eq. (12), has it: two internal forces are weighted.
 
     M ü₁ + C u̇₁ + (1 + α) p(u₁) − α p(u₀) = f(t₁), with Newmark's u₁ and u̇₁.
@@ -61,14 +61,14 @@ class HHTAlpha(Scheme):
 
     start = start_in_balance
 
-    def step(self, problem, state, t, dt):
+    def increment(self, problem, state, t, dt):
         u, v, a = state
         c_u, c_v = self.beta * dt**2, self.gamma * dt
-        u_predicted = u + dt * v + dt**2 * (0.5 - self.beta) * a
-        v_predicted = v + dt * (1 - self.gamma) * a
+        du = dt * v + dt**2 * (0.5 - self.beta) * a
+        dv = dt * (1 - self.gamma) * a
         rhs = load(problem, t + dt) + self.alpha * problem.force(u)
-        a, effort = balance(problem, rhs, u_predicted, v_predicted, c_u, c_v, guess=a, weight=1 + self.alpha)
-        return Motion(u_predicted + c_u * a, v_predicted + c_v * a, a), effort
+        a, effort = balance(problem, rhs, u + du, v + dv, c_u, c_v, guess=a, weight=1 + self.alpha)
+        return Motion(du + c_u * a, dv + c_v * a, a), effort
 
 
 hht_alpha = HHTAlpha(alpha=-0.1, beta=0.3025, gamma=0.6)

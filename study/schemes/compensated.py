@@ -6,9 +6,7 @@ import equinox as eqx
 import jax
 
 from study.equilibrium import Effort
-from study.schemes.newmark import Newmark
-from study.schemes.runge_kutta import RungeKutta4
-from study.schemes.scheme import Scheme
+from study.schemes.scheme import OneStep, Scheme
 
 
 class Summed(NamedTuple):
@@ -44,14 +42,14 @@ class Compensated(Scheme):
     Parameters
     ----------
     scheme
-        A scheme that tells its increments: ``Newmark`` or ``RungeKutta4``.
+        A scheme whose step adds to displacement and velocity: all one-step schemes of the study.
 
     References
     ----------
     W. Kahan, Further remarks on reducing truncation errors, Comm. ACM 8(1), 1965, 40.
     """
 
-    scheme: Newmark | RungeKutta4
+    scheme: OneStep
     title: str = eqx.field(default="Compensated", kw_only=True, static=True)
 
     family: ClassVar[str] = "Compensated"

@@ -5,10 +5,10 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.equilibrium import Effort, Motion, acceleration, balance, load
-from study.schemes.scheme import Scheme, check_range, start_in_balance
+from study.schemes.scheme import OneStep, check_range, start_in_balance
 
 
-class Newmark(Scheme):
+class Newmark(OneStep):
     """The Newmark method, Xie (1996), eqs (6) and (7).
 
     u₁ = u₀ + Δt u̇₀ + Δt² (½ − β) ü₀ + Δt² β ü₁
@@ -67,10 +67,6 @@ class Newmark(Scheme):
         else:
             a, effort = balance(problem, load(problem, t + dt), u + du, v + dv, c_u, c_v, guess=a)
         return Motion(du + c_u * a, dv + c_v * a, a), effort
-
-    def step(self, problem, state, t, dt):
-        (du, dv, a), effort = self.increment(problem, state, t, dt)
-        return Motion(state.u + du, state.v + dv, a), effort
 
 
 average_acceleration = Newmark(beta=0.25, gamma=0.5, title="Average acceleration")

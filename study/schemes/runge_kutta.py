@@ -6,7 +6,7 @@ import equinox as eqx
 import jax
 
 from study.equilibrium import Effort, acceleration
-from study.schemes.scheme import Scheme
+from study.schemes.scheme import OneStep
 
 
 class Phase(NamedTuple):
@@ -16,7 +16,7 @@ class Phase(NamedTuple):
     v: jax.Array
 
 
-class RungeKutta4(Scheme):
+class RungeKutta4(OneStep):
     """The classical fourth order Runge-Kutta method on u̇ = v, v̇ = M⁻¹ (f − C v − p(u)), Xie (1996), eqs (13) to (16).
 
     y₁ = y₀ + k₁/6 + k₂/3 + k₃/3 + k₄/6,    y = (u, v)
@@ -57,10 +57,6 @@ class RungeKutta4(Scheme):
         u3, v3 = k(0.5, u2 / 2, v2 / 2)
         u4, v4 = k(1.0, u3, v3)
         return Phase((u1 + u4) / 6 + (u2 + u3) / 3, (v1 + v4) / 6 + (v2 + v3) / 3), Effort()
-
-    def step(self, problem, state, t, dt):
-        (du, dv), effort = self.increment(problem, state, t, dt)
-        return Phase(state.u + du, state.v + dv), effort
 
 
 rk4 = RungeKutta4()

@@ -43,6 +43,18 @@ class Scheme(eqx.Module):
         """State at t + Δt from the state at t, and what it took."""
 
 
+class OneStep(Scheme):
+    """A scheme whose step adds to displacement and velocity, so that these sums can be compensated."""
+
+    @abc.abstractmethod
+    def increment(self, problem: Problem, state, t, dt) -> tuple[Any, Effort]:
+        """State at t + Δt with the increments of u and v in their places, and what it took."""
+
+    def step(self, problem, state, t, dt):
+        new, effort = self.increment(problem, state, t, dt)
+        return new._replace(u=state.u + new.u, v=state.v + new.v), effort
+
+
 def start_in_balance(self, problem: Problem, u0, v0, dt) -> tuple[Motion, Effort]:
     """State at t = 0 with the acceleration that the equation of motion gives there."""
     return Motion(u0, v0, acceleration(problem, 0.0, u0, v0)), Effort()

@@ -5,10 +5,10 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.equilibrium import Motion, balance, load
-from study.schemes.scheme import Scheme, check_range, start_in_balance
+from study.schemes.scheme import OneStep, check_range, start_in_balance
 
 
-class WilsonTheta(Scheme):
+class WilsonTheta(OneStep):
     """The Wilson-θ method, Xie (1996), eqs (8) to (10): balance beyond the step, acceleration interpolated back.
 
     With τ = θΔt,
@@ -62,7 +62,7 @@ class WilsonTheta(Scheme):
 
     start = start_in_balance
 
-    def step(self, problem, state, t, dt):
+    def increment(self, problem, state, t, dt):
         u, v, a = state
         tau = self.theta * dt
         u_predicted = u + tau * v + tau**2 * (0.5 - self.beta) * a
@@ -71,9 +71,9 @@ class WilsonTheta(Scheme):
             problem, load(problem, t + tau), u_predicted, v_predicted, self.beta * tau**2, self.gamma * tau, guess=a
         )
         a_new = (1 - 1 / self.theta) * a + a_theta / self.theta
-        u = u + dt * v + dt**2 * ((0.5 - self.beta) * a + self.beta * a_new)
-        v = v + dt * ((1 - self.gamma) * a + self.gamma * a_new)
-        return Motion(u, v, a_new), effort
+        du = dt * v + dt**2 * ((0.5 - self.beta) * a + self.beta * a_new)
+        dv = dt * ((1 - self.gamma) * a + self.gamma * a_new)
+        return Motion(du, dv, a_new), effort
 
 
 wilson_theta = WilsonTheta(theta=1.4)

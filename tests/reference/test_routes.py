@@ -18,7 +18,7 @@ from reference.symbolic import expression, first_order, with_force_as_state
 from study.problems import CubicSpring, TanhSpring, printed_periods
 
 CUBIC = ["hardening", "double_well"]
-EXPLICIT = ["cvode_adams", "cvode_bdf", "dopri8", "tsit5", "heyoka"]
+ROUTES = list(agreement.ROUTES)
 
 
 @pytest.fixture
@@ -98,24 +98,25 @@ def test_duffing_period_is_that_of_the_complete_elliptic_integral():
     assert float(closed_form.period(study.problems["hardening"])) == pytest.approx(expected, rel=1e-14)
 
 
-@pytest.mark.parametrize("route", EXPLICIT)
+@pytest.mark.parametrize("route", ROUTES)
 def test_routes_meet_the_exact_period(route):
     _, period = agreement.ROUTES[route]
-    for name in CUBIC:
+    for name in study.problems:
         found = period(study.problems[name], printed_periods[name], 1e-15)
         assert found == pytest.approx(float(closed_form.period(study.problems[name])), rel=1e-12)
 
 
 @pytest.mark.parametrize(
     "route, whole_periods, anywhere",
-    [("cvode_adams", 1e-11, 1e-10), ("cvode_bdf", 1e-9, 1e-7), ("dopri8", 2e-12, 1e-11), ("tsit5", 2e-12, 1e-11),
+    [("cvode_adams", 1e-11, 1e-10), ("cvode_bdf", 1e-9, 1e-7), ("dopri8", 2e-12, 1e-11), ("tsit5", 2e-12, 1e-10),
      ("heyoka", 1e-13, 5e-12)],
 )  # fmt: skip
 def test_what_the_tightest_tolerance_delivers_over_a_hundred_periods(route, whole_periods, anywhere):
     problem = study.problems["hardening"]
-    truth = agreement._Folded(problem, 0.15, 100)
+    found = exact.period(problem, 0.15)
+    t = agreement.instants(float(found[0]))
     trajectory, _ = agreement.ROUTES[route]
-    errors = agreement._errors(problem, truth, trajectory(problem, truth.t, 1e-15))
+    errors = agreement.errors(problem, exact.folded(problem, t, *found), trajectory(problem, t, 1e-15))
     assert errors["u_error_at_periods"][-1] < whole_periods
     assert errors["u_error"][-1] < anywhere
     assert np.all(np.diff(errors["u_error"]) >= 0)
@@ -124,10 +125,42 @@ def test_what_the_tightest_tolerance_delivers_over_a_hundred_periods(route, whol
 def test_folding_is_the_long_integration():
     """The truth of the hundredth period, folded, against a run of 128 bits through all of them."""
     problem = study.problems["softening"]
-    truth = agreement._Folded(problem, 1.14, 100)
-    last = taylor.trajectory(problem, truth.t[-3:], bits=128)
-    np.testing.assert_allclose(truth.u[-3:], [float(u) for u in last.u], rtol=0, atol=1e-15 * 4)
-    np.testing.assert_allclose(truth.v[-3:], [float(v) for v in last.v], rtol=0, atol=4e-15 * 26)
+    t = np.array([113.7, 113.9, 114.05])
+    truth = exact.folded(problem, t, *exact.period(problem, 1.14))
+    last = taylor.trajectory(problem, t, bits=128)
+    np.testing.assert_array_equal(truth.u, [float(u) for u in last.u])
+    np.testing.assert_array_equal(truth.v, [float(v) for v in last.v])
+
+
+@pytest.mark.parametrize("name", CUBIC)
+def test_truth_after_a_hundred_thousand_periods_is_the_closed_form(name):
+    """At any time, in any order, also at whole periods, where rounding decides which side of them a time lies."""
+    problem, found = study.problems[name], exact.period(study.problems[name], printed_periods[name])
+    once = float(found[0])
+    t = np.concatenate(
+        [np.random.default_rng(1).uniform(0, 1e5 * once, 20), once * np.array([1e5, 1.0, 0.0, 99_999.0])]
+    )
+    truth = exact.folded(problem, t, *found)
+    u, v = closed_form.trajectory(problem, t)
+    np.testing.assert_array_equal(truth.u, np.array(u, float))
+    np.testing.assert_allclose(truth.v, np.array(v, float), rtol=1e-15, atol=1e-30)
+    assert truth.u_certified < 1e-30
+
+
+def test_a_time_that_is_not_finite_is_refused():
+    problem = study.problems["hardening"]
+    with pytest.raises(ValueError, match="'hardening spring' is asked for at a time that is not finite"):
+        exact.folded(problem, [np.nan], *exact.period(problem, 0.15))
+
+
+def test_how_a_route_ended_is_told():
+    """A limit of steps stops the ladder of a trajectory, and keeps no period from being found."""
+    ds = agreement.agreement("hardening", [1e-9, 1e-13, 1e-15]).squeeze("problem")
+    ended = [agreement.FINISHED, agreement.STEP_LIMIT, agreement.NOT_TRIED]
+    np.testing.assert_array_equal(ds.status.sel(route="kvaerno5"), ended)
+    assert np.isnan(ds.u_error.sel(route="kvaerno5").values[1:]).all()
+    assert (ds.period_status == agreement.FINISHED).all()
+    assert (ds.period_error.min("tolerance") < 1e-12).all()
 
 
 def test_a_damped_and_forced_problem_has_a_truth_and_every_route_meets_it(duffing):
@@ -153,7 +186,7 @@ def test_a_problem_without_period_says_so(duffing):
             period(moving, 5.0, 1e-9)
 
 
-@pytest.mark.parametrize("route", [*EXPLICIT, "kvaerno5"])
+@pytest.mark.parametrize("route", ROUTES)
 def test_a_tolerance_out_of_reach_is_refused(route):
     trajectory, _ = agreement.ROUTES[route]
     with pytest.raises(ValueError, match=r"cannot reach a tolerance of 1e-17; ask for .* or more"):
@@ -180,7 +213,7 @@ def test_a_limit_of_steps_names_the_route():
         reference.diffrax.trajectory(study.problems["hardening"], np.array([1.0]), max_steps=10)
 
 
-@pytest.mark.parametrize("route", EXPLICIT)
+@pytest.mark.parametrize("route", ROUTES)
 def test_a_turning_point_that_is_not_met_says_so(route):
     _, period = agreement.ROUTES[route]
     with pytest.raises(RouteFailed, match="met no turning point of 'hardening spring'"):
