@@ -22,8 +22,8 @@ def tabulate(agreement: xr.Dataset, *references: xr.Dataset) -> pd.DataFrame:
         row = {
             "Problem": reference.problem,
             "Period": reference.period_30_digits,
-            "its doubt": f"{reference.period_certified.item():.0e}",
-            "doubt of motion": f"{(reference.u_certified / abs(reference.u).max()).item():.0e}",
+            "Its doubt": f"{reference.period_certified.item():.0e}",
+            "Doubt of motion": f"{(reference.u_certified / abs(reference.u).max()).item():.0e}",
         }
         best = agreement.u_error.sel(problem=reference.problem, periods=100).min("tolerance")
         for route, title in _TITLES.items():
