@@ -100,26 +100,25 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0):
     Returns
     -------
     tuple
-        The acceleration and the :class:`Effort`. Newton that has not converged within ``MAX_ITERATIONS``, or that
-        met a number that is not finite, says so there.
+        The acceleration and the :class:`Effort`, which says where Newton has not converged within ``MAX_ITERATIONS``.
+        A number that is not finite ends the iteration at once, and shows in the acceleration.
     """
     inertia = _inertia(problem, c_v, u.shape)
     rhs = _resisted(problem, rhs, v)
 
-    def iterate(carry):
-        a, _, _, iterations = carry
+    def iterate(a):
         force, tangent = _force_and_tangent(problem, u + c_u * a)
         inertial = _times(inertia, a)
         correction = _solve(_sum(inertia, weight * c_u * tangent, size=u.shape), inertial + weight * force - rhs)
         a = a - correction
         moved = jnp.max(jnp.abs(c_u * correction))
-        allowed = TOLERANCE * jnp.max(jnp.abs(u) + jnp.abs(c_u * a))
-        return a, moved, allowed, iterations + 1
+        return a, moved > TOLERANCE * jnp.max(jnp.abs(u) + jnp.abs(c_u * a))
 
-    def unfinished(carry):
-        _, moved, allowed, iterations = carry
-        return (moved > allowed) & (iterations < MAX_ITERATIONS)
+    def insist(carry):
+        return lax.while_loop(lambda c: c[1] & (c[2] < MAX_ITERATIONS), lambda c: (*iterate(c[0]), c[2] + 1), carry)
 
-    start = iterate((guess, 0.0, 0.0, jnp.zeros((), int)))
-    a, moved, allowed, iterations = lax.while_loop(unfinished, iterate, start)
-    return a, Effort(iterations, moved <= allowed)
+    # a step takes one iteration to correct and one to see that it did; few take more, so the loop stands aside
+    first, _ = iterate(guess)
+    second = (*iterate(first), jnp.full((), 2))
+    a, unfinished, iterations = lax.cond(second[1], insist, lambda carry: carry, second)
+    return a, Effort(iterations, ~unfinished)

@@ -1,5 +1,7 @@
-"""Time marching as one compiled loop."""
+"""Time marching as one compiled loop: of a single run, or of a tile of lanes side by side."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -14,21 +16,34 @@ from study.schemes.scheme import Scheme
 COMPLETED, NEWTON_FAILED, NOT_FINITE = 0, 1, 2
 STATUS_MEANINGS = "completed newton_not_converged not_finite"
 
+#: Steps of a single run in one turn of the loop. Within a turn values pass from step to step in registers, between
+#: turns through memory, which at ten nanoseconds a step is felt.
+BLOCK = 3
+#: Steps of a tile between two looks at whether any of its lanes goes on.
+PATIENCE = 64
 
-class _Progress(NamedTuple):
-    """What one step hands to the next."""
+
+class Progress(NamedTuple):
+    """How far a run has come, and all that it takes to go on.
+
+    ``failure`` is 0 as long as the run goes on; after a failure at step k it is k + 1 where the state is not finite,
+    and −(k + 1) where Newton did not converge. ``stored`` has the samples along its first axis. All but ``step``
+    have an axis of lanes where there are lanes.
+    """
 
     step: jax.Array
-    status: jax.Array
+    failure: jax.Array
     state: Any
     carried: tuple
+    stored: dict[str, jax.Array]
 
 
 class Outcome(NamedTuple):
     """What a run gives back.
 
     ``status`` and ``failed_at_step`` (−1 where nothing failed) always; ``values`` holds the variables of the
-    reductions, ``samples`` those of the records with the samples along the first axis.
+    reductions, ``samples`` those of the records with the samples along the first axis. Values of a run that failed
+    are NaN, and so are its samples from the failure on.
     """
 
     status: jax.Array
@@ -37,89 +52,174 @@ class Outcome(NamedTuple):
     samples: dict[str, jax.Array]
 
 
-def _status_after(state, effort):
-    finite = jnp.all(jnp.isfinite(state.u)) & jnp.all(jnp.isfinite(state.v))
-    return jnp.where(finite, jnp.where(effort.converged, COMPLETED, NEWTON_FAILED), NOT_FINITE)
+class March(eqx.Module):
+    """A scheme on a problem under observation, as pure functions of its progress.
+
+    With ``lanes`` all of them take and give arrays with an axis of lanes in front: many runs that share each turn of
+    the loop, and none of which depends on its neighbours.
+    """
+
+    problem: Problem
+    scheme: Scheme
+    reductions: tuple[Reduction, ...]
+    records: tuple[Record, ...]
+    lanes: bool = eqx.field(static=True, default=False)
+
+    def _each(self, function):
+        """The function of one run, for every lane where there are lanes."""
+        return jax.vmap(function) if self.lanes else function
+
+    def _failure(self, state, effort, step):
+        """What a failure at this step is recorded as, 0 where there is none."""
+        finite = jnp.all(jnp.isfinite(state.u)) & jnp.all(jnp.isfinite(state.v))
+        return jnp.where(finite, jnp.where(effort.converged, 0, -(step + 1)), step + 1)
+
+    def _sample(self, initial, state, failure) -> dict[str, jax.Array]:
+        values = {n: v for record in self.records for n, v in record.sample(self.problem, initial, state).items()}
+        return {name: jnp.where(failure == 0, jnp.asarray(value, float), jnp.nan) for name, value in values.items()}
+
+    def start(self, u0, dt, samples: int) -> tuple[Progress, Any]:
+        """Progress at t = 0 with room for ``samples`` samples behind the first, and the initial state."""
+
+        def one(u0, dt):
+            state, effort = self.scheme.start(self.problem, u0, jnp.asarray(self.problem.v0), dt)
+            carried = tuple(reduction.start(self.problem, state) for reduction in self.reductions)
+            failure = self._failure(state, effort, jnp.zeros((), int))
+            return state, carried, failure, self._sample(state, state, failure)
+
+        state, carried, failure, first = self._each(one)(u0, dt)
+        stored = {n: jnp.full((samples + 1, *v.shape), jnp.nan).at[0].set(v) for n, v in first.items()}
+        return Progress(jnp.zeros((), int), failure, state, carried, stored), state
+
+    def _step(self, progress: Progress, dt, steps) -> Progress:
+        """One step of every run that goes on."""
+
+        def one(step, state, carried, dt):
+            # time is a product, not a running sum, whose round-off would grow with the number of steps
+            state, effort = self.scheme.step(self.problem, state, step.astype(dt.dtype) * dt, dt)
+            carried = tuple(
+                reduction.update(c, self.problem, state, effort)
+                for reduction, c in zip(self.reductions, carried, strict=True)
+            )
+            return state, carried, self._failure(state, effort, step + 1)
+
+        state, carried, failure = self._each(partial(one, progress.step))(progress.state, progress.carried, dt)
+        failure = jnp.where(progress.failure == 0, failure, progress.failure)
+        if self.lanes:
+            # a lane that has failed is made NaN, on which Newton's iteration ends at once
+            state = _where(failure == 0, state, jnp.nan)
+        if jnp.ndim(steps):
+            goes_on = progress.step < steps
+            state, carried = _where(goes_on, state, progress.state), _where(goes_on, carried, progress.carried)
+            failure = jnp.where(goes_on, failure, progress.failure)
+        return Progress(progress.step + 1, failure, state, carried, progress.stored)
+
+    def _advance(self, progress: Progress, step: Callable[[Progress], Progress], until) -> Progress:
+        """Up to step ``until``, or until every run has failed."""
+
+        def goes_on(p, ahead=1):
+            return (p.step + ahead <= until) & jnp.any(p.failure == 0)
+
+        step = jax.jit(step)  # traced once, however often it is repeated
+
+        def block(p):
+            for _ in range(BLOCK):
+                p = step(p)
+            return p
+
+        def patiently(p):
+            pause = jnp.minimum(p.step + PATIENCE, until)
+            return lax.while_loop(lambda p: p.step < pause, step, p)
+
+        if self.lanes:
+            return lax.while_loop(goes_on, patiently, progress)
+        return lax.while_loop(goes_on, step, lax.while_loop(partial(goes_on, ahead=BLOCK), block, progress))
+
+    def proceed(self, progress: Progress, initial, dt, steps, until, every, each_step: bool) -> Progress:
+        """March to step ``until``, with a sample at every ``every`` steps where something is recorded.
+
+        Parameters
+        ----------
+        progress, initial
+            As :meth:`start` gave them, or with the progress of an earlier call.
+        steps
+            Number of steps, or one per lane: a lane ends after its own.
+        until
+            Where to pause.
+        every, each_step
+            Samples are this many steps apart, and whether that is one.
+        """
+
+        def step(p):
+            return self._step(p, dt, steps)
+
+        def store(p):
+            sample = self._each(self._sample)(initial, p.state, p.failure)
+            # before the next sample is due its place holds the last state, so that a pause does no harm
+            place = (p.step + every - 1) // every if not each_step else p.step
+            return p._replace(stored={name: p.stored[name].at[place].set(value) for name, value in sample.items()})
+
+        def next_sample(p):
+            return store(
+                step(p) if each_step else self._advance(p, step, jnp.minimum((p.step // every + 1) * every, until))
+            )
+
+        if not self.records:
+            return self._advance(progress, step, until)
+        return lax.while_loop(lambda p: (p.step < until) & jnp.any(p.failure == 0), next_sample, progress)
+
+    def outcome(self, progress: Progress) -> Outcome:
+        """What is known so far; complete at the last step."""
+
+        def one(failure, state, carried):
+            values = {
+                name: value
+                for reduction, c in zip(self.reductions, carried, strict=True)
+                for name, value in reduction.result(c, self.problem, state).items()
+            }
+            return {n: jnp.where(failure == 0, jnp.asarray(v, float), jnp.nan) for n, v in values.items()}
+
+        failure = progress.failure
+        failed = jnp.where(failure < 0, NEWTON_FAILED, NOT_FINITE)
+        values = self._each(one)(failure, progress.state, progress.carried)
+        return Outcome(jnp.where(failure == 0, COMPLETED, failed), jnp.abs(failure) - 1, values, progress.stored)
 
 
-def _or_nan(valid, values: dict) -> dict:
-    return {name: jnp.where(valid, jnp.asarray(value, float), jnp.nan) for name, value in values.items()}
+def _where(condition, tree, other):
+    """``tree`` where the condition on lanes holds, elsewhere ``other``: a tree like it, or one number for all."""
+    others = jax.tree.map(lambda _: other, tree) if isinstance(other, float) else other
+
+    def select(x, y):
+        return jnp.where(condition.reshape(condition.shape + (1,) * (jnp.ndim(x) - 1)), x, y)
+
+    return jax.tree.map(select, tree, others)
 
 
+@eqx.filter_jit
 def march(
-    problem: Problem,
-    scheme: Scheme,
-    reductions: tuple[Reduction, ...],
-    records: tuple[Record, ...],
+    definition: March,
     u0,
     dt,
     steps,
+    until,
+    every,
     samples: int = 0,
-) -> Outcome:
-    """March ``steps`` steps of Δt from (u0, problem.v0), observed as it goes.
-
-    The loop ends at the first step whose Newton iteration does not converge or whose state is not finite; the status
-    tells which and where. Values of a run that failed are NaN, and so are its samples from the failure on.
+    each_step: bool = False,
+    progress: tuple[Progress, Any] | None = None,
+) -> tuple[tuple[Progress, Any], Outcome]:
+    """March from the start, or from an earlier progress, to step ``until``: the progress, and the outcome so far.
 
     Parameters
     ----------
-    u0
-        Initial displacement, of the problem's shape.
-    dt, steps
-        Step size and number of steps. Both may be traced: one compilation serves all.
+    u0, dt
+        Initial displacement and step size, of each lane where there are lanes.
+    steps, until, every
+        As in :meth:`March.proceed`. They may be traced: one compilation serves all.
     samples
-        How many times the records are stored after t = 0, evenly spread; it must divide ``steps``. Without records 0.
+        How many samples the run has behind the first.
+    each_step
+        Whether ``every`` is one, which makes a simpler loop.
     """
-
-    def step(progress: _Progress) -> _Progress:
-        # time is a product, not a running sum, whose round-off would grow with the number of steps
-        state, effort = scheme.step(problem, progress.state, progress.step.astype(dt.dtype) * dt, dt)
-        carried = tuple(
-            reduction.update(c, problem, state, effort)
-            for reduction, c in zip(reductions, progress.carried, strict=True)
-        )
-        return _Progress(progress.step + 1, _status_after(state, effort), state, carried)
-
-    def advance(progress: _Progress, until) -> _Progress:
-        return lax.while_loop(lambda p: (p.step < until) & (p.status == COMPLETED), step, progress)
-
-    def sample(state) -> dict:
-        return {name: value for record in records for name, value in record.sample(problem, initial, state).items()}
-
-    dt, steps = jnp.asarray(dt), jnp.asarray(steps)
-    initial, effort = scheme.start(problem, u0, jnp.asarray(problem.v0), dt)
-    progress = _Progress(
-        jnp.zeros((), int),
-        _status_after(initial, effort),
-        initial,
-        tuple(reduction.start(problem, initial) for reduction in reductions),
-    )
-    stored = {}
-    if records:
-        every = steps // samples
-
-        def to_next_sample(progress, k):
-            progress = advance(progress, (k + 1) * every)
-            return progress, _or_nan(progress.status == COMPLETED, sample(progress.state))
-
-        first = sample(initial)
-        progress, rest = lax.scan(to_next_sample, progress, jnp.arange(samples))
-        stored = {name: jnp.concatenate([first[name][None], rest[name]]) for name in first}
-    else:
-        progress = advance(progress, steps)
-
-    completed = progress.status == COMPLETED
-    values = {
-        name: value
-        for reduction, carried in zip(reductions, progress.carried, strict=True)
-        for name, value in reduction.result(carried, problem, progress.state).items()
-    }
-    return Outcome(
-        progress.status,
-        jnp.where(completed, -1, progress.step),
-        _or_nan(completed, values),
-        stored,
-    )
-
-
-march_one = eqx.filter_jit(march)
+    now, initial = definition.start(u0, dt, samples) if progress is None else progress
+    now = definition.proceed(now, initial, dt, steps, until, every, each_step)
+    return (now, initial), definition.outcome(now)

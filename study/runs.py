@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from typing import TypeVar
 
-import equinox as eqx
+import jax
 import numpy as np
 import xarray as xr
-from jax import lax
+from tqdm import tqdm
 
-from study.march import STATUS_MEANINGS, march, march_one
+from study.ensemble import march_ensemble
+from study.march import STATUS_MEANINGS, March, Outcome, march
 from study.observers import Observer, Record, Reduction, observers
 from study.problem import Problem
 from study.problems import problems
@@ -17,8 +18,8 @@ from study.schemes import Scheme, schemes
 
 T = TypeVar("T")
 
-#: Lanes that are marched side by side: as many as keep the state of a tile in the cache next to the processor.
-TILE = 128
+#: Steps between two chances to interrupt a single run: about a second.
+PAUSE = 2**24
 
 STATUS_ATTRIBUTES = {
     "long_name": "how the run ended",
@@ -28,12 +29,16 @@ STATUS_ATTRIBUTES = {
 FAILED_AT_STEP_ATTRIBUTES = {"long_name": "step at which the run failed, -1 where it did not", "units": "1"}
 
 
-@eqx.filter_jit
-def _march_lanes(problem, scheme, reductions, records, u0, dt, steps, samples):
-    def lane(values):
-        return march(problem, scheme, reductions, records, *values, steps, samples)
-
-    return lax.map(lane, (u0, dt), batch_size=min(TILE, len(dt)))
+def _march_alone(definition: March, u0: np.ndarray, dt: np.ndarray, steps: int, every: int, samples: int) -> Outcome:
+    """One run, a long one with a bar of its progress where somebody watches, and a pause now and then."""
+    pauses = range(PAUSE, steps + PAUSE, PAUSE)
+    progress = None
+    for pause in tqdm(pauses, disable=True if len(pauses) < 2 else None, leave=False):
+        limits = np.asarray(steps), np.asarray(min(pause, steps)), np.asarray(every)
+        progress, outcome = march(definition, u0, dt, *limits, samples, every == 1, progress)  # type: ignore[misc]
+        if outcome.status:  # waits for the result, so that Ctrl-C is heard between two pauses
+            break
+    return outcome
 
 
 def _resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
@@ -48,6 +53,14 @@ def _positive_integer(name, value):
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 1 <= value < 2**62:
         raise ValueError(f"{name} must be a whole number of at least 1, not {value!r}.")
     return int(value)
+
+
+def _checked_steps(steps):
+    if np.ndim(steps) == 0:
+        return np.asarray(_positive_integer("steps", steps))
+    if np.ndim(steps) > 1 or not np.size(steps):
+        raise ValueError(f"steps must be a whole number or one per lane (lanes,), not of shape {np.shape(steps)}.")
+    return np.array([_positive_integer("steps", value) for value in steps])
 
 
 def _numbers(name, value):
@@ -98,13 +111,14 @@ def _checked_observers(problem, observe) -> tuple[Observer, ...]:
     return tuple(chosen)
 
 
-def _lanes(problem: Problem, dt: np.ndarray, u0: np.ndarray) -> int:
+def _lanes(problem: Problem, u0: np.ndarray, **of_lanes: np.ndarray) -> int:
     """How many lanes an ensemble has, 0 where it is a single run."""
-    lengths = {len(dt)} if dt.ndim else set()
-    lengths |= {len(u0)} if u0.ndim > np.ndim(problem.u0) else set()
-    if len(lengths) > 1:
-        raise ValueError(f"u0 and dt must have one length to make an ensemble, not {len(u0)} and {len(dt)}.")
-    return max(lengths, default=0)
+    lengths = {name: len(value) for name, value in of_lanes.items() if value.ndim}
+    lengths |= {"u0": len(u0)} if u0.ndim > np.ndim(problem.u0) else {}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise ValueError(f"what differs from lane to lane must have one length to make an ensemble, not {told}.")
+    return max(lengths.values(), default=0)
 
 
 def run(
@@ -112,7 +126,7 @@ def run(
     scheme: str | Scheme,
     *,
     dt: float | np.ndarray,
-    steps: int,
+    steps: int | np.ndarray,
     observe: Sequence[str | Observer] = ("trajectory",),
     u0: float | np.ndarray | None = None,
     every: int = 1,
@@ -126,7 +140,7 @@ def run(
     dt
         Step size; an array (lanes,) makes an ensemble.
     steps
-        Number of steps.
+        Number of steps; an array (lanes,) makes an ensemble, in which nothing can be recorded along time.
     observe
         Names out of ``study.observers``, or observers of your own.
     u0
@@ -157,28 +171,28 @@ def run(
     """
     definition, method = _resolve(problem, problems, Problem), _resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     step_size, start = _checked_step_size(dt), _checked_start(definition, u0)
-    steps, every = _positive_integer("steps", steps), _positive_integer("every", every)
+    count, every = _checked_steps(steps), _positive_integer("every", every)
     chosen = _checked_observers(definition, observe)
-    if steps % every:
-        raise ValueError(f"every must divide the number of steps; {every} does not divide {steps}.")
     reductions = tuple(o for o in chosen if isinstance(o, Reduction))
     records = tuple(o for o in chosen if isinstance(o, Record))
-    samples = steps // every if records else 0
-    lanes = _lanes(definition, step_size, start)
+    if records and count.ndim:
+        raise ValueError(
+            f"'{next(iter(records[0].variables))}' is recorded along time, which takes one number of steps for all "
+            "lanes; give steps as a number, or observe what has one value a run."
+        )
+    if np.any(count % every):
+        raise ValueError(f"every must divide the number of steps; {every} does not divide {count[()]}.")
+    samples = int(count) // every if records else 0
+    lanes = _lanes(definition, start, dt=step_size, steps=count)
     if lanes:
         start = np.broadcast_to(start, (lanes, *np.shape(definition.u0)))
-        outcome = _march_lanes(
-            definition,
-            method,
-            reductions,
-            records,
-            start,
-            np.broadcast_to(step_size, lanes),
-            np.asarray(steps),
-            samples,
+        dts = np.broadcast_to(step_size, lanes)
+        outcome = march_ensemble(
+            March(definition, method, reductions, records, True), start, dts, count, every, samples
         )
     else:
-        outcome = march_one(definition, method, reductions, records, start, step_size, np.asarray(steps), samples)
+        alone = March(definition, method, reductions, records)
+        outcome = jax.tree.map(np.asarray, _march_alone(alone, start, step_size, int(count), every, samples))
     return _labelled(definition, method, outcome, chosen, step_size, every, samples, bool(lanes))
 
 

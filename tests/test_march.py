@@ -1,11 +1,19 @@
 """The compiled march: what it observes, how it fails, and that ensembles are many single runs."""
 
+import os
+import signal
+import subprocess
+import sys
+import time
+
 import jax
 import numpy as np
 import pytest
+import xarray as xr
 
 import study
-from study.march import march_one
+from study import ensemble, runs
+from study.march import March, march
 
 
 def test_reductions_agree_with_the_trajectory(scheme_name):
@@ -27,7 +35,7 @@ def test_reductions_agree_with_the_trajectory(scheme_name):
 
 def test_storing_every_tenth_step_takes_them_out_of_the_whole(scheme_name):
     whole, tenth = (study.run("softening", scheme_name, dt=0.05, steps=200, every=k) for k in (1, 10))
-    np.testing.assert_array_equal(tenth.u, whole.u[::10])
+    np.testing.assert_allclose(tenth.u, whole.u[::10], atol=1e-11)
     np.testing.assert_array_equal(tenth.t, whole.t[::10])
 
 
@@ -46,6 +54,87 @@ def test_a_lane_of_an_ensemble_is_a_single_run(scheme_name):
         for name in one.data_vars:
             np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
     assert lanes.t.dims == ("lane", "sample")
+
+
+def test_lanes_end_after_their_own_steps(scheme_name):
+    steps, u0 = np.array([40, 3, 170, 1, 90]), np.linspace(0.5, 2.0, 5)
+    observe = ["max_energy_error", "energy_drift", "newton_iterations"]
+    lanes = study.run("hardening", scheme_name, dt=0.004, u0=u0, steps=steps, observe=observe)
+    for lane in range(5):
+        one = study.run("hardening", scheme_name, dt=0.004, u0=u0[lane], steps=int(steps[lane]), observe=observe)
+        for name in one.data_vars:
+            np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize("group, workers", [(1, "1"), (3, "2")])
+def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
+    """Of lanes in another order and in smaller ensembles, some of which fail or take many Newton iterations."""
+    dt, u0 = np.linspace(0.001, 0.2, 700), np.linspace(0.1, 3.0, 700)
+
+    def result(scheme, lanes):
+        observe = ["max_energy_error", "newton_iterations"]
+        return study.run("softening", scheme, dt=dt[lanes], u0=u0[lanes], steps=200, observe=observe)
+
+    before = {scheme: result(scheme, slice(None)) for scheme in ("average_acceleration", "houbolt", "rk4")}
+    monkeypatch.setattr(ensemble, "GROUP", group)
+    monkeypatch.setenv("OMP_NUM_THREADS", workers)
+    assert ensemble.cores() == int(workers)
+    for scheme, ds in before.items():
+        for lanes in (slice(None), np.random.default_rng(0).permutation(700), [699], slice(100, 107)):
+            xr.testing.assert_identical(result(scheme, lanes), ds.isel(lane=lanes))
+
+
+def test_an_ensemble_on_an_accelerator_is_one_tile(monkeypatch):
+    arguments = {"dt": 0.01, "u0": np.linspace(0.5, 2.0, 20), "steps": 50, "observe": ["max_energy_error"]}
+    on_cpu = study.run("hardening", "rk4", **arguments)
+    monkeypatch.setattr(ensemble.jax, "default_backend", lambda: "gpu")
+    xr.testing.assert_allclose(study.run("hardening", "rk4", **arguments), on_cpu, rtol=1e-12)
+
+
+@pytest.mark.parametrize("every", [1, 10, 1000])
+def test_a_pause_changes_nothing(monkeypatch, every):
+    """Also where it falls between two samples."""
+    arguments = {"dt": 0.002, "steps": 3000, "every": every, "observe": ["trajectory", "max_energy_error"]}
+    at_once = study.run("softening", "houbolt", **arguments)
+    monkeypatch.setattr(runs, "PAUSE", 257)
+    xr.testing.assert_allclose(study.run("softening", "houbolt", **arguments), at_once, rtol=1e-10, atol=1e-12)
+
+
+def test_a_failure_ends_a_run_at_its_pause(monkeypatch):
+    monkeypatch.setattr(runs, "PAUSE", 8)
+    ds = study.run("double_well", "central_difference", dt=2.5, steps=10**12, observe=["max_energy_error"])
+    assert ds.status == 2 and ds.failed_at_step < 100
+
+
+def test_a_long_run_can_be_interrupted(tmp_path):
+    """Ctrl-C is heard while a run of a million million steps is under way, and leaves what was written."""
+    code = (
+        "import study; study.datasets.write(study.run('hardening', 'rk4', dt=1e-4, steps=10), 'kept.nc'); "
+        "print('ready', flush=True); study.run('hardening', 'rk4', dt=1e-4, steps=10**12, observe=['max_energy_error'])"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert process.stdout.readline() == b"ready\n"
+    time.sleep(2)
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=60)
+    assert process.returncode != 0 and b"KeyboardInterrupt" in error
+    assert xr.load_dataset(tmp_path / "kept.nc").status == 0
+
+
+def test_a_second_process_compiles_nothing(tmp_path):
+    code = (
+        "import jax, study; hits = []; "
+        "jax.monitoring.register_event_listener(lambda name, **_: hits.append(name.rsplit('/', 1)[-1])); "
+        "study.run('hardening', 'houbolt', dt=1e-3, steps=10); print(hits.count('cache_misses'))"
+    )
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
+    misses = [
+        int(subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True).stdout)
+        for _ in range(2)
+    ]
+    assert misses[0] > 0 and misses[1] == 0
 
 
 def test_a_failed_lane_leaves_the_others_alone():
@@ -79,19 +168,24 @@ def test_failure_of_the_start_is_step_zero():
 
 
 def test_step_size_and_count_share_one_compilation():
-    march_one._cached.clear_cache()
+    march._cached.clear_cache()
     for dt, steps in ((0.01, 10), (0.02, 20), (0.03, 30)):
         study.run("hardening", "houbolt", dt=dt, steps=steps, observe=["max_energy_error"])
-    assert march_one._cached._cache_size() == 1
+    assert march._cached._cache_size() == 1
 
 
 def test_what_a_problem_lacks_is_not_in_the_loop():
     """No load, no damping, no mass: nothing of time or of a linear solve is computed in the compiled loop."""
     problem, scheme = study.problems["hardening"], study.schemes["central_difference"]
-    text = march_one.lower(problem, scheme, (), (), problem.u0, 0.01, 10).compile().compiled.as_text()
+
+    def compiled(of):
+        numbers = map(np.asarray, (of.u0, 0.01, 10, 10, 1))
+        return march.lower(March(of, scheme, (), ()), *numbers).compile().compiled.as_text()
+
+    text = compiled(problem)
     assert "cosine" not in text and "custom-call" not in text and "divide" not in text
     loaded = study.Problem(problem.force, u0=1.5, load=lambda t: jax.numpy.cos(t), mass=2.0)
-    text = march_one.lower(loaded, scheme, (), (), loaded.u0, 0.01, 10).compile().compiled.as_text()
+    text = compiled(loaded)
     assert "cosine" in text and "divide" in text
 
 
