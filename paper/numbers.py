@@ -113,7 +113,7 @@ def _of_agreement(agreement: xr.Dataset) -> dict:
 def _of_accuracy(accuracy: xr.Dataset) -> dict:
     accuracy = accuracy.sel(periods=100)
     run = accuracy.sel(problem="hardening", scheme="average_acceleration").sel(steps_per_period=64)
-    flagged = accuracy.flagged.sum(["problem", "scheme", "steps_per_period"])
+    flagged = (accuracy.flagged == 1).sum(["problem", "scheme", "steps_per_period"])
     return {
         "misled_energy": f"{run.max_energy_error.item():.2f}",
         "misled_delay": f"{run.phase_error.item():.2f}",
@@ -126,7 +126,8 @@ def _of_accuracy(accuracy: xr.Dataset) -> dict:
 
 def _of_round_off(round_off: xr.Dataset) -> dict:
     finest = round_off.error.sel(scheme="rk4").isel(steps_per_period=slice(-5, None)).max("steps_per_period")
-    return {f"floor_{name}": f"{finest.sel(summation=name).item():.0e}" for name in round_off.summation.values}
+    floors = {f"floor_{name}": f"{finest.sel(summation=name).item():.0e}" for name in round_off.summation.values}
+    return floors | {"round_off_known": f"{10 * round_off.uncertainty.item():.0e}"}
 
 
 def _of_claims(claims: pd.DataFrame) -> dict:

@@ -21,7 +21,7 @@ SATURATED = 0.5
 #: Neighbouring step sizes of a fit, the finest above the floor.
 POINTS = 5
 #: How much the slope from one step size to the next may change within a fit.
-STEADY = 0.1
+STEADY = 0.2
 
 
 def observed_order(error: xr.DataArray) -> float:

@@ -69,6 +69,8 @@ def agreement(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
     The tolerances must fall: where the limit of steps ends a trajectory, tighter ones are not tried. What did not
     finish has NaN, and a status that says why.
     """
+    if list(tolerances) != sorted(tolerances, reverse=True):
+        raise ValueError(f"the tolerances must fall, not {tolerances}.")
     definition, estimate = problems[problem], printed_periods[problem]
     shape = (len(ROUTES), len(tolerances))
     windowed = {
@@ -101,8 +103,8 @@ def agreement(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         "energy_error": "largest relative error of the energy",
         "u_error_at_periods": "largest error of the displacement at whole periods, relative to its largest size",
         "period_error": "relative error of the period",
-        "evaluations": f"evaluations of the right side over {max(WINDOWS)} periods; of kvaerno5 its stages only, each "
-        "of which takes several in Newton's iteration",
+        "evaluations": f"evaluations of the right side over {max(WINDOWS)} periods: of kvaerno5 its stages, each of "
+        "which takes several; of heyoka those of a Taylor coefficient; of CVODE without those for its Jacobian",
         "run_time": f"run time over {max(WINDOWS)} periods, without compilation, of one run beside other jobs",
         "status": "how the trajectory ended",
         "period_status": "how the search for the period ended",

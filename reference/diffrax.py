@@ -8,7 +8,15 @@ import jax.numpy as jnp
 import numpy as np
 import optimistix
 
-from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, StepLimit, check_tolerance, release
+from reference.solution import (
+    ATOL_BELOW_RTOL,
+    RouteFailed,
+    Solution,
+    StepLimit,
+    check_tolerance,
+    check_trajectory,
+    release,
+)
 from study.problem import Problem
 
 SMALLEST_RTOL = 1e-15
@@ -82,11 +90,12 @@ def trajectory(
     Raises
     ------
     ValueError
-        If the tolerance cannot be reached.
+        If the tolerance cannot be reached, the problem has more than one unknown, or the times do not increase.
     RouteFailed
         If diffrax gives up, for instance at the limit of steps.
     """
     check_tolerance(f"diffrax {method}", rtol, SMALLEST_RTOL)
+    check_trajectory(f"diffrax {method}", problem, t)
     times = jnp.asarray(t, float)
     _solve(problem, times, jnp.asarray(LOOSE_RTOL), method, max_steps).ys.block_until_ready()  # compiles
     start = time.perf_counter()
@@ -132,7 +141,7 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str =
     RouteFailed
         If no turning point comes within three quarters of ``estimate``.
     """
-    sign = release(f"diffrax {method}", problem)
+    sign = release(f"diffrax {method}", problem, estimate)
     # all of one type, the tolerance among them, or each call would be compiled anew
     tolerance = np.float64(rtol)
     found = _until(problem, np.float64(0.75 * estimate), np.float64(-sign), tolerance, method)

@@ -18,6 +18,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from reference import closed_form, taylor
+from reference.solution import RouteFailed
 from reference.symbolic import first_order, with_force_as_state
 from study.command import main, progress
 from study.problem import Problem
@@ -25,6 +26,8 @@ from study.problems import printed_periods, problems
 
 BITS = (192, 128)
 FORMULATIONS = (first_order, with_force_as_state)
+#: What calls itself truth is known to this part of its largest size.
+CERTIFIED = 1e-25
 #: How many samples of the trajectory the closed form is held against.
 WITNESSED = 33
 
@@ -79,7 +82,9 @@ def trajectory(problem: Problem, t: Sequence) -> Truth:
     Raises
     ------
     ValueError
-        If the problem is not smooth or has more than one unknown.
+        If the problem is not smooth or has more than one unknown, or the times do not increase.
+    RouteFailed
+        If the integrations agree to less than ``CERTIFIED``, as those of a chaotic motion do before long.
     """
     solutions = [
         taylor.trajectory(problem, t, bits=bits, formulation=formulation)
@@ -87,6 +92,12 @@ def trajectory(problem: Problem, t: Sequence) -> Truth:
         for formulation in FORMULATIONS
     ]
     u, v = [s.u for s in solutions], [s.v for s in solutions]
+    for values in (u, v):
+        if not _spread(values) <= CERTIFIED * float(np.max(np.abs(values[0]))):
+            raise RouteFailed(
+                f"up to t = {float(t[-1]):g} the truth of '{problem.title}' is known to {_spread(values):.0e} only: "
+                "its integrations separate; ask for shorter times."
+            )
     return Truth(_doubles(u[0]), _doubles(v[0]), _spread(u), _spread(v))
 
 

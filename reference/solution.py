@@ -1,5 +1,7 @@
 """What every route returns, what it refuses, and how a period is asked for."""
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -39,14 +41,27 @@ def check_tolerance(route: str, rtol: float, smallest: float) -> None:
         raise ValueError(f"{route} cannot reach a tolerance of {rtol:g}; ask for {smallest:g} or more.")
 
 
-def release(route: str, problem: Problem) -> float:
+def check_trajectory(route: str, problem: Problem, t: Sequence | np.ndarray) -> None:
+    """Refuse a problem that a route cannot solve, and times that do not increase from zero on."""
+    if np.ndim(problem.u0):
+        raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; {route} takes one.")
+    finite = len(t) > 0 and all(np.isfinite(float(time)) for time in t)
+    if not finite or t[0] < 0 or any(later <= time for time, later in pairwise(t)):
+        raise ValueError(f"{route} needs times that are finite and increase from zero on, not {list(map(float, t))}.")
+
+
+def release(route: str, problem: Problem, estimate: float) -> float:
     """Sign of the initial acceleration of a free oscillator at rest, whose period is twice the time to v = 0.
 
     Raises
     ------
     ValueError
-        If the problem is not one: moving at the start, damped, loaded, or in balance.
+        If the problem is not one: moving at the start, damped, loaded, or in balance; or the estimate no time.
     """
+    if not (np.isfinite(estimate) and estimate > 0):
+        raise ValueError(
+            f"{route} needs a rough period of '{problem.title}' that is greater than zero, not {estimate}."
+        )
     reasons = {
         "it is damped": problem.damping is not None,
         "it is loaded": problem.load is not None,

@@ -5,7 +5,15 @@ import time
 import numpy as np
 from sksundae.cvode import CVODE
 
-from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, StepLimit, check_tolerance, release
+from reference.solution import (
+    ATOL_BELOW_RTOL,
+    RouteFailed,
+    Solution,
+    StepLimit,
+    check_tolerance,
+    check_trajectory,
+    release,
+)
 from reference.symbolic import as_python
 from study.problem import Problem
 
@@ -61,10 +69,11 @@ def trajectory(
     Raises
     ------
     ValueError
-        If the tolerance cannot be reached.
+        If the tolerance cannot be reached, the problem has more than one unknown, or the times do not increase.
     RouteFailed
         If CVODE gives up, for instance at the limit of steps.
     """
+    check_trajectory(f"CVODE {method}", problem, t)
     solver = _solver(problem, rtol, method, max_num_steps=max_num_steps)
     y = np.empty((len(t), 2))
     start = time.perf_counter()
@@ -87,7 +96,7 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-15, method: str =
     RouteFailed
         If no turning point comes within three quarters of ``estimate``.
     """
-    sign = release(f"CVODE {method}", problem)
+    sign = release(f"CVODE {method}", problem, estimate)
 
     def velocity(t, y, events):
         events[0] = y[1]

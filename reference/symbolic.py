@@ -7,6 +7,7 @@ import jax
 import jax.extend.core
 import numpy as np
 import sympy
+from sympy.printing.pycode import PythonCodePrinter
 
 from study.problem import Problem
 
@@ -27,6 +28,16 @@ _OPERATIONS: dict[str, Callable] = {
     "tanh": hy.tanh,
     "sinh": hy.sinh,
     "cosh": hy.cosh,
+    "tan": hy.tan,
+    "asin": hy.asin,
+    "acos": hy.acos,
+    "atan": hy.atan,
+    "asinh": hy.asinh,
+    "acosh": hy.acosh,
+    "atanh": hy.atanh,
+    "erf": hy.erf,
+    "log1p": lambda a: hy.log(1.0 + a),
+    "expm1": lambda a: hy.exp(a) - 1.0,
     "convert_element_type": lambda a: a,
     "copy": lambda a: a,
 }
@@ -52,14 +63,16 @@ def expression(function: Callable, argument: hy.expression) -> hy.expression:
         for equation in jaxpr.eqns:
             inputs = [read(atom) for atom in equation.invars]
             name = equation.primitive.name
-            if name in ("jit", "pjit"):
-                inner = equation.params["jaxpr"]
+            if name in ("jit", "pjit", "custom_jvp_call"):
+                inner = equation.params["call_jaxpr" if name == "custom_jvp_call" else "jaxpr"]
                 results = evaluate(inner.jaxpr, inner.consts, inputs)
             elif name in _OPERATIONS:
                 exponent = [equation.params["y"]] if name == "integer_pow" else []
                 results = [_OPERATIONS[name](*inputs, *exponent)]
             else:
-                raise ValueError(f"'{name}' has no translation into a Taylor series, which needs smooth functions.")
+                raise ValueError(
+                    f"'{name}' has no translation into a Taylor series; known are {', '.join(_OPERATIONS)}."
+                )
             values |= dict(zip(equation.outvars, results, strict=True))
         return [read(atom) for atom in jaxpr.outvars]
 
@@ -102,7 +115,9 @@ def as_python(problem: Problem) -> Callable[[float, float, float], float]:
     """
     (u, _), (v, acceleration) = first_order(problem)
     arguments = hy.to_sympy(hy.time), hy.to_sympy(u), hy.to_sympy(v)
-    return sympy.lambdify(arguments, hy.to_sympy(acceleration), "math", cse=True)
+    # by default constants would be printed with fifteen digits
+    printer = PythonCodePrinter({"fully_qualified_modules": False, "precision": 17})
+    return sympy.lambdify(arguments, hy.to_sympy(acceleration), "math", printer=printer, cse=True)
 
 
 def with_force_as_state(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 import heyoka as hy
 import numpy as np
 
-from reference.solution import RouteFailed, Solution, check_tolerance, release
+from reference.solution import RouteFailed, Solution, check_tolerance, check_trajectory, release
 from reference.symbolic import expression, first_order
 from study.problem import Problem
 
@@ -54,10 +54,11 @@ def trajectory(
     Raises
     ------
     ValueError
-        If the tolerance cannot be reached.
+        If the tolerance cannot be reached, the problem has more than one unknown, or the times do not increase.
     RouteFailed
         If the integration ends early.
     """
+    check_trajectory("heyoka", problem, t)
     if bits == DOUBLE:
         check_tolerance("heyoka", rtol, _EPS)
     options = {"tol": float(rtol)} if bits == DOUBLE else {}
@@ -83,7 +84,7 @@ def period(
     RouteFailed
         If no turning point comes within three quarters of ``estimate``.
     """
-    sign = release("heyoka", problem)
+    sign = release("heyoka", problem, estimate)
     met: list = []
     event = hy.nt_event_dbl if bits == DOUBLE else hy.nt_event_real
     turning = event(-float(sign) * hy.make_vars("v"), lambda _, t, direction: met.append((t, direction)))

@@ -9,24 +9,60 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
+from jax import lax
+from scipy.interpolate import CubicHermiteSpline
 
+from study.equilibrium import acceleration
 from study.observers import Reduction
+from study.problem import Problem
+
+#: An error this many times the reference's uncertainty or less says as much of the reference as of the scheme.
+FLAGGED_WITHIN = 10
+#: Halvings that find a root between two steps to round-off.
+HALVINGS = 53
 
 
-def _cubic_hermite(s, x0, x1, slope0, slope1):
-    """Value at 0 ≤ s ≤ 1 of the cubic with the values x and the slopes dx/ds at both ends."""
-    return (
-        (1 + 2 * s) * (1 - s) ** 2 * x0 + s * (1 - s) ** 2 * slope0 + s**2 * (3 - 2 * s) * x1 + s**2 * (s - 1) * slope1
+def _between(start, end, dt, of_v: bool = False):
+    """Coefficients in 0 ≤ s ≤ 1, lowest first, of the quintic with u, u̇ and ü of two steps, or of its velocity."""
+    (u0, v0, a0), (u1, v1, a1) = start, end
+    v0, v1, a0, a1 = dt * v0, dt * v1, dt**2 * a0, dt**2 * a1
+    rise = u1 - u0 - v0 - a0 / 2
+    slope, curvature = v1 - v0 - a0, a1 - a0
+    quintic = (
+        u0,
+        v0,
+        a0 / 2,
+        10 * rise - 4 * slope + curvature / 2,
+        -15 * rise + 7 * slope - curvature,
+        6 * rise - 3 * slope + curvature / 2,
     )
+    return tuple(k * c for k, c in enumerate(quintic))[1:] if of_v else quintic
 
 
-def _time_over_rise(rise, rate):
-    """Slope of time over displacement in units of the step; at most three, so that no crossing leaves its step.
+def _value(coefficients, s):
+    result = jnp.zeros_like(s)
+    for coefficient in reversed(coefficients):
+        result = result * s + coefficient
+    return result
 
-    Slopes up to three at both ends make the cubic monotonic (Fritsch and Carlson, SIAM J. Numer. Anal. 17, 1980);
-    at fine steps they are near one.
-    """
-    return jnp.where(3 * rate > rise, rise / jnp.where(rate == 0, 1.0, rate), 3.0)
+
+def _root(coefficients):
+    """Where in 0 ≤ s ≤ 1 the polynomial changes its sign, as its ends do, by bisection: no slope can mislead it."""
+    sign = jnp.sign(_value(coefficients, jnp.ones_like(coefficients[0])))
+
+    def halve(_, bracket):
+        low, high = bracket
+        middle = (low + high) / 2
+        beyond = sign * _value(coefficients, middle) > 0
+        return jnp.where(beyond, low, middle), jnp.where(beyond, middle, high)
+
+    low, high = lax.fori_loop(0, HALVINGS, halve, (jnp.zeros_like(sign), jnp.ones_like(sign)))
+    return (low + high) / 2
+
+
+def _kinematics(problem: Problem, state):
+    """Displacement, velocity and the acceleration that the free motion has there."""
+    return state.u, state.v, acceleration(problem, 0.0, state.u, state.v)
 
 
 class TrajectoryError(Reduction):
@@ -75,10 +111,10 @@ class TrajectoryError(Reduction):
 class PeriodError(Reduction):
     """Period elongation and phase error from upward crossings of a level, interpolated between steps.
 
-    Between two steps time is a cubic of the displacement (inverse Hermite interpolation), as exact as a scheme of
-    fourth order. The elongation is the mean of all observed periods over the exact one, less one; the phase error is
-    how many periods late the last crossing comes. NaN for a motion that does not cross any more, and the elongation
-    for one that has crossed once.
+    Between two steps the displacement is the quintic that has their displacements, velocities and accelerations, as
+    exact as a scheme of fifth order. The elongation is the mean of all observed periods over the exact one, less one;
+    the phase error is how many periods late the last crossing comes. NaN for a motion that does not cross any more,
+    and the elongation for one that has crossed once.
 
     Attributes
     ----------
@@ -103,19 +139,21 @@ class PeriodError(Reduction):
     }
 
     def start(self, problem, state):
-        return jnp.zeros((), int), state.u, state.v, jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())
+        return jnp.zeros((), int), _kinematics(problem, state), jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())
 
     def update(self, carried, problem, state, effort):
-        step, u, v, crossings, first, last = carried
-        crossed = (u < self.level) & (state.u >= self.level)
-        rise = jnp.where(crossed, state.u - u, 1.0)
-        slopes = (_time_over_rise(rise, self.dt * rate) for rate in (v, state.v))
-        part = _cubic_hermite((self.level - u) / rise, 0.0, 1.0, *slopes)
-        at = step.astype(float) + part
+        step, before, crossings, first, last = carried
+        now = _kinematics(problem, state)
+        crossed = (before[0] < self.level) & (now[0] >= self.level)
+
+        def part():
+            displacement, *rest = _between(before, now, self.dt)
+            return _root((displacement - self.level, *rest))
+
+        at = step.astype(float) + lax.cond(crossed, part, lambda: jnp.zeros(()))
         return (
             step + 1,
-            state.u,
-            state.v,
+            now,
             crossings + crossed.astype(int),
             jnp.where(crossed & (crossings == 0), at, first),
             jnp.where(crossed, at, last),
@@ -136,7 +174,7 @@ class PeriodError(Reduction):
 class AmplitudeDecay(Reduction):
     """Relative loss of amplitude per period, from the first to the last maximum after the start.
 
-    NaN with fewer than two.
+    The maxima are those of the quintics of :class:`PeriodError`. NaN with fewer than two.
 
     Attributes
     ----------
@@ -152,16 +190,20 @@ class AmplitudeDecay(Reduction):
     variables = {"amplitude_decay": {"long_name": "relative loss of amplitude per period", "units": "1"}}
 
     def start(self, problem, state):
-        return state.u, state.v, jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())
+        return _kinematics(problem, state), jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())
 
     def update(self, carried, problem, state, effort):
-        u, v, maxima, first, last = carried
-        turned = (v > 0) & (state.v <= 0)
-        part = v / jnp.where(turned, v - state.v, 1.0)
-        top = _cubic_hermite(part, u, state.u, self.dt * v, self.dt * state.v) - self.rest
+        before, maxima, first, last = carried
+        now = _kinematics(problem, state)
+        turned = (before[1] > 0) & (now[1] <= 0)
+
+        def amplitude():
+            at = _root(_between(before, now, self.dt, of_v=True))
+            return _value(_between(before, now, self.dt), at) - self.rest
+
+        top = lax.cond(turned, amplitude, lambda: jnp.zeros(()))
         return (
-            state.u,
-            state.v,
+            now,
             maxima + turned.astype(int),
             jnp.where(turned & (maxima == 0), top, first),
             jnp.where(turned, top, last),
@@ -229,33 +271,49 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
     """How well the reference knows the zero of every measure of error, in the units of that measure.
 
     Trajectory: the displacement's uncertainty over the amplitude. Elongation: the period's, relative. Phase: that of
-    all periods, and of the crossing. Amplitude: as the displacement. Energy: how far the energy of the reference,
-    rounded to doubles, is from constant, in percent.
+    all periods, and of the crossing. Amplitude: the displacement's over the amplitude and the periods. Energy: how far
+    the energy of the reference, rounded to doubles, is from constant, in percent.
     """
     displacement = (reference.u_uncertainty / abs(reference.u).max()).item()
     period = (reference.period_uncertainty / reference.period).item()
     crossing = (reference.u_uncertainty / (abs(reference.v).max() * reference.period)).item()
+    amplitude = (reference.u_uncertainty / (reference.u.max() - _rest(reference))).item()
     energy = 100 * reference.energy_drift.item()
     return {
         "rms_trajectory_error": displacement,
         "max_trajectory_error": displacement,
         "period_elongation": period,
         "phase_error": periods * period + crossing,
-        "amplitude_decay": displacement,
+        "amplitude_decay": amplitude / periods,
         "max_energy_error": energy,
         "energy_drift": energy,
     }
 
 
+def flagged(error: np.ndarray, uncertainty, dims: tuple[str, ...]) -> tuple:
+    """Variable that tells where an error is within ten times the reference's uncertainty, or was not measured."""
+    within = np.where(np.isnan(error), 2, np.abs(error) <= FLAGGED_WITHIN * uncertainty)
+    attributes = {
+        "long_name": f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference",
+        "flag_values": np.arange(3, dtype=np.int32),
+        "flag_meanings": "above within not_measured",
+    }
+    return dims, within.astype(np.int32), attributes
+
+
 def _rest(reference: xr.Dataset) -> float:
-    """The displacement of equilibrium: where the exact motion is fastest."""
-    return reference.u.values[np.argmax(np.abs(reference.v.values))]
+    """The displacement of equilibrium: where the exact motion is fastest, at the vertex of a parabola through it."""
+    i = int(np.argmax(np.abs(reference.v.values)))
+    near = slice(max(i - 1, 0), i + 2)
+    t, u, v = reference.t.values[near], reference.u.values[near], reference.v.values[near]
+    curvature, slope, _ = np.polyfit(t - t[1], v, 2)
+    return float(np.polyval(np.polyfit(t - t[1], u, 2), -slope / (2 * curvature)))
 
 
 def _first_crossing(reference: xr.Dataset, level: float) -> float:
-    """When the exact solution first crosses ``level`` upwards, in periods, interpolated as in :class:`PeriodError`."""
+    """When the exact solution first crosses ``level`` upwards, in periods, interpolated by a cubic."""
     u, v, phase = reference.u.values, reference.v.values, reference.phase.values
     i = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))[0]
-    rise, width = u[i + 1] - u[i], phase[i + 1] - phase[i]
-    slope = rise / (width * reference.period.item())
-    return phase[i] + width * _cubic_hermite((level - u[i]) / rise, 0.0, 1.0, slope / v[i], slope / v[i + 1])
+    ends = slice(i, i + 2)
+    between = CubicHermiteSpline(phase[ends], u[ends] - level, v[ends] * reference.period.item())
+    return float(between.roots(extrapolate=False)[0])

@@ -7,6 +7,7 @@ In every implicit scheme the new displacement and velocity are affine in one unk
 so a scheme is its ũ, ṽ, c_u, c_v, the weight w of its internal force and its right side r.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -114,11 +115,18 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0):
         moved = jnp.max(jnp.abs(c_u * correction))
         return a, moved > TOLERANCE * jnp.max(jnp.abs(u) + jnp.abs(c_u * a))
 
-    def insist(carry):
-        return lax.while_loop(lambda c: c[1] & (c[2] < MAX_ITERATIONS), lambda c: (*iterate(c[0]), c[2] + 1), carry)
+    def again(carry):
+        a, _, iterations = carry
+        return *iterate(a), iterations + 1
 
-    # a step takes one iteration to correct and one to see that it did; few take more, so the loop stands aside
-    first, _ = iterate(guess)
-    second = (*iterate(first), jnp.full((), 2))
-    a, unfinished, iterations = lax.cond(second[1], insist, lambda carry: carry, second)
+    def to_go(carry):
+        _, unfinished, iterations = carry
+        return unfinished & (iterations < MAX_ITERATIONS)
+
+    # it takes one iteration to correct and one to see that it did; few steps take more, so the loop stands aside
+    once, _ = iterate(guess)
+    a, unfinished = iterate(once)
+    a, unfinished, iterations = lax.cond(
+        unfinished, partial(lax.while_loop, to_go, again), lambda carry: carry, (a, unfinished, jnp.full((), 2))
+    )
     return a, Effort(iterations, ~unfinished)

@@ -9,8 +9,8 @@ from paper.figures.style import PAGE, letter, looks, main
 
 MEASURES = {
     "max_trajectory_error": "largest error of $u$",
-    "phase_error": "delay (periods)",
-    "amplitude_decay": "amplitude lost per period",
+    "phase_error": "size of delay (periods)",
+    "amplitude_decay": "change of amplitude",
     "max_energy_error": "energy error (%)",
 }
 PROBLEMS = ("hardening", "softening")

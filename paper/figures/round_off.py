@@ -10,12 +10,14 @@ from paper.figures.style import PAGE, looks, main
 def draw(round_off: xr.Dataset) -> Figure:
     """Error over steps per period, filled markers for plain and open ones for compensated sums."""
     figure, ax = plt.subplots(figsize=(0.8 * PAGE, 0.35 * PAGE))
+    known = round_off.error.where(round_off.flagged == 0)
+    ax.axhspan(0, 10 * round_off.uncertainty.item(), color="0.9", linewidth=0)
     for name, look in looks(round_off.scheme).items():
-        run = round_off.sel(scheme=name)
+        run = known.sel(scheme=name)
         title = run.scheme_title.item()
-        ax.plot(run.steps_per_period, run.error.sel(summation="plain"), label=title, **look)
-        ax.plot(run.steps_per_period, run.error.sel(summation="compensated"), **{**look, "markerfacecolor": "white"})
-    ax.set(xscale="log", yscale="log", xlabel="steps per period", ylabel="error after 10 periods")
+        ax.plot(run.steps_per_period, run.sel(summation="plain"), label=title, **look)
+        ax.plot(run.steps_per_period, run.sel(summation="compensated"), **{**look, "markerfacecolor": "white"})
+    ax.set(xscale="log", yscale="log", xlabel="steps per period", ylabel="error after 10⅛ periods")
     figure.legend(loc="outside right center")
     return figure
 

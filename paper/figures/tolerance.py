@@ -29,7 +29,7 @@ def draw(agreement: xr.Dataset) -> Figure:
         ax.minorticks_off()
         letter(ax, index, problem.replace("_", " "))
     axes[0].invert_xaxis()
-    axes[0].set_ylabel("error over 100 periods")
+    axes[0].set(ylabel="error over 100 periods", ylim=(None, 30))
     handles, names = axes[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=4)
     return figure

@@ -7,13 +7,10 @@ import xarray as xr
 
 from study import datasets
 from study.command import main, progress
-from study.comparison import against, uncertainties
+from study.comparison import against, flagged, uncertainties
 from study.experiments import labels
 from study.observers import EnergyDrift, MaxEnergyError
 from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
-
-#: An error this many times the reference's uncertainty or less says as much of the reference as of the scheme.
-FLAGGED_WITHIN = 10
 
 
 def accuracy(
@@ -39,10 +36,7 @@ def accuracy(
     known = [[uncertainties(reference, length) for length in periods] for reference in references.values()]
     measures = list(known[0][0])
     uncertainty = np.array([[[of_run[measure] for of_run in row] for row in known] for measure in measures])
-    flagged = [
-        abs(measured[measure]) <= FLAGGED_WITHIN * uncertainty[m, :, None, None, :]
-        for m, measure in enumerate(measures)
-    ]
+    values = np.array([measured[measure] for measure in measures])
     return xr.Dataset(
         {name: (dims, values, attributes[name]) for name, values in measured.items()}
         | {
@@ -51,15 +45,7 @@ def accuracy(
                 uncertainty,
                 {"long_name": "uncertainty of the reference in the units of the measure", "units": "1"},
             ),
-            "flagged": (
-                ("measure", *dims),
-                np.array(flagged, np.int32),
-                {
-                    "long_name": f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference",
-                    "flag_values": np.arange(2, dtype=np.int32),
-                    "flag_meanings": "above within",
-                },
-            ),
+            "flagged": flagged(values, uncertainty[:, :, None, None, :], ("measure", *dims)),
         },
         coords={
             **labels.problem_coordinates(problems),

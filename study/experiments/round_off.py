@@ -8,6 +8,7 @@ import xarray as xr
 
 from study import datasets
 from study.command import main, progress
+from study.comparison import flagged
 from study.experiments import labels
 from study.problems import problems
 from study.runs import run
@@ -54,13 +55,23 @@ def round_off(problem: str, schemes: Sequence[str], steps_per_period: Sequence[i
                     (last.v.item() - (v - force * late)) / np.max(np.abs(reference.v)),
                 )
                 error[s, c, k] = np.hypot(*differences)
+    uncertainty = np.hypot(
+        (reference.u_uncertainty / abs(reference.u).max()).item(),
+        (reference.v_uncertainty / abs(reference.v).max()).item(),
+    )
+    dims = ("scheme", "summation", "steps_per_period")
     return xr.Dataset(
         {
             "error": (
-                ("scheme", "summation", "steps_per_period"),
+                dims,
                 error,
-                {"long_name": f"error of displacement and velocity after {periods} periods, relative", "units": "1"},
-            )
+                {
+                    "long_name": f"error of displacement and velocity after {periods} periods and an eighth, relative",
+                    "units": "1",
+                },
+            ),
+            "uncertainty": ((), uncertainty, {"long_name": "uncertainty of the reference, relative", "units": "1"}),
+            "flagged": flagged(error, uncertainty, dims),
         },
         coords={
             **labels.scheme_coordinates(schemes),

@@ -1,5 +1,6 @@
 """Every route to the reference against identities, against each other, and in what it refuses."""
 
+import inspect
 from fractions import Fraction
 
 import heyoka as hy
@@ -14,7 +15,7 @@ import reference.diffrax
 import study
 from reference import agreement, closed_form, exact, sundials, taylor
 from reference.solution import RouteFailed, StepLimit
-from reference.symbolic import expression, first_order, with_force_as_state
+from reference.symbolic import as_python, expression, first_order, with_force_as_state
 from study.problems import CubicSpring, TanhSpring, printed_periods
 
 CUBIC = ["hardening", "double_well"]
@@ -200,6 +201,56 @@ def test_a_period_needs_no_closed_form():
     assert taylor.period(quintic, 5.0) == pytest.approx(float(period), rel=1e-14)
 
 
+def test_every_route_solves_the_same_constants():
+    """Not constants that were rounded on their way to a solver."""
+    problem = study.Problem(CubicSpring(100.0, 10.0).force, u0=0.1, damping=1 / 3, mass=1.0000000000000047)
+    states, (_, rate) = ["u", "v"], first_order(problem)[1]
+    u, v = hy.make_vars(*states)
+    compiled, python = hy.cfunc([rate], [u, v]), as_python(problem)
+    for point in np.random.default_rng(2).uniform(-1, 1, (20, 2)):
+        assert python(0.0, *point) == pytest.approx(compiled(point)[0], rel=1e-15, abs=0)
+    assert "0.33333333333333331" in inspect.getsource(python)
+
+
+def test_what_the_integrations_do_not_agree_on_is_no_truth():
+    chaotic = study.Problem(
+        CubicSpring(-1.0, -1.0).force, u0=0.5, damping=0.3, load=lambda t: 0.5 * jnp.cos(1.2 * t), title="chaotic"
+    )
+    assert exact.trajectory(chaotic, [50.0]).u_certified < 1e-25
+    with pytest.raises(RouteFailed, match=r"up to t = 900 the truth of 'chaotic' is known to .* only"):
+        exact.trajectory(chaotic, [900.0])
+
+
+@pytest.mark.parametrize("t", [[], [np.nan], [-1.0], [0.2, 0.1], [0.1, 0.1]])
+def test_times_that_do_not_increase_are_refused(t):
+    for trajectory, _ in agreement.ROUTES.values():
+        with pytest.raises(ValueError, match="needs times that are finite and increase from zero on"):
+            trajectory(study.problems["hardening"], np.array(t), 1e-6)
+    with pytest.raises(ValueError, match="needs times that are finite and increase from zero on"):
+        exact.trajectory(study.problems["hardening"], t)
+
+
+def test_more_than_one_unknown_is_refused():
+    two = study.Problem(lambda u: u, u0=[1.0, 2.0], v0=[0.0, 0.0], title="two")
+    for trajectory, period in agreement.ROUTES.values():
+        with pytest.raises(ValueError, match="'two' has 2 unknowns"):
+            trajectory(two, np.array([1.0]), 1e-6)
+        with pytest.raises(ValueError, match="it has more than one unknown"):
+            period(two, 1.0, 1e-6)
+
+
+@pytest.mark.parametrize("estimate", [-1.0, 0.0, np.nan])
+def test_a_period_needs_a_sensible_estimate(estimate):
+    for _, period in agreement.ROUTES.values():
+        with pytest.raises(ValueError, match="needs a rough period of 'hardening spring' that is greater than zero"):
+            period(study.problems["hardening"], estimate, 1e-6)
+
+
+def test_tolerances_must_fall():
+    with pytest.raises(ValueError, match=r"the tolerances must fall, not \[1e-12, 0.0001\]"):
+        agreement.agreement("hardening", [1e-12, 1e-4])
+
+
 def test_a_damped_spring_has_no_closed_form():
     damped = study.Problem(CubicSpring(100.0, 10.0).force, u0=1.5, damping=5.0, title="damped")
     with pytest.raises(ValueError, match="no closed form is known for 'damped'"):
@@ -237,6 +288,7 @@ def test_translation_keeps_the_function():
         study.problems["softening"].force,
         lambda x: jnp.sin(x) * jnp.exp(-(x**2)) / (2.0 + jnp.cos(3.0 * x)),
         lambda x: x**3 - 0.5 * x + jnp.sqrt(1.0 + x * x),
+        lambda x: jnp.arctan(x) + jnp.log1p(x * x) * jnp.arcsinh(x) + jnp.expm1(-x) * jnp.tan(x / 2),
     ):
         compiled = hy.cfunc([expression(function, u)], [u])
         for x in np.random.default_rng(0).uniform(-2, 2, 20):
