@@ -105,6 +105,13 @@ def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
     return [(u, v), (v, _acceleration(problem, expression(problem.force, u), v))]
 
 
+class _ToTheBit(PythonCodePrinter):
+    """Prints constants so that they are read back as they were; by default they have fifteen digits."""
+
+    def _print_Float(self, expr):
+        return repr(float(expr))
+
+
 def as_python(problem: Problem) -> Callable[[float, float, float], float]:
     """The acceleration v̇(t, u, v) as a function of plain floats, the fastest right side that Python can give.
 
@@ -115,8 +122,7 @@ def as_python(problem: Problem) -> Callable[[float, float, float], float]:
     """
     (u, _), (v, acceleration) = first_order(problem)
     arguments = hy.to_sympy(hy.time), hy.to_sympy(u), hy.to_sympy(v)
-    # by default constants would be printed with fifteen digits
-    printer = PythonCodePrinter({"fully_qualified_modules": False, "precision": 17})
+    printer = _ToTheBit({"fully_qualified_modules": False})
     return sympy.lambdify(arguments, hy.to_sympy(acceleration), "math", printer=printer, cse=True)
 
 
