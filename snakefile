@@ -74,18 +74,27 @@ EXPERIMENTS = {
     "spectral": config["spectral"]["schemes"],
     "accuracy": config["accuracy"]["schemes"],
     "round_off": [*config["round_off"]["schemes"]],
+    "recommendation": [],
 }
-#: Experiment: the problems whose references it reads.
-READS_REFERENCE = {
-    "energy_error": config["energy_error"]["problems"],
-    "accuracy": config["accuracy"]["problems"],
-    "round_off": [config["round_off"]["problem"]],
+
+
+def references(problems):
+    return [f"reference/{name}" for name in problems]
+
+
+#: Experiment: the datasets that it reads.
+READS = {
+    "energy_error": references(config["energy_error"]["problems"]),
+    "accuracy": references(config["accuracy"]["problems"]),
+    "round_off": references([config["round_off"]["problem"]]),
+    "recommendation": ["work_precision"],
 }
 DATASETS = [
     *EXPERIMENTS,
     "reference_agreement",
+    "work_precision",
     *(f"phase_portrait/{name}" for name in PORTRAITS),
-    *(f"reference/{name}" for name in config["references"]["problems"]),
+    *references(config["references"]["problems"]),
 ]
 
 
@@ -113,6 +122,9 @@ FIGURES = {
     "large_steps": ("large_steps", dataset("large_steps"), "Where a step is small enough."),
     "tolerance": ("tolerance", dataset("reference_agreement"), "What a tolerance delivers."),
     "accuracy": ("accuracy", dataset("accuracy"), "Every measure of error against the step size."),
+    "work_precision": ("work_precision", dataset("work_precision"), "Every measure of error against time."),
+    "force_evaluations": ("force_evaluations", dataset("work_precision"), "Every measure of error against forces."),
+    "solvers": ("solvers", dataset("work_precision"), "General solvers beside schemes at fixed steps."),
     "round_off": ("round_off", dataset("round_off"), "Round-off, and what compensated summation buys."),
 }
 #: Table: the datasets that it shows.
@@ -123,7 +135,8 @@ TABLES = {
     "cpu_time": dataset("cpu_time"),
     "houbolt_start": dataset("houbolt_start"),
     "orders": dataset("accuracy"),
-    "references": dataset("reference_agreement", *(f"reference/{name}" for name in config["references"]["problems"])),
+    "recommendation": dataset("recommendation", "work_precision"),
+    "references": dataset("reference_agreement", *references(config["references"]["problems"])),
     "claims": ["results/claims.csv", *dataset("energy_error")],
 }
 
@@ -207,9 +220,8 @@ rule gathered_agreement:
 
 
 def inputs_of(experiment):
-    """The sources of an experiment, and the references that it reads."""
-    exact = [f"reference/{name}" for name in READS_REFERENCE.get(experiment, [])]
-    return dataset(*exact) + sources(f"study.experiments.{experiment}", EXPERIMENTS[experiment])
+    """The datasets that an experiment reads, and its sources."""
+    return dataset(*READS.get(experiment, [])) + sources(f"study.experiments.{experiment}", EXPERIMENTS[experiment])
 
 
 rule experiment:
@@ -231,6 +243,36 @@ rule experiment:
         "experiment {wildcards.experiment}"
     shell:
         "python -m study.experiments.{wildcards.experiment} {output} {params.options:q} > {log} 2>&1"
+
+
+rule work_precision:
+    input:
+        dataset("accuracy", *references(config["references"]["problems"])),
+        sources("study.experiments.work_precision", config["work_precision"]["schemes"]["schemes"]),
+        sources("reference.work_precision"),
+        sources("study.gather"),
+    output:
+        schemes=temp("results/work_precision/schemes.nc"),
+        solvers=temp("results/work_precision/solvers.nc"),
+        whole=update("results/work_precision.nc"),
+    params:
+        schemes=json.dumps(config["work_precision"]["schemes"]),
+        solvers=json.dumps(config["work_precision"]["solvers"]),
+    log:
+        "results/logs/work_precision.log",
+    benchmark:
+        "results/benchmarks/work_precision.tsv"
+    conda:
+        ENVIRONMENT
+    # both are timed in one job that has the machine to itself, each on one core
+    threads: workflow.cores
+    message:
+        "what accuracy costs: schemes and general solvers, timed with nothing else running"
+    shell:
+        "( export OMP_NUM_THREADS=1"
+        " && python -m study.experiments.work_precision {output.schemes} {params.schemes:q}"
+        " && python -m reference.work_precision {output.solvers} {params.solvers:q}"
+        " && python -m study.gather {output.whole} none {output.schemes} {output.solvers} ) > {log} 2>&1"
 
 
 rule phase_portrait:
@@ -324,7 +366,7 @@ rule numbers:
     input:
         "results/claims.csv",
         dataset("energy_error", "energy_drift", "cpu_time", "sensitivity"),
-        dataset("reference_agreement", "accuracy", "round_off"),
+        dataset("reference_agreement", "accuracy", "work_precision", "recommendation", "round_off"),
         dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
         sources=sources("paper.numbers"),
     output:

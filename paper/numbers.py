@@ -124,6 +124,28 @@ def _of_accuracy(accuracy: xr.Dataset) -> dict:
     }
 
 
+def _of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
+    spring = work.sel(problem="hardening", periods=100)
+    rk4 = spring.sel(scheme="rk4").isel(steps_per_period=-1)
+    heyoka = spring.sel(solver="heyoka").isel(tolerance=-1)
+    cells = recommendation.cheapest_scheme.sel(measure="max_trajectory_error")
+    count = {scheme: int((cells == scheme).sum()) for scheme in ("rk4", "central_difference")}
+    coarse = spring.newton_iterations_per_step.sel(scheme="average_acceleration").isel(steps_per_period=0)
+    return {
+        "work_cells": cells.size,
+        "work_rk4": count["rk4"],
+        "work_central_difference": count["central_difference"],
+        "work_others": cells.size - sum(count.values()),
+        "work_rk4_finest": f"{rk4.max_trajectory_error.item():.0e}",
+        "work_rk4_ms": f"{1e3 * rk4.time_per_run.item():.1f}",
+        "work_heyoka_finest": f"{heyoka.solver_max_trajectory_error.item():.0e}",
+        "work_heyoka_ms": f"{1e3 * heyoka.solver_time_per_run.item():.1f}",
+        "work_iterations_coarse": f"{coarse.item():.1f}",
+        "work_diffrax_step": f"{spring.diffrax_rk4_time_per_step.dropna('steps_per_period')[-1].item():.0f}",
+        "work_rk4_step": f"{spring.median_time_per_step.sel(scheme='rk4').isel(steps_per_period=-1).item():.0f}",
+    }
+
+
 def _of_round_off(round_off: xr.Dataset) -> dict:
     finest = round_off.error.sel(scheme="rk4").isel(steps_per_period=slice(-5, None)).max("steps_per_period")
     floors = {f"floor_{name}": f"{finest.sel(summation=name).item():.0e}" for name in round_off.summation.values}
@@ -155,6 +177,7 @@ def numbers(results: Path) -> dict:
         **_of_times(dataset("cpu_time")),
         **_of_agreement(dataset("reference_agreement")),
         **_of_accuracy(dataset("accuracy")),
+        **_of_work(dataset("work_precision"), dataset("recommendation")),
         **_of_round_off(dataset("round_off")),
         **_of_claims(claims),
     }

@@ -5,6 +5,7 @@ from study.datasets import open
 from study.observers import observers
 from study.problem import Problem
 from study.problems import problems
+from study.recommendation import recommend
 from study.runs import run
 from study.schemes import Compensated, HHTAlpha, Houbolt, Newmark, OneStep, RungeKutta4, Scheme, WilsonTheta, schemes
 
@@ -21,6 +22,7 @@ __all__ = [
     "observers",
     "open",
     "problems",
+    "recommend",
     "run",
     "schemes",
 ]

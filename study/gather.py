@@ -1,4 +1,7 @@
-"""Put datasets of the same form together along a dimension: ``python -m study.gather OUTPUT DIMENSION INPUT...``."""
+"""Put datasets together: ``python -m study.gather OUTPUT DIMENSION INPUT...``.
+
+Datasets of the same form are put along a dimension; those that complement each other are merged, with ``none`` for it.
+"""
 
 import sys
 
@@ -8,11 +11,14 @@ from study.datasets import check_writable, provenance, write
 
 
 def main(output: str, dimension: str, inputs: list[str]) -> None:
-    """Concatenate the parts in the order given; their title stays."""
+    """Put the parts together in the order given; the title of the first stays."""
     path = check_writable(output)
     # without their encodings, or names would be cut to the length of the first part's
     parts = [xr.load_dataset(name).drop_encoding() for name in inputs]
-    dataset = xr.concat(parts, dimension, combine_attrs="override")
+    if dimension == "none":
+        dataset = xr.merge(parts, join="outer", combine_attrs="override")
+    else:
+        dataset = xr.concat(parts, dimension, combine_attrs="override")
     dataset.attrs = provenance(parts[0].title, "python -m study.gather")
     write(dataset, path)
 

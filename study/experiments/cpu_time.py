@@ -1,6 +1,5 @@
 """The last rows of Tables 1 and 2 of Xie (1996): the time of 100,000 steps at T/1000."""
 
-import time
 from collections.abc import Sequence
 
 import numpy as np
@@ -8,29 +7,13 @@ import xarray as xr
 
 from study.command import main, progress
 from study.experiments import labels
-from study.march import March, march
 from study.observers import MaxEnergyError
-from study.problems import printed_periods, problems
-from study.schemes import schemes
+from study.problems import printed_periods
+from study.problems import problems as problems_by_name
+from study.schemes import schemes as schemes_by_name
+from study.timing import Timed
 
 BASELINE = "average_acceleration"
-
-
-def _compiled(problem: str, scheme: str, dt: float, steps: int):
-    """The compiled march with the energy observed, its arguments, and how long compiling it took."""
-    definition = problems[problem]
-    observed = March(definition, schemes[scheme], (MaxEnergyError(),), ())
-    count = np.asarray(steps)
-    arguments = (observed, np.asarray(definition.u0), np.asarray(dt), count, count, np.asarray(1))
-    start = time.perf_counter()
-    compiled = march.lower(*arguments).compile()  # type: ignore[attr-defined]
-    return compiled, arguments, time.perf_counter() - start
-
-
-def _timed(compiled, arguments) -> float:
-    start = time.perf_counter()
-    compiled(*arguments)[1].status.block_until_ready()
-    return time.perf_counter() - start
 
 
 def cpu_time(
@@ -38,23 +21,17 @@ def cpu_time(
 ) -> xr.Dataset:
     """Time of ``steps`` steps, energy observed, compilation apart.
 
-    The schemes take turns, so that a slow moment of the machine meets all of them; the first turn is a warm-up.
+    The schemes take turns, so that a slow moment of the machine meets all of them.
     """
     shape = (len(problems), len(schemes))
     compile_time, elapsed = np.empty(shape), np.empty((*shape, repeats))
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
-        runs = []
-        for s, scheme in enumerate(schemes):
-            compiled, arguments, compile_time[p, s] = _compiled(
-                problem, scheme, printed_periods[problem] / steps_per_period, steps
-            )
-            runs.append((compiled, arguments))
-        for repeat in range(-1, repeats):
-            for s, (compiled, arguments) in enumerate(runs):
-                seconds = _timed(compiled, arguments)
-                if repeat >= 0:
-                    elapsed[p, s, repeat] = seconds
+        timed = [Timed(problems_by_name[problem], schemes_by_name[scheme], (MaxEnergyError(),)) for scheme in schemes]
+        compile_time[p] = [one.compile_time for one in timed]
+        for repeat in range(repeats):
+            for s, one in enumerate(timed):
+                elapsed[p, s, repeat], _ = one.run(printed_periods[problem] / steps_per_period, steps)
     per_step = 1e9 * elapsed / steps
     quartiles = np.quantile(per_step, [0.25, 0.5, 0.75], axis=-1)
     ratio = per_step / per_step[:, [list(schemes).index(BASELINE)]]

@@ -59,6 +59,10 @@ class HHTAlpha(OneStep):
     def explicit(self) -> bool:
         return False
 
+    @property
+    def evaluations(self) -> int:
+        return 1
+
     start = start_in_balance
 
     def increment(self, problem, state, t, dt):

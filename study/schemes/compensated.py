@@ -64,6 +64,10 @@ class Compensated(Scheme):
     def explicit(self) -> bool:
         return self.scheme.explicit
 
+    @property
+    def evaluations(self) -> int:
+        return self.scheme.evaluations
+
     def start(self, problem, u0, v0, dt):
         inner, effort = self.scheme.start(problem, u0, v0, dt)
         return Summed(inner, 0 * u0, 0 * v0), effort

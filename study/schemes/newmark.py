@@ -55,6 +55,10 @@ class Newmark(OneStep):
     def explicit(self) -> bool:
         return isinstance(self.beta, float | int) and self.beta == 0
 
+    @property
+    def evaluations(self) -> int:
+        return 1 if self.explicit else 0
+
     start = start_in_balance
 
     def increment(self, problem, state, t, dt):

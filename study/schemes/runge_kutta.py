@@ -44,6 +44,10 @@ class RungeKutta4(OneStep):
     def explicit(self) -> bool:
         return True
 
+    @property
+    def evaluations(self) -> int:
+        return 4
+
     def start(self, problem, u0, v0, dt):
         return Phase(u0, v0), Effort()
 

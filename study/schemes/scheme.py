@@ -34,6 +34,11 @@ class Scheme(eqx.Module):
     def explicit(self) -> bool:
         """Whether a step needs no iteration, however non-linear the internal force."""
 
+    @property
+    def evaluations(self) -> int:
+        """Internal forces that a step evaluates beside the one of each Newton iteration."""
+        return 0
+
     @abc.abstractmethod
     def start(self, problem: Problem, u0, v0, dt) -> tuple[Any, Effort]:
         """State at t = 0, and what it took."""

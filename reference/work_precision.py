@@ -1,0 +1,184 @@
+"""The cost of general solvers beside their errors: the peers of the schemes in ``results/work_precision.nc``."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import jax
+import numpy as np
+import xarray as xr
+
+from reference import diffrax, exact, scipy, sundials, taylor
+from reference.solution import RouteFailed, Solution
+from study.command import main, progress
+from study.problem import Problem
+from study.problems import printed_periods
+from study.problems import problems as problems_by_name
+
+#: Solver: its trajectory, a function of problem, times and tolerance.
+SOLVERS: dict[str, Callable[..., Solution]] = {
+    "cvode_adams": partial(sundials.trajectory, method="Adams"),
+    "cvode_bdf": partial(sundials.trajectory, method="BDF"),
+    "dopri8": partial(diffrax.trajectory, method="Dopri8"),
+    "tsit5": partial(diffrax.trajectory, method="Tsit5"),
+    "kvaerno5": partial(diffrax.trajectory, method="Kvaerno5"),
+    "scipy_dop853": partial(scipy.trajectory, method="DOP853"),
+    "scipy_radau": partial(scipy.trajectory, method="Radau"),
+    "heyoka": taylor.trajectory,
+}
+RIGHT_SIDES = {
+    "cvode_adams": "Python",
+    "cvode_bdf": "Python",
+    "scipy_dop853": "Python",
+    "scipy_radau": "Python",
+    "heyoka": "compiled",
+    "dopri8": "compiled",
+    "tsit5": "compiled",
+    "kvaerno5": "compiled",
+}
+MEASURES = {
+    "max_trajectory_error": ("largest error of the displacement in the last period, relative", "1"),
+    "phase_error": ("delay of the last sample in periods, to first order", "1"),
+    "period_elongation": ("relative elongation of the period: the delay over the number of periods", "1"),
+    "amplitude_decay": ("relative loss of amplitude per period, of the energy and to first order", "1"),
+    "max_energy_error": ("largest relative error of the total energy in the last period", "percent"),
+    "energy_drift": ("signed relative error of the total energy at the end", "percent"),
+}
+#: Lengths in periods of the runs that are made.
+RUNS = (100, 1000)
+#: Samples of the last period of a run, in which errors are looked for.
+SAMPLES = 16
+
+
+def errors(problem: Problem, truth: exact.Truth, solution: Solution, periods: int, period: float) -> dict[str, float]:
+    """The study's measures of error of a sampled solution.
+
+    A delay δ moves the state by −δ (u̇, ü), so it is the projection of the last error on the last rate; a loss of
+    energy ΔE is a loss of amplitude ΔE/p(A) at the turning point A.
+    """
+    scales = np.max(np.abs(truth.u)), np.max(np.abs(truth.v))
+    off = (solution.u - truth.u) / scales[0], (solution.v - truth.v) / scales[1]
+    rate = truth.v[-1] / scales[0], -float(problem.force(truth.u[-1])) / scales[1]
+    delay = -(off[0][-1] * rate[0] + off[1][-1] * rate[1]) / (rate[0] ** 2 + rate[1] ** 2)
+    initial = float(problem.energy(problem.u0, problem.v0))
+    lost = initial - np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
+    turn = float(problem.u0)
+    return {
+        "max_trajectory_error": np.max(np.abs(off[0])),
+        "phase_error": delay / period,
+        "period_elongation": delay / period / periods,
+        "amplitude_decay": lost[-1] / (float(problem.force(turn)) * turn) / periods,
+        "max_energy_error": 100 * np.max(np.abs(lost / initial)),
+        "energy_drift": -100 * lost[-1] / abs(initial),
+    }
+
+
+def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> list[Solution]:
+    """The same run again and again, as often and as long as is allowed; none where the solver gave up."""
+    runs: list[Solution] = []
+    try:
+        while len(runs) < repeats and sum(run.seconds for run in runs) < longest:
+            runs.append(solve())
+    except RouteFailed as failure:
+        progress(str(failure))
+    return runs
+
+
+def work_precision(
+    problems: Sequence[str],
+    tolerances: Sequence[float],
+    steps_per_period: Sequence[int],
+    periods: Sequence[int],
+    repeats: int,
+    longest: float,
+) -> xr.Dataset:
+    """Time and evaluations of every solver at every tolerance beside its errors.
+
+    The runs are of 100 and 1,000 periods; shorter ones are their beginnings, with their part of the time. They give
+    outputs in the last of these periods only, where errors that grow are the largest. A run is repeated as long as
+    that takes less than ``longest`` seconds; one of 1,000 periods that would take more is left out (NaN), and so are
+    the tolerances tighter than one at which a hundred periods did. The classical Runge-Kutta method, one of the
+    study's own, is also stepped by diffrax, for its time a step.
+    """
+    shape = tuple(map(len, (problems, SOLVERS, tolerances, periods)))
+    measured = {name: np.full(shape, np.nan) for name in MEASURES}
+    seconds, evaluations = np.full((*shape, repeats), np.nan), np.full(shape, np.nan)
+    fixed = np.empty((len(problems), len(steps_per_period)))
+    for p, name in enumerate(problems):
+        problem = problems_by_name[name]
+        exact_period, certified = exact.period(problem, printed_periods[name])
+        period = float(exact_period)
+        last = np.arange(1, SAMPLES + 1) / SAMPLES - 1
+        t = period * np.concatenate([length + last for length in sorted(periods)])
+        truth = exact.folded(problem, t, exact_period, certified)
+        for k, parts in enumerate(steps_per_period):
+            runs = [diffrax.classical_runge_kutta(problem, period / parts, 100 * parts) for _ in range(repeats)]
+            fixed[p, k] = 1e9 * np.median([run.seconds for run in runs]) / (100 * parts)
+        for s, (solver, trajectory) in enumerate(SOLVERS.items()):
+            progress(f"{solver} on {name}")
+            for k, tolerance in enumerate(tolerances):
+                for length in RUNS:
+                    shorter = [window for window in periods if window <= length]
+                    times = t[: len(shorter) * SAMPLES]
+                    runs = _repeated(partial(trajectory, problem, times, tolerance), repeats, longest)
+                    for w, window in enumerate(shorter if runs else []):
+                        at, its = (p, s, k, w), slice(w * SAMPLES, (w + 1) * SAMPLES)
+                        seconds[at][: len(runs)] = [run.seconds * window / length for run in runs]
+                        evaluations[at] = runs[0].evaluations * window / length
+                        known = truth._replace(u=truth.u[its], v=truth.v[its])
+                        sampled = runs[0]._replace(u=runs[0].u[its], v=runs[0].v[its])
+                        for measure, value in errors(problem, known, sampled, window, period).items():
+                            measured[measure][at] = value
+                    if not runs or runs[0].seconds * max(RUNS) / length > longest:
+                        break
+                if not runs or runs[0].seconds * min(RUNS) / length > longest:
+                    break
+    dims = ("problem", "solver", "tolerance", "periods")
+    return xr.Dataset(
+        {
+            f"solver_{name}": (dims, values, dict(zip(("long_name", "units"), MEASURES[name], strict=True)))
+            for name, values in measured.items()
+        }
+        | {
+            "solver_time": ((*dims, "solver_repeat"), seconds, {"long_name": "time of a run, by repeat", "units": "s"}),
+            "solver_time_per_run": (
+                dims,
+                np.ma.median(np.ma.masked_invalid(seconds), axis=-1).filled(np.nan),
+                {"long_name": "median time of a run, compilation apart", "units": "s"},
+            ),
+            "diffrax_rk4_time_per_step": (
+                ("problem", "steps_per_period"),
+                fixed,
+                {"long_name": "median time of a step of the classical Runge-Kutta method in diffrax", "units": "ns"},
+            ),
+            "solver_evaluations": (
+                dims,
+                evaluations,
+                {
+                    "long_name": "evaluations of the right side in a run: of kvaerno5 its stages, each of which takes "
+                    "several; of heyoka those of a Taylor coefficient; of CVODE without those for its Jacobian",
+                    "units": "1",
+                },
+            ),
+        },
+        coords={
+            "problem": ("problem", list(problems), {"long_name": "problem"}),
+            "solver": ("solver", list(SOLVERS), {"long_name": "adaptive solver"}),
+            "right_side": (
+                "solver",
+                [RIGHT_SIDES[solver] for solver in SOLVERS],
+                {"long_name": "what the right side is; in Python it takes most of the time"},
+            ),
+            "tolerance": ("tolerance", list(tolerances), {"long_name": "relative tolerance asked for", "units": "1"}),
+            "steps_per_period": (
+                "steps_per_period",
+                list(steps_per_period),
+                {"long_name": "steps per period", "units": "1"},
+            ),
+            "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
+        },
+        attrs={"title": "Work and precision of general solvers"},
+    )
+
+
+if __name__ == "__main__":
+    main(work_precision)

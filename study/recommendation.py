@@ -1,0 +1,131 @@
+"""``study.recommend``: the cheapest scheme for an error that may be made."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from study import datasets
+from study.registry import did_you_mean
+
+
+def _needed_steps(steps: np.ndarray, error: np.ndarray, allowed: float) -> float:
+    """Fewest steps per period from which on the error stays below what is allowed; NaN where the data show none.
+
+    Between two step sizes the error is a power of the step, log-linear.
+    """
+    above = np.flatnonzero(~(error <= allowed))  # NaN, a run that failed, is above
+    if not above.size:
+        return steps[0]
+    last = above[-1]
+    if last == len(steps) - 1:
+        return np.nan
+    if not np.isfinite(error[last]) or error[last + 1] == 0:
+        return steps[last + 1]
+    between = np.log(allowed / error[last]) / np.log(error[last + 1] / error[last])
+    return float(np.exp(np.interp(between, [0, 1], np.log(steps[last : last + 2]))))
+
+
+def _over_periods(errors: xr.DataArray, periods: float) -> np.ndarray:
+    """Errors after ``periods`` periods, log-linear between the lengths that were run."""
+    lengths = errors.periods.values
+    if periods in lengths:
+        return errors.sel(periods=periods).values
+    upper = np.searchsorted(lengths, periods)
+    part = np.log(periods / lengths[upper - 1]) / np.log(lengths[upper] / lengths[upper - 1])
+    before, after = errors.isel(periods=upper - 1).values, errors.isel(periods=upper).values
+    with np.errstate(divide="ignore"):  # an error of zero stays zero
+        return np.exp((1 - part) * np.log(before) + part * np.log(after))
+
+
+def _scale(error: xr.DataArray) -> float:
+    """What the unit of a measure makes of a fraction."""
+    return 100.0 if error.units == "percent" else 1.0
+
+
+def candidates(data: xr.Dataset, problem: str, error: float, measure: str, periods: float) -> pd.DataFrame:
+    """What :func:`recommend` returns, or no rows where no scheme keeps the error."""
+    one = data.sel(problem=problem)
+    allowed = error * _scale(one[measure])
+    # what is within the reference's uncertainty is smaller than can be told, and so small enough
+    sizes = abs(one[measure]).where(one.flagged.sel(measure=measure) != 1, 0.0)
+    steps = one.steps_per_period.values
+    rows = {}
+    for scheme in one.scheme.values:
+        at = one.sel(scheme=scheme)
+        needed = _needed_steps(steps, _over_periods(sizes.sel(scheme=scheme), periods), allowed)
+        per_step = (
+            np.interp(needed, steps, at.median_time_per_step),
+            np.interp(needed, steps, at.force_evaluations_per_step),
+        )
+        rows[scheme] = {
+            "steps_per_period": needed,
+            "time": 1e-9 * per_step[0] * needed * periods,
+            "force_evaluations": per_step[1] * needed * periods,
+        }
+    columns = ["steps_per_period", "time", "force_evaluations"]
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=columns)
+    return table.rename_axis("scheme").dropna().sort_values("time")
+
+
+def recommend(
+    problem: str,
+    *,
+    error: float,
+    measure: str = "max_trajectory_error",
+    periods: float = 100,
+) -> pd.DataFrame:
+    """Every scheme that keeps an error, the cheapest first, with the steps per period that it needs.
+
+    The work-precision dataset is interpolated in the step size and in the length of the run, and never extrapolated:
+    a scheme that does not get there with the finest step of the dataset is left out, and one that does already with
+    the coarsest is listed with that.
+
+    Parameters
+    ----------
+    problem
+        Name of a problem of the dataset.
+    error
+        Largest error that may be made, as a fraction, also where the dataset has percent: 0.01 is one percent.
+    measure
+        Measure of error, a variable of the dataset.
+    periods
+        Length of the run in periods.
+
+    Returns
+    -------
+    pandas.DataFrame
+        By ``scheme``: ``steps_per_period``, ``time`` of the run in seconds and ``force_evaluations`` in it.
+
+    Raises
+    ------
+    KeyError
+        If there is no such problem or measure.
+    ValueError
+        If the error or the length of the run is beyond what was measured; the message says what was.
+
+    Examples
+    --------
+    >>> study.recommend("hardening", error=0.01, periods=100)  # doctest: +SKIP
+                        steps_per_period      time  force_evaluations
+    scheme
+    rk4                             91.1  0.000176            36434.2
+    """
+    data = datasets.open("work_precision")
+    for name, known in ((problem, data.problem.values), (measure, data.measure.values)):
+        if name not in known:
+            kind = "problem" if name == problem else "measure of error"
+            raise KeyError(f"the work-precision data have no {kind} {name!r}; {did_you_mean(str(name), known)}")
+    lengths = data.periods.values
+    if not lengths.min() <= periods <= lengths.max():
+        raise ValueError(f"periods must be within what was run, {lengths.min()} to {lengths.max()}, not {periods}.")
+    if not error > 0:
+        raise ValueError(f"error must be greater than zero, not {error}.")
+    table = candidates(data, problem, error, measure, periods)
+    if table.empty:
+        finest = data[measure].sel(problem=problem, periods=lengths[lengths <= periods].max()).isel(steps_per_period=-1)
+        raise ValueError(
+            f"no scheme keeps {measure} to {error:g} over {periods} periods of '{problem}' with up to "
+            f"{finest.steps_per_period.item()} steps per period; the least that was measured is "
+            f"{(abs(finest) / _scale(finest)).min().item():.1e}."
+        )
+    return table
