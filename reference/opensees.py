@@ -1,0 +1,97 @@
+"""OpenSees, a finite element code that steps the same schemes: an optional peer.
+
+The cubic spring is its material ``ElasticPowerFunc`` exactly. Newmark's methods, central difference and Wilson's method
+are the same to round-off. Houbolt's method is started by two steps of average acceleration, and the α-method
+evaluates one internal force at the weighted displacement, p((1 + α) u₁ − α u₀), where that of 1996 weights two.
+"""
+
+import importlib
+import time
+from types import ModuleType
+
+import numpy as np
+
+from reference.solution import Solution
+from study.problem import Problem
+from study.problems import CubicSpring, problems
+
+#: Scheme: the integrator of the same name and parameters, and the solution algorithm that it takes.
+INTEGRATORS = {
+    "average_acceleration": (("Newmark", 0.5, 0.25), "Newton"),
+    "central_difference": (("NewmarkExplicit", 0.5), "Linear"),
+    "newmark_dissipative": (("Newmark", 0.6, 0.3025), "Newton"),
+    "wilson_theta": (("WilsonTheta", 1.4), "Newton"),
+    "houbolt": (("Houbolt",), "Newton"),
+    "hht_alpha": (("HHT", 0.9, 0.6, 0.3025), "Newton"),
+}
+
+
+class NotInstalled(ImportError):
+    """OpenSees is not there; the message says how to get it."""
+
+
+def load() -> ModuleType:
+    """OpenSees' interpreter.
+
+    Raises
+    ------
+    NotInstalled
+        If the extra ``opensees`` of this package, or a library that it needs, is not installed.
+    """
+    try:
+        return importlib.import_module("openseespy.opensees")
+    except (ImportError, RuntimeError) as error:
+        raise NotInstalled(
+            "OpenSees is left out: install the extra 'opensees' of this package, and the system's BLAS and LAPACK "
+            f"({error})."
+        ) from None
+
+
+def _spring(problem: Problem) -> CubicSpring:
+    spring = getattr(problem.force, "__self__", None)
+    if not isinstance(spring, CubicSpring):
+        raise ValueError(f"OpenSees has no material that is the spring of '{problem.title}'; it has the cubic one.")
+    return spring
+
+
+def trajectory(problem: str, scheme: str, dt: float, steps: int) -> Solution:
+    """Displacement and velocity at every step after the start; ``evaluations`` are not told and −1.
+
+    Raises
+    ------
+    NotInstalled
+        If OpenSees is not there.
+    ValueError
+        If the problem is no cubic spring, or OpenSees has no such scheme.
+    """
+    ops, definition = load(), problems[problem]
+    spring = _spring(definition)
+    if scheme not in INTEGRATORS:
+        raise ValueError(f"OpenSees does not step '{scheme}'; it steps {', '.join(INTEGRATORS)}.")
+    integrator, algorithm = INTEGRATORS[scheme]
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    for node in (1, 2):
+        ops.node(node, 0.0)
+    ops.fix(1, 1)
+    ops.mass(2, 1.0)
+    ops.uniaxialMaterial("ElasticPowerFunc", 1, "-coeff", spring.S1, spring.S1 * spring.S2, "-exp", 1.0, 3.0)
+    ops.element("zeroLength", 1, 1, 2, "-mat", 1, "-dir", 1)
+    ops.constraints("Plain")
+    ops.numberer("Plain")
+    ops.system("FullGeneral")
+    ops.test("NormDispIncr", 1e-13, 50)
+    ops.algorithm(algorithm)
+    ops.integrator(*integrator)
+    ops.analysis("Transient")
+    u0 = float(definition.u0)
+    ops.setNodeDisp(2, 1, u0, "-commit")
+    ops.setNodeVel(2, 1, float(definition.v0), "-commit")
+    ops.setNodeAccel(2, 1, -float(spring.force(u0)), "-commit")
+    u, v = np.empty(steps), np.empty(steps)
+    start = time.perf_counter()
+    for step in range(steps):
+        if ops.analyze(1, dt):
+            raise ValueError(f"OpenSees' {integrator[0]} failed at step {step + 1} of '{definition.title}'.")
+        u[step], v[step] = ops.nodeDisp(2, 1), ops.nodeVel(2, 1)
+    return Solution(u, v, -1, time.perf_counter() - start)

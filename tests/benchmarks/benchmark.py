@@ -1,0 +1,298 @@
+"""How fast the study is: ratios of times that are taken side by side, by turns, on one core unless said otherwise.
+
+``make benchmark`` runs it, prints the ratios as a table and writes them to ``results/benchmark.nc``.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import peer
+import xarray as xr
+
+import study
+from study.datasets import provenance, write
+from study.observers import EnergyDrift, MaxEnergyError, NewtonIterations
+from study.problems import printed_periods
+from study.timing import Timed
+
+REPEATS = 9
+STEPS = 100_000
+ENSEMBLE_STEPS = 1_000
+FEW, MANY = 1_024, 16_384
+ALL = (MaxEnergyError(), EnergyDrift(), NewtonIterations())
+#: The most that a ratio to C should be, by spring and scheme; other schemes in proportion.
+TO_C = {
+    "hardening": {"average_acceleration": 1.2, "central_difference": 1.25, "rk4": 1.0},
+    "softening": {"average_acceleration": 0.7},
+}
+
+
+class Case(NamedTuple):
+    """Two things to time by turns, each a function that returns seconds for the same work, or their units."""
+
+    name: str
+    ours: Callable[[], float]
+    baseline: Callable[[], float]
+    #: The most that the ratio should be.
+    target: float
+    #: Nanoseconds are per this many steps.
+    steps: int
+
+
+def _dt(problem: str) -> float:
+    return printed_periods[problem] / 1000
+
+
+def _timed(work: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+def against_c(folder: str) -> Iterator[Case]:
+    """A run with the energy observed against C of the same formula."""
+    for spring, targets in TO_C.items():
+        for name, scheme in study.schemes.items():
+            ours = Timed(study.problems[spring], scheme, (MaxEnergyError(),))
+            u0, dt = float(study.problems[spring].u0), _dt(spring)
+            _, error = peer.single(spring, name, u0, dt, STEPS, folder)
+            same = study.run(spring, name, dt=dt, steps=STEPS, observe=["max_energy_error"])
+            np.testing.assert_allclose(same.max_energy_error / 100, error, rtol=1e-4, err_msg=f"{name} in C differs")
+            yield Case(
+                f"{name}, {spring} : C",
+                lambda ours=ours, dt=dt: ours.run(dt, STEPS)[0],
+                lambda args=(spring, name, u0, dt, STEPS, folder): peer.single(*args)[0],
+                targets.get(name, targets["average_acceleration"]),
+                STEPS,
+            )
+
+
+def ensembles(folder: str) -> Iterator[Case]:
+    """Lanes against a single run, against SIMD C, and against themselves in other numbers and company."""
+
+    def run(spring, lanes, steps=ENSEMBLE_STEPS, dt=1.0, **more):
+        u0 = np.linspace(0.5, 1.0, lanes) * float(study.problems[spring].u0)
+        arguments = {"u0": u0, "dt": dt * _dt(spring), "steps": steps, "observe": ["max_energy_error"]} | more
+        return _timed(lambda: study.run(spring, "average_acceleration", **arguments))
+
+    for spring, (to_single, to_c) in {"hardening": (0.08, 1.7), "softening": (0.3, 1.0)}.items():
+        single = Timed(study.problems[spring], study.schemes["average_acceleration"], (MaxEnergyError(),))
+        yield Case(
+            f"{FEW} lanes, {spring} : single runs",
+            lambda spring=spring: run(spring, FEW),
+            lambda spring=spring, single=single: single.run(_dt(spring), FEW * ENSEMBLE_STEPS // 16)[0] * 16,
+            to_single,
+            FEW * ENSEMBLE_STEPS,
+        )
+        if peer.compiler():
+            u0 = np.linspace(0.5, 1.0, FEW) * float(study.problems[spring].u0)
+            arguments = spring, u0, _dt(spring), ENSEMBLE_STEPS, study.problems[spring].force, folder
+            yield Case(
+                f"{FEW} lanes, {spring} : SIMD C",
+                lambda spring=spring: run(spring, FEW),
+                lambda arguments=arguments: peer.ensemble(*arguments)[0],
+                to_c,
+                FEW * ENSEMBLE_STEPS,
+            )
+    for lanes in (MANY, 16 * MANY, 1_000_000):
+        steps = max(20, 2**25 // lanes)
+        yield Case(
+            f"{lanes} lanes : as many lane-steps of {FEW} lanes",
+            lambda lanes=lanes, steps=steps: run("hardening", lanes, steps),
+            lambda lanes=lanes, steps=steps: run("hardening", FEW, lanes * steps // FEW),
+            1.3,
+            lanes * steps,
+        )
+    mixed = np.linspace(1, 2 * ENSEMBLE_STEPS, MANY).astype(int)
+    yield Case(
+        f"lanes with 1 to {2 * ENSEMBLE_STEPS} steps : with {ENSEMBLE_STEPS} each",
+        lambda: run("hardening", MANY, mixed),
+        lambda: run("hardening", MANY),
+        1.3,
+        MANY * ENSEMBLE_STEPS,
+    )
+    # with a step as large as that Newton's iteration does not converge
+    unstable = np.where(np.arange(MANY) % 2, 1.0, 1e4)
+    yield Case(
+        "every second lane failed : none failed",
+        lambda: run("hardening", MANY, dt=unstable),
+        lambda: run("hardening", MANY),
+        1.3,
+        MANY * ENSEMBLE_STEPS,
+    )
+
+    def on_all_cores():
+        granted = os.environ.pop("OMP_NUM_THREADS")
+        seconds = run("hardening", MANY)
+        os.environ["OMP_NUM_THREADS"] = granted
+        return seconds
+
+    yield Case("all cores : one core", on_all_cores, lambda: run("hardening", MANY), 0.6, MANY * ENSEMBLE_STEPS)
+
+
+def recording() -> Iterator[Case]:
+    """A trajectory against none."""
+
+    def run(steps, **more):
+        return _timed(lambda: study.run("hardening", "average_acceleration", dt=_dt("hardening"), steps=steps, **more))
+
+    for every, target in ((1, 1.5), (10, 1.1), (1000, 1.1)):
+        yield Case(
+            f"trajectory, every {every} : nothing recorded",
+            lambda every=every: run(STEPS * 10, observe=["trajectory"], every=every),
+            lambda: run(STEPS * 10, observe=["energy_drift"]),
+            target,
+            STEPS * 10,
+        )
+
+
+def many_steps() -> Iterator[Case]:
+    """A long run against a short one as many times: cost is linear in the number of steps."""
+    scheme = Timed(study.problems["hardening"], study.schemes["central_difference"], (MaxEnergyError(),))
+    for steps in (10**7, 10**8):
+        yield Case(
+            f"{steps:.0e} steps : {STEPS:.0e} steps, as often",
+            lambda steps=steps: scheme.run(_dt("hardening"), steps)[0],
+            lambda steps=steps: np.mean([scheme.run(_dt("hardening"), STEPS)[0] for _ in range(20)]) * (steps / STEPS),
+            1.2,
+            steps,
+        )
+
+
+def observers() -> Iterator[Case]:
+    """Every scheme with all observers against none: the cliff of XLA's loops is out of reach."""
+    for name, scheme in study.schemes.items():
+        ours, bare = (Timed(study.problems["hardening"], scheme, chosen) for chosen in (ALL, (EnergyDrift(),)))
+        yield Case(
+            f"{name}, all observers : none",
+            lambda ours=ours: ours.run(_dt("hardening"), STEPS)[0],
+            lambda bare=bare: bare.run(_dt("hardening"), STEPS)[0],
+            1.6,
+            STEPS,
+        )
+
+
+def opensees() -> Iterator[Case]:
+    """OpenSees, where its extra is installed, against the same scheme here."""
+    from reference import opensees
+
+    try:
+        opensees.load()
+    except opensees.NotInstalled as reason:
+        print(reason)
+        return
+    for name in opensees.INTEGRATORS:
+        ours = Timed(study.problems["hardening"], study.schemes[name], (EnergyDrift(),))
+        yield Case(
+            f"{name} : OpenSees",
+            lambda ours=ours: ours.run(_dt("hardening"), STEPS)[0],
+            lambda name=name: opensees.trajectory("hardening", name, _dt("hardening"), 2000).seconds * (STEPS / 2000),
+            0.05,
+            STEPS,
+        )
+
+
+_COMPILE = """
+import sys, time, jax, study
+from study.observers import MaxEnergyError
+from study.timing import Timed
+misses = []
+jax.monitoring.register_event_listener(lambda name, **_: misses.append(1) if name.endswith("cache_misses") else None)
+jax.jit(lambda x: x + 1)(1.0)
+for problem in ("hardening", "softening"):
+    for name, scheme in study.schemes.items():
+        print(problem, name, Timed(study.problems[problem], scheme, (MaxEnergyError(),)).compile_time)
+print(len(misses))
+"""
+
+
+def compilation() -> pd.DataFrame:
+    """Seconds to trace and compile by problem and scheme, in a first and a second process, and programs compiled."""
+    with tempfile.TemporaryDirectory() as folder:
+        environment = os.environ | {"XDG_CACHE_HOME": folder}
+        columns = {}
+        for process in ("first process", "second process"):
+            done = subprocess.run(
+                [sys.executable, "-c", _COMPILE], env=environment, capture_output=True, text=True, check=True
+            )
+            *lines, compiled = done.stdout.split("\n")[:-1]
+            values = {tuple(line.split()[:2]): float(line.split()[2]) for line in lines}
+            columns[process] = pd.Series(values | {("programs", "compiled"): float(compiled)})
+    return pd.DataFrame(columns)
+
+
+def measure(cases: list[Case]) -> xr.Dataset:
+    """Every case by turns; the first turn is a warm-up."""
+    ours, baseline = np.empty((len(cases), REPEATS)), np.empty((len(cases), REPEATS))
+    for c, case in enumerate(cases):
+        for repeat in range(-1, REPEATS):
+            pair = case.ours(), case.baseline()
+            if repeat >= 0:
+                ours[c, repeat], baseline[c, repeat] = 1e9 * np.array(pair) / case.steps
+        print(f"{case.name}: {np.median(ours[c] / baseline[c]):.3f}", flush=True)
+    ratio = ours / baseline
+    quartiles = np.quantile(ratio, [0.25, 0.75], axis=1)
+    dims = ("case", "repeat")
+    return xr.Dataset(
+        {
+            "time": (dims, ours, {"long_name": "time of a step", "units": "ns"}),
+            "baseline_time": (dims, baseline, {"long_name": "time of a step of the baseline", "units": "ns"}),
+            "ratio": ("case", np.median(ratio, axis=1), {"long_name": "median ratio of the two", "units": "1"}),
+            "spread": ("case", quartiles[1] - quartiles[0], {"long_name": "its interquartile range", "units": "1"}),
+            "target": ("case", [c.target for c in cases], {"long_name": "the most that it should be", "units": "1"}),
+        },
+        {
+            "case": ("case", [c.name for c in cases], {"long_name": "what is timed : its baseline"}),
+            "repeat": ("repeat", np.arange(REPEATS), {"long_name": "repeat", "units": "1"}),
+        },
+    )
+
+
+def main(output: Path) -> None:
+    """Measure, print, write."""
+    os.environ["OMP_NUM_THREADS"] = "1"
+    with tempfile.TemporaryDirectory() as folder:
+        if not peer.compiler():
+            print("no C compiler: the comparisons with C are left out; install gcc, or name a compiler in CC.")
+        cases = [
+            *(against_c(folder) if peer.compiler() else ()),
+            *ensembles(folder),
+            *recording(),
+            *many_steps(),
+            *observers(),
+            *opensees(),
+        ]
+        ds = measure(cases)
+    table = pd.DataFrame(
+        {
+            "ns": ds.time.median("repeat").round(1),
+            "baseline ns": ds.baseline_time.median("repeat").round(1),
+            "ratio": ds.ratio.round(3),
+            "±": ds.spread.round(3),
+            "at most": ds.target,
+            "": np.where(ds.ratio <= ds.target, "", "missed"),
+        },
+        index=ds.case.values,
+    )
+    compiled = compilation()
+    print(table.to_string(), "\n", compiled.to_string())
+    process = ("process", ["first", "second"], {"long_name": "process"})
+    times = compiled.drop(index=("programs", "compiled"))
+    ds = ds.assign_coords(
+        process=process, program=("program", [", ".join(p) for p in times.index], {"long_name": "program"})
+    )
+    ds["compile_time"] = ("program", "process"), times.values, {"long_name": "time to trace and compile", "units": "s"}
+    ds.attrs = provenance("Ratios of times, side by side", "tests/benchmarks/benchmark.py")
+    write(ds, output)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
