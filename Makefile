@@ -1,16 +1,21 @@
-# `make` sets everything up and reproduces the study; `make test` sets everything up and runs the tests.
+# `make` sets everything up and reproduces the study; `make test` sets everything up and runs the tests;
+# `make benchmark` measures how fast it is.
 
 PYTHON ?= python3
 CONFIG ?= config/study.yaml
 BIN := .venv/bin
 
-.PHONY: study test check lock clean
+.PHONY: study test benchmark check lock clean
 
 study: .venv/ready
 	$(BIN)/snakemake --configfile $(CONFIG)
 
 test: .venv/ready
 	$(BIN)/pytest -n auto
+
+# ratios of times: to C, to OpenSees where it is installed, and of the study to itself
+benchmark: .venv/ready
+	$(BIN)/python tests/benchmarks/benchmark.py results/benchmark.nc
 
 # what the tests do not look at: format, types
 check: .venv/ready

@@ -16,6 +16,16 @@ from study.equilibrium import acceleration
 from study.observers import Reduction
 from study.problem import Problem
 
+#: The measures of error of the study, those of the energy in percent.
+MEASURES = (
+    "rms_trajectory_error",
+    "max_trajectory_error",
+    "period_elongation",
+    "phase_error",
+    "amplitude_decay",
+    "max_energy_error",
+    "energy_drift",
+)
 #: An error this many times the reference's uncertainty or less says as much of the reference as of the scheme.
 FLAGGED_WITHIN = 10
 #: Halvings that find a root between two steps to round-off.
@@ -279,15 +289,8 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
     crossing = (reference.u_uncertainty / (abs(reference.v).max() * reference.period)).item()
     amplitude = (reference.u_uncertainty / (reference.u.max() - _rest(reference))).item()
     energy = 100 * reference.energy_drift.item()
-    return {
-        "rms_trajectory_error": displacement,
-        "max_trajectory_error": displacement,
-        "period_elongation": period,
-        "phase_error": periods * period + crossing,
-        "amplitude_decay": amplitude / periods,
-        "max_energy_error": energy,
-        "energy_drift": energy,
-    }
+    known = (displacement, displacement, period, periods * period + crossing, amplitude / periods, energy, energy)
+    return dict(zip(MEASURES, known, strict=True))
 
 
 def flagged(error: np.ndarray, uncertainty, dims: tuple[str, ...]) -> tuple:

@@ -8,6 +8,7 @@ from typing import Any
 import jsonschema
 import yaml
 
+from study.comparison import MEASURES
 from study.problems import problems
 from study.registry import Registry, did_you_mean
 from study.schemes import schemes
@@ -65,6 +66,32 @@ def _numbers(section: Any, place: str) -> Iterator[tuple[str, float]]:
         yield from _numbers(value, f"{place}{key}.")
 
 
+def _check_contained(config: dict) -> None:
+    """What is drawn from another dataset must be in it."""
+    accuracy, schemes, solvers = (
+        config["accuracy"],
+        config["work_precision"]["schemes"],
+        config["work_precision"]["solvers"],
+    )
+    answer = config["recommendation"]
+    for place, wanted, there in (
+        ("work_precision.schemes.problems", schemes["problems"], accuracy["problems"]),
+        ("work_precision.schemes.schemes", schemes["schemes"], accuracy["schemes"]),
+        ("work_precision.schemes.steps_per_period", schemes["steps_per_period"], accuracy["steps_per_period"]),
+        ("work_precision.solvers.problems", solvers["problems"], schemes["problems"]),
+        ("work_precision.solvers.steps_per_period", solvers["steps_per_period"], schemes["steps_per_period"]),
+        ("work_precision.solvers.periods", solvers["periods"], accuracy["periods"]),
+        ("recommendation.problems", answer["problems"], schemes["problems"]),
+        ("recommendation.measures", answer["measures"], MEASURES),
+        ("recommendation.periods", answer["periods"], accuracy["periods"]),
+    ):
+        strange = [one for one in wanted if one not in there]
+        if strange:
+            raise ValueError(f"{place}: there is no {strange[0]} among {', '.join(map(str, there))}.")
+    if 100 not in solvers["periods"]:
+        raise ValueError("work_precision.solvers.periods lacks 100, which the figures need.")
+
+
 def _check_values(config: dict) -> None:
     """What a schema cannot say: finite numbers, at least one step, ranges in order, what the manuscript needs."""
     for place, value in _numbers(config, ""):
@@ -87,9 +114,13 @@ def _check_values(config: dict) -> None:
     missing_length = [length for length in _SHOWN_PERIODS if length not in config["accuracy"]["periods"]]
     if missing_length:
         raise ValueError(f"accuracy.periods lacks {missing_length[0]}, which the manuscript and its tables need.")
-    tolerances = config["agreement"]["tolerances"]
-    if tolerances != sorted(tolerances, reverse=True):
-        raise ValueError(f"agreement.tolerances must fall, not {tolerances}.")
+    for place, section in (
+        ("agreement", config["agreement"]),
+        ("work_precision.solvers", config["work_precision"]["solvers"]),
+    ):
+        if section["tolerances"] != sorted(section["tolerances"], reverse=True):
+            raise ValueError(f"{place}.tolerances must fall, not {section['tolerances']}.")
+    _check_contained(config)
     portraits = {f"phase_portrait.{name}": portrait for name, portrait in config["phase_portrait"].items()}
     for place, section in {**{key: config[key] for key in _OF_THE_PAPER}, **portraits}.items():
         for key, needed in (("schemes", _PAPER_SCHEMES), ("problems", _PAPER_PROBLEMS)):

@@ -29,8 +29,9 @@ def _march_group(definition: March, u0, dt, steps, every, samples: int, each_ste
     """One tile after the other; ``steps`` is one number, or one per lane."""
 
     def tile(lanes):
-        own_steps = lanes[2] if steps.ndim else steps
-        _, outcome = march(definition, lanes[0], lanes[1], own_steps, own_steps.max(), every, samples, each_step)
+        own = lanes[2] if steps.ndim else None
+        until = steps if own is None else own.max()
+        _, outcome = march(definition, lanes[0], lanes[1], until, every, samples, each_step, own)
         return outcome
 
     return lax.map(tile, (u0, dt, steps) if steps.ndim else (u0, dt))

@@ -91,8 +91,8 @@ class March(eqx.Module):
         stored = {n: jnp.full((samples + 1, *v.shape), jnp.nan).at[0].set(v) for n, v in first.items()}
         return Progress(jnp.zeros((), int), failure, state, carried, stored), state
 
-    def _step(self, progress: Progress, dt, steps) -> Progress:
-        """One step of every run that goes on."""
+    def _step(self, progress: Progress, dt, steps=None) -> Progress:
+        """One step of every run, or with ``steps`` of every lane that has not taken its own."""
 
         def one(step, state, carried, dt):
             # time is a product, not a running sum, whose round-off would grow with the number of steps
@@ -106,13 +106,15 @@ class March(eqx.Module):
         state, carried, failure = self._each(partial(one, progress.step))(progress.state, progress.carried, dt)
         failure = jnp.where(progress.failure == 0, failure, progress.failure)
         if self.lanes:
-            # a lane that has failed is made NaN, on which Newton's iteration ends at once
-            state = _where(failure == 0, state, jnp.nan)
-        if jnp.ndim(steps):
-            goes_on = progress.step < steps
-            state, carried = _where(goes_on, state, progress.state), _where(goes_on, carried, progress.carried)
-            failure = jnp.where(goes_on, failure, progress.failure)
-        return Progress(progress.step + 1, failure, state, carried, progress.stored)
+            # a lane that has failed goes on as NaN, on which Newton's iteration ends at once; the steps to come carry
+            # it from one number of the state to all
+            *leaves, last = jax.tree.leaves(state)
+            state = jax.tree.unflatten(jax.tree.structure(state), [*leaves, _where(failure == 0, last, jnp.nan)])
+        now = Progress(progress.step + 1, failure, state, carried, progress.stored)
+        if steps is None:
+            return now
+        goes_on = progress.step < steps
+        return jax.tree.map(partial(_where, goes_on), now, progress)._replace(step=now.step)
 
     def _advance(self, progress: Progress, step: Callable[[Progress], Progress], until) -> Progress:
         """Up to step ``until``, or until every run has failed."""
@@ -135,23 +137,23 @@ class March(eqx.Module):
             return lax.while_loop(goes_on, patiently, progress)
         return lax.while_loop(goes_on, step, lax.while_loop(partial(goes_on, ahead=BLOCK), block, progress))
 
-    def proceed(self, progress: Progress, initial, dt, steps, until, every, each_step: bool) -> Progress:
+    def proceed(self, progress: Progress, initial, dt, until, every, each_step: bool, steps=None) -> Progress:
         """March to step ``until``, with a sample at every ``every`` steps where something is recorded.
 
         Parameters
         ----------
         progress, initial
             As :meth:`start` gave them, or with the progress of an earlier call.
-        steps
-            Number of steps, or one per lane: a lane ends after its own.
         until
-            Where to pause.
+            Where to pause, or end.
         every, each_step
             Samples are this many steps apart, and whether that is one.
+        steps
+            Where each lane ends, if not all at ``until``; nothing can be recorded then.
         """
 
         def step(p):
-            return self._step(p, dt, steps)
+            return self._step(p, dt)
 
         def store(p):
             sample = self._each(self._sample)(initial, p.state, p.failure)
@@ -165,7 +167,10 @@ class March(eqx.Module):
             )
 
         if not self.records:
-            return self._advance(progress, step, until)
+            # all lanes together while none has ended, then those that go on
+            together = until if steps is None else jnp.minimum(steps.min(), until)
+            progress = self._advance(progress, step, together)
+            return progress if steps is None else self._advance(progress, lambda p: self._step(p, dt, steps), until)
         return lax.while_loop(lambda p: (p.step < until) & jnp.any(p.failure == 0), next_sample, progress)
 
     def outcome(self, progress: Progress) -> Outcome:
@@ -185,14 +190,9 @@ class March(eqx.Module):
         return Outcome(jnp.where(failure == 0, COMPLETED, failed), jnp.abs(failure) - 1, values, progress.stored)
 
 
-def _where(condition, tree, other):
-    """``tree`` where the condition on lanes holds, elsewhere ``other``: a tree like it, or one number for all."""
-    others = jax.tree.map(lambda _: other, tree) if isinstance(other, float) else other
-
-    def select(x, y):
-        return jnp.where(condition.reshape(condition.shape + (1,) * (jnp.ndim(x) - 1)), x, y)
-
-    return jax.tree.map(select, tree, others)
+def _where(condition, value, other):
+    """``value`` in the lanes where the condition holds, elsewhere ``other``."""
+    return jnp.where(condition.reshape(condition.shape + (1,) * (jnp.ndim(value) - 1)), value, other)
 
 
 @eqx.filter_jit
@@ -200,11 +200,11 @@ def march(
     definition: March,
     u0,
     dt,
-    steps,
     until,
     every,
     samples: int = 0,
     each_step: bool = False,
+    steps=None,
     progress: tuple[Progress, Any] | None = None,
 ) -> tuple[tuple[Progress, Any], Outcome]:
     """March from the start, or from an earlier progress, to step ``until``: the progress, and the outcome so far.
@@ -213,13 +213,11 @@ def march(
     ----------
     u0, dt
         Initial displacement and step size, of each lane where there are lanes.
-    steps, until, every
-        As in :meth:`March.proceed`. They may be traced: one compilation serves all.
+    until, every, each_step, steps
+        As in :meth:`March.proceed`. All but ``each_step`` may be traced: one compilation serves all.
     samples
         How many samples the run has behind the first.
-    each_step
-        Whether ``every`` is one, which makes a simpler loop.
     """
     now, initial = definition.start(u0, dt, samples) if progress is None else progress
-    now = definition.proceed(now, initial, dt, steps, until, every, each_step)
+    now = definition.proceed(now, initial, dt, until, every, each_step, steps)
     return (now, initial), definition.outcome(now)

@@ -34,8 +34,8 @@ def _march_alone(definition: March, u0: np.ndarray, dt: np.ndarray, steps: int, 
     pauses = range(PAUSE, steps + PAUSE, PAUSE)
     progress = None
     for pause in tqdm(pauses, disable=True if len(pauses) < 2 else None, leave=False):
-        limits = np.asarray(steps), np.asarray(min(pause, steps)), np.asarray(every)
-        progress, outcome = march(definition, u0, dt, *limits, samples, every == 1, progress)  # type: ignore[misc]
+        until = np.asarray(min(pause, steps))
+        progress, outcome = march(definition, u0, dt, until, np.asarray(every), samples, every == 1, progress=progress)
         if outcome.status:  # waits for the result, so that Ctrl-C is heard between two pauses
             break
     return outcome

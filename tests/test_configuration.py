@@ -51,6 +51,19 @@ def test_what_is_shipped_is_accepted(config):
             lambda c: c["agreement"].update(tolerances=[1e-9, 1e-4]),
             "agreement.tolerances must fall, not [1e-09, 0.0001]",
         ),
+        (
+            lambda c: c["recommendation"].update(measures=["energy"]),
+            "recommendation.measures: there is no energy among rms",
+        ),
+        (
+            lambda c: c["work_precision"]["schemes"].update(steps_per_period=[9]),
+            "steps_per_period: there is no 9 among 8",
+        ),
+        (lambda c: c["work_precision"]["solvers"].update(periods=[1]), "work_precision.solvers.periods lacks 100"),
+        (
+            lambda c: c["work_precision"]["solvers"].update(longest=0),
+            "work_precision.solvers.longest: 0 is less than or",
+        ),
         (lambda c: c["phase_portrait"].update(soft=c["phase_portrait"]["softening"]), "there is no problem 'soft'"),
     ],
 )

@@ -179,7 +179,7 @@ def test_what_a_problem_lacks_is_not_in_the_loop():
     problem, scheme = study.problems["hardening"], study.schemes["central_difference"]
 
     def compiled(of):
-        numbers = map(np.asarray, (of.u0, 0.01, 10, 10, 1))
+        numbers = map(np.asarray, (of.u0, 0.01, 10, 1))
         return march.lower(March(of, scheme, (), ()), *numbers).compile().compiled.as_text()
 
     text = compiled(problem)

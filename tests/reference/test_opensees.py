@@ -1,0 +1,74 @@
+"""The schemes against those of OpenSees, an independent finite element code."""
+
+import numpy as np
+import pytest
+
+import study
+from reference import opensees
+from study.problems import printed_periods
+from study.schemes.houbolt import History
+
+DT, STEPS = printed_periods["hardening"] / 20, 200
+
+
+@pytest.fixture
+def theirs():
+    """Trajectory of OpenSees by scheme; skipped with a sentence where it is not installed."""
+    try:
+        opensees.load()
+    except opensees.NotInstalled as reason:
+        pytest.skip(str(reason))
+    return lambda scheme: opensees.trajectory("hardening", scheme, DT, STEPS)
+
+
+@pytest.mark.parametrize(
+    "scheme", ["average_acceleration", "central_difference", "newmark_dissipative", "wilson_theta"]
+)
+def test_the_same_definitions_agree_to_round_off(theirs, scheme):
+    ours = study.run("hardening", scheme, dt=DT, steps=STEPS)
+    solution = theirs(scheme)
+    np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-11)
+    np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-9)
+
+
+def test_houbolts_recurrence_is_the_same_and_its_start_is_not(theirs):
+    """OpenSees starts it by two steps of average acceleration; from there each of its points follows from ours."""
+    problem, houbolt = study.problems["hardening"], study.schemes["houbolt"]
+    u = np.concatenate([[float(problem.u0)], theirs("houbolt").u])
+    average = study.run("hardening", "average_acceleration", dt=DT, steps=2)
+    np.testing.assert_allclose(u[1:2], average.u[1:2], atol=1e-12)
+    for i in range(3, 30):
+        state = History(u[i - 1], 0.0, -problem.force(u[i - 1]), u[i - 2], u[i - 3])
+        assert houbolt.step(problem, state, 0.0, DT)[0].u == pytest.approx(u[i], abs=1e-11)
+    assert abs(study.run("hardening", "houbolt", dt=DT, steps=STEPS).u[1:] - u[1:]).max() > 1e-3
+
+
+def test_the_alpha_method_of_finite_elements_weights_displacements(theirs):
+    """Its balance is M ü₁ + p((1 + α) u₁ − α u₀) = 0, not the one of 1996, which weights two forces."""
+    problem, scheme = study.problems["hardening"], study.schemes["hht_alpha"]
+    u = np.concatenate([[float(problem.u0)], theirs("hht_alpha").u])
+    v = np.concatenate([[0.0], theirs("hht_alpha").v])
+    a = -float(problem.force(u[0]))
+    for i in range(1, 30):
+        new = (u[i] - u[i - 1] - DT * v[i - 1] - DT**2 * (0.5 - scheme.beta) * a) / (scheme.beta * DT**2)
+        weighted = problem.force((1 + scheme.alpha) * u[i] - scheme.alpha * u[i - 1])
+        two = (1 + scheme.alpha) * problem.force(u[i]) - scheme.alpha * problem.force(u[i - 1])
+        assert new == pytest.approx(-weighted, abs=1e-6 * 3525)
+        a = new
+    assert abs(weighted - two) > 1
+
+
+def test_what_opensees_cannot_do_says_so(theirs):
+    with pytest.raises(ValueError, match="OpenSees has no material that is the spring of 'softening spring'"):
+        opensees.trajectory("softening", "houbolt", DT, 1)
+    with pytest.raises(ValueError, match="OpenSees does not step 'rk4'; it steps average_acceleration"):
+        opensees.trajectory("hardening", "rk4", DT, 1)
+
+
+def test_where_it_is_not_installed_a_sentence_says_how_to_get_it(monkeypatch):
+    def absent(name):
+        raise RuntimeError("Failed to import openseespy on Linux.")
+
+    monkeypatch.setattr(opensees.importlib, "import_module", absent)
+    with pytest.raises(opensees.NotInstalled, match=r"install the extra 'opensees' of this package.*Failed to import"):
+        opensees.load()

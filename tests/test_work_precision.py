@@ -1,0 +1,161 @@
+"""What accuracy costs, and the recommendation that is drawn from it."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import xarray as xr
+
+import reference.diffrax
+import study
+from reference import exact, scipy, work_precision
+from reference.solution import Solution
+from study import datasets
+from study.recommendation import candidates
+
+STEPS = np.array([8, 16, 32, 64, 128])
+
+
+@pytest.fixture
+def data(monkeypatch):
+    """Two schemes whose errors are powers of the step and of the length of the run, one dear and of high order."""
+    steps = xr.DataArray(STEPS.astype(float), dims="steps_per_period")
+    periods = xr.DataArray([1.0, 10.0, 100.0], dims="periods")
+    errors = xr.concat([1.0 * steps**-2.0 * periods, 10.0 * steps**-4.0 * periods], "scheme").expand_dims(problem=1)
+    errors = errors.transpose("problem", "scheme", "steps_per_period", "periods").assign_attrs(units="1")
+    cost = xr.DataArray([10.0, 40.0], dims="scheme").expand_dims(problem=1, steps_per_period=5)
+    ds = xr.Dataset(
+        {
+            "max_trajectory_error": errors,
+            "max_energy_error": (100 * errors).assign_attrs(units="percent"),
+            "flagged": xr.zeros_like(errors, int).expand_dims(measure=2),
+            "median_time_per_step": cost,
+            "force_evaluations_per_step": cost / 10,
+        },
+        {
+            "problem": ["spring"],
+            "scheme": ["low", "high"],
+            "steps_per_period": STEPS,
+            "periods": [1, 10, 100],
+            "measure": ["max_trajectory_error", "max_energy_error"],
+        },
+    )
+    monkeypatch.setattr(datasets, "open", lambda name: ds)
+    return ds
+
+
+def test_the_needed_steps_are_those_of_the_power_law(data):
+    table = study.recommend("spring", error=0.01, periods=10)
+    assert table.index.tolist() == ["low", "high"]
+    assert table.steps_per_period["low"] == pytest.approx((10 / 0.01) ** 0.5)
+    assert table.steps_per_period["high"] == pytest.approx((100 / 0.01) ** 0.25)
+    assert table.time["low"] == pytest.approx(10e-9 * 10 * (10 / 0.01) ** 0.5)
+    assert table.force_evaluations["high"] == pytest.approx(4 * 10 * (100 / 0.01) ** 0.25)
+
+
+def test_percent_and_lengths_between_are_understood(data):
+    same = study.recommend("spring", error=0.01, periods=10, measure="max_energy_error")
+    np.testing.assert_allclose(same, study.recommend("spring", error=0.01, periods=10))
+    between = study.recommend("spring", error=0.01, periods=3.0)
+    assert between.steps_per_period["low"] == pytest.approx((3 / 0.01) ** 0.5)
+
+
+def test_nothing_is_extrapolated(data):
+    assert study.recommend("spring", error=1e-5, periods=10).index.tolist() == ["high"]
+    assert study.recommend("spring", error=100.0, periods=10).steps_per_period.tolist() == [8.0, 8.0]
+    with pytest.raises(
+        ValueError, match=r"no scheme keeps max_trajectory_error to 1e-09 over 10 .* measured is 3.7e-07"
+    ):
+        study.recommend("spring", error=1e-9, periods=10)
+    assert candidates(data, "spring", 1e-9, "max_trajectory_error", 10).empty
+    with pytest.raises(ValueError, match="periods must be within what was run, 1 to 100, not 1000"):
+        study.recommend("spring", error=0.01, periods=1000)
+
+
+def test_an_error_that_falls_and_rises_again_counts_by_its_finer_steps(data):
+    data.max_trajectory_error.loc[{"scheme": "low", "steps_per_period": 8}] = 1e-9  # an accident of coarse steps
+    data.max_trajectory_error.loc[{"scheme": "high", "steps_per_period": 16}] = np.nan  # a failure
+    table = study.recommend("spring", error=0.01, periods=10)
+    assert table.steps_per_period["low"] == pytest.approx((10 / 0.01) ** 0.5)
+    assert table.steps_per_period["high"] == 32
+
+
+@pytest.mark.parametrize(
+    "arguments, error, sentence",
+    [
+        ({"problem": "sprin"}, KeyError, "have no problem 'sprin'; did you mean 'spring'?"),
+        ({"measure": "max_energy"}, KeyError, "no measure of error 'max_energy'; did you mean 'max_energy_error'?"),
+        ({"error": 0.0}, ValueError, "error must be greater than zero, not 0.0."),
+        ({"error": float("nan")}, ValueError, "error must be greater than zero, not nan."),
+    ],
+)
+def test_mistakes_get_a_sentence(data, arguments, error, sentence):
+    with pytest.raises(error) as caught:
+        study.recommend(**({"problem": "spring", "error": 0.01} | arguments))
+    assert sentence in str(caught.value)
+
+
+def test_forces_are_counted(scheme_name):
+    """Against a force that counts its calls while a step is traced: two iterations, and one more in Newton's loop."""
+    calls = []
+
+    def force(u):
+        calls.append(u)
+        return 100 * u + 1000 * u**3
+
+    problem, scheme = study.Problem(force, u0=1.5), study.schemes[scheme_name]
+    state, _ = scheme.start(problem, jnp.asarray(1.5), jnp.asarray(0.0), jnp.asarray(1e-3))
+    calls.clear()
+    jax.make_jaxpr(lambda s: scheme.step(problem, s, 0.0, jnp.asarray(1e-3))[0])(state)
+    assert len(calls) - (0 if scheme.explicit else 3) == scheme.evaluations
+
+
+def test_diffrax_steps_our_runge_kutta_method():
+    problem = study.problems["hardening"]
+    ours = study.run("hardening", "rk4", dt=0.003, steps=100)
+    theirs = reference.diffrax.classical_runge_kutta(problem, 0.003, 100)
+    assert theirs.u[-1] == pytest.approx(ours.u[-1].item(), abs=1e-11)
+    assert theirs.v[-1] == pytest.approx(ours.v[-1].item(), abs=1e-9)
+
+
+@pytest.mark.parametrize("method", ["DOP853", "Radau"])
+def test_scipy_meets_the_truth_and_refuses_what_it_cannot(method):
+    problem, t = study.problems["double_well"], np.linspace(0.5, 8.0, 16)
+    solution = scipy.trajectory(problem, t, 1e-9, method=method)
+    np.testing.assert_allclose(solution.u, exact.trajectory(problem, t).u, atol=1e-6)
+    with pytest.raises(ValueError, match=f"SciPy {method} cannot reach a tolerance of 1e-16"):
+        scipy.trajectory(problem, t, 1e-16, method=method)
+    with pytest.raises(ValueError, match=f"SciPy {method} needs times that are finite"):
+        scipy.trajectory(problem, t[::-1], 1e-6, method=method)
+
+
+def test_errors_of_a_late_and_damped_solution_are_told():
+    """A truth that is 1e-6 of a period late, with an amplitude that is 1e-6 smaller."""
+    problem = study.problems["hardening"]
+    exact_period, certified = exact.period(problem, 0.15)
+    period = float(exact_period)
+    t = period * (99 + np.arange(1, 17) / 16)
+    truth = exact.folded(problem, t, exact_period, certified)
+    late = exact.folded(problem, t - 1e-6 * period, exact_period, certified)
+    errors = work_precision.errors(problem, truth, Solution(late.u, late.v, 0, 0.0), 100, period)
+    assert errors["phase_error"] == pytest.approx(1e-6, rel=1e-3)
+    assert errors["period_elongation"] == pytest.approx(1e-8, rel=1e-3)
+    assert errors["max_energy_error"] < 1e-12
+    smaller = Solution(truth.u * (1 - 1e-6), truth.v, 0, 0.0)
+    assert work_precision.errors(problem, truth, smaller, 100, period)["amplitude_decay"] == pytest.approx(
+        1e-8, rel=1e-3
+    )
+    assert errors["max_trajectory_error"] == pytest.approx(np.max(np.abs(late.u - truth.u)) / 1.5)
+
+
+def test_a_solver_that_gives_up_or_takes_too_long_is_left_out(monkeypatch):
+    def slow(problem, t, tolerance):
+        return Solution(np.zeros_like(t), np.zeros_like(t), 100, 1.0)
+
+    monkeypatch.setattr(work_precision, "SOLVERS", {"heyoka": work_precision.SOLVERS["heyoka"], "kvaerno5": slow})
+    ds = work_precision.work_precision(["hardening"], [1e-6, 1e-8], [8], [1, 100, 1000], repeats=2, longest=0.5)
+    time = ds.solver_time_per_run.squeeze("problem")
+    assert np.isfinite(time.sel(solver="heyoka")).all()
+    slow_one = time.sel(solver="kvaerno5")
+    np.testing.assert_allclose(slow_one.isel(tolerance=0), [0.01, 1.0, np.nan])
+    assert np.isnan(slow_one.isel(tolerance=1)).all()
