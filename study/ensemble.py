@@ -21,7 +21,9 @@ GROUP = 64
 def cores() -> int:
     """Cores that a run may use: what ``OMP_NUM_THREADS`` grants (Snakemake sets it for its jobs), or all."""
     granted = os.environ.get("OMP_NUM_THREADS", "")
-    return int(granted) if granted.isdigit() and int(granted) else len(os.sched_getaffinity(0))
+    if granted.isdigit() and int(granted):
+        return int(granted)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @eqx.filter_jit
@@ -78,7 +80,8 @@ def march_ensemble(definition: March, u0: np.ndarray, dt: np.ndarray, steps: np.
 
     with ThreadPoolExecutor(min(workers, shape[0])) as pool:
         try:
-            outcomes = list(tqdm(pool.map(run, zip(*groups, strict=True)), total=shape[0], disable=None, leave=False))
+            silent = None if shape[0] > workers else True  # None: unless nobody watches
+            outcomes = list(tqdm(pool.map(run, zip(*groups, strict=True)), total=shape[0], disable=silent, leave=False))
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
