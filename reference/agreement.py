@@ -26,8 +26,10 @@ ROUTES: dict[str, tuple[Callable, Callable]] = {
     ),
     "heyoka": (taylor.trajectory, taylor.period),
 }
-FINISHED, STEP_LIMIT, FAILED, NOT_TRIED = range(4)
-STATUS_MEANINGS = "finished step_limit failed not_tried"
+FINISHED, STEP_LIMIT, FAILED, NOT_TRIED, LOST = range(5)
+STATUS_MEANINGS = "finished step_limit failed not_tried lost"
+#: An error of so many amplitudes says that the solution has left the orbit altogether.
+LOST_ABOVE = 10
 #: How often in a period the routes are held against the truth; not only where displacement hides phase errors.
 SAMPLES = 16
 #: A number of periods is over where the last of them ends.
@@ -96,6 +98,8 @@ def agreement(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
                 single["evaluations"][at], single["run_time"][at] = solution.evaluations, solution.seconds
                 for quantity, values in errors(definition, truth, solution).items():
                     windowed[quantity][at] = values
+                if windowed["u_error"][at].max() > LOST_ABOVE:
+                    ended["status"][at] = LOST
     dims = ("route", "tolerance")
     described = {
         "u_error": "largest error of the displacement, relative to its largest size",

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from reference import diffrax, exact, scipy, sundials, taylor
+from reference.agreement import FINISHED, LOST, LOST_ABOVE, NOT_TRIED, STATUS_MEANINGS
 from reference.solution import RouteFailed, Solution
 from study.command import main, progress
 from study.problem import Problem
@@ -45,6 +46,7 @@ MEASURES = {
 }
 #: Lengths in periods of the runs that are made.
 RUNS = (100, 1000)
+SHARE = "{} of a run; of less than a hundred periods its share of that"
 #: Samples of the last period of a run, in which errors are looked for.
 SAMPLES = 16
 
@@ -102,6 +104,7 @@ def work_precision(
     shape = tuple(map(len, (problems, SOLVERS, tolerances, periods)))
     measured = {name: np.full(shape, np.nan) for name in MEASURES}
     seconds, evaluations = np.full((*shape, repeats), np.nan), np.full(shape, np.nan)
+    status = np.full(shape, NOT_TRIED, np.int32)
     fixed = np.empty((len(problems), len(steps_per_period)))
     for p, name in enumerate(problems):
         problem = problems_by_name[name]
@@ -126,8 +129,10 @@ def work_precision(
                         evaluations[at] = runs[0].evaluations * window / length
                         known = truth._replace(u=truth.u[its], v=truth.v[its])
                         sampled = runs[0]._replace(u=runs[0].u[its], v=runs[0].v[its])
-                        for measure, value in errors(problem, known, sampled, window, period).items():
+                        off = errors(problem, known, sampled, window, period)
+                        for measure, value in off.items():
                             measured[measure][at] = value
+                        status[at] = LOST if off["max_trajectory_error"] > LOST_ABOVE else FINISHED
                     if not runs or runs[0].seconds * max(RUNS) / length > longest:
                         break
                 if not runs or runs[0].seconds * min(RUNS) / length > longest:
@@ -139,11 +144,20 @@ def work_precision(
             for name, values in measured.items()
         }
         | {
-            "solver_time": ((*dims, "solver_repeat"), seconds, {"long_name": "time of a run, by repeat", "units": "s"}),
+            "solver_time": ((*dims, "solver_repeat"), seconds, {"long_name": SHARE.format("time"), "units": "s"}),
             "solver_time_per_run": (
                 dims,
                 np.ma.median(np.ma.masked_invalid(seconds), axis=-1).filled(np.nan),
-                {"long_name": "median time of a run, compilation apart", "units": "s"},
+                {"long_name": SHARE.format("median time"), "units": "s"},
+            ),
+            "solver_status": (
+                dims,
+                status,
+                {
+                    "long_name": "how the run ended",
+                    "flag_values": np.arange(len(STATUS_MEANINGS.split()), dtype=np.int32),
+                    "flag_meanings": STATUS_MEANINGS,
+                },
             ),
             "diffrax_rk4_time_per_step": (
                 ("problem", "steps_per_period"),
@@ -154,7 +168,8 @@ def work_precision(
                 dims,
                 evaluations,
                 {
-                    "long_name": "evaluations of the right side in a run: of kvaerno5 its stages, each of which takes "
+                    "long_name": SHARE.format("evaluations of the right side")
+                    + "; of kvaerno5 its stages, each of which takes "
                     "several; of heyoka those of a Taylor coefficient; of CVODE without those for its Jacobian",
                     "units": "1",
                 },

@@ -1,6 +1,8 @@
 """Many runs side by side: in tiles that fit the cache next to a core, over all cores."""
 
+import math
 import os
+import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import equinox as eqx
@@ -14,8 +16,10 @@ from study.march import March, Outcome, march
 #: Lanes of a tile: their state stays in the cache next to the core, whatever the size of the ensemble. Also a small
 #: one fills a whole tile, or its loops would be compiled otherwise and its results differ in the last bits.
 TILE = 128
-#: Tiles between two chances to be interrupted, at most.
+#: Tiles that are marched in one call, at most.
 GROUP = 64
+#: Lane-steps of a group between two chances to be interrupted: less than a second.
+PAUSE = 2**26
 
 
 def cores() -> int:
@@ -27,16 +31,14 @@ def cores() -> int:
 
 
 @eqx.filter_jit
-def _march_group(definition: March, u0, dt, steps, every, samples: int, each_step: bool) -> Outcome:
-    """One tile after the other; ``steps`` is one number, or one per lane."""
+def _march_group(definition: March, u0, dt, own, until, every, samples: int, each_step: bool, progress=None):
+    """One tile after the other, to step ``until``; ``own`` are the steps of each lane, or nothing."""
 
     def tile(lanes):
-        own = lanes[2] if steps.ndim else None
-        until = steps if own is None else own.max()
-        _, outcome = march(definition, lanes[0], lanes[1], until, every, samples, each_step, own)
-        return outcome
+        u0, dt, own, progress = lanes
+        return march(definition, u0, dt, until, every, samples, each_step, own, progress)
 
-    return lax.map(tile, (u0, dt, steps) if steps.ndim else (u0, dt))
+    return lax.map(tile, (u0, dt, own, progress))
 
 
 def _in_groups(values: np.ndarray, shape: tuple[int, int, int], filler: float) -> np.ndarray:
@@ -49,8 +51,9 @@ def _in_groups(values: np.ndarray, shape: tuple[int, int, int], filler: float) -
 def march_ensemble(definition: March, u0: np.ndarray, dt: np.ndarray, steps: np.ndarray, every: int, samples: int):
     """March every lane; the :class:`Outcome` as NumPy arrays with the lanes first and the samples behind them.
 
-    A lane depends neither on its neighbours nor on the number of cores. A tile ends when its last lane does; lanes
-    with step counts of their own are sorted by them first, so that the long ones share their tiles.
+    A lane depends neither on its neighbours nor on the number of cores, to the bit; with step counts of their own, by
+    which lanes are sorted so that the long ones share their tiles, to round-off. A tile takes as many Newton iterations
+    as the slowest of its lanes, and ends when its last lane does.
 
     Parameters
     ----------
@@ -65,24 +68,35 @@ def march_ensemble(definition: March, u0: np.ndarray, dt: np.ndarray, steps: np.
     on_cpu = jax.default_backend() == "cpu"
     tile = TILE if on_cpu else lanes
     workers = cores() if on_cpu else 1
-    group = min(GROUP, -(-lanes // (tile * workers)))
+    # a power of two, so that few sizes have to be compiled
+    group = min(GROUP, 2 ** math.ceil(math.log2(-(-lanes // (tile * workers)))))
     shape = (-(-lanes // (tile * group)), group, tile)
     order = np.argsort(steps, kind="stable") if steps.ndim else np.arange(lanes)
+    last = int(steps.max())
     # a lane that starts from NaN has failed before its first step, and costs none
     groups = (
         _in_groups(u0[order], shape, np.nan),
         _in_groups(dt[order], shape, 1.0),
-        _in_groups(steps[order], shape, 0) if steps.ndim else [steps] * shape[0],
+        _in_groups(steps[order], shape, last) if steps.ndim else [None] * shape[0],
     )
+    stopped = threading.Event()
 
     def run(one):
-        return jax.tree.map(np.asarray, _march_group(definition, *one, np.asarray(every), samples, every == 1))
+        _, _, own = one
+        end, progress, until = last if own is None else int(own.max()), None, 0
+        while until < end and not stopped.is_set():
+            until = min(until + max(1, PAUSE // (group * tile)), end)
+            numbers = np.asarray(until), np.asarray(every)
+            progress, outcome = _march_group(definition, *one, *numbers, samples, every == 1, progress)
+            jax.block_until_ready(outcome)
+        return jax.tree.map(np.asarray, outcome)
 
+    silent = None if shape[0] > workers else True  # None: unless nobody watches
     with ThreadPoolExecutor(min(workers, shape[0])) as pool:
         try:
-            silent = None if shape[0] > workers else True  # None: unless nobody watches
             outcomes = list(tqdm(pool.map(run, zip(*groups, strict=True)), total=shape[0], disable=silent, leave=False))
         except BaseException:
+            stopped.set()
             pool.shutdown(cancel_futures=True)
             raise
     back = np.argsort(order)

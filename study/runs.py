@@ -58,9 +58,12 @@ def _positive_integer(name, value):
 def _checked_steps(steps):
     if np.ndim(steps) == 0:
         return np.asarray(_positive_integer("steps", steps))
-    if np.ndim(steps) > 1 or not np.size(steps):
-        raise ValueError(f"steps must be a whole number or one per lane (lanes,), not of shape {np.shape(steps)}.")
-    return np.array([_positive_integer("steps", value) for value in steps])
+    counts = np.asarray(steps)
+    if counts.ndim > 1 or not counts.size:
+        raise ValueError(f"steps must be a whole number or one per lane (lanes,), not of shape {counts.shape}.")
+    if counts.dtype.kind not in "iu" or counts.min() < 1 or counts.max() >= 2**62:
+        raise ValueError(f"steps must be whole numbers of at least 1, not {counts}.")
+    return counts.astype(int)
 
 
 def _numbers(name, value):
@@ -146,7 +149,8 @@ def run(
     u0
         Initial displacement in place of the problem's; an array (lanes, ...) makes an ensemble.
     every
-        Store what is recorded along time at every so many steps; it must divide ``steps``.
+        Store what is recorded along time at every so many steps; it must divide ``steps``. Every new number of samples
+        is compiled anew, which a new number of steps alone is not.
 
     Returns
     -------

@@ -17,7 +17,7 @@ class Timed:
     Attributes
     ----------
     compile_time
-        Seconds to trace and compile it; less where the program came from JAX's cache.
+        Seconds to trace and compile it, or to load it where JAX's cache is enabled and holds it.
     """
 
     def __init__(self, problem: Problem, scheme: Scheme, reductions: tuple[Reduction, ...]):

@@ -1,16 +1,19 @@
 """What JAX must know before it compiles anything: double precision, one native loop for a whole march, and a cache.
 
 XLA's CPU compiler turns a loop into one native loop only while the loop's body is small, and walks it operation by
-operation (ten times slower) otherwise. The threshold is raised here. Vector registers are used in their full width,
+operation (up to ten times slower) otherwise. The threshold is raised here; a call of LAPACK, as more than one unknown
+takes, is no part of such a loop. Vector registers are used in their full width,
 which ensembles gain from. What has been compiled is kept for the next process, in a folder of this machine alone, as
 another processor may lack instructions. Whatever the user has set in ``XLA_FLAGS`` or as JAX's cache stands.
 """
 
 import os
 import platform
+import warnings
 
 import jax
 import platformdirs
+from jax._src import xla_bridge
 
 _OPTION = "xla_cpu_small_while_loop_byte_threshold"
 _THRESHOLD = 1 << 20
@@ -31,7 +34,16 @@ def _with_options(flags: str) -> str:
     return f"{flags} {extra}{option}".strip()
 
 
-os.environ["XLA_FLAGS"] = _with_options(os.environ.get("XLA_FLAGS", ""))
+_flags = _with_options(os.environ.get("XLA_FLAGS", ""))
+# the flags are read once, with JAX's first computation; that it is over only JAX's own module tells
+if _flags != os.environ.get("XLA_FLAGS") and xla_bridge.backends_are_initialized():
+    warnings.warn(
+        "JAX has computed something before study was imported, and ignores the options that make a march one native "
+        f"loop: runs take up to seven times longer. Import study first, or set XLA_FLAGS='{_flags}'.",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+os.environ["XLA_FLAGS"] = _flags
 jax.config.update("jax_enable_x64", True)
 if jax.config.jax_compilation_cache_dir is None:  # type: ignore[attr-defined]
     cache = platformdirs.user_cache_path("time-integration-study") / platform.node()

@@ -106,11 +106,13 @@ def test_a_failure_ends_a_run_at_its_pause(monkeypatch):
     assert ds.status == 2 and ds.failed_at_step < 100
 
 
-def test_a_long_run_can_be_interrupted(tmp_path):
+@pytest.mark.parametrize("u0", ["1.5", "[1.0] * 2000"], ids=["alone", "ensemble"])
+def test_a_long_run_can_be_interrupted(tmp_path, u0):
     """Ctrl-C is heard while a run of a million million steps is under way, and leaves what was written."""
     code = (
         "import study; study.datasets.write(study.run('hardening', 'rk4', dt=1e-4, steps=10), 'kept.nc'); "
-        "print('ready', flush=True); study.run('hardening', 'rk4', dt=1e-4, steps=10**12, observe=['max_energy_error'])"
+        "print('ready', flush=True); "
+        f"study.run('hardening', 'rk4', dt=1e-4, u0={u0}, steps=10**12, observe=['max_energy_error'])"
     )
     process = subprocess.Popen(
         [sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -121,6 +123,21 @@ def test_a_long_run_can_be_interrupted(tmp_path):
     _, error = process.communicate(timeout=60)
     assert process.returncode != 0 and b"KeyboardInterrupt" in error
     assert xr.load_dataset(tmp_path / "kept.nc").status == 0
+
+
+def test_a_pause_changes_no_bit_of_an_ensemble(monkeypatch):
+    arguments = {"dt": np.linspace(0.001, 0.1, 300), "steps": 500, "observe": ["trajectory", "max_energy_error"]}
+    at_once = study.run("softening", "average_acceleration", **arguments, every=10)
+    monkeypatch.setattr(ensemble, "PAUSE", 70 * 512)
+    xr.testing.assert_identical(study.run("softening", "average_acceleration", **arguments, every=10), at_once)
+
+
+def test_jax_in_use_before_the_import_is_told():
+    code = "import jax.numpy as jnp; jnp.ones(3).sum(); import study"
+    environment = {name: value for name, value in os.environ.items() if name != "XLA_FLAGS"}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert "JAX has computed something before study was imported" in done.stderr
+    assert "XLA_FLAGS='" in done.stderr
 
 
 def test_a_second_process_compiles_nothing(tmp_path):

@@ -28,7 +28,8 @@ def data(monkeypatch):
         {
             "max_trajectory_error": errors,
             "max_energy_error": (100 * errors).assign_attrs(units="percent"),
-            "flagged": xr.zeros_like(errors, int).expand_dims(measure=2),
+            "flagged": xr.zeros_like(errors, int).expand_dims(measure=2).copy(),
+            "uncertainty": xr.zeros_like(errors[:, 0, 0]).expand_dims(measure=2).copy(),
             "median_time_per_step": cost,
             "force_evaluations_per_step": cost / 10,
         },
@@ -64,12 +65,25 @@ def test_nothing_is_extrapolated(data):
     assert study.recommend("spring", error=1e-5, periods=10).index.tolist() == ["high"]
     assert study.recommend("spring", error=100.0, periods=10).steps_per_period.tolist() == [8.0, 8.0]
     with pytest.raises(
-        ValueError, match=r"no scheme keeps max_trajectory_error to 1e-09 over 10 .* measured is 3.7e-07"
+        ValueError, match=r"no scheme keeps max_trajectory_error to 1e-09 over 10 .* the least there is 3.7e-07"
     ):
         study.recommend("spring", error=1e-9, periods=10)
     assert candidates(data, "spring", 1e-9, "max_trajectory_error", 10).empty
     with pytest.raises(ValueError, match="periods must be within what was run, 1 to 100, not 1000"):
         study.recommend("spring", error=0.01, periods=1000)
+
+
+def test_what_the_reference_cannot_tell_counts_as_its_uncertainty(data):
+    data.flagged.loc[{"measure": "max_trajectory_error", "scheme": "high"}] = 1
+    data.uncertainty.loc[{"measure": "max_trajectory_error"}] = 1e-3
+    assert study.recommend("spring", error=0.02, periods=1).steps_per_period["high"] < 128
+    assert "high" not in study.recommend("spring", error=0.009, periods=1).index
+
+
+def test_what_was_not_measured_says_so(data):
+    data.max_trajectory_error[:] = np.nan
+    with pytest.raises(ValueError, match="max_trajectory_error is not measured over 10 periods"):
+        study.recommend("spring", error=0.01, periods=10)
 
 
 def test_an_error_that_falls_and_rises_again_counts_by_its_finer_steps(data):
@@ -86,6 +100,9 @@ def test_an_error_that_falls_and_rises_again_counts_by_its_finer_steps(data):
         ({"problem": "sprin"}, KeyError, "have no problem 'sprin'; did you mean 'spring'?"),
         ({"measure": "max_energy"}, KeyError, "no measure of error 'max_energy'; did you mean 'max_energy_error'?"),
         ({"error": 0.0}, ValueError, "error must be greater than zero, not 0.0."),
+        ({"error": "0.1"}, TypeError, "error must be a number, not '0.1'."),
+        ({"periods": True}, TypeError, "periods must be a number, not True."),
+        ({"problem": None}, TypeError, "problem must be the name of a problem"),
         ({"error": float("nan")}, ValueError, "error must be greater than zero, not nan."),
     ],
 )

@@ -14,8 +14,8 @@ from study.runs import run
 from study.schemes import schemes as schemes_by_name
 from study.timing import Timed
 
-#: Steps of a run that is timed, at least: enough for its time to be that of its steps.
-LEAST_STEPS = 20_000
+#: Steps of a run that is timed, at least: a call takes a tenth of a millisecond, which they make small.
+LEAST_STEPS = 300_000
 
 
 def _newton_iterations(problem: str, scheme: str, dt: float, steps: int) -> float:
