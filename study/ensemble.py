@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax import lax
 from tqdm import tqdm
@@ -36,7 +37,8 @@ def _march_group(definition: March, u0, dt, own, until, every, samples: int, eac
 
     def tile(lanes):
         u0, dt, own, progress = lanes
-        return march(definition, u0, dt, until, every, samples, each_step, own, progress)
+        end = until if own is None else jnp.minimum(until, own.max())
+        return march(definition, u0, dt, end, every, samples, each_step, own, progress)
 
     return lax.map(tile, (u0, dt, own, progress))
 

@@ -15,7 +15,7 @@ from study.schemes import schemes as schemes_by_name
 from study.timing import Timed
 
 #: Steps of a run that is timed, at least: a call takes a tenth of a millisecond, which they make small.
-LEAST_STEPS = 300_000
+LEAST_STEPS = 200_000
 
 
 def _newton_iterations(problem: str, scheme: str, dt: float, steps: int) -> float:
