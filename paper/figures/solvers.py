@@ -4,17 +4,8 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, SOLVERS, letter, looks, main
 
-TITLES = {
-    "cvode_adams": "CVODE Adams",
-    "cvode_bdf": "CVODE BDF",
-    "dopri8": "diffrax Dopri8",
-    "tsit5": "diffrax Tsit5",
-    "kvaerno5": "diffrax Kvaerno5",
-    "scipy_dop853": "SciPy DOP853",
-    "heyoka": "heyoka",
-}
 #: Larger errors say only that the solution is lost.
 TOP = 3
 #: Schemes at fixed steps, by their greys.
@@ -35,11 +26,11 @@ def draw(data: xr.Dataset) -> Figure:
                 run = one.sel(scheme=scheme)
                 error = run.max_trajectory_error.where(run.max_trajectory_error < TOP)
                 ax.plot(run[cost].where(error < TOP), error, color=grey, linewidth=2.5, label=run.scheme_title.item())
-            for solver, look in looks(xr.DataArray(list(TITLES))).items():
+            for solver, look in looks(xr.DataArray(list(SOLVERS))).items():
                 run = one.sel(solver=solver)
                 error = run.solver_max_trajectory_error
                 ax.plot(
-                    run[solver_costs[cost]].where(error < TOP), error.where(error < TOP), label=TITLES[solver], **look
+                    run[solver_costs[cost]].where(error < TOP), error.where(error < TOP), label=SOLVERS[solver], **look
                 )
             ax.set(xscale="log", yscale="log", xlabel=costs[cost], ylim=(1e-11, TOP))
             letter(ax, index * size + column, problem.replace("_", " "))

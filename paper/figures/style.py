@@ -20,6 +20,16 @@ from paper.data import load
 
 #: Width in inches of the page of the manuscript.
 PAGE = 7.1
+#: Titles of the general solvers that figures show, by their names in the datasets.
+SOLVERS = {
+    "cvode_adams": "CVODE Adams",
+    "cvode_bdf": "CVODE BDF",
+    "dopri8": "diffrax Dopri8",
+    "tsit5": "diffrax Tsit5",
+    "kvaerno5": "diffrax Kvaerno5",
+    "scipy_dop853": "SciPy DOP853",
+    "heyoka": "heyoka",
+}
 
 # Okabe and Ito's palette without its yellow; line styles and markers tell the curves apart without any colour.
 _LOOKS = (

@@ -4,16 +4,7 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
-
-TITLES = {
-    "cvode_adams": "CVODE Adams",
-    "cvode_bdf": "CVODE BDF",
-    "dopri8": "diffrax Dopri8",
-    "tsit5": "diffrax Tsit5",
-    "kvaerno5": "diffrax Kvaerno5",
-    "heyoka": "heyoka",
-}
+from paper.figures.style import PAGE, SOLVERS, letter, looks, main
 
 
 def draw(agreement: xr.Dataset) -> Figure:
@@ -23,7 +14,7 @@ def draw(agreement: xr.Dataset) -> Figure:
         ax.plot(agreement.tolerance, agreement.tolerance, color="0.7", linewidth=0.8, label="as asked for")
         for route, look in looks(agreement.route).items():
             error = agreement.u_error.sel(problem=problem, route=route, periods=agreement.periods.max())
-            ax.plot(agreement.tolerance, error, label=TITLES[route], **look)
+            ax.plot(agreement.tolerance, error, label=SOLVERS[route], **look)
         ax.set(xscale="log", yscale="log", xlabel="relative tolerance")
         ax.set_xticks([1e-4, 1e-8, 1e-12])
         ax.minorticks_off()
