@@ -7,6 +7,7 @@ In every implicit scheme the new displacement and velocity are affine in one unk
 so a scheme is its ũ, ṽ, c_u, c_v, the weight w of its internal force and its right side r.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -20,13 +21,26 @@ from study.problem import Problem
 #: the error that is left is of the order of the square: round-off.
 TOLERANCE = 1e-12
 MAX_ITERATIONS = 50
+#: Systems of up to this many unknowns are eliminated in place.
+SMALL = 4
 
 
 class Effort(NamedTuple):
-    """What a step took: Newton iterations (each one force, one tangent, one solve), and whether they converged."""
+    """What a step took: Newton iterations (each one tangent and one solve), and whether they converged."""
 
     iterations: jax.Array | int = 0
     converged: jax.Array | bool = True
+
+    def then(self, other: "Effort") -> "Effort":
+        """What two balances took together."""
+        return Effort(self.iterations + other.iterations, self.converged & other.converged)
+
+
+class Phase(NamedTuple):
+    """Displacement and velocity, each of shape () or (n,)."""
+
+    u: jax.Array
+    v: jax.Array
 
 
 class Motion(NamedTuple):
@@ -37,30 +51,58 @@ class Motion(NamedTuple):
     a: jax.Array
 
 
-def _times(matrix, x):
+def times(matrix, x):
     return matrix @ x if jnp.ndim(matrix) == 2 else matrix * x
 
 
-def _sum(*terms, size):
+def add(*terms, size):
     """Sum of numbers, diagonals (n,) and matrices (n, n), in the least of these forms that holds it."""
     if max(map(jnp.ndim, terms)) == 2:
         terms = [t if jnp.ndim(t) == 2 else jnp.diag(jnp.broadcast_to(t, size)) for t in terms]
     return sum(terms[1:], start=terms[0])
 
 
-def _solve(matrix, rhs):
-    return jnp.linalg.solve(matrix, rhs) if jnp.ndim(matrix) == 2 else rhs / matrix
+def _product(one, other):
+    """Product of a number, a diagonal (n,) or a matrix (n, n) with a number or a matrix."""
+    if jnp.ndim(one) == 2 and jnp.ndim(other) == 2:
+        return one @ other
+    return one[:, None] * other if jnp.ndim(one) == 1 and jnp.ndim(other) == 2 else one * other
+
+
+def _eliminate(matrix, rhs):
+    """Gaussian elimination with partial pivoting, written out: a call of LAPACK would take longer."""
+    n = len(rhs)
+    rows = [[*(matrix[i, j] for j in range(n)), rhs[i]] for i in range(n)]
+    for k in range(n):
+        for i in range(k + 1, n):
+            swap = jnp.abs(rows[i][k]) > jnp.abs(rows[k][k])
+            pivot = [jnp.where(swap, lower, upper) for upper, lower in zip(rows[k], rows[i], strict=True)]
+            rest = [jnp.where(swap, upper, lower) for upper, lower in zip(rows[k], rows[i], strict=True)]
+            factor = rest[k] / pivot[k]
+            rows[k], rows[i] = pivot, [low - factor * high for low, high in zip(rest, pivot, strict=True)]
+    x: list = []
+    for k in reversed(range(n)):
+        known = sum(rows[k][n - 1 - i] * x[i] for i in range(len(x)))
+        x.append((rows[k][n] - known) / rows[k][k])
+    return jnp.stack(x[::-1])
+
+
+def solve(matrix, rhs):
+    """Solution of a linear system with a number, a diagonal or a matrix; a small one is eliminated in place."""
+    if jnp.ndim(matrix) < 2:
+        return rhs / matrix
+    return _eliminate(matrix, rhs) if len(rhs) <= SMALL else jnp.linalg.solve(matrix, rhs)
 
 
 def _inertia(problem: Problem, c_v, size):
     """M + c_v C."""
     mass = 1.0 if problem.mass is None else problem.mass
-    return mass if problem.damping is None else _sum(mass, c_v * problem.damping, size=size)
+    return mass if problem.damping is None else add(mass, _product(problem.damping, c_v), size=size)
 
 
 def _resisted(problem: Problem, rhs, v):
     """The right side less C v."""
-    return rhs if problem.damping is None else rhs - _times(problem.damping, v)
+    return rhs if problem.damping is None else rhs - times(problem.damping, v)
 
 
 def load(problem: Problem, t):
@@ -71,18 +113,18 @@ def load(problem: Problem, t):
 def acceleration(problem: Problem, t, u, v, c_v=0.0):
     """Acceleration a that balances M a + C (v + c_v a) + p(u) = f(t): one force, one linear solve, no iteration."""
     rhs = _resisted(problem, load(problem, t) - problem.force(u), v)
-    return _solve(_inertia(problem, c_v, u.shape), rhs)
+    return solve(_inertia(problem, c_v, u.shape), rhs)
 
 
-def _force_and_tangent(problem: Problem, u):
+def force_and_tangent(force: Callable, u):
     """p(u) and its full derivative ∂p/∂u by automatic differentiation."""
     if jnp.ndim(u) == 0:
-        return jax.jvp(problem.force, (u,), (jnp.ones_like(u),))
-    tangent, force = jax.jacfwd(lambda x: (problem.force(x),) * 2, has_aux=True)(u)
-    return force, tangent
+        return jax.jvp(force, (u,), (jnp.ones_like(u),))
+    tangent, value = jax.jacfwd(lambda x: (force(x),) * 2, has_aux=True)(u)
+    return value, tangent
 
 
-def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0):
+def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None):
     """Acceleration a that balances M a + C (v + c_v a) + w p(u + c_u a) = r, by Newton-Raphson with the full tangent.
 
     Parameters
@@ -92,11 +134,13 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0):
     u, v
         The predictors ũ and ṽ.
     c_u, c_v
-        What an acceleration adds to displacement and velocity.
+        What an acceleration adds to displacement and velocity: numbers, or matrices (n, n).
     guess
         Where the iteration starts.
     weight
         w, the weight of the internal force.
+    force
+        The internal force as a function of u + c_u a, where it is not the problem's own p.
 
     Returns
     -------
@@ -104,16 +148,17 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0):
         The acceleration and the :class:`Effort`, which says where Newton has not converged within ``MAX_ITERATIONS``.
         A number that is not finite ends the iteration at once, and shows in the acceleration.
     """
+    force = problem.force if force is None else force
     inertia = _inertia(problem, c_v, u.shape)
     rhs = _resisted(problem, rhs, v)
 
     def iterate(a):
-        force, tangent = _force_and_tangent(problem, u + c_u * a)
-        inertial = _times(inertia, a)
-        correction = _solve(_sum(inertia, weight * c_u * tangent, size=u.shape), inertial + weight * force - rhs)
+        internal, tangent = force_and_tangent(force, u + times(c_u, a))
+        out_of_balance = times(inertia, a) + weight * internal - rhs
+        correction = solve(add(inertia, _product(tangent, weight * c_u), size=u.shape), out_of_balance)
         a = a - correction
-        moved = jnp.max(jnp.abs(c_u * correction))
-        return a, moved > TOLERANCE * jnp.max(jnp.abs(u) + jnp.abs(c_u * a))
+        moved = jnp.max(jnp.abs(times(c_u, correction)))
+        return a, moved > TOLERANCE * jnp.max(jnp.abs(u) + jnp.abs(times(c_u, a)))
 
     def again(carry):
         a, _, iterations = carry

@@ -1,59 +1,89 @@
-"""Linear theory out of the code itself: the amplification matrix is the derivative of a scheme's step."""
+"""Linear theory of every scheme: spectral radius, period, damping, overshoot, order and stability limit."""
 
 from collections.abc import Sequence
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from jax.flatten_util import ravel_pytree
 
+from study import equilibrium
 from study.command import main, progress
 from study.experiments import labels
-from study.problem import Problem
+from study.linear_theory import OVERSHOOT_STEPS, LinearTheory, oscillator
 from study.schemes import Scheme
 from study.schemes import schemes as registry
+from study.schemes.rederived import Rederived
+
+#: Variables over step sizes, with what they are.
+_OVER_STEPS = {
+    "spectral_radius": "spectral radius of the amplification matrix",
+    "period_elongation": "relative elongation of the damped period; NaN where nothing swings",
+    "algorithmic_damping": "damping ratio of the numerical motion, the oscillator's own in it; NaN where nothing swings",
+    "amplitude_decay": "relative loss of amplitude per period; NaN where nothing swings",
+    "displacement_overshoot": f"largest displacement of {OVERSHOOT_STEPS} steps from rest over the initial one, less "
+    "one; NaN where unstable",
+    "velocity_overshoot": f"largest velocity of {OVERSHOOT_STEPS} steps from rest over that of the undamped motion, "
+    "less one; NaN where unstable",
+}
+#: Variables that are one number, with what they are.
+_NUMBERS = {
+    "stability_limit": "largest ωΔt up to which the spectral radius is at most one; infinite where it always is",
+    "infinite_frequency_radius": "spectral radius at infinite frequency",
+    "linear_order": "order with which the principal roots approach the exact ones",
+    "order_rederived": "the same where the acceleration is taken from the equation of motion after every step; NaN "
+    "where the scheme has none",
+}
 
 
-def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio: float) -> jax.Array:
-    """Derivative of one step on ü + 2ξ u̇ + u = 0 (ω = 1, T = 2π) with respect to the scheme's whole state."""
-    oscillator = Problem(force=lambda u: u, u0=1.0, damping=2 * damping_ratio if damping_ratio else None)
-    dt = 2 * jnp.pi * dt_over_period
-    state, _ = scheme.start(oscillator, jnp.ones(()), jnp.zeros(()), dt)
-    flat, unflatten = ravel_pytree(state)
+def _order_rederived(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float) -> float:
+    state, _ = scheme.start(oscillator(), jnp.ones(()), jnp.zeros(()), 1.0)
+    if not isinstance(state, equilibrium.Motion):
+        return np.nan
+    return LinearTheory(Rederived(scheme), dt_over_period, damping_ratio).order()
 
-    def step(flat):
-        return ravel_pytree(scheme.step(oscillator, unflatten(flat), 0.0, dt)[0])[0]
 
-    return jax.jacfwd(step)(flat)
+def _of_scheme(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float) -> dict[str, np.ndarray | float]:
+    theory = LinearTheory(scheme, dt_over_period, damping_ratio)
+    motion, (displacement, velocity) = theory.motion(), theory.overshoot()
+    return {
+        "spectral_radius": theory.spectral_radius,
+        "period_elongation": motion.period_elongation,
+        "algorithmic_damping": motion.algorithmic_damping,
+        "amplitude_decay": motion.amplitude_decay,
+        "displacement_overshoot": displacement,
+        "velocity_overshoot": velocity,
+        "stability_limit": theory.stability_limit(),
+        "infinite_frequency_radius": theory.infinite_frequency_radius(),
+        "linear_order": theory.order(),
+        "order_rederived": _order_rederived(scheme, dt_over_period, damping_ratio),
+    }
 
 
 def spectral(schemes: Sequence[str], exponents: dict[str, float], damping_ratios: Sequence[float]) -> xr.Dataset:
-    """Spectral radius ρ = max |λ| of the amplification matrix of every scheme.
+    """What the amplification matrix of every scheme tells, by step size and damping of the oscillator.
 
     Parameters
     ----------
     exponents
         ``first`` and ``last`` power of ten of Δt/T, and ``per_decade`` points in between.
+    damping_ratios
+        ξ, each 0 ≤ ξ < 1.
     """
-    progress("amplification matrices")
     decades = exponents["last"] - exponents["first"]
     dt_over_period = np.logspace(exponents["first"], exponents["last"], round(decades * exponents["per_decade"]) + 1)
-    radius = np.empty((len(schemes), len(dt_over_period), len(damping_ratios)))
-    for s, name in enumerate(schemes):
-        for d, damping_ratio in enumerate(damping_ratios):
-            matrices = jax.vmap(lambda r, s=registry[name], d=damping_ratio: amplification_matrix(s, r, d))(
-                jnp.asarray(dt_over_period)
-            )
-            radius[s, :, d] = np.abs(np.linalg.eigvals(np.asarray(matrices))).max(axis=-1)
+    found: dict[str, list] = {name: [] for name in (*_OVER_STEPS, *_NUMBERS)}
+    for name in schemes:
+        progress(f"linear theory of {name}")
+        of_scheme = [_of_scheme(registry[name], dt_over_period, ratio) for ratio in damping_ratios]
+        for variable, values in found.items():
+            values.append([of_ratio[variable] for of_ratio in of_scheme])
+    dims = ("scheme", "damping_ratio")
     return xr.Dataset(
         {
-            "spectral_radius": (
-                ("scheme", "dt_over_period", "damping_ratio"),
-                radius,
-                {"long_name": "spectral radius of the amplification matrix", "units": "1"},
-            )
-        },
+            name: ((*dims, "dt_over_period"), found[name], {"long_name": text, "units": "1"})
+            for name, text in _OVER_STEPS.items()
+        }
+        | {name: (dims, found[name], {"long_name": text, "units": "1"}) for name, text in _NUMBERS.items()},
         coords={
             **labels.scheme_coordinates(schemes),
             "dt_over_period": ("dt_over_period", dt_over_period, {"long_name": "step size over period", "units": "1"}),
@@ -63,8 +93,8 @@ def spectral(schemes: Sequence[str], exponents: dict[str, float], damping_ratios
                 {"long_name": "damping ratio of the oscillator", "units": "1"},
             ),
         },
-        attrs={"title": "Spectral radius of the schemes on the linear oscillator"},
-    )
+        attrs={"title": "Linear theory of the schemes, from the derivative of their steps"},
+    ).transpose("scheme", "dt_over_period", "damping_ratio")
 
 
 if __name__ == "__main__":

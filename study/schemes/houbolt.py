@@ -6,11 +6,11 @@ import equinox as eqx
 import jax
 from jax import lax
 
-from study.equilibrium import Effort, acceleration, balance, load
+from study.equilibrium import Effort, Phase, acceleration, balance, load
 from study.problem import Problem
 from study.registry import did_you_mean
 from study.schemes.newmark import Newmark, central_difference
-from study.schemes.runge_kutta import Phase, RungeKutta4
+from study.schemes.runge_kutta import RungeKutta4
 from study.schemes.scheme import Scheme
 
 
@@ -88,7 +88,8 @@ class Houbolt(Scheme):
     M ü₁ + C u̇₁ + p(u₁) = f(t₁)
 
     Second order, unconditionally stable for linear systems, with a damping that no parameter controls. In terms of
-    the acceleration, u₁ = ũ + Δt²/2 ü₁ and u̇₁ = ṽ + 11Δt/12 ü₁.
+    the acceleration, u₁ = ũ + Δt²/2 ü₁ and u̇₁ = ṽ + 11Δt/12 ü₁. Carries u, u̇, ü and two older u; one force a Newton
+    iteration.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ class Houbolt(Scheme):
     start_by: str = eqx.field(default="linear_acceleration", static=True)
     title: str = eqx.field(default="Houbolt", kw_only=True, static=True)
 
-    family: ClassVar[str] = "Backward differences"
+    family: ClassVar[str] = "Multi-step and composite"
     source: ClassVar[str] = "Houbolt (1950)"
     doi: ClassVar[str] = "10.2514/8.1722"
 

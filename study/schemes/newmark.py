@@ -5,7 +5,7 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.equilibrium import Effort, Motion, acceleration, balance, load
-from study.schemes.scheme import OneStep, check_range, start_in_balance
+from study.schemes.scheme import OneStep, check_ranges, start_in_balance
 
 
 class Newmark(OneStep):
@@ -16,7 +16,13 @@ class Newmark(OneStep):
     M ü₁ + C u̇₁ + p(u₁) = f(t₁)
 
     Second order for γ = ½, first order otherwise. For linear systems unconditionally stable if 2β ≥ γ ≥ ½; with
-    γ > ½ it damps. β = 0 and γ = ½ is central difference, which needs no iteration and is stable for ωΔt ≤ 2.
+    γ > ½ it damps. Carries u, u̇ and ü; one force a Newton iteration. Members of the family:
+
+    - β = ¼, γ = ½, average acceleration, the trapezoidal rule;
+    - β = 1/6, γ = ½, linear acceleration, stable for ωΔt ≤ 2√3;
+    - β = 1/12, γ = ½, Fox and Goodwin, stable for ωΔt ≤ √6, its displacement of fourth order without damping from rest
+      (Numerov's formula);
+    - β = 0, γ = ½, central difference, which needs no iteration but one force a step and is stable for ωΔt ≤ 2.
 
     Parameters
     ----------
@@ -33,19 +39,20 @@ class Newmark(OneStep):
     References
     ----------
     N. M. Newmark, A method of computation for structural dynamics, J. Eng. Mech. Div. ASCE 85(EM3), 1959, 67-94.
+    L. Fox, E. T. Goodwin, Some new methods for the numerical integration of ordinary differential equations, Math.
+    Proc. Cambridge Philos. Soc. 45, 1949, 373-388.
     """
 
     beta: float
     gamma: float
     title: str = eqx.field(default="Newmark", kw_only=True, static=True)
 
-    family: ClassVar[str] = "Newmark"
+    family: ClassVar[str] = "Newmark and Wilson"
     source: ClassVar[str] = "Newmark (1959)"
     doi: ClassVar[str] = "10.1061/JMCEA3.0000098"
 
     def __check_init__(self):
-        check_range(self, "beta", 0.0, 0.5)
-        check_range(self, "gamma", 0.0, 1.0)
+        check_ranges(self, beta=(0.0, 0.5), gamma=(0.0, 1.0))
 
     @property
     def order(self) -> int:
@@ -76,3 +83,5 @@ class Newmark(OneStep):
 average_acceleration = Newmark(beta=0.25, gamma=0.5, title="Average acceleration")
 central_difference = Newmark(beta=0.0, gamma=0.5, title="Central difference")
 newmark_dissipative = Newmark(beta=0.3025, gamma=0.6, title="Newmark, γ = 0.6")
+linear_acceleration = Newmark(beta=1 / 6, gamma=0.5, title="Linear acceleration")
+fox_goodwin = Newmark(beta=1 / 12, gamma=0.5, title="Fox-Goodwin")

@@ -1,19 +1,16 @@
-"""The classical Runge-Kutta method."""
+"""Runge-Kutta methods: the classical one, Nyström's, and that of Gauss."""
 
-from typing import ClassVar, NamedTuple
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
+import numpy as np
 
-from study.equilibrium import Effort, acceleration
+from study.equilibrium import Effort, Phase, acceleration, balance
+from study.problem import Problem
 from study.schemes.scheme import OneStep
-
-
-class Phase(NamedTuple):
-    """Displacement and velocity, each of shape () or (n,)."""
-
-    u: jax.Array
-    v: jax.Array
 
 
 class RungeKutta4(OneStep):
@@ -22,7 +19,7 @@ class RungeKutta4(OneStep):
     y₁ = y₀ + k₁/6 + k₂/3 + k₃/3 + k₄/6,    y = (u, v)
     k₁ = Δt F(t, y₀), k₂ = Δt F(t + Δt/2, y₀ + k₁/2), k₃ = Δt F(t + Δt/2, y₀ + k₂/2), k₄ = Δt F(t + Δt, y₀ + k₃)
 
-    Fourth order, four force evaluations a step, stable for an undamped linear oscillator up to ωΔt = 2√2.
+    Fourth order, stable for an undamped linear oscillator up to ωΔt = 2√2. Carries u and u̇; four forces a step.
 
     References
     ----------
@@ -32,7 +29,7 @@ class RungeKutta4(OneStep):
 
     title: str = eqx.field(default="Runge-Kutta", kw_only=True, static=True)
 
-    family: ClassVar[str] = "Runge-Kutta"
+    family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Kutta (1901)"
     doi: ClassVar[str] = ""
 
@@ -63,4 +60,139 @@ class RungeKutta4(OneStep):
         return Phase((u1 + u4) / 6 + (u2 + u3) / 3, (v1 + v4) / 6 + (v2 + v3) / 3), Effort()
 
 
+class Nystrom4(OneStep):
+    """Nyström's method of fourth order for ü = F(t, u, u̇) = M⁻¹ (f − C u̇ − p(u)).
+
+    k₁ = F(t₀, u₀, u̇₀),    k₂ = F(t₀ + Δt/2, u₀ + Δt/2 u̇₀ + Δt²/8 k₁, u̇₀ + Δt/2 k₁)
+    k₃ = F(t₀ + Δt/2, u₀ + Δt/2 u̇₀ + Δt²/8 k₁, u̇₀ + Δt/2 k₂),    k₄ = F(t₁, u₀ + Δt u̇₀ + Δt²/2 k₃, u̇₀ + Δt k₃)
+    u₁ = u₀ + Δt u̇₀ + Δt²/6 (k₁ + k₂ + k₃),    u̇₁ = u̇₀ + Δt/6 (k₁ + 2k₂ + 2k₃ + k₄)
+
+    Without damping k₃ = k₂. Fourth order, stable without damping for ωΔt ≤ 2.586. Carries u and u̇; three forces a
+    step (k₂ and k₃ share theirs).
+
+    References
+    ----------
+    E. J. Nyström, Über die numerische Integration von Differentialgleichungen, Acta Soc. Sci. Fenn. 50(13), 1925, 1-54.
+    """
+
+    title: str = eqx.field(default="Nyström", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Runge-Kutta and conserving"
+    source: ClassVar[str] = "Nyström (1925)"
+    doi: ClassVar[str] = ""
+
+    @property
+    def order(self) -> int:
+        return 4
+
+    @property
+    def explicit(self) -> bool:
+        return True
+
+    @property
+    def evaluations(self) -> int:
+        return 3
+
+    def start(self, problem, u0, v0, dt):
+        return Phase(u0, v0), Effort()
+
+    def increment(self, problem, state, t, dt):
+        u, v = state
+        half = dt / 2
+        k1 = acceleration(problem, t, u, v)
+        u_half = u + half * v + half**2 / 2 * k1
+        k2 = acceleration(problem, t + half, u_half, v + half * k1)
+        k3 = k2 if problem.damping is None else acceleration(problem, t + half, u_half, v + half * k2)
+        k4 = acceleration(problem, t + dt, u + dt * v + dt * half * k3, v + dt * k3)
+        return Phase(dt * v + dt**2 / 6 * (k1 + k2 + k3), dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4)), Effort()
+
+
+#: Weights of the two-stage Gauss method: stage velocities from stage accelerations.
+_GAUSS = np.array([[1 / 4, 1 / 4 - np.sqrt(3) / 6], [1 / 4 + np.sqrt(3) / 6, 1 / 4]])
+_GAUSS_TIMES = _GAUSS.sum(axis=1)
+
+
+class Gauss4(OneStep):
+    """The Gauss method of two stages on the second-order form.
+
+    M ü_i + C u̇_i + p(u_i) = f(t₀ + c_iΔt),    c_i = ½ ∓ √3/6
+    u̇_i = u̇₀ + Δt Σ_j A_ij ü_j,    u_i = u₀ + c_iΔt u̇₀ + Δt² Σ_j (A²)_ij ü_j
+    u̇₁ = u̇₀ + Δt (ü₁ + ü₂)/2,    u₁ = u₀ + Δt u̇₀ + Δt² Σ_i ½(1 − c_i) ü_i
+
+    Both stages are found together. Fourth order, symplectic, unconditionally stable for linear systems without damping
+    of its own. Carries u, u̇ and both stage accelerations as a guess; two forces a Newton iteration, and one solution
+    for 2n unknowns.
+
+    References
+    ----------
+    E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, section II.1.
+    J. C. Butcher, Implicit Runge-Kutta processes, Math. Comput. 18, 1964, 50-64.
+    """
+
+    title: str = eqx.field(default="Gauss, order 4", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Runge-Kutta and conserving"
+    source: ClassVar[str] = "Butcher (1964)"
+    doi: ClassVar[str] = "10.1090/S0025-5718-1964-0159424-9"
+
+    @property
+    def order(self) -> int:
+        return 4
+
+    @property
+    def explicit(self) -> bool:
+        return False
+
+    @property
+    def evaluations_per_iteration(self) -> int:
+        return 2
+
+    def start(self, problem, u0, v0, dt):
+        a0 = acceleration(problem, 0.0, u0, v0)
+        return Stages(u0, v0, jnp.stack([a0, a0])), Effort()
+
+    def increment(self, problem, state, t, dt):
+        u, v, guess = state
+        times = t + dt * jnp.asarray(_GAUSS_TIMES)
+        stages = _twice(problem, u.shape)
+        rhs = 0.0 if problem.load is None else jnp.stack([problem.load(t) for t in times]).ravel()
+        u_stages = jnp.stack([u + c * dt * v for c in _GAUSS_TIMES.tolist()]).ravel()
+        v_stages = jnp.stack([v, v]).ravel()
+        c_u, c_v = (np.kron(A, np.eye(max(u.size, 1))) for A in (_GAUSS @ _GAUSS, _GAUSS))
+        a, effort = balance(stages, rhs, u_stages, v_stages, dt**2 * c_u, dt * c_v, guess.ravel())
+        first, second = a = a.reshape(2, *u.shape)
+        before, after = ((1 - _GAUSS_TIMES) / 2).tolist()
+        return Stages(dt * v + dt**2 * (before * first + after * second), dt / 2 * (first + second), a), effort
+
+
+class Stages(NamedTuple):
+    """Displacement and velocity, each of shape () or (n,), and the accelerations (2, ...) of the last stages."""
+
+    u: jax.Array
+    v: jax.Array
+    a: jax.Array
+
+
+class _Twice(NamedTuple):
+    """Two stages of a problem as one of twice its unknowns."""
+
+    force: Callable
+    mass: Any
+    damping: Any
+
+
+def _twice(problem: Problem, shape: tuple[int, ...]) -> _Twice:
+    def force(u):
+        return jnp.stack([problem.force(stage) for stage in u.reshape(2, *shape)]).ravel()
+
+    def doubled(matrix):
+        if matrix is None or jnp.ndim(matrix) == 0:
+            return matrix
+        return jnp.tile(matrix, 2) if jnp.ndim(matrix) == 1 else jnp.kron(jnp.eye(2), matrix)
+
+    return _Twice(force, doubled(problem.mass), doubled(problem.damping))
+
+
 rk4 = RungeKutta4()
+nystrom4 = Nystrom4()
+gauss4 = Gauss4()

@@ -19,15 +19,19 @@ class Scheme(eqx.Module):
     vectorise and differentiate them.
     """
 
+    #: What figures and tables call it, where it was published first, and the digital object identifier of that.
     title: eqx.AbstractVar[str]
+    source: eqx.AbstractVar[str]
+    doi: eqx.AbstractVar[str]
+    #: Schemes of one family share the panels of figures.
     family: ClassVar[str]
-    source: ClassVar[str]
-    doi: ClassVar[str]
+    #: Order of accuracy of the displacement in Δt, of a free motion without damping.
+    order: eqx.AbstractVar[int]
 
     @property
-    @abc.abstractmethod
-    def order(self) -> int:
-        """Order of accuracy of the displacement in Δt."""
+    def damped_order(self) -> int:
+        """Order of accuracy where there is damping or a load."""
+        return self.order
 
     @property
     @abc.abstractmethod
@@ -36,8 +40,13 @@ class Scheme(eqx.Module):
 
     @property
     def evaluations(self) -> int:
-        """Internal forces that a step evaluates beside the one of each Newton iteration."""
+        """Internal forces that a step evaluates beside those of its Newton iterations."""
         return 0
+
+    @property
+    def evaluations_per_iteration(self) -> int:
+        """Internal forces that one Newton iteration evaluates."""
+        return 1
 
     @abc.abstractmethod
     def start(self, problem: Problem, u0, v0, dt) -> tuple[Any, Effort]:
@@ -65,12 +74,17 @@ def start_in_balance(self, problem: Problem, u0, v0, dt) -> tuple[Motion, Effort
     return Motion(u0, v0, acceleration(problem, 0.0, u0, v0)), Effort()
 
 
-def check_range(scheme: Scheme, name: str, low: float, high: float) -> None:
+def check_range(scheme: str, name: str, value, low: float, high: float) -> None:
     """Refuse a parameter that is no finite number within [low, high]; a traced one cannot be checked."""
-    value = getattr(scheme, name)
     if isinstance(value, jax.core.Tracer):
         return
     limits = f"at least {low:g}" if np.isinf(high) else f"between {low:g} and {high:g}"
     is_number = np.ndim(value) == 0 and np.asarray(value).dtype.kind in "fiu"
     if not is_number or not np.isfinite(value) or not low <= value <= high:
-        raise ValueError(f"{type(scheme).__name__}({name}={value}): {name} must be a number {limits}.")
+        raise ValueError(f"{scheme}({name}={value}): {name} must be a number {limits}.")
+
+
+def check_ranges(scheme: Scheme, **ranges: tuple[float, float]) -> None:
+    """Refuse a scheme with a field that is out of its (low, high)."""
+    for name, (low, high) in ranges.items():
+        check_range(type(scheme).__name__, name, getattr(scheme, name), low, high)

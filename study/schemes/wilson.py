@@ -5,7 +5,7 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.equilibrium import Motion, balance, load
-from study.schemes.scheme import OneStep, check_range, start_in_balance
+from study.schemes.scheme import OneStep, check_ranges, start_in_balance
 
 
 class WilsonTheta(OneStep):
@@ -18,7 +18,7 @@ class WilsonTheta(OneStep):
     ü₁ = (1 − 1/θ) ü₀ + ü_θ / θ,    then u₁ and u̇₁ by Newmark's formulas.
 
     Second order. θ = 1 is Newmark's method (linear acceleration for β = 1/6); with β = 1/6 and γ = ½ unconditionally
-    stable for linear systems if θ ≥ 1.366.
+    stable for linear systems if θ ≥ 1.366. Carries u, u̇ and ü; one force a Newton iteration.
 
     Parameters
     ----------
@@ -43,14 +43,12 @@ class WilsonTheta(OneStep):
     gamma: float = 0.5
     title: str = eqx.field(default="Wilson-θ", kw_only=True, static=True)
 
-    family: ClassVar[str] = "Wilson"
+    family: ClassVar[str] = "Newmark and Wilson"
     source: ClassVar[str] = "Wilson et al. (1973)"
     doi: ClassVar[str] = "10.1002/eqe.4290010305"
 
     def __check_init__(self):
-        check_range(self, "theta", 1.0, float("inf"))
-        check_range(self, "beta", 0.0, 0.5)
-        check_range(self, "gamma", 0.0, 1.0)
+        check_ranges(self, theta=(1.0, float("inf")), beta=(0.0, 0.5), gamma=(0.0, 1.0))
 
     @property
     def order(self) -> int:

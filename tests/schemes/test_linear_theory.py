@@ -1,88 +1,275 @@
-"""The amplification matrix of the code against closed forms, and against the run itself."""
+"""Linear theory out of the code against closed forms, against the run itself, and against what is claimed."""
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.flatten_util import ravel_pytree
 
 import study
-from study.experiments.spectral import amplification_matrix
+from study.linear_theory import LinearTheory
+from study.schemes.rederived import Rederived
 
-PARTS = np.array([0.01, 0.05, 0.1, 0.3, 1.0, 10.0])
+PARTS = np.logspace(-3, 3, 121)
+STEPS = 2 * np.pi * PARTS
+
+#: Stability limits without damping as printed or derived by others, infinite where there is none.
+LIMITS = {
+    "central_difference": 2.0,
+    "linear_acceleration": 2 * np.sqrt(3),
+    "fox_goodwin": np.sqrt(6),
+    "rk4": 2 * np.sqrt(2),
+    "velocity_verlet": 2.0,
+    "symplectic_euler": 2.0,
+    "tchamwa_wielgosz": 2 / np.sqrt(2 * 1.033 - 1),
+    "chung_lee": np.sqrt(2 / (2 * 28 / 27 - 1.5)),
+}
+#: Spectral radii at infinite frequency as claimed by those who made the schemes.
+AT_INFINITY = {
+    "average_acceleration": 1.0,
+    "newmark_dissipative": 0.9 / 1.1,
+    "houbolt": 0.0,
+    "hht_alpha": 0.9 / 1.1,
+    "hht_alpha_one_force": 0.9 / 1.1,
+    "wbz_alpha": 0.8,
+    "generalized_alpha": 0.8,
+    "kr_alpha": 0.8,
+    "bdf2": 0.0,
+    "park": 0.0,
+    "bathe": 0.0,
+    "tr_bdf2": 0.0,
+    "rho_bathe": 0.5,
+    "implicit_midpoint": 1.0,
+    "energy_momentum": 1.0,
+    "average_vector_field": 1.0,
+    "gauss4": 1.0,
+}
 
 
-def _eigenvalues(scheme, part, damping_ratio=0.0):
-    return np.linalg.eigvals(np.asarray(amplification_matrix(scheme, part, damping_ratio)))
+def _polynomials(scheme, parts=PARTS, damping_ratio=0.0):
+    """Characteristic polynomials; unlike their roots they do not lose half of the digits where roots meet."""
+    return np.array([np.poly(roots) for roots in LinearTheory(scheme, parts, damping_ratio).roots])
 
 
-@pytest.mark.parametrize("part", PARTS)
-def test_average_acceleration_neither_damps_nor_grows(part):
-    """λ = (1 ± iΩ/2)/(1 ∓ iΩ/2), the trapezoidal rule."""
-    half = 1j * np.pi * part
-    expected = (1 + half) / (1 - half)
-    distance = min(abs(_eigenvalues(study.schemes["average_acceleration"], part) - expected))
-    assert distance < 1e-10
+def _assert_roots(scheme, expected, parts=PARTS, tolerance=1e-10):
+    """Each expected root of each step size is a root of the characteristic polynomial, in units of its coefficients."""
+    for polynomial, roots in zip(_polynomials(scheme, parts), expected, strict=True):
+        residual = np.abs(np.polyval(polynomial, roots))
+        assert np.all(residual < tolerance * np.polyval(np.abs(polynomial), np.abs(roots)))
 
 
-def test_central_difference_is_stable_up_to_two():
-    below, above = (np.abs(_eigenvalues(study.schemes["central_difference"], x / np.pi)).max() for x in (0.999, 1.001))
-    assert below == pytest.approx(1.0, abs=1e-10)
-    assert above > 1.05
+@pytest.mark.parametrize(
+    "name", ["average_acceleration", "implicit_midpoint", "energy_momentum", "average_vector_field"]
+)
+def test_the_trapezoidal_rule_neither_damps_nor_grows(name):
+    """λ = (1 ± iΩ/2)/(1 ∓ iΩ/2)."""
+    expected = (1 + 0.5j * STEPS) / (1 - 0.5j * STEPS)
+    theory = LinearTheory(study.schemes[name], PARTS)
+    assert np.abs(theory.roots - expected[:, None]).min(axis=1).max() < 1e-10
+    motion = theory.motion()
+    np.testing.assert_allclose(motion.period_elongation, STEPS / (2 * np.arctan(STEPS / 2)) - 1, atol=1e-10)
+    np.testing.assert_allclose(motion.algorithmic_damping, 0, atol=1e-10)
 
 
-def test_runge_kutta_is_the_exponential_series():
-    """λ = 1 + z + z²/2 + z³/6 + z⁴/24 with z = iΩ, stable up to Ω = 2√2."""
-    for part in PARTS:
-        z = 2j * np.pi * part
-        expected = 1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24
-        found = _eigenvalues(study.schemes["rk4"], part)
-        assert min(abs(found - expected)) < 1e-10 * abs(expected)
-    limit = np.sqrt(2) / np.pi
-    below, above = (np.abs(_eigenvalues(study.schemes["rk4"], x * limit)).max() for x in (0.999, 1.001))
-    assert below < 1 < above
+def test_central_difference_shortens_the_period():
+    """Its roots have the angle 2 arcsin(Ω/2), up to Ω = 2."""
+    swinging = STEPS < 2
+    motion = LinearTheory(study.schemes["central_difference"], PARTS).motion()
+    expected = STEPS[swinging] / (2 * np.arcsin(STEPS[swinging] / 2)) - 1
+    np.testing.assert_allclose(motion.period_elongation[swinging], expected, atol=1e-10)
+    assert np.isnan(motion.period_elongation[~swinging]).all()
 
 
-@pytest.mark.parametrize("part", PARTS)
-def test_houbolt_has_its_polynomial(part):
+@pytest.mark.parametrize("name, last", [("rk4", 4), ("nystrom4", None)])
+def test_explicit_runge_kutta_methods_are_series(name, last):
+    """The classical method is the exponential to z⁴, z = iΩ; Nyström's has trace 2 − Ω² + Ω⁴/12 and its determinant."""
+    parts = PARTS[STEPS < 10]
+    omega = 2 * np.pi * parts
+    if last:
+        z = 1j * omega
+        _assert_roots(study.schemes[name], (1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)[:, None], parts)
+    else:
+        for polynomial, x in zip(_polynomials(study.schemes[name], parts), omega**2, strict=True):
+            # u₁ and u̇₁ of the three stages, written out for F = −u
+            matrix = np.array([[1 - x / 2 + x**2 / 24, 1 - x / 6], [-1 + x / 6 - x**2 / 96, 1 - x / 2 + x**2 / 24]])
+            # in units of Δt the velocity's row is times Ω², the displacement's column over it
+            expected = np.poly(matrix * np.array([[1, 1], [x, 1]]))
+            np.testing.assert_allclose(polynomial, expected, rtol=1e-10, atol=1e-10 * (1 + x**2))
+
+
+def test_gauss_is_the_pade_approximation():
+    """λ = (1 + z/2 + z²/12)/(1 − z/2 + z²/12), z = iΩ."""
+    z = 1j * STEPS
+    _assert_roots(study.schemes["gauss4"], ((1 + z / 2 + z**2 / 12) / (1 - z / 2 + z**2 / 12))[:, None])
+
+
+def test_houbolt_has_its_polynomial():
     """(2 + Ω²) λ³ − 5λ² + 4λ − 1 = 0 without damping."""
-    omega = 2 * np.pi * part
-    expected = np.roots([2 + omega**2, -5, 4, -1])
-    found = _eigenvalues(study.schemes["houbolt"], part)
-    for root in expected:
-        assert min(abs(found - root)) < 1e-7  # the matrix has further, defective zeros
-    assert np.abs(found).max() == pytest.approx(np.abs(expected).max(), abs=1e-10)
+    for polynomial, omega in zip(_polynomials(study.schemes["houbolt"]), STEPS, strict=True):
+        expected = np.array([2 + omega**2, -5, 4, -1]) / (2 + omega**2)
+        np.testing.assert_allclose(polynomial[:4], expected, atol=1e-10)
+        np.testing.assert_allclose(polynomial[4:], 0, atol=1e-10)
 
 
-@pytest.mark.parametrize("alpha", [0.0, -0.1, -0.3])
-def test_hht_has_its_limit_of_high_frequency(alpha):
-    """ρ∞ = (1 + α)/(1 − α) for β = (1 − α)²/4 and γ = ½ − α."""
-    scheme = study.HHTAlpha(alpha=alpha, beta=(1 - alpha) ** 2 / 4, gamma=0.5 - alpha)
-    radius = np.abs(_eigenvalues(scheme, 1e5)).max()
-    assert radius == pytest.approx((1 + alpha) / (1 - alpha), abs=1e-4)
+@pytest.mark.parametrize("name", ["bdf2", "park"])
+def test_backward_differences_have_their_polynomials(name):
+    """(Σ d_k λ⁻ᵏ)² + Ω² = 0."""
+    weights = study.schemes[name].weights
+    square = np.polymul(weights, weights)
+    for polynomial, omega in zip(_polynomials(study.schemes[name]), STEPS, strict=True):
+        expected = np.polyadd(square, [omega**2, *[0] * (len(square) - 1)])
+        np.testing.assert_allclose(polynomial[: len(expected)], expected / expected[0], atol=1e-10)
+
+
+def test_wilson_has_its_polynomial():
+    """The matrix of Bathe's textbook for θ = 1.4, in (ü, u̇, u) with Δt = 1."""
+    theta = 1.4
+    for polynomial, omega in zip(_polynomials(study.schemes["wilson_theta"]), STEPS, strict=True):
+        beta = 1 / (theta / omega**2 + theta**3 / 6)
+        matrix = [
+            [1 - beta * theta**2 / 3 - 1 / theta, -beta * theta, -beta],
+            [1 - 1 / (2 * theta) - beta * theta**2 / 6, 1 - beta * theta / 2, -beta / 2],
+            [1 / 2 - 1 / (6 * theta) - beta * theta**2 / 18, 1 - beta * theta / 6, 1 - beta / 6],
+        ]
+        np.testing.assert_allclose(polynomial, np.poly(matrix), atol=1e-10)
+
+
+@pytest.mark.parametrize("rho_inf", [0.0, 0.3, 0.5, 0.8, 1.0])
+def test_the_generalized_alpha_family_meets_its_spectral_radius(rho_inf):
+    """At infinite frequency both main roots are −ρ∞, and the third of the generalized-α method is as well."""
+    infinity = np.array([1e7])
+    cases = [(study.GeneralizedAlpha.chung_hulbert(rho_inf), [-rho_inf] * 3), (study.KolayRicles(rho_inf), None)]
+    if rho_inf >= 0.5:
+        cases.append((study.GeneralizedAlpha.hht(rho_inf), [-rho_inf, -rho_inf, None]))
+    for scheme, roots in cases:
+        polynomial = _polynomials(scheme, infinity)[0]
+        if roots is None:
+            # KR-α carries the internal force too, whose root is zero
+            other = _polynomials(study.GeneralizedAlpha.chung_hulbert(rho_inf), infinity)[0]
+            np.testing.assert_allclose(polynomial, [*other, 0], atol=1e-8)
+        else:
+            assert abs(np.polyval(polynomial, -rho_inf)) < 1e-10
+            assert abs(np.polyval(np.polyder(polynomial), -rho_inf)) < 1e-10
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
+def test_kr_alpha_has_the_roots_of_the_generalized_alpha_method(damping_ratio):
+    implicit = _polynomials(study.schemes["generalized_alpha"], damping_ratio=damping_ratio)
+    explicit = _polynomials(study.schemes["kr_alpha"], damping_ratio=damping_ratio)
+    np.testing.assert_allclose(explicit[:, :-1], implicit, atol=1e-10)
+
+
+@pytest.mark.parametrize("rho_b", [0.0, 0.3, 0.5, 0.8])
+def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
+    """At Ω = (1 + ρ_b)√(2 − ρ_b) the main roots meet at −ρ_b, and stability ends where one of them is −1."""
+    scheme = study.ExplicitAlpha.hulbert_chung(rho_b)
+    meeting = (1 + rho_b) * np.sqrt(2 - rho_b) / (2 * np.pi)
+    polynomial = _polynomials(scheme, np.array([meeting]))[0]
+    assert abs(np.polyval(polynomial, -rho_b)) < 1e-10
+    assert abs(np.polyval(np.polyder(polynomial), -rho_b)) < 1e-10
+    limit = np.sqrt(2 * (1 - 2 * scheme.alpha_m) / (2 * scheme.beta - scheme.gamma))
+    assert LinearTheory(scheme, PARTS).stability_limit() == pytest.approx(limit, rel=1e-6)
 
 
 @pytest.mark.parametrize("theta, stable", [(1.36, False), (1.37, True), (1.4, True)])
 def test_wilson_is_unconditionally_stable_from_1_366(theta, stable):
-    radii = [np.abs(_eigenvalues(study.WilsonTheta(theta=theta), part)).max() for part in (1.0, 10.0, 1e3)]
-    assert (max(radii) <= 1 + 1e-12) == stable
+    assert (LinearTheory(study.WilsonTheta(theta=theta), PARTS).stability_limit() == np.inf) == stable
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_stability_limits(name):
+    assert LinearTheory(study.schemes[name], PARTS).stability_limit() == pytest.approx(LIMITS[name], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", AT_INFINITY)
+def test_radii_at_infinite_frequency(name):
+    theory = LinearTheory(study.schemes[name], PARTS)
+    # half or two thirds of the digits are lost where two or three roots meet
+    assert theory.infinite_frequency_radius() == pytest.approx(AT_INFINITY[name], abs=3e-3)
+    assert theory.stability_limit() == np.inf
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
+def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
+    """What a scheme claims is the order of its roots, but for those whose errors in phase and start do not add up."""
+    scheme = study.schemes[scheme_name]
+    expected = {
+        # conjugate to velocity Verlet, and to the generalized-α method: the map is as good, the start is not
+        ("symplectic_euler", 0.0): 2,
+        ("symplectic_euler", 0.1): 2,
+        ("kr_alpha", 0.0): 2,
+        ("kr_alpha", 0.1): 2,
+        # Numerov's formula
+        ("fox_goodwin", 0.0): 4,
+    }.get((scheme_name, damping_ratio), scheme.damped_order if damping_ratio else scheme.order)
+    theory = LinearTheory(scheme, np.logspace(-3, 0, 301), damping_ratio)
+    assert theory.order() == pytest.approx(expected, abs=0.12)
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
+@pytest.mark.parametrize("name", ["hht_alpha_one_force", "wbz_alpha", "generalized_alpha"])
+def test_an_alpha_method_must_carry_its_acceleration(name, damping_ratio):
+    """Re-derived from the equation of motion it drops to first order, in linear theory and in a run."""
+    scheme, parts = study.schemes[name], np.logspace(-3, 0, 301)
+    assert LinearTheory(scheme, parts, damping_ratio).order() == pytest.approx(2, abs=0.05)
+    assert LinearTheory(Rederived(scheme), parts, damping_ratio).order() == pytest.approx(1, abs=0.05)
+    damped = study.Problem(lambda u: u + u**3, u0=1.0, damping=2 * damping_ratio)
+    fine = study.run(damped, "rk4", dt=1e-3, steps=2000).u.values[-1]
+    for method, order in ((scheme, 2), (Rederived(scheme), 1)):
+        errors = [abs(study.run(damped, method, dt=2 / n, steps=n).u.values[-1] - fine) for n in (400, 800, 1600)]
+        assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx(order, abs=0.1)
 
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_the_run_is_the_power_of_the_matrix(scheme, damping_ratio):
     """On the linear oscillator n steps are the n-th power of the amplification matrix."""
     dt = 0.3
-    problem = study.Problem(lambda u: u, u0=1.0, v0=0.5, damping=2 * damping_ratio if damping_ratio else None)
+    problem = study.Problem(
+        lambda u: u,
+        u0=1.0,
+        v0=0.5,
+        potential=lambda u: u * u / 2,
+        damping=2 * damping_ratio if damping_ratio else None,
+    )
     ds = study.run(problem, scheme, dt=dt, steps=20)
     start, _ = scheme.start(problem, jnp.asarray(1.0), jnp.asarray(0.5), dt)
-    matrix = np.asarray(amplification_matrix(scheme, dt / (2 * np.pi), damping_ratio))
-    states = [np.asarray(start)]
+    (matrix,) = LinearTheory(scheme, np.array([dt / (2 * np.pi)]), damping_ratio).matrices
+    states = [np.asarray(ravel_pytree(start)[0])]
     for _ in range(20):
         states.append(matrix @ states[-1])
     np.testing.assert_allclose(ds.u, np.stack(states)[:, 0], atol=1e-12)
     np.testing.assert_allclose(ds.v, np.stack(states)[:, 1], atol=1e-12)
 
 
+@pytest.mark.parametrize("part", [1 / 20, 1 / 50])
+def test_principal_roots_tell_the_motion_of_a_run(scheme, part):
+    """Amplitude decay and elongation of the matrix are those that a run shows over many periods."""
+    steps, theory = round(40 / part), LinearTheory(scheme, np.array([1e-3, 1e-2, part]))
+    motion = theory.motion()
+    oscillator = study.Problem(lambda u: u, u0=1.0, potential=lambda u: u * u / 2)
+    u = study.run(oscillator, scheme, dt=2 * np.pi * part, steps=steps).u.values
+    # fitted to the later half, where what is not a principal root has died away: u = Re(c λⁿ)
+    n = np.arange(steps // 2, steps + 1)
+    rate = 2 * np.pi * part / (1 + motion.period_elongation[-1])
+    decay = -np.log1p(-motion.amplitude_decay[-1]) * rate / (2 * np.pi)
+    basis = np.exp(-decay * (n - n[0]))[:, None] * np.stack([np.cos(rate * n), np.sin(rate * n)], axis=1)
+    amplitude, *_ = np.linalg.lstsq(basis, u[n], rcond=None)
+    np.testing.assert_allclose(basis @ amplitude, u[n], atol=1e-9 * max(np.abs(u[n]).max(), 1e-3))
+
+
 def test_damping_of_the_oscillator_is_seen(scheme):
     """With 10 % damping the spectral radius at small steps is exp(−ξΩ)."""
-    omega = 2 * np.pi * 1e-3
-    radius = np.abs(_eigenvalues(scheme, 1e-3, 0.1)).max()
-    assert radius == pytest.approx(np.exp(-0.1 * omega), abs=5e-6)
+    radius = LinearTheory(scheme, np.array([1e-3]), 0.1).spectral_radius[0]
+    assert radius == pytest.approx(np.exp(-0.1 * 2 * np.pi * 1e-3), abs=5e-6)
+
+
+def test_wilson_overshoots_and_the_generalized_alpha_method_does_not():
+    """Goudreau and Taylor's overshoot: at Δt = 10 T Wilson's displacement grows to hundreds of times the initial one."""
+    at_ten = int(np.argmin(np.abs(PARTS - 10)))
+    wilson, average = (
+        LinearTheory(study.schemes[name], PARTS).overshoot()[0, at_ten]
+        for name in ("wilson_theta", "average_acceleration")
+    )
+    assert wilson > 100
+    assert average == pytest.approx(0, abs=1e-10)
+    unstable = LinearTheory(study.schemes["central_difference"], PARTS).overshoot()[:, at_ten]
+    assert np.isnan(unstable).all()

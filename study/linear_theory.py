@@ -1,0 +1,180 @@
+"""Linear theory out of the code itself: everything follows from the derivative of a scheme's step.
+
+On ü + 2ξω u̇ + ω² u = 0 a step is a linear map of the scheme's state, its amplification matrix, and no formula of it is
+typed twice. Here ω = 1, so that Ω = ωΔt = 2π Δt/T is the step size.
+"""
+
+from functools import partial
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.flatten_util import ravel_pytree
+
+from study.problem import Problem
+from study.schemes import Scheme
+
+#: A spectral radius above one by more than this is growth and no round-off.
+GROWTH = 1e-8
+#: Errors of roots below this are not fitted.
+ROUND_OFF = 1e-11
+#: How many steps of a run are looked at for overshoot.
+OVERSHOOT_STEPS = 64
+#: Step size over period that stands for infinity.
+INFINITE = 1e7
+#: How often the interval of a stability limit is narrowed, each time to one of as many parts as there are step sizes.
+REFINEMENTS = 3
+
+
+def oscillator(damping_ratio=None) -> Problem:
+    """The linear oscillator with ω = 1, without the term of damping where the ratio is None."""
+    damping = None if damping_ratio is None else 2 * damping_ratio
+    return Problem(force=lambda u: u, potential=lambda u: u * u / 2, u0=1.0, damping=damping)
+
+
+def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio=None) -> jax.Array:
+    """Derivative of one step with respect to the scheme's whole state, (m, m); multi-step schemes in companion form."""
+    problem, dt = oscillator(damping_ratio), 2 * jnp.pi * dt_over_period
+    # any state would do; this one moves in a long step and in a short one, as discrete gradients need
+    state, _ = scheme.start(problem, jnp.ones(()), jnp.ones(()), dt)
+    flat, unflatten = ravel_pytree(state)
+
+    def step(flat):
+        return ravel_pytree(scheme.step(problem, unflatten(flat), 0.0, dt)[0])[0]
+
+    return jax.jacfwd(step)(flat)
+
+
+def _initial_state(scheme: Scheme, dt_over_period, damping_ratio=None) -> jax.Array:
+    """The whole state, flat, from u = 1 and u̇ = 0."""
+    state, _ = scheme.start(oscillator(damping_ratio), jnp.ones(()), jnp.zeros(()), 2 * jnp.pi * dt_over_period)
+    return ravel_pytree(state)[0]
+
+
+@eqx.filter_jit
+def _at_each(function, scheme: Scheme, dt_over_period: jax.Array, damping_ratio: jax.Array | None) -> jax.Array:
+    return jax.vmap(partial(function, scheme, damping_ratio=damping_ratio))(dt_over_period)
+
+
+class Motion(NamedTuple):
+    """What the principal roots λ = exp(ω̄Δt (−ξ̄ ± i √(1 − ξ̄²))) say of the numerical motion, each over step sizes.
+
+    ``period_elongation`` is that of the damped period, ``algorithmic_damping`` the ratio ξ̄ with the oscillator's own in
+    it, and ``amplitude_decay`` the loss a period, 1 − exp(−2π ξ̄/√(1 − ξ̄²)). NaN from where the roots are real on, and
+    nothing swings.
+    """
+
+    period_elongation: np.ndarray
+    algorithmic_damping: np.ndarray
+    amplitude_decay: np.ndarray
+
+
+class LinearTheory:
+    """A scheme on the linear oscillator at given step sizes.
+
+    Parameters
+    ----------
+    scheme
+        The scheme.
+    dt_over_period
+        Step sizes over the undamped period, ascending from a fine one, of shape (points,).
+    damping_ratio
+        ξ of the oscillator, 0 ≤ ξ < 1.
+
+    Attributes
+    ----------
+    matrices
+        Amplification matrices (points, m, m).
+    roots
+        Their eigenvalues (points, m).
+    spectral_radius
+        ρ = max |λ|, (points,).
+    """
+
+    def __init__(self, scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float = 0.0):
+        self._scheme, self._dt_over_period, self._damping_ratio = scheme, np.asarray(dt_over_period), damping_ratio
+        self.matrices = self._of_each(amplification_matrix, self._dt_over_period)
+        self.roots = np.linalg.eigvals(self.matrices)
+        self.spectral_radius = np.abs(self.roots).max(axis=-1)
+
+    def _of_each(self, function, dt_over_period) -> np.ndarray:
+        damping = jnp.asarray(self._damping_ratio) if self._damping_ratio else None
+        return np.asarray(_at_each(function, self._scheme, jnp.asarray(dt_over_period, float), damping))
+
+    def _radius(self, dt_over_period) -> np.ndarray:
+        return np.abs(np.linalg.eigvals(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)
+
+    def stability_limit(self) -> float:
+        """Ω_crit, up to which the spectral radius is at most one; infinite where it is at all step sizes."""
+        parts, radius = self._dt_over_period, self.spectral_radius
+        for _ in range(REFINEMENTS):
+            first = int(np.argmax(radius > 1 + GROWTH))
+            if first == 0:
+                return np.inf if radius[0] <= 1 + GROWTH else 0.0
+            parts = np.linspace(parts[first - 1], parts[first], len(parts))
+            radius = self._radius(parts)
+        return 2 * np.pi * float(parts[int(np.argmax(radius > 1 + GROWTH)) - 1])
+
+    def infinite_frequency_radius(self) -> float:
+        """ρ∞, the spectral radius for Ω → ∞."""
+        return float(self._radius(np.array([INFINITE]))[0])
+
+    def overshoot(self) -> np.ndarray:
+        """Largest |u| − 1 and |u̇|/ω − 1 in the first steps from u = 1 and u̇ = 0, (2, points); NaN where unstable.
+
+        Zero is no overshoot: the exact motion has none.
+        """
+        state = self._of_each(_initial_state, self._dt_over_period)
+        largest = np.ones((2, len(state)))
+        stable = self.spectral_radius <= 1 + GROWTH
+        for _ in range(OVERSHOOT_STEPS):
+            state = np.einsum("pij,pj->pi", np.where(stable[:, None, None], self.matrices, 0.0), state)
+            largest = np.maximum(largest, np.abs(state[:, :2].T))
+        return np.where(stable, largest - 1, np.nan)
+
+    @property
+    def _exponent(self) -> complex:
+        """The exact motion is exp(exponent Ω)."""
+        return -self._damping_ratio + 1j * np.sqrt(1 - self._damping_ratio**2)
+
+    def _principal_logarithm(self) -> np.ndarray:
+        return _followed(self.roots, self._exponent, 2 * np.pi * self._dt_over_period)
+
+    def motion(self) -> Motion:
+        """Period and damping of the motion that the principal roots describe."""
+        logarithm = self._principal_logarithm()
+        return Motion(
+            period_elongation=self._exponent.imag * 2 * np.pi * self._dt_over_period / logarithm.imag - 1,
+            algorithmic_damping=-logarithm.real / np.abs(logarithm),
+            amplitude_decay=-np.expm1(2 * np.pi * logarithm.real / logarithm.imag),
+        )
+
+    def order(self) -> float:
+        """Order with which the principal roots approach exp(Ω (−ξ ± i √(1 − ξ²))), less one for the number of steps.
+
+        Fitted over an octave of the finest step sizes whose error is above round-off.
+        """
+        omega = 2 * np.pi * self._dt_over_period
+        error = np.abs(np.exp(self._principal_logarithm()) - np.exp(self._exponent * omega))
+        first = omega[np.argmax(error > ROUND_OFF)]
+        fine = (omega >= first) & (omega <= 2 * first) & np.isfinite(error)
+        return float(np.polyfit(np.log(omega[fine]), np.log(error[fine]), 1)[0]) - 1
+
+
+def _followed(roots: np.ndarray, exponent: complex, omega: np.ndarray) -> np.ndarray:
+    """ln λ of the root that is exp(exponent Ω) for Ω → 0, followed from step size to step size; NaN once it is real."""
+    result = np.full(len(omega), complex(np.nan, np.nan))
+    last, slope = (0.0, 0j), exponent
+    for i, (candidates, step) in enumerate(zip(roots, omega, strict=True)):
+        expected = last[1] + slope * (step - last[0])
+        root = candidates[np.argmin(np.abs(candidates - np.exp(expected)))]
+        if abs(root.imag) <= 1e-9 * abs(root):
+            break
+        # the branch of the logarithm that is nearest: a step may be longer than half a period
+        turns = np.round((expected - np.log(root)).imag / (2 * np.pi))
+        result[i] = np.log(root) + 2j * np.pi * turns
+        slope = (result[i] - last[1]) / (step - last[0])
+        last = step, result[i]
+    return result
