@@ -52,6 +52,7 @@ class Motion(NamedTuple):
 
 
 def times(matrix, x):
+    """Product of a number, a diagonal (n,) or a matrix (n, n) with a vector."""
     return matrix @ x if jnp.ndim(matrix) == 2 else matrix * x
 
 

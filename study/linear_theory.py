@@ -164,7 +164,7 @@ class LinearTheory:
 
 
 def _followed(roots: np.ndarray, exponent: complex, omega: np.ndarray) -> np.ndarray:
-    """ln λ of the root that is exp(exponent Ω) for Ω → 0, followed from step size to step size; NaN once it is real."""
+    """Logarithms of the root that is exp(exponent Ω) for Ω → 0, followed over step sizes; NaN once it is real."""
     result = np.full(len(omega), complex(np.nan, np.nan))
     last, slope = (0.0, 0j), exponent
     for i, (candidates, step) in enumerate(zip(roots, omega, strict=True)):

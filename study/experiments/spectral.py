@@ -18,7 +18,7 @@ from study.schemes.rederived import Rederived
 _OVER_STEPS = {
     "spectral_radius": "spectral radius of the amplification matrix",
     "period_elongation": "relative elongation of the damped period; NaN where nothing swings",
-    "algorithmic_damping": "damping ratio of the numerical motion, the oscillator's own in it; NaN where nothing swings",
+    "algorithmic_damping": "damping ratio of the numerical motion with the oscillator's own; NaN where nothing swings",
     "amplitude_decay": "relative loss of amplitude per period; NaN where nothing swings",
     "displacement_overshoot": f"largest displacement of {OVERSHOOT_STEPS} steps from rest over the initial one, less "
     "one; NaN where unstable",

@@ -75,9 +75,10 @@ class EnergyMomentum(OneStep):
     M (u̇₁ − u̇₀)/Δt + C u̇_m + p̄(u₀, u₁) = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2
     p̄ = p(u_m) + [V(u₁) − V(u₀) − p(u_m)ᵀ (u₁ − u₀)] (u₁ − u₀)/|u₁ − u₀|²
 
-    Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off, and so are the momenta
-    that p conserves and whose directions u₁ − u₀ respects; for one unknown p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method
-    of Simo and Tarnow for a spring. For linear systems it is the trapezoidal rule. Needs the problem's potential.
+    Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off. For one unknown
+    p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo and Tarnow for a spring. Momenta of several unknowns are kept as
+    far as the correction leaves them, to third order in the step; his form in strains, which keeps them too, needs to
+    know more of a structure than V(u). For linear systems it is the trapezoidal rule. Needs the problem's potential.
     Carries u, u̇ and a guess; one force and one potential a Newton iteration, and one potential a step.
 
     References

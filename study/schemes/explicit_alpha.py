@@ -18,7 +18,8 @@ class ExplicitAlpha(OneStep):
     Second order for γ = 3/2 − α_m, stable without damping for ωΔt ≤ √(2(1 − 2α_m)/(2β − γ)). In terms of the spectral
     radius ρ_b where the main roots meet, at ωΔt = (1 + ρ_b) √(2 − ρ_b), α_m = (2ρ_b − 1)/(1 + ρ_b) and
     β = (5 − 3ρ_b)/((1 + ρ_b)² (2 − ρ_b)). α_m = 0 and 1 ≤ β ≤ 28/27 is the method of Chung and Lee, which does not damp
-    for β = 1; its other end is ρ_b = ½. Carries u, u̇ and the algorithmic ü; one force a step, and no solution but with M.
+    for β = 1; its other end is ρ_b = ½. Carries u, u̇ and the algorithmic ü; one force a step, and no solution but
+    with M.
 
     Parameters
     ----------

@@ -28,11 +28,11 @@ class KolayRicles(OneStep):
     M ü̂ + C [(1 − α_f) u̇₁ + α_f u̇₀] + (1 − α_f) p(u₁) + α_f p(u₀) = (1 − α_f) f(t₁) + α_f f(t₀)
     [(1 − α_m) M + (1 − α_f) G] ü₁ + [α_m M + α_f G] ü₀ = S M⁻¹ (M ü̂)
 
-    α_m, α_f, β and γ are those of the generalized-α method for ρ∞, and so are the eigenvalues for a linear structure: of
-    second order, and unconditionally stable. The velocity that it carries trails by half a step, so that a motion that
-    starts with an acceleration is of first order. Published as stable for structures that soften. On one that hardens,
-    with a tangent above K, it is stable at small steps only. Carries u, u̇, ü and p(u); one force a step, and three
-    solutions.
+    α_m, α_f, β and γ are those of the generalized-α method for ρ∞, and so are the eigenvalues for a linear structure:
+    of second order, and unconditionally stable. The velocity that it carries trails by half a step, so that a motion
+    that starts with an acceleration is of first order. Published as stable for structures that soften. On one that
+    hardens it is stable as long as the tangent is below 4/Δt² M + K (ρ∞ = 1, no damping). Carries u, u̇, ü and p(u);
+    one force a step, and three solutions.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from study.schemes.scheme import Scheme
 class Rederived(Scheme):
     """Another scheme whose acceleration is taken from the equation of motion after every step.
 
-    M ü₁ := f(t₁) − C u̇₁ − p(u₁)
+    M ü₁ ← f(t₁) − C u̇₁ − p(u₁)
 
     An α-method balances at a time within the step, and its acceleration belongs to that time; re-derived at the end of
     the step it is a different one, and the method is of first order.

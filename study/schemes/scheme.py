@@ -19,14 +19,25 @@ class Scheme(eqx.Module):
     vectorise and differentiate them.
     """
 
-    #: What figures and tables call it, where it was published first, and the digital object identifier of that.
+    #: What figures and tables call it.
     title: eqx.AbstractVar[str]
-    source: eqx.AbstractVar[str]
-    doi: eqx.AbstractVar[str]
     #: Schemes of one family share the panels of figures.
     family: ClassVar[str]
-    #: Order of accuracy of the displacement in Δt, of a free motion without damping.
-    order: eqx.AbstractVar[int]
+
+    @property
+    @abc.abstractmethod
+    def source(self) -> str:
+        """Who published it first, and when."""
+
+    @property
+    @abc.abstractmethod
+    def doi(self) -> str:
+        """Digital object identifier of the source, empty where it has none."""
+
+    @property
+    @abc.abstractmethod
+    def order(self) -> int:
+        """Order of accuracy of the displacement in Δt, of a free motion without damping."""
 
     @property
     def damped_order(self) -> int:

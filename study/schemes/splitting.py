@@ -30,7 +30,7 @@ class Splitting(OneStep):
     ----------
     drifts, kicks
         d and k, each with a sum of one, d with one number more.
-    order
+    of_order
         Order of accuracy without damping.
 
     Raises
@@ -47,7 +47,7 @@ class Splitting(OneStep):
 
     drifts: tuple[float, ...] = eqx.field(static=True)
     kicks: tuple[float, ...] = eqx.field(static=True)
-    order: int = eqx.field(static=True)
+    of_order: int = eqx.field(static=True)
     title: str = eqx.field(default="Splitting", kw_only=True, static=True)
     source: str = eqx.field(default="Hairer et al. (2006)", kw_only=True, static=True)
     doi: str = eqx.field(default="10.1007/3-540-30666-8", kw_only=True, static=True)
@@ -58,11 +58,17 @@ class Splitting(OneStep):
         _check_weights("Splitting", "drifts", self.drifts)
         _check_weights("Splitting", "kicks", self.kicks)
         if len(self.drifts) != len(self.kicks) + 1:
-            raise ValueError(f"Splitting needs one drift more than kicks, not {len(self.drifts)} for {len(self.kicks)}.")
+            raise ValueError(
+                f"Splitting needs one drift more than kicks, not {len(self.drifts)} for {len(self.kicks)}."
+            )
+
+    @property
+    def order(self) -> int:
+        return self.of_order
 
     @property
     def damped_order(self) -> int:
-        return min(self.order, 2)
+        return min(self.of_order, 2)
 
     @property
     def explicit(self) -> bool:
@@ -101,7 +107,7 @@ class Composition(OneStep):
     ----------
     weights
         w, with a sum of one, the same from both ends.
-    order
+    of_order
         Order of accuracy.
 
     Raises
@@ -118,7 +124,7 @@ class Composition(OneStep):
     """
 
     weights: tuple[float, ...] = eqx.field(static=True)
-    order: int = eqx.field(static=True)
+    of_order: int = eqx.field(static=True)
     title: str = eqx.field(default="Composition", kw_only=True, static=True)
     source: str = eqx.field(default="Yoshida (1990)", kw_only=True, static=True)
     doi: str = eqx.field(default="10.1016/0375-9601(90)90092-3", kw_only=True, static=True)
@@ -129,6 +135,10 @@ class Composition(OneStep):
         _check_weights("Composition", "weights", self.weights)
         if self.weights != self.weights[::-1]:
             raise ValueError(f"Composition(weights={self.weights}): weights must be the same from both ends.")
+
+    @property
+    def order(self) -> int:
+        return self.of_order
 
     @property
     def explicit(self) -> bool:
@@ -159,21 +169,21 @@ def _mirrored(*half: float) -> tuple[float, ...]:
 
 _mclachlan = {"source": "McLachlan (1995)", "doi": "10.1137/0916010"}
 _outer, _inner = 0.40518861839525227722, -0.28714404081652408900
-symplectic_euler = Splitting((0.0, 1.0), (1.0,), order=1, title="Symplectic Euler")
+symplectic_euler = Splitting((0.0, 1.0), (1.0,), of_order=1, title="Symplectic Euler")
 mclachlan4 = Splitting(
     (_outer, _inner, *(0.5 - _outer - _inner,) * 2, _inner, _outer),
     _mirrored(-3 / 73, 17 / 59),
-    order=4,
+    of_order=4,
     title="McLachlan, order 4",
     **_mclachlan,
 )
 velocity_verlet = Composition(
-    (1.0,), order=2, title="Velocity Verlet", source="Verlet (1967)", doi="10.1103/PhysRev.159.98"
+    (1.0,), of_order=2, title="Velocity Verlet", source="Verlet (1967)", doi="10.1103/PhysRev.159.98"
 )
-yoshida4 = Composition(_mirrored(1 / (2 - 2 ** (1 / 3))), order=4, title="Yoshida, order 4")
+yoshida4 = Composition(_mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, title="Yoshida, order 4")
 yoshida6 = Composition(
     _mirrored(0.78451361047755726382, 0.23557321335935813368, -1.17767998417887100695),
-    order=6,
+    of_order=6,
     title="Yoshida, order 6",
 )
 kahan_li8 = Composition(
@@ -187,7 +197,7 @@ kahan_li8 = Composition(
         0.25837438768632204729,
         0.29501172360931029887,
     ),
-    order=8,
+    of_order=8,
     title="Kahan-Li, order 8",
     source="Kahan and Li (1997)",
     doi="10.1090/S0025-5718-97-00873-9",

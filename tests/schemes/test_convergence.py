@@ -77,7 +77,7 @@ def test_order_of_two_coupled_unknowns(scheme):
 
 
 def test_order_on_the_hardening_spring(scheme):
-    """Free, undamped and from rest; there the displacement of Fox and Goodwin's method is Numerov's, of fourth order."""
+    """Free, undamped and from rest, where the displacement of Fox and Goodwin's method is Numerov's, of order 4."""
     period = 0.151532834447260357127078726219
     expected = 4 if scheme is study.schemes["fox_goodwin"] else scheme.order
     steps = STEPS | {1: [1600, 3200, 6400], 2: [1600, 3200, 6400], 4: [50, 100, 200], 6: [30, 42, 60], 8: [12, 17, 24]}

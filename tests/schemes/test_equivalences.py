@@ -1,5 +1,6 @@
 """Schemes that become each other at certain parameters, and parameters that are refused."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -22,13 +23,195 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
         (study.HHTAlpha(alpha=0.0, beta=0.3025, gamma=0.6), study.Newmark(beta=0.3025, gamma=0.6)),
         (study.WilsonTheta(theta=1.0), study.Newmark(beta=1 / 6, gamma=0.5)),
         (study.WilsonTheta(theta=1.0, beta=0.25, gamma=0.5), study.Newmark(beta=0.25, gamma=0.5)),
+        (study.GeneralizedAlpha(0.0, 0.0, beta=0.25, gamma=0.5), study.Newmark(beta=0.25, gamma=0.5)),
+        (study.GeneralizedAlpha.hht(1.0), study.Newmark(beta=0.25, gamma=0.5)),
+        (study.GeneralizedAlpha.wbz(1.0), study.Newmark(beta=0.25, gamma=0.5)),
+        (study.AverageVectorField(points=1), study.ImplicitMidpoint()),
+        (study.schemes["velocity_verlet"], study.schemes["central_difference"]),
+        (study.Extrapolation((1,)), study.schemes["velocity_verlet"]),
+        (study.TchamwaWielgosz(phi=1.0), study.schemes["symplectic_euler"]),
     ],
-    ids=["α = 0", "α = 0, dissipative", "θ = 1, linear acceleration", "θ = 1, average acceleration"],
+    ids=[
+        "α = 0",
+        "α = 0, dissipative",
+        "θ = 1, linear acceleration",
+        "θ = 1, average acceleration",
+        "α_m = α_f = 0",
+        "HHT of ρ∞ = 1",
+        "WBZ of ρ∞ = 1",
+        "one point of Gauss",
+        "velocity Verlet is central difference",
+        "nothing to extrapolate",
+        "φ = 1",
+    ],
 )
 @pytest.mark.parametrize("problem", ["hardening", "softening"])
 def test_limits(one, other, problem):
     dt = {"hardening": 0.15, "softening": 1.14}[problem] / 40
     np.testing.assert_allclose(_trajectory(one, problem, dt), _trajectory(other, problem, dt), rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("problem, dt", [("hardening", 0.15 / 40), ("softening", 1.14 / 40)])
+@pytest.mark.parametrize(
+    "once, twice",
+    [
+        (study.Bathe(gamma=0.5, rho_inf=1.0), "average_acceleration"),
+        (study.NohBathe(p=0.5), "central_difference"),
+    ],
+)
+def test_two_equal_sub_steps_are_two_steps(once, twice, problem, dt):
+    one = _trajectory(once, problem, dt, 100)
+    np.testing.assert_allclose(one, _trajectory(twice, problem, dt / 2, 200)[::2], rtol=0, atol=1e-11)
+
+
+def test_tr_bdf2_is_as_bank_and_others_print_it():
+    """Its second stage as a backward difference: y₁ = [y_γ − (1 − γ)² y₀]/(γ(2 − γ)) + (1 − γ)/(2 − γ) Δt ẏ₁."""
+    scheme, dt = study.schemes["tr_bdf2"], 0.15 / 40
+    g, force = scheme.gamma, study.problems["hardening"].force
+    assert g == pytest.approx(2 - np.sqrt(2))
+    half = study.run("hardening", "average_acceleration", dt=g * dt, steps=1).isel(t=1)
+    whole = study.run("hardening", scheme, dt=dt, steps=1).isel(t=1)
+    old = np.array([1.5, 0.0])
+    between, new = (np.array([ds.u.item(), ds.v.item()]) for ds in (half, whole))
+    slope = np.array([new[1], -float(force(new[0]))])
+    expected = between / (g * (2 - g)) - old * (1 - g) ** 2 / (g * (2 - g)) + (1 - g) / (2 - g) * dt * slope
+    np.testing.assert_allclose(new, expected, rtol=1e-11)
+
+
+def test_bathe_is_the_euler_method_through_three_points():
+    """u̇₁ = (u₀ − 4u_½ + 3u₁)/Δt, and ü₁ likewise."""
+    dt, force = 0.15 / 40, study.problems["hardening"].force
+    half = study.run("hardening", "average_acceleration", dt=dt / 2, steps=1).isel(t=1)
+    whole = study.run("hardening", "bathe", dt=dt, steps=1).isel(t=1)
+    assert whole.v.item() == pytest.approx((1.5 - 4 * half.u.item() + 3 * whole.u.item()) / dt, rel=1e-10)
+    assert -float(force(whole.u.item())) == pytest.approx((-4 * half.v.item() + 3 * whole.v.item()) / dt, rel=1e-10)
+
+
+def test_parks_method_is_the_mean_of_bdf2_and_bdf3():
+    bdf3 = (11 / 6, -3.0, 3 / 2, -1 / 3)
+    mean = np.mean([(*study.schemes["bdf2"].weights, 0.0), bdf3], axis=0)
+    np.testing.assert_allclose(study.schemes["park"].weights, mean, rtol=1e-15)
+    assert study.BackwardDifferences(bdf3).order == 3
+
+
+def test_the_other_end_of_chung_and_lees_range_is_hulbert_and_chungs():
+    one, other = study.schemes["chung_lee"], study.ExplicitAlpha.hulbert_chung(0.5)
+    assert (one.alpha_m, one.beta, one.gamma) == pytest.approx((other.alpha_m, other.beta, other.gamma))
+
+
+def test_fox_and_goodwin_is_numerov():
+    """uₙ₊₁ − 2uₙ + uₙ₋₁ = −Δt²/12 (p(uₙ₊₁) + 10 p(uₙ) + p(uₙ₋₁))."""
+    dt = 0.15 / 40
+    u = _trajectory("fox_goodwin", dt=dt)
+    p = np.asarray(study.problems["hardening"].force(u))
+    residual = u[2:] - 2 * u[1:-1] + u[:-2] + dt**2 / 12 * (p[2:] + 10 * p[1:-1] + p[:-2])
+    np.testing.assert_allclose(residual, 0, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", ["energy_momentum", "average_vector_field"])
+@pytest.mark.parametrize("problem, dt", [("hardening", 0.15 / 8), ("double_well", 2.5)])
+def test_energy_of_a_quartic_is_conserved_to_round_off(name, problem, dt):
+    """At steps where average acceleration loses or gains per cents."""
+    ds = study.run(problem, name, dt=dt, steps=20_000, observe=["max_energy_error"])
+    assert ds.status == 0
+    assert ds.max_energy_error < 1e-8
+    average = study.run(problem, "average_acceleration", dt=dt, steps=20_000, observe=["max_energy_error"])
+    assert average.max_energy_error > 1
+
+
+def test_energy_of_any_potential_is_conserved_by_the_discrete_gradient_alone():
+    ours, quadrature = (
+        study.run("softening", name, dt=1.14 / 8, steps=20_000, observe=["max_energy_error"]).max_energy_error
+        for name in ("energy_momentum", "average_vector_field")
+    )
+    assert ours < 1e-8 < 1e-3 < quadrature
+
+
+def test_what_two_masses_on_a_spring_conserve():
+    """In the plane: the midpoint rule both momenta, the discrete gradient the energy."""
+
+    def potential(x):
+        length = jnp.sqrt((x[0] - x[2]) ** 2 + (x[1] - x[3]) ** 2)
+        return 50 * (length - 1) ** 2
+
+    mass, start, speed = np.array([1.0, 1.0, 2.0, 2.0]), np.array([0.0, 0.0, 1.5, 0.0]), np.array([0.3, 1.0, 0.0, -0.4])
+    problem = study.Problem(jax.grad(potential), start, speed, potential=potential, mass=mass)
+    midpoint, gradient = (
+        study.run(problem, name, dt=0.05, steps=1000, observe=["trajectory", "energy_error"])
+        for name in ("implicit_midpoint", "energy_momentum")
+    )
+    u, momentum = midpoint.u.values, mass * midpoint.v.values
+    linear = momentum[:, :2] + momentum[:, 2:]
+    spin = u[:, 0] * momentum[:, 1] - u[:, 1] * momentum[:, 0] + u[:, 2] * momentum[:, 3] - u[:, 3] * momentum[:, 2]
+    np.testing.assert_allclose(linear - linear[0], 0, atol=1e-10)
+    np.testing.assert_allclose(spin, spin[0], atol=1e-10)
+    assert abs(gradient.energy_error).max() < 1e-9
+    assert abs(midpoint.energy_error).max() > 1
+
+
+def test_the_discrete_gradient_needs_a_potential():
+    with pytest.raises(ValueError, match="'Energy-momentum' needs the potential of 'unnamed problem'"):
+        study.run(study.Problem(lambda u: u, u0=1.0), "energy_momentum", dt=0.1, steps=1)
+
+
+@pytest.mark.parametrize("name", ["implicit_midpoint", "gauss4", "symplectic_euler", "mclachlan4", "yoshida4",
+                                  "yoshida6", "kahan_li8", "velocity_verlet"])  # fmt: skip
+def test_symplectic_maps_keep_areas(name):
+    """The derivative of a step on a non-linear spring with respect to (u, u̇) has the determinant one."""
+    problem, scheme, dt = study.problems["softening"], study.schemes[name], jnp.asarray(0.05)
+
+    def step(phase):
+        state, _ = scheme.start(problem, phase[0], phase[1], dt)
+        state, _ = scheme.step(problem, state, 0.0, dt)
+        return jnp.stack([state.u, state.v])
+
+    for phase in ([0.3, 2.0], [-1.0, 5.0]):
+        assert jnp.linalg.det(jax.jacfwd(step)(jnp.asarray(phase))) == pytest.approx(1, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["average_acceleration", "implicit_midpoint", "energy_momentum", "gauss4",
+                                  "average_vector_field", "mclachlan4", "yoshida4", "yoshida6", "kahan_li8",
+                                  "velocity_verlet"])  # fmt: skip
+def test_symmetric_schemes_come_back(name):
+    problem = study.problems["softening"]
+    there = study.run(problem, name, dt=0.05, steps=40).isel(t=-1)
+    back = study.Problem(problem.force, float(there.u), -float(there.v), potential=problem.potential)
+    again = study.run(back, name, dt=0.05, steps=40).isel(t=-1)
+    assert again.u.item() == pytest.approx(4.0, abs=1e-10)
+    assert again.v.item() == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "scheme, factor, stable", [(1.0, 1.0, True), (1.0, 4.0, True), (1.0, 5.5, False), (0.5, 1.0, True)]
+)
+def test_stability_of_kr_alpha_is_that_of_its_model(scheme, factor, stable):
+    """A model without damping keeps a stiffness k up to k ≤ 4/Δt² + K at ρ∞ = 1: the structure must not harden more."""
+    dt, rest = 1.0, 1.0
+    # a spring whose tangent is 1 at rest and `factor` away from it
+    problem = study.Problem(lambda u: jnp.where(jnp.abs(u) < 1e-6, rest, factor) * u, u0=1.0)
+    ds = study.run(problem, study.KolayRicles(scheme), dt=dt, steps=2000)
+    assert (np.abs(ds.u).max() < 100) == stable
+
+
+#: Bathe, Finite Element Procedures, examples 9.1 to 9.4: displacements after 12 steps of 0.28 as printed.
+BATHE_PRINTED = {
+    "central_difference": (study.schemes["central_difference"], (1.02, 2.60)),
+    "houbolt": (study.Houbolt(start_by="central_difference"), (1.72, 2.28)),
+    "average_acceleration": (study.schemes["average_acceleration"], (1.40, 2.31)),
+    "bathe": (study.schemes["bathe"], (1.28, 2.40)),
+}
+
+
+@pytest.mark.parametrize("name", BATHE_PRINTED)
+def test_examples_of_bathes_textbook(name):
+    """M = diag(2, 1), K = [[6, −2], [−2, 4]], F = (0, 10), from rest."""
+    stiffness, constant = jnp.array([[6.0, -2.0], [-2.0, 4.0]]), jnp.array([0.0, 10.0])
+    problem = study.Problem(
+        lambda u: stiffness @ u, np.zeros(2), np.zeros(2), mass=np.array([2.0, 1.0]), load=lambda t: constant
+    )
+    scheme, printed = BATHE_PRINTED[name]
+    end = study.run(problem, scheme, dt=0.28, steps=12).u.values[-1]
+    np.testing.assert_allclose(end, printed, atol=0.005001)
 
 
 def test_newmark_with_beta_zero_is_central_difference():
@@ -100,12 +283,40 @@ def test_alpha_method_of_1996_weights_two_forces():
         (lambda x: study.WilsonTheta(theta=x), "theta"),
         (lambda x: study.HHTAlpha(alpha=x, beta=0.3025, gamma=0.6), "alpha"),
         (lambda x: study.HHTAlpha(alpha=-0.1, beta=x, gamma=0.6), "beta"),
+        (lambda x: study.GeneralizedAlpha(alpha_m=0.0, alpha_f=x, beta=0.25, gamma=0.5), "alpha_f"),
+        (study.GeneralizedAlpha.chung_hulbert, "rho_inf"),
+        (study.GeneralizedAlpha.hht, "rho_inf"),
+        (study.GeneralizedAlpha.wbz, "rho_inf"),
+        (study.KolayRicles, "rho_inf"),
+        (lambda x: study.Bathe(gamma=x), "gamma"),
+        (study.Bathe.of_one_stiffness, "rho_inf"),
+        (study.ExplicitAlpha.hulbert_chung, "rho_b"),
+        (study.ExplicitAlpha.chung_lee, "beta"),
+        (study.NohBathe, "p"),
+        (study.TchamwaWielgosz, "phi"),
     ],
 )
 @pytest.mark.parametrize("value", [-0.5, float("nan"), float("inf"), "a", None, [0.25], 1j, np.array([0.25, 0.3])])
 def test_parameters_out_of_range_are_refused(make, name, value):
     with pytest.raises(ValueError, match=rf"{name}=.*{name} must be"):
         make(value)
+
+
+@pytest.mark.parametrize(
+    "make, sentence",
+    [
+        (lambda: study.BackwardDifferences((1.0, 1.0)), "weights must be at least two numbers"),
+        (lambda: study.Splitting((0.0, 1.0), (0.5,), of_order=1), "kicks must be numbers that add up to one"),
+        (lambda: study.Splitting((1.0,), (1.0,), of_order=1), "one drift more than kicks, not 1 for 1"),
+        (lambda: study.Composition((0.5, 0.2, 0.3), of_order=2), "weights must be the same from both ends"),
+        (lambda: study.Composition((), of_order=2), "weights must be numbers that add up to one"),
+        (lambda: study.Extrapolation((2, 1)), "sequence must be whole numbers that rise from at least 1"),
+        (lambda: study.AverageVectorField(points=0), "points must be a whole number of at least 1"),
+    ],
+)
+def test_weights_that_make_no_scheme_are_refused(make, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        make()
 
 
 def test_an_unknown_start_is_refused_with_the_nearest():

@@ -263,7 +263,7 @@ def test_damping_of_the_oscillator_is_seen(scheme):
 
 
 def test_wilson_overshoots_and_the_generalized_alpha_method_does_not():
-    """Goudreau and Taylor's overshoot: at Δt = 10 T Wilson's displacement grows to hundreds of times the initial one."""
+    """At Δt = 10 T Wilson's displacement grows to hundreds of times the initial one."""
     at_ten = int(np.argmin(np.abs(PARTS - 10)))
     wilson, average = (
         LinearTheory(study.schemes[name], PARTS).overshoot()[0, at_ten]
