@@ -16,7 +16,7 @@ configfile: f"{workflow.basedir}/config/study.yaml"
 
 
 sys.path.insert(0, workflow.basedir)
-from study.configuration import check
+from study.configuration import check, complete
 from study.datasets import check_writable
 from study.schemes import schemes
 
@@ -25,6 +25,7 @@ try:
     check_writable("results/any")
 except (ValueError, KeyError, SystemExit) as error:
     raise WorkflowError(str(error)) from None
+config = complete(config)
 
 PROJECT = workflow.basedir
 SOURCES = Path(os.path.relpath(PROJECT))  # relative, so that a project that is moved stays made
@@ -72,7 +73,6 @@ EXPERIMENTS = {
     "large_steps": config["large_steps"]["schemes"],
     "sensitivity": config["sensitivity"]["schemes"],
     "spectral": config["spectral"]["schemes"],
-    "accuracy": config["accuracy"]["schemes"],
     "round_off": [*config["round_off"]["schemes"]],
     "recommendation": [],
 }
@@ -85,12 +85,12 @@ def references(problems):
 #: Experiment: the datasets that it reads.
 READS = {
     "energy_error": references(config["energy_error"]["problems"]),
-    "accuracy": references(config["accuracy"]["problems"]),
     "round_off": references([config["round_off"]["problem"]]),
     "recommendation": ["work_precision"],
 }
 DATASETS = [
     *EXPERIMENTS,
+    "accuracy",
     "reference_agreement",
     "work_precision",
     *(f"phase_portrait/{name}" for name in PORTRAITS),
@@ -125,6 +125,10 @@ FIGURES = {
     "work_precision": ("work_precision", dataset("work_precision"), "Every measure of error against time."),
     "force_evaluations": ("force_evaluations", dataset("work_precision"), "Every measure of error against forces."),
     "solvers": ("solvers", dataset("work_precision"), "General solvers beside schemes at fixed steps."),
+    "spectral_radius": ("spectral_radius", dataset("spectral"), "Spectral radius of every scheme."),
+    "linear_accuracy": ("linear_accuracy", dataset("spectral"), "Period elongation and damping by linear theory."),
+    "promises": ("promises", dataset("spectral", "accuracy"), "Linear theory beside what the springs show."),
+    "families": ("families", dataset("work_precision"), "Speed against error for every scheme."),
     "round_off": ("round_off", dataset("round_off"), "Round-off, and what compensated summation buys."),
 }
 #: Table: the datasets that it shows.
@@ -135,7 +139,12 @@ TABLES = {
     "cpu_time": dataset("cpu_time"),
     "houbolt_start": dataset("houbolt_start"),
     "orders": dataset("accuracy"),
-    "recommendation": dataset("recommendation", "work_precision"),
+    "recommendation": dataset("recommendation"),
+    "schemes_of_today": dataset("spectral"),
+    "linear_theory": dataset("spectral"),
+    "stability": dataset("spectral", "large_steps"),
+    "orders_of_today": dataset("accuracy"),
+    "needs": dataset("recommendation"),
     "references": dataset("reference_agreement", *references(config["references"]["problems"])),
     "claims": ["results/claims.csv", *dataset("energy_error")],
 }
@@ -246,6 +255,44 @@ rule experiment:
     shell:
         "JAX_ENABLE_COMPILATION_CACHE={params.cache}"
         " python -m study.experiments.{wildcards.experiment} {output} {params.options:q} > {log} 2>&1"
+
+
+rule accuracy:
+    input:
+        dataset("reference/{problem}"),
+        sources("study.experiments.accuracy", config["accuracy"]["schemes"]),
+    output:
+        temp("results/accuracy/{problem}.nc"),
+    params:
+        options=lambda wildcards: json.dumps({**config["accuracy"], "problems": [wildcards.problem]}),
+    log:
+        "results/logs/accuracy_{problem}.log",
+    benchmark:
+        "results/benchmarks/accuracy_{problem}.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "every measure of error of every scheme on {wildcards.problem}"
+    shell:
+        "python -m study.experiments.accuracy {output} {params.options:q} > {log} 2>&1"
+
+
+rule gathered_accuracy:
+    input:
+        parts=dataset(*(f"accuracy/{name}" for name in config["accuracy"]["problems"])),
+        sources=sources("study.gather"),
+    output:
+        update("results/accuracy.nc"),
+    log:
+        "results/logs/accuracy.log",
+    benchmark:
+        "results/benchmarks/accuracy.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "every measure of error, all problems"
+    shell:
+        "python -m study.gather {output} problem {input.parts} > {log} 2>&1"
 
 
 rule work_precision:
@@ -368,7 +415,7 @@ rule table:
 rule numbers:
     input:
         "results/claims.csv",
-        dataset("energy_error", "energy_drift", "cpu_time", "sensitivity"),
+        dataset("energy_error", "energy_drift", "cpu_time", "sensitivity", "spectral", "large_steps"),
         dataset("reference_agreement", "accuracy", "work_precision", "recommendation", "round_off"),
         dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
         sources=sources("paper.numbers"),

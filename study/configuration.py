@@ -44,6 +44,18 @@ def _sentence(error: jsonschema.ValidationError) -> str:
     return f"{place}: {error.message}."
 
 
+def complete(config: dict[str, Any]) -> dict[str, Any]:
+    """The configuration with ``schemes: all`` written out, as every registered scheme."""
+    return {
+        key: complete(value)
+        if isinstance(value, dict)
+        else list(schemes)
+        if (key, value) == ("schemes", "all")
+        else value
+        for key, value in config.items()
+    }
+
+
 def _check_names(section: dict[str, Any], place: str) -> None:
     """Look up every name of a problem or a scheme, however deep it stands."""
     for key, value in section.items():
@@ -141,6 +153,7 @@ def check(config: dict) -> None:
     error = jsonschema.exceptions.best_match(_Validator(schema).iter_errors(config))
     if error is not None:
         raise ValueError(_sentence(error))
+    config = complete(config)
     _check_names(config, "")
     _check_values(config)
     for name in config["phase_portrait"]:

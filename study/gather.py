@@ -18,7 +18,8 @@ def main(output: str, dimension: str, inputs: list[str]) -> None:
     if dimension == "none":
         dataset = xr.merge(parts, join="outer", combine_attrs="override")
     else:
-        dataset = xr.concat(parts, dimension, combine_attrs="override")
+        # what does not lie along the dimension is the same in all parts
+        dataset = xr.concat(parts, dimension, combine_attrs="override", data_vars="minimal", coords="minimal")
     dataset.attrs = provenance(parts[0].title, "python -m study.gather")
     write(dataset, path)
 

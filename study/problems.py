@@ -2,6 +2,7 @@
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 
 from study.problem import Problem
 from study.registry import Registry
@@ -10,8 +11,9 @@ from study.registry import Registry
 class CubicSpring(eqx.Module):
     """p(u) = S1 u (1 + S2 u²), the Duffing spring of Xie (1996), eqs (2) and (4)."""
 
-    S1: float
-    S2: float
+    # NumPy's numbers are arguments of what is compiled, Python's would be constants in it: so two springs share a program
+    S1: float = eqx.field(converter=np.float64)
+    S2: float = eqx.field(converter=np.float64)
 
     def force(self, u):
         """S1 u (1 + S2 u²)."""
@@ -25,7 +27,7 @@ class CubicSpring(eqx.Module):
 class TanhSpring(eqx.Module):
     """p(u) = S tanh u, the softening spring of Xie (1996), eqs (3) and (5)."""
 
-    S: float
+    S: float = eqx.field(converter=np.float64)
 
     def force(self, u):
         """S tanh u."""

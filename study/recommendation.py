@@ -25,14 +25,14 @@ def _needed_steps(steps: np.ndarray, error: np.ndarray, allowed: float) -> float
     return float(np.exp(np.interp(between, [0, 1], np.log(steps[last : last + 2]))))
 
 
-def _over_periods(errors: xr.DataArray, periods: float) -> np.ndarray:
+def _over_periods(errors: xr.DataArray, periods: float) -> xr.DataArray:
     """Errors after ``periods`` periods, log-linear between the lengths that were run."""
     lengths = errors.periods.values
     if periods in lengths:
-        return errors.sel(periods=periods).values
+        return errors.sel(periods=periods)
     upper = np.searchsorted(lengths, periods)
     part = np.log(periods / lengths[upper - 1]) / np.log(lengths[upper] / lengths[upper - 1])
-    before, after = errors.isel(periods=upper - 1).values, errors.isel(periods=upper).values
+    before, after = errors.isel(periods=upper - 1, drop=True), errors.isel(periods=upper, drop=True)
     return np.exp((1 - part) * np.log(before) + part * np.log(after))
 
 
@@ -53,20 +53,20 @@ def candidates(data: xr.Dataset, problem: str, error: float, measure: str, perio
     """What :func:`recommend` returns, or no rows where no scheme keeps the error."""
     one = data.sel(problem=problem)
     allowed = error * _scale(one[measure])
-    sizes = _sizes(one, measure)
+    sizes = _over_periods(_sizes(one, measure), periods).transpose("scheme", "steps_per_period").values
     steps = one.steps_per_period.values
+    costs = [
+        one[name].transpose("scheme", "steps_per_period").values
+        for name in ("median_time_per_step", "force_evaluations_per_step")
+    ]
     rows = {}
-    for scheme in one.scheme.values:
-        at = one.sel(scheme=scheme)
-        needed = _needed_steps(steps, _over_periods(sizes.sel(scheme=scheme), periods), allowed)
-        per_step = (
-            np.interp(needed, steps, at.median_time_per_step),
-            np.interp(needed, steps, at.force_evaluations_per_step),
-        )
+    for s, scheme in enumerate(one.scheme.values):
+        needed = _needed_steps(steps, sizes[s], allowed)
+        nanoseconds, forces = (np.interp(needed, steps, cost[s]) for cost in costs)
         rows[scheme] = {
             "steps_per_period": needed,
-            "time": 1e-9 * per_step[0] * needed * periods,
-            "force_evaluations": per_step[1] * needed * periods,
+            "time": 1e-9 * nanoseconds * needed * periods,
+            "force_evaluations": forces * needed * periods,
         }
     columns = ["steps_per_period", "time", "force_evaluations"]
     table = pd.DataFrame.from_dict(rows, orient="index", columns=columns)
@@ -136,7 +136,7 @@ def recommend(
         raise ValueError(f"error must be greater than zero, not {error}.")
     table = candidates(data, problem, error, measure, periods)
     if table.empty:
-        finest = _over_periods(_sizes(data.sel(problem=problem).isel(steps_per_period=-1), measure), periods)
+        finest = _over_periods(_sizes(data.sel(problem=problem).isel(steps_per_period=-1), measure), periods).values
         if np.isnan(finest).all():
             raise ValueError(f"{measure} is not measured over {periods} periods, which are too short for it.")
         raise ValueError(

@@ -22,16 +22,20 @@ class UnknownName(KeyError):
 
 
 class Registry(Mapping[str, T], Generic[T]):
-    """An ordered, read-only mapping from names to problems, schemes or observers."""
+    """An ordered, read-only mapping from names to problems, schemes or observers.
 
-    def __init__(self, kind: str, entries: Mapping[str, T]):
+    An alias is another name of an entry: it can be looked up, and is not listed.
+    """
+
+    def __init__(self, kind: str, entries: Mapping[str, T], aliases: Mapping[str, str] | None = None):
         self.kind = kind
-        self._entries = dict(entries)
+        self._entries, self._aliases = dict(entries), dict(aliases or {})
 
     def __getitem__(self, name: str) -> T:
-        if name not in self._entries:
+        entry = self._aliases.get(name, name)
+        if entry not in self._entries:
             raise UnknownName(f"there is no {self.kind} {name!r}; {did_you_mean(str(name), self)}")
-        return self._entries[name]
+        return self._entries[entry]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)

@@ -5,6 +5,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from paper.data import of_the_paper
 from paper.figures.style import PAGE, letter, looks, main
 
 MEASURES = {
@@ -18,7 +19,7 @@ PROBLEMS = ("hardening", "softening")
 
 def draw(accuracy: xr.Dataset) -> Figure:
     """A row a problem, a column a measure, over 100 periods; what is flagged as the reference's own is left out."""
-    accuracy = accuracy.sel(periods=100)
+    accuracy = of_the_paper(accuracy).sel(periods=100)
     figure, axes = plt.subplots(len(PROBLEMS), len(MEASURES), figsize=(PAGE, 0.62 * PAGE), sharex=True, sharey="col")
     for row, problem in zip(axes, PROBLEMS, strict=True):
         for ax, (measure, label) in zip(row, MEASURES.items(), strict=True):

@@ -7,6 +7,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from paper.data import of_the_paper
 from paper.figures.style import PAGE, letter, main
 
 #: Classes of the outcome: the better the lighter.
@@ -35,7 +36,8 @@ def classify(run: xr.Dataset) -> np.ndarray:
 
 
 def draw(large_steps: xr.Dataset) -> Figure:
-    """One panel a problem, one row a scheme."""
+    """One panel a problem, one row a scheme of 1996."""
+    large_steps = of_the_paper(large_steps)
     figure, axes = plt.subplots(2, 2, figsize=(PAGE, 0.62 * PAGE), sharex=True, sharey=True)
     parts = large_steps.dt_over_period.values
     edges = np.concatenate([[parts[0]], np.sqrt(parts[1:] * parts[:-1]), [parts[-1]]])

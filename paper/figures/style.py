@@ -1,6 +1,5 @@
 """What the figures have in common: size, type, colours that survive greyscale, and how they are saved."""
 
-import itertools
 import os
 import sys
 from collections.abc import Callable
@@ -16,7 +15,7 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from paper.data import load
+from paper.data import families, load
 
 #: Width in inches of the page of the manuscript.
 PAGE = 7.1
@@ -65,9 +64,28 @@ plt.rcParams.update(
 def looks(schemes: xr.DataArray) -> dict[str, dict]:
     """One look (colour, line style, marker) for each scheme, the same in every figure that shows the same schemes.
 
-    After seven the colours come again; more curves than that a panel should not hold.
+    Raises
+    ------
+    ValueError
+        If there are more schemes than a panel can hold.
     """
-    return dict(zip(schemes.values.tolist(), itertools.cycle(_LOOKS), strict=False))
+    names = schemes.values.tolist()
+    if len(names) > len(_LOOKS):
+        raise ValueError(f"{len(names)} curves are more than a reader can tell apart; a panel holds {len(_LOOKS)}.")
+    return dict(zip(names, _LOOKS, strict=False))
+
+
+def a_panel_for_each_family(dataset: xr.Dataset, height: float, **shared) -> tuple[Figure, dict[Axes, xr.Dataset]]:
+    """A figure with two columns of panels, and which family each of them is for."""
+    parts = families(dataset)
+    rows = -(-len(parts) // 2)
+    figure, axes = plt.subplots(rows, 2, figsize=(PAGE, rows * height), squeeze=False, **shared)
+    for empty in axes.ravel()[len(parts) :]:
+        empty.remove()
+    panels = dict(zip(axes.ravel(), parts.values(), strict=False))
+    for index, (ax, name) in enumerate(zip(panels, parts, strict=True)):
+        letter(ax, index, name)
+    return figure, panels
 
 
 def letter(axes: Axes, index: int, title: str) -> None:

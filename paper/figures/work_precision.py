@@ -5,6 +5,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from paper.data import of_the_paper
 from paper.figures.style import PAGE, letter, looks, main
 
 PERIODS = 100
@@ -20,7 +21,7 @@ FLOOR = 1e-14
 
 def draw(data: xr.Dataset, cost: str = "time_per_run", label: str = "time of 100 periods (s)") -> Figure:
     """A row a problem, a column a measure of error; heyoka, the fastest of the general solvers, in grey."""
-    data = data.sel(periods=PERIODS)
+    data = of_the_paper(data).sel(periods=PERIODS)
     shape = data.sizes["problem"], len(MEASURES)
     figure, axes = plt.subplots(*shape, figsize=(PAGE, 1.15 * PAGE), sharex="row", sharey="col")
     for row, problem in zip(axes, data.problem.values, strict=True):

@@ -1,8 +1,9 @@
-"""Observed order of every scheme in every measure of error."""
+"""Observed order of the paper's schemes in every measure of error."""
 
 import pandas as pd
 import xarray as xr
 
+from paper.data import of_the_paper
 from paper.orders import PERIODS, observed_order
 from paper.tables.writing import main
 
@@ -17,18 +18,21 @@ _TITLES = {
 }
 
 
+def observed(run: xr.Dataset) -> dict[str, str]:
+    """Orders of a scheme on a problem, a column a measure; a dash where no order can be fitted."""
+    orders = {title: observed_order(run[measure].sel(periods=PERIODS[measure])) for measure, title in _TITLES.items()}
+    named = {"Scheme": run.scheme_title.item(), "Order": str(run.order.item())}
+    return named | {title: f"{order:.2f}" if order == order else "–" for title, order in orders.items()}
+
+
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
-    """One row a problem and scheme, a column a measure; a dash where no order can be fitted."""
-    rows = []
-    for problem in accuracy.problem.values:
-        for scheme in accuracy.scheme.values:
-            run = accuracy.sel(problem=problem, scheme=scheme)
-            row = {"Problem": problem, "Scheme": run.scheme_title.item(), "Order": str(run.order.item())}
-            for measure, title in _TITLES.items():
-                order = observed_order(run[measure].sel(periods=PERIODS[measure]))
-                row[title] = f"{order:.2f}" if order == order else "–"
-            rows.append(row)
-    return pd.DataFrame(rows)
+    """One row a problem and scheme."""
+    accuracy = of_the_paper(accuracy)
+    return pd.DataFrame(
+        {"Problem": problem, **observed(accuracy.sel(problem=problem, scheme=scheme))}
+        for problem in accuracy.problem.values
+        for scheme in accuracy.scheme.values
+    )
 
 
 if __name__ == "__main__":

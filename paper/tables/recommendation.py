@@ -8,19 +8,20 @@ from paper.tables.writing import main
 MEASURE = "max_trajectory_error"
 
 
-def tabulate(recommendation: xr.Dataset, work_precision: xr.Dataset) -> pd.DataFrame:
+def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
     """One row a problem and error, a column a length of the run; a dash where no scheme keeps the error."""
-    titles = dict(zip(work_precision.scheme.values, work_precision.scheme_title.values, strict=True))
-    best = recommendation.sel(measure=MEASURE)
+    needs = recommendation.sel(measure=MEASURE)
     rows = []
-    for problem in best.problem.values:
-        for error in best.error.values:
+    for problem in needs.problem.values:
+        for error in needs.error.values:
             row = {"Problem": problem, "Error": f"{100 * error:g} %" if error > 1e-5 else f"{error:g}"}
-            for periods in best.periods.values:
+            for periods in needs.periods.values:
                 # by a mapping: a problem's error is a coordinate here, and xarray has methods of such names
-                one = best.sel({"problem": problem, "error": error, "periods": periods})
-                scheme = one.cheapest_scheme.item()
-                row[f"{periods} periods"] = f"{titles[scheme]}, {one.steps_per_period.item():.0f}" if scheme else "–"
+                one = needs.sel({"problem": problem, "error": error, "periods": periods})
+                name = one.cheapest_scheme.item()
+                best = one.sel(scheme=name) if name else None
+                needed = f"{best.scheme_title.item()}, {best.steps_per_period.item():.0f}" if best is not None else "–"
+                row[f"{periods} periods"] = needed
             rows.append(row)
     return pd.DataFrame(rows)
 

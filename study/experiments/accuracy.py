@@ -9,7 +9,7 @@ from study import datasets
 from study.command import main, progress
 from study.comparison import against, flagged, uncertainties
 from study.experiments import labels
-from study.observers import EnergyDrift, MaxEnergyError
+from study.observers import EnergyDrift, MaxEnergyError, NewtonIterations
 from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 
 
@@ -27,7 +27,7 @@ def accuracy(
             progress(f"accuracy of {scheme} on {problem}")
             for k, steps in enumerate(steps_per_period):
                 dt, observers = against(reference, steps, max(steps_per_period))
-                observe = [*observers, MaxEnergyError(), EnergyDrift()]
+                observe = [*observers, MaxEnergyError(), EnergyDrift(), NewtonIterations()]
                 for n, length in enumerate(periods):
                     ds = run(problem, scheme, dt=dt, steps=steps * length, observe=observe)
                     for name, value in ds.data_vars.items():

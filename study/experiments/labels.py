@@ -16,14 +16,29 @@ def problem_coordinates(names: Sequence[str]) -> dict:
 
 
 def scheme_coordinates(names: Sequence[str]) -> dict:
-    """The names of schemes along ``scheme``, with title, family, order, kind and source."""
+    """The names of schemes along ``scheme``, with title, family, order, kind, forces and source."""
     chosen = [schemes[name] for name in names]
     return {
         "scheme": ("scheme", list(names), {"long_name": "time integration scheme"}),
         "scheme_title": ("scheme", [s.title for s in chosen], {"long_name": "title of the scheme"}),
         "family": ("scheme", [s.family for s in chosen], {"long_name": "family of the scheme"}),
         "order": ("scheme", [s.order for s in chosen], {"long_name": "order of accuracy", "units": "1"}),
+        "damped_order": (
+            "scheme",
+            [s.damped_order for s in chosen],
+            {"long_name": "order of accuracy with damping or a load", "units": "1"},
+        ),
         "explicit": ("scheme", [int(s.explicit) for s in chosen], {"long_name": "1 where explicit", "units": "1"}),
+        "evaluations": (
+            "scheme",
+            [s.evaluations for s in chosen],
+            {"long_name": "forces that a step evaluates beside those of Newton's iterations", "units": "1"},
+        ),
+        "evaluations_per_iteration": (
+            "scheme",
+            [0 if s.explicit else s.evaluations_per_iteration for s in chosen],
+            {"long_name": "forces that one Newton iteration evaluates", "units": "1"},
+        ),
         "scheme_source": ("scheme", [s.source for s in chosen], {"long_name": "source of the scheme"}),
         "doi": ("scheme", [s.doi for s in chosen], {"long_name": "digital object identifier of the source"}),
     }

@@ -1,4 +1,4 @@
-"""The cheapest scheme by target error and length of the run, from the work-precision dataset."""
+"""What every scheme needs by target error and length of the run, from the work-precision dataset."""
 
 from collections.abc import Sequence
 
@@ -10,35 +10,43 @@ from study.command import main
 from study.experiments import labels
 from study.recommendation import candidates
 
+_NEEDS = {
+    "steps_per_period": {"long_name": "steps per period that the scheme needs", "units": "1"},
+    "time": {"long_name": "time of the run", "units": "s"},
+    "force_evaluations": {"long_name": "forces evaluated in the run", "units": "1"},
+}
+
 
 def recommendation(
     problems: Sequence[str], measures: Sequence[str], errors: Sequence[float], periods: Sequence[int]
 ) -> xr.Dataset:
-    """Cheapest scheme, its steps per period and its time; empty and NaN where no scheme keeps the error."""
+    """What every scheme needs to keep an error, and the cheapest of them; NaN and empty where none keeps it."""
     data = datasets.open("work_precision")
+    schemes = data.scheme.values.tolist()
     dims = ("problem", "measure", "error", "periods")
     shape = tuple(map(len, (problems, measures, errors, periods)))
     cheapest = np.full(shape, "", dtype=object)
-    steps, seconds = np.full(shape, np.nan), np.full(shape, np.nan)
+    needs = {name: np.full((*shape, len(schemes)), np.nan) for name in _NEEDS}
     for at in np.ndindex(shape):
         problem, measure, error, length = (
             values[i] for values, i in zip((problems, measures, errors, periods), at, strict=True)
         )
-        for best in candidates(data, problem, error, measure, length).head(1).itertuples():
-            cheapest[at], steps[at], seconds[at] = best.Index, best.steps_per_period, best.time
+        table = candidates(data, problem, error, measure, length)
+        if not table.empty:
+            cheapest[at] = table.index[0]
+        for name, values in needs.items():
+            values[at] = table[name].reindex(schemes)
     return xr.Dataset(
-        {
-            "cheapest_scheme": (dims, cheapest.astype(str), {"long_name": "cheapest scheme, empty where none"}),
-            "steps_per_period": (dims, steps, {"long_name": "steps per period that it needs", "units": "1"}),
-            "time": (dims, seconds, {"long_name": "time of the run", "units": "s"}),
-        },
+        {"cheapest_scheme": (dims, cheapest.astype(str), {"long_name": "cheapest scheme, empty where none"})}
+        | {name: ((*dims, "scheme"), values, _NEEDS[name]) for name, values in needs.items()},
         coords={
             **labels.problem_coordinates(problems),
+            **labels.scheme_coordinates(schemes),
             "measure": ("measure", list(measures), {"long_name": "measure of error"}),
             "error": ("error", list(errors), {"long_name": "largest error that may be made, a fraction", "units": "1"}),
             "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
         },
-        attrs={"title": "The cheapest scheme for an error that may be made"},
+        attrs={"title": "What every scheme needs to keep an error, and the cheapest of them"},
     )
 
 

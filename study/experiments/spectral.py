@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
@@ -33,6 +34,12 @@ _NUMBERS = {
     "order_rederived": "the same where the acceleration is taken from the equation of motion after every step; NaN "
     "where the scheme has none",
 }
+
+
+def _vectors(name: str) -> int:
+    """How many vectors of the size of u a step of the scheme hands to the next."""
+    state, _ = registry[name].start(oscillator(), jnp.ones(()), jnp.zeros(()), 1.0)
+    return sum(leaf.size for leaf in jax.tree.leaves(state))
 
 
 def _order_rederived(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float) -> float:
@@ -83,7 +90,14 @@ def spectral(schemes: Sequence[str], exponents: dict[str, float], damping_ratios
             name: ((*dims, "dt_over_period"), found[name], {"long_name": text, "units": "1"})
             for name, text in _OVER_STEPS.items()
         }
-        | {name: (dims, found[name], {"long_name": text, "units": "1"}) for name, text in _NUMBERS.items()},
+        | {name: (dims, found[name], {"long_name": text, "units": "1"}) for name, text in _NUMBERS.items()}
+        | {
+            "memory": (
+                "scheme",
+                [_vectors(name) for name in schemes],
+                {"long_name": "vectors of the size of u that a step hands to the next", "units": "1"},
+            )
+        },
         coords={
             **labels.scheme_coordinates(schemes),
             "dt_over_period": ("dt_over_period", dt_over_period, {"long_name": "step size over period", "units": "1"}),

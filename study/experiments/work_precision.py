@@ -8,20 +8,15 @@ import xarray as xr
 from study import datasets
 from study.command import main, progress
 from study.experiments import labels
-from study.observers import EnergyDrift, NewtonIterations
+from study.observers import EnergyDrift
 from study.problems import problems as problems_by_name
-from study.runs import run
 from study.schemes import schemes as schemes_by_name
 from study.timing import Timed
 
-#: Steps of a run that is timed, at least: a call takes a tenth of a millisecond, which they make small.
-LEAST_STEPS = 200_000
-
-
-def _newton_iterations(problem: str, scheme: str, dt: float, steps: int) -> float:
-    """Newton iterations of a step, on average over the run; NaN where it failed."""
-    ds = run(problem, scheme, dt=dt, steps=steps, observe=[NewtonIterations()])
-    return 0.0 if schemes_by_name[scheme].explicit else ds.newton_iterations.item() / steps
+#: Seconds that a run that is timed takes, about: a call takes a tenth of a millisecond, which that makes small.
+LONG_ENOUGH = 0.004
+#: Steps of the run that tells how many these are.
+FIRST_STEPS = 10_000
 
 
 def work_precision(
@@ -33,7 +28,7 @@ def work_precision(
     """
     accuracy = datasets.open("accuracy").sel(problem=problems, scheme=schemes, steps_per_period=steps_per_period)
     shape = tuple(map(len, (problems, schemes, steps_per_period)))
-    per_step, iterations = np.full((*shape, repeats), np.nan), np.empty(shape)
+    per_step = np.full((*shape, repeats), np.nan)
     compile_time = np.empty(shape[:2])
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
@@ -41,16 +36,20 @@ def work_precision(
         timed = [Timed(problems_by_name[problem], schemes_by_name[scheme], (EnergyDrift(),)) for scheme in schemes]
         compile_time[p] = [one.compile_time for one in timed]
         for k, parts in enumerate(steps_per_period):
-            dt, steps = period / parts, max(LEAST_STEPS, 100 * parts)
-            iterations[p, :, k] = [_newton_iterations(problem, scheme, dt, 100 * parts) for scheme in schemes]
+            dt = period / parts
+            steps = [int(FIRST_STEPS * max(1, LONG_ENOUGH / one.run(dt, FIRST_STEPS)[0])) for one in timed]
             for repeat in range(repeats):
                 for s, one in enumerate(timed):
-                    seconds, completed = one.run(dt, steps)
-                    per_step[p, s, k, repeat] = 1e9 * seconds / steps if completed else np.nan
-    evaluations = iterations + np.array([[schemes_by_name[scheme].evaluations] for scheme in schemes])
-    median, quartiles = np.median(per_step, axis=-1), np.quantile(per_step, [0.25, 0.75], axis=-1)
+                    seconds, completed = one.run(dt, steps[s])
+                    per_step[p, s, k, repeat] = 1e9 * seconds / steps[s] if completed else np.nan
     dims = ("problem", "scheme", "steps_per_period")
     steps_of_run = accuracy.steps_per_period * accuracy.periods
+    iterations = (accuracy.newton_iterations / steps_of_run).sel(periods=100).transpose(*dims).values
+    chosen = [schemes_by_name[scheme] for scheme in schemes]
+    of_step = np.array([[scheme.evaluations] for scheme in chosen])
+    of_iteration = np.array([[scheme.evaluations_per_iteration] for scheme in chosen])
+    evaluations = of_step + of_iteration * iterations
+    median, quartiles = np.median(per_step, axis=-1), np.quantile(per_step, [0.25, 0.75], axis=-1)
     ds = accuracy.assign(
         time_per_step=((*dims, "repeat"), per_step, {"long_name": "time of one step, by repeat", "units": "ns"}),
         median_time_per_step=(dims, median, {"long_name": "median time of one step", "units": "ns"}),
@@ -63,7 +62,7 @@ def work_precision(
         newton_iterations_per_step=(
             dims,
             iterations,
-            {"long_name": "Newton iterations a step: each one force, one tangent, one solve", "units": "1"},
+            {"long_name": "Newton iterations a step: each one tangent and one solve", "units": "1"},
         ),
         force_evaluations_per_step=(dims, evaluations, {"long_name": "forces evaluated a step", "units": "1"}),
     )
@@ -73,9 +72,6 @@ def work_precision(
         ),
         force_evaluations=(ds.force_evaluations_per_step * steps_of_run).assign_attrs(
             long_name="forces evaluated in a run", units="1"
-        ),
-        newton_iterations=(ds.newton_iterations_per_step * steps_of_run).assign_attrs(
-            long_name="Newton iterations, and tangents solved, in a run", units="1"
         ),
     )
     numbered = ("repeat", np.arange(repeats), {"long_name": "repeat", "units": "1"})

@@ -41,7 +41,6 @@ from study.schemes.splitting import (
     kahan_li8,
     mclachlan4,
     symplectic_euler,
-    velocity_verlet,
     yoshida4,
     yoshida6,
 )
@@ -78,7 +77,6 @@ schemes: Registry[Scheme] = Registry(
         "energy_momentum": energy_momentum,
         "average_vector_field": average_vector_field,
         "symplectic_euler": symplectic_euler,
-        "velocity_verlet": velocity_verlet,
         "mclachlan4": mclachlan4,
         "yoshida4": yoshida4,
         "yoshida6": yoshida6,
@@ -87,6 +85,7 @@ schemes: Registry[Scheme] = Registry(
         "gauss4": gauss4,
         "extrapolation12": extrapolation12,
     },
+    aliases={"velocity_verlet": "central_difference"},
 )
 
 __all__ = [

@@ -1,22 +1,12 @@
 """The KR-α method of Kolay and Ricles: explicit, with a model of the structure built into its coefficients."""
 
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 
-from study.equilibrium import Effort, acceleration, add, force_and_tangent, load, solve, times
-from study.schemes.scheme import OneStep, check_ranges
-
-
-class Resisted(NamedTuple):
-    """Motion with the algorithmic acceleration, and the internal force there, each of shape () or (n,)."""
-
-    u: jax.Array
-    v: jax.Array
-    a: jax.Array
-    force: jax.Array
+from study.equilibrium import Effort, Motion, acceleration, add, force_and_tangent, solve, times
+from study.schemes.scheme import OneStep, check_ranges, start_in_balance
 
 
 class KolayRicles(OneStep):
@@ -25,14 +15,14 @@ class KolayRicles(OneStep):
     With the stiffness K = ∂p/∂u of the undeformed structure, G = γΔt C + βΔt² K and S = M + G,
 
     u̇₁ = u̇₀ + Δt S⁻¹ M ü₀,    u₁ = u₀ + Δt u̇₀ + (½ + γ) Δt² S⁻¹ M ü₀
-    M ü̂ + C [(1 − α_f) u̇₁ + α_f u̇₀] + (1 − α_f) p(u₁) + α_f p(u₀) = (1 − α_f) f(t₁) + α_f f(t₀)
-    [(1 − α_m) M + (1 − α_f) G] ü₁ + [α_m M + α_f G] ü₀ = S M⁻¹ (M ü̂)
+    M ü_m + C u̇_f + p(u_f) = f(t_f),    x_f = (1 − α_f) x₁ + α_f x₀ for t, u and u̇
+    [(1 − α_m) M + (1 − α_f) G] ü₁ + [α_m M + α_f G] ü₀ = S ü_m
 
     α_m, α_f, β and γ are those of the generalized-α method for ρ∞, and so are the eigenvalues for a linear structure:
     of second order, and unconditionally stable. The velocity that it carries trails by half a step, so that a motion
     that starts with an acceleration is of first order. Published as stable for structures that soften. On one that
-    hardens it is stable as long as the tangent is below 4/Δt² M + K (ρ∞ = 1, no damping). Carries u, u̇, ü and p(u);
-    one force a step, and three solutions.
+    hardens it is stable as long as the tangent is below 4/Δt² M + K (ρ∞ = 1, no damping). Carries u, u̇ and ü; one
+    force a step, and three solutions.
 
     Parameters
     ----------
@@ -72,12 +62,10 @@ class KolayRicles(OneStep):
     def evaluations(self) -> int:
         return 1
 
-    def start(self, problem, u0, v0, dt):
-        return Resisted(u0, v0, acceleration(problem, 0.0, u0, v0), problem.force(u0)), Effort()
+    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
-        u, v, a, force = state
-        size = u.shape
+        u, v, a = state
         alpha_m, alpha_f = (2 * self.rho_inf - 1) / (self.rho_inf + 1), self.rho_inf / (self.rho_inf + 1)
         gamma = 0.5 - alpha_m + alpha_f
         beta = (0.5 + gamma) ** 2 / 4
@@ -85,19 +73,18 @@ class KolayRicles(OneStep):
         _, stiffness = force_and_tangent(problem.force, jnp.zeros_like(u))
         model = beta * dt**2 * stiffness
         if problem.damping is not None:
-            model = add(model, gamma * dt * problem.damping, size=size)
-        effective = add(mass, model, size=size)
+            model = add(model, gamma * dt * problem.damping, size=u.shape)
+        effective = add(mass, model, size=u.shape)
+        new, old = (
+            add((1 - alpha_m) * mass, (1 - alpha_f) * model, size=u.shape),
+            add(alpha_m * mass, alpha_f * model, size=u.shape),
+        )
 
         step = solve(effective, times(mass, a))
-        dv, du = dt * step, dt * v + (0.5 + gamma) * dt**2 * step
-        new_force = problem.force(u + du)
-        rhs = (1 - alpha_f) * (load(problem, t + dt) - new_force) + alpha_f * (load(problem, t) - force)
-        if problem.damping is not None:
-            rhs = rhs - times(problem.damping, v + (1 - alpha_f) * dv)
-        wanted = times(effective, solve(mass, rhs))
-        old = add(alpha_m * mass, alpha_f * model, size=size)
-        a = solve(add((1 - alpha_m) * mass, (1 - alpha_f) * model, size=size), wanted - times(old, a))
-        return Resisted(du, dv, a, new_force), Effort()
+        du, dv = dt * v + (0.5 + gamma) * dt**2 * step, dt * step
+        part = 1 - alpha_f
+        a_m = acceleration(problem, t + part * dt, u + part * du, v + part * dv)
+        return Motion(du, dv, solve(new, times(effective, a_m) - times(old, a))), Effort()
 
 
 kr_alpha = KolayRicles(rho_inf=0.8)

@@ -1,4 +1,4 @@
-"""Splitting into kicks and drifts: symplectic Euler, velocity Verlet, and their compositions of high order."""
+"""Splitting into kicks and drifts: symplectic Euler, McLachlan's method, and compositions of velocity Verlet."""
 
 from collections.abc import Sequence
 from itertools import accumulate
@@ -98,7 +98,8 @@ class Composition(OneStep):
     With h = w_iΔt in turn:
     u̇ ← u̇ + h/2 ü,    u ← u + h u̇,    M ü + C (u̇ + h/2 ü) + p(u) = f(t),    u̇ ← u̇ + h/2 ü
 
-    w = (1) is velocity Verlet itself, which is central difference: second order, stable for ωΔt ≤ 2. As it is
+    w = (1) is velocity Verlet itself, which is central difference (registered once, as that): second order, stable for
+    ωΔt ≤ 2. As it is
     symmetric, weights that cancel its errors of third order, of fifth, ... make methods of order 4 (Yoshida, three
     steps, stable for ωΔt ≤ 1.573), 6 (Yoshida, seven, 2.269) and 8 (Kahan and Li, seventeen, 5.634), with damping and
     load too; symplectic without. Carries u, u̇ and ü; s forces a step.
@@ -176,9 +177,6 @@ mclachlan4 = Splitting(
     of_order=4,
     title="McLachlan, order 4",
     **_mclachlan,
-)
-velocity_verlet = Composition(
-    (1.0,), of_order=2, title="Velocity Verlet", source="Verlet (1967)", doi="10.1103/PhysRev.159.98"
 )
 yoshida4 = Composition(_mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, title="Yoshida, order 4")
 yoshida6 = Composition(

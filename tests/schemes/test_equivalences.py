@@ -11,6 +11,8 @@ import study
 from study.problems import CubicSpring
 from study.schemes.houbolt import starts
 
+VELOCITY_VERLET = study.Composition((1.0,), of_order=2)
+
 
 def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
     return study.run(problem, scheme, dt=dt, steps=steps).u.values
@@ -27,8 +29,8 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
         (study.GeneralizedAlpha.hht(1.0), study.Newmark(beta=0.25, gamma=0.5)),
         (study.GeneralizedAlpha.wbz(1.0), study.Newmark(beta=0.25, gamma=0.5)),
         (study.AverageVectorField(points=1), study.ImplicitMidpoint()),
-        (study.schemes["velocity_verlet"], study.schemes["central_difference"]),
-        (study.Extrapolation((1,)), study.schemes["velocity_verlet"]),
+        (VELOCITY_VERLET, study.schemes["central_difference"]),
+        (study.Extrapolation((1,)), VELOCITY_VERLET),
         (study.TchamwaWielgosz(phi=1.0), study.schemes["symplectic_euler"]),
     ],
     ids=[
@@ -49,6 +51,17 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
 def test_limits(one, other, problem):
     dt = {"hardening": 0.15, "softening": 1.14}[problem] / 40
     np.testing.assert_allclose(_trajectory(one, problem, dt), _trajectory(other, problem, dt), rtol=0, atol=1e-11)
+
+
+def test_velocity_verlet_is_registered_once():
+    """Under the name of central difference, which it is with damping and a load too."""
+    assert study.schemes["velocity_verlet"] is study.schemes["central_difference"]
+    assert "velocity_verlet" not in list(study.schemes)
+    problem = study.Problem(
+        CubicSpring(100.0, 10.0).force, u0=1.5, v0=2.0, damping=3.0, load=lambda t: 50 * jnp.sin(9 * t)
+    )
+    one, other = (_trajectory(scheme, problem, 0.15 / 40) for scheme in (VELOCITY_VERLET, "central_difference"))
+    np.testing.assert_allclose(one, other, atol=1e-12)
 
 
 @pytest.mark.parametrize("problem, dt", [("hardening", 0.15 / 40), ("softening", 1.14 / 40)])

@@ -1,0 +1,37 @@
+"""Speed against error for every scheme, a panel a family."""
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.figures.style import a_panel_for_each_family, looks, main
+
+PROBLEM, PERIODS = "hardening", 100
+#: Larger errors say only that the phase is lost.
+TOP = 3
+
+
+def draw(data: xr.Dataset) -> Figure:
+    """Error of the displacement against time; the classical Runge-Kutta method and heyoka in grey in every panel."""
+    data = data.sel(problem=PROBLEM, periods=PERIODS)
+    figure, panels = a_panel_for_each_family(data, height=2.1, sharex=True, sharey=True)
+    common = data.sel(scheme="rk4")
+    peer = data.sel(solver="heyoka")
+    for ax, part in panels.items():
+        known = common.max_trajectory_error.where(common.max_trajectory_error < TOP)
+        ax.plot(common.time_per_run, known, color="0.75", linewidth=3)
+        ax.plot(peer.solver_time_per_run, peer.solver_max_trajectory_error, color="0.6", marker=".", linestyle="none")
+        for name, look in looks(part.scheme).items():
+            run = part.sel(scheme=name)
+            known = run.max_trajectory_error.where((run.max_trajectory_error < TOP) & (run.max_trajectory_error > 0))
+            ax.plot(run.time_per_run, known, label=run.scheme_title.item(), markevery=2, **look)
+        ax.set(xscale="log", yscale="log", ylim=(1e-12, TOP))
+        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=3)
+    for ax in figure.axes[-2:]:
+        ax.set_xlabel("time of 100 periods (s)")
+    for ax in figure.axes[::2]:
+        ax.set_ylabel("error of $u$")
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

@@ -1,0 +1,58 @@
+"""What linear theory promises of period and amplitude, and what the springs show, a row a scheme."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.data import families
+from paper.figures.style import PAGE, letter, main
+
+#: Steps per period and periods of the runs that are shown.
+STEPS, PERIODS = 64, 3
+MEASURES = {"period_elongation": "period elongation", "amplitude_decay": "loss of amplitude per period"}
+PROBLEMS = {"hardening": ("s", "#0072B2"), "softening": ("^", "#D55E00")}
+#: Smaller values are drawn at this edge.
+LEAST = 1e-10
+
+
+def _points(ax, values, rows, label, **look) -> None:
+    """Sizes, filled where positive and open where negative."""
+    known = np.isfinite(values)
+    size = np.maximum(np.abs(values[known]), LEAST)
+    negative = values[known] < 0
+    filled = [look["color"] if not below else "white" for below in negative]
+    ax.scatter(size, rows[known], s=16, marker=look["marker"], edgecolors=look["color"], facecolors=filled, zorder=3,
+               linewidths=0.8, label=label)  # fmt: skip
+
+
+def draw(spectral: xr.Dataset, accuracy: xr.Dataset) -> Figure:
+    """Sizes of elongation (left) and of loss of amplitude (right) at one step size, over a logarithmic axis."""
+    schemes = [name for part in families(accuracy).values() for name in part.scheme.values]
+    linear = spectral.sel(scheme=schemes, damping_ratio=0.0).interp(dt_over_period=1 / STEPS)
+    measured = accuracy.sel(scheme=schemes, steps_per_period=STEPS, periods=PERIODS)
+    rows = np.arange(len(schemes))
+    figure, axes = plt.subplots(1, 2, figsize=(PAGE, 0.6 + 0.185 * len(schemes)), sharey=True)
+    for index, (ax, (measure, title)) in enumerate(zip(axes, MEASURES.items(), strict=True)):
+        _points(ax, linear[measure].values, rows, "linear theory", marker="o", color="0.45")
+        for problem, (marker, colour) in PROBLEMS.items():
+            run = measured.sel(problem=problem)
+            _points(ax, run[measure].values, rows, run.problem_title.item(), marker=marker, color=colour)
+        ax.set(xscale="log", xlim=(LEAST / 2, 2), yticks=rows, yticklabels=measured.scheme_title.values)
+        ax.set_xlabel(f"size at {STEPS} steps per period")
+        ax.grid(axis="y", color="0.9", linewidth=0.6)
+        ax.set_axisbelow(True)
+        letter(ax, index, title)
+    boundaries = np.flatnonzero(measured.family.values[1:] != measured.family.values[:-1]) + 0.5
+    for ax in axes:
+        for boundary in boundaries:
+            ax.axhline(boundary, color="0.4", linewidth=0.6)
+    axes[0].invert_yaxis()
+    axes[0].set_ylim(len(schemes) - 0.5, -0.5)
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

@@ -1,0 +1,50 @@
+"""What the amplification matrix says of every scheme."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from paper.data import families
+from paper.tables.writing import main
+
+#: Step sizes over period at which accuracy and overshoot are told.
+FINE, COARSE = 1 / 20, 10.0
+
+
+def _number(value: float, form: str) -> str:
+    """A number, or a dash where there is none; never a negative zero."""
+    if not np.isfinite(value):
+        return "–"
+    text = format(value, form)
+    return text.lstrip("-") if float(text) == 0 else text
+
+
+def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
+    """One row a scheme."""
+    damped = spectral.damping_ratio.values.max()
+    rows = []
+    for part in families(spectral).values():
+        for name in part.scheme.values:
+            scheme = part.sel(scheme=name)
+            free, resisted = scheme.sel(damping_ratio=0.0), scheme.sel(damping_ratio=damped)
+            fine, coarse = free.interp(dt_over_period=FINE), free.sel(dt_over_period=COARSE, method="nearest")
+            limit = free.stability_limit.item()
+            rows.append(
+                {
+                    "Scheme": scheme.scheme_title.item(),
+                    "Order": f"{free.linear_order.item():.1f}",
+                    f"ξ = {damped:g}": f"{resisted.linear_order.item():.1f}",
+                    "Re-derived": _number(free.order_rederived.item(), ".1f"),
+                    "Ω crit": "∞" if np.isinf(limit) else f"{limit:.3f}",
+                    "ρ∞": f"{free.infinite_frequency_radius.item():.3f}" if np.isinf(limit) else "–",
+                    "Elongation %": _number(100 * fine.period_elongation.item(), ".3f"),
+                    "Damping %": _number(100 * fine.algorithmic_damping.item(), ".3f"),
+                    "Overshoot u": _number(coarse.displacement_overshoot.item(), ".1f"),
+                    "Overshoot u̇": _number(coarse.velocity_overshoot.item(), ".1f"),
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    main(tabulate)

@@ -1,0 +1,20 @@
+"""Observed order of every scheme in every measure of error, on one spring."""
+
+import pandas as pd
+import xarray as xr
+
+from paper.data import families
+from paper.tables.orders import observed
+from paper.tables.writing import main
+
+PROBLEM = "softening"
+
+
+def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
+    """One row a scheme."""
+    parts = families(accuracy.sel(problem=PROBLEM)).values()
+    return pd.DataFrame(observed(part.sel(scheme=name)) for part in parts for name in part.scheme.values)
+
+
+if __name__ == "__main__":
+    main(tabulate)

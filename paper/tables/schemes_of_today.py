@@ -1,0 +1,40 @@
+"""Every scheme of the study by family: order, kind, memory, forces and source."""
+
+import pandas as pd
+import xarray as xr
+
+from paper.data import families
+from paper.tables.writing import main
+
+
+def _forces(scheme: xr.Dataset) -> str:
+    """Forces of a step, those of each of its k Newton iterations named as such."""
+    fixed, of_iteration = scheme.evaluations.item(), scheme.evaluations_per_iteration.item()
+    newton = f"{of_iteration} k" if of_iteration > 1 else "k"
+    return " + ".join([newton] * (of_iteration > 0) + [str(fixed)] * (fixed > 0))
+
+
+def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
+    """One row a scheme."""
+    rows = []
+    for family, part in families(spectral).items():
+        for name in part.scheme.values:
+            scheme = part.sel(scheme=name)
+            order, damped = scheme.order.item(), scheme.damped_order.item()
+            rows.append(
+                {
+                    "Family": family,
+                    "Scheme": scheme.scheme_title.item(),
+                    "Name": name,
+                    "Order": str(order) if order == damped else f"{order} ({damped})",
+                    "Kind": "explicit" if scheme.explicit else "implicit",
+                    "Vectors": scheme.memory.item(),
+                    "Forces": _forces(scheme),
+                    "Source": scheme.scheme_source.item(),
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    main(tabulate)

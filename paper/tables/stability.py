@@ -1,0 +1,42 @@
+"""What becomes of linear stability on the oscillators: the step sizes at which every scheme first gains or fails."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from paper.data import families
+from paper.tables.writing import main
+
+#: An error of the energy above this many percent is a gain: no run that only loses energy gets there.
+GAIN = 101.0
+
+
+def _first(run: xr.Dataset) -> str:
+    """The smallest step size at which the energy has more than doubled, or the run has failed and how."""
+    gained, failed = run.max_energy_error.values > GAIN, run.status.values != 0
+    if not (gained | failed).any():
+        return "–"
+    at = int(np.argmax(gained | failed))
+    how = {0: "", 1: " N", 2: " ∞"}[int(run.status.values[at])]
+    return f"{run.dt_over_period.values[at]:g}{how}"
+
+
+def tabulate(spectral: xr.Dataset, large_steps: xr.Dataset) -> pd.DataFrame:
+    """One row a scheme: the linear limit of Δt/T, and the first step size that is too large on each problem."""
+    limits = spectral.stability_limit.sel(damping_ratio=0.0) / (2 * np.pi)
+    rows = []
+    for part in families(large_steps).values():
+        for name in part.scheme.values:
+            limit = limits.sel(scheme=name).item()
+            row = {
+                "Scheme": part.scheme_title.sel(scheme=name).item(),
+                "Linear limit": "none" if np.isinf(limit) else f"{limit:.3f}",
+            }
+            for problem, title in zip(part.problem.values, part.problem_title.values, strict=True):
+                row[title.capitalize()] = _first(part.sel(scheme=name, problem=problem))
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    main(tabulate)
