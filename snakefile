@@ -150,6 +150,16 @@ TABLES = {
 }
 
 
+onerror:
+    # what was there before a failed job is put back, and looks new; an old date and no record of how it was made have
+    # it made anew next time, whatever the cause of the failure
+    for job in workflow.scheduler.failed:
+        for product in job.output:
+            if Path(product).exists():
+                os.utime(product, (1, 1))
+                workflow.persistence.cleanup_metadata(product)
+
+
 wildcard_constraints:
     experiment="|".join(EXPERIMENTS),
     figure="|".join(FIGURES),

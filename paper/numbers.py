@@ -1,6 +1,7 @@
 """Every number that the text of the manuscript and the README quote, out of the datasets."""
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -8,9 +9,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.data import load
+from paper.data import load, of_the_paper
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
+
+#: The error of the displacement at which the fastest are compared.
+EXACTING = 1e-10
+#: The problems whose energy is positive, so that a gain of it can be told from a loss.
+SPRINGS = ["hardening", "softening", "softening_large"]
 
 
 def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
@@ -138,18 +144,40 @@ def _heyoka_wins_below(work: xr.Dataset) -> float:
     return min(wins)
 
 
+def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time: xr.DataArray) -> tuple[str, float]:
+    """Who reaches ``EXACTING`` first, and the milliseconds that it takes."""
+    error, time = error.sel({dimension: data[dimension]}), time.sel({dimension: data[dimension]})
+    enough = time.where(error <= EXACTING).min(set(time.dims) - {dimension})
+    return enough.idxmin(dimension).item(), 1e3 * enough.min().item()
+
+
 def _of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
     spring = work.sel(problem="hardening", periods=100)
     rk4 = spring.sel(scheme="rk4").isel(steps_per_period=-1)
     heyoka = spring.sel(solver="heyoka").isel(tolerance=-1)
     cells = recommendation.cheapest_scheme.sel(measure="max_trajectory_error")
-    count = {scheme: int((cells == scheme).sum()) for scheme in ("rk4", "central_difference")}
+    ranking = pd.Series(cells.values.ravel()).replace("", np.nan).dropna().value_counts()
+    of_1996 = of_the_paper(recommendation).time.sel(measure="max_trajectory_error").dropna("scheme", how="all")
+    kept = of_1996.notnull().any("scheme")
+    fastest = of_1996.fillna(np.inf).idxmin("scheme").where(kept, "")
+    count = {scheme: int((fastest == scheme).sum()) for scheme in ("rk4", "central_difference")}
+    titles = dict(zip(work.scheme.values, work.scheme_title.values, strict=True))
+    implicit = work.scheme.values[work.explicit.values == 0]
+    best, best_ms = _cheapest_below(spring, "scheme", spring.max_trajectory_error, spring.time_per_run)
+    _, peer_ms = _cheapest_below(
+        spring.sel(solver=["heyoka"]), "solver", spring.solver_max_trajectory_error, spring.solver_time_per_run
+    )
     coarse = spring.newton_iterations_per_step.sel(scheme="average_acceleration").isel(steps_per_period=0)
     return {
         "work_cells": cells.size,
         "work_rk4": count["rk4"],
         "work_central_difference": count["central_difference"],
         "work_others": cells.size - sum(count.values()),
+        "work_ranking": ", ".join(f"{titles[name]} ({number})" for name, number in ranking.items()),
+        "work_implicit": int(ranking.reindex(implicit).sum()),
+        "work_best": titles[best],
+        "work_best_ms": f"{best_ms:.2f}",
+        "work_peer_ms": f"{peer_ms:.2f}",
         "work_rk4_finest": f"{rk4.max_trajectory_error.item():.0e}",
         "work_rk4_ms": f"{1e3 * rk4.time_per_run.item():.1f}",
         "work_heyoka_finest": f"{heyoka.solver_max_trajectory_error.item():.0e}",
@@ -158,6 +186,34 @@ def _of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
         "work_iterations_coarse": f"{coarse.item():.1f}",
         "work_diffrax_step": f"{spring.diffrax_rk4_time_per_step.dropna('steps_per_period')[-1].item():.0f}",
         "work_rk4_step": f"{spring.median_time_per_step.sel(scheme='rk4').isel(steps_per_period=-1).item():.0f}",
+    }
+
+
+def _at_ten(overshoot: xr.DataArray, scheme: str) -> float:
+    """Overshoot of a scheme at a step of ten periods."""
+    return overshoot.sel(scheme=scheme).sel(dt_over_period=10, method="nearest").item()
+
+
+def _of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
+    free = spectral.sel(damping_ratio=0.0)
+    damped = spectral.sel(damping_ratio=spectral.damping_ratio.max())
+    unlimited = free.scheme.values[np.isinf(free.stability_limit.values)]
+    tried = large_steps.sel(scheme=[name for name in unlimited if name in large_steps.scheme], problem=SPRINGS)
+    steps = ["problem", "dt_over_period"]
+    gained, failed = (tried.max_energy_error > 101).any(steps), (tried.status != 0).any(steps)
+    untouched = tried.scheme_title.values[~(gained | failed).values]
+    return {
+        "schemes": spectral.scheme.size,
+        "damping_ratio": f"{damped.damping_ratio.item():g}",
+        "carried": f"{free.linear_order.sel(scheme='generalized_alpha').item():.1f}",
+        "rederived": f"{free.order_rederived.sel(scheme='generalized_alpha').item():.1f}",
+        "rederived_damped": f"{damped.order_rederived.sel(scheme='generalized_alpha').item():.1f}",
+        "unlimited": tried.scheme.size,
+        "unlimited_gained": int(gained.sum()),
+        "unlimited_only_failed": int((failed & ~gained).sum()),
+        "unlimited_untouched": ", ".join(untouched) if untouched.size else "none of them",
+        "overshoot_wilson": f"{_at_ten(free.displacement_overshoot, 'wilson_theta'):.0f}",
+        "overshoot_average": f"{abs(_at_ten(free.displacement_overshoot, 'average_acceleration')):.0f}",
     }
 
 
@@ -193,6 +249,7 @@ def numbers(results: Path) -> dict:
         **_of_agreement(dataset("reference_agreement")),
         **_of_accuracy(dataset("accuracy")),
         **_of_work(dataset("work_precision"), dataset("recommendation")),
+        **_of_linear_theory(dataset("spectral"), dataset("large_steps")),
         **_of_round_off(dataset("round_off")),
         **_of_claims(claims),
     }
@@ -200,5 +257,6 @@ def numbers(results: Path) -> dict:
 
 if __name__ == "__main__":
     results, output = map(Path, sys.argv[1:])
-    texts = {name: str(value).replace("-", "−") for name, value in numbers(results).items()}
+    # a minus before a number, and no hyphen of a name
+    texts = {name: re.sub(r"(?<![^\W\de])-(?=\d)", "−", str(value)) for name, value in numbers(results).items()}
     output.write_text(json.dumps(texts, indent=1, ensure_ascii=False) + "\n")

@@ -11,7 +11,7 @@ from study.registry import Registry
 class CubicSpring(eqx.Module):
     """p(u) = S1 u (1 + S2 u²), the Duffing spring of Xie (1996), eqs (2) and (4)."""
 
-    # NumPy's numbers are arguments of what is compiled, Python's would be constants in it: so two springs share a program
+    # NumPy's numbers are arguments of what is compiled, Python's are constants in it: so two springs share a program
     S1: float = eqx.field(converter=np.float64)
     S2: float = eqx.field(converter=np.float64)
 

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from study.configuration import check
+import study
+from study.configuration import check, complete
 
 FOLDER = Path(__file__).parent.parent / "config"
 
@@ -18,6 +19,14 @@ def config(request) -> dict:
 
 def test_what_is_shipped_is_accepted(config):
     check(config)
+
+
+def test_all_schemes_are_written_out(config):
+    config["accuracy"]["schemes"] = "all"
+    check(config)
+    complete_one = complete(config)
+    assert complete_one["accuracy"]["schemes"] == list(study.schemes)
+    assert complete_one["energy_error"] == config["energy_error"]
 
 
 @pytest.mark.parametrize(
@@ -59,6 +68,12 @@ def test_what_is_shipped_is_accepted(config):
             lambda c: c["work_precision"]["schemes"].update(steps_per_period=[9]),
             "steps_per_period: there is no 9 among 8",
         ),
+        (
+            lambda c: c["work_precision"]["solvers"].update(tolerances=[1e-14]),
+            "solvers.tolerances.0: 1e-14 is less than the minimum of 2.3e-14",
+        ),
+        (lambda c: c["accuracy"].update(schemes="most"), "accuracy.schemes: 'all' was expected"),
+        (lambda c: c["spectral"].update(damping_ratios=[1.0]), "damping_ratios.0: 1.0 is greater than or equal to the"),
         (lambda c: c["work_precision"]["solvers"].update(periods=[1]), "work_precision.solvers.periods lacks 100"),
         (
             lambda c: c["work_precision"]["solvers"].update(longest=0),

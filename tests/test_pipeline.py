@@ -22,6 +22,8 @@ TIMED = {
     "work_precision",
     "recommendation",
     "solvers",
+    "families",
+    "needs",
     "claims",
     "numbers",
     "manuscript",
@@ -140,6 +142,23 @@ def test_an_edited_scheme_reruns_what_used_it(project, tmp_path):
     assert "energy_error" in rerun and "figures/instability" in rerun
     assert not {"energy_drift", "houbolt_start", "figures/energy_drift"} & rerun
     assert not any(name.startswith("reference/") for name in rerun)
+
+
+def test_a_failed_job_leaves_what_was_there_and_is_made_anew(project, tmp_path):
+    """Even where its parameters changed with it, which Snakemake has taken note of by then."""
+    copy = tmp_path / "copy"
+    shutil.copytree(project, copy)
+    product, module = copy / "results" / "houbolt_start.nc", copy / "study" / "experiments" / "houbolt_start.py"
+    before, source = product.read_bytes(), module.read_text()
+    config = copy / "config" / "small.yaml"
+    settings = yaml.safe_load(config.read_text())
+    settings["houbolt_start"]["periods"] = 50
+    config.write_text(yaml.safe_dump(settings))
+    module.write_text("raise SystemExit('broken')\n")
+    assert _snakemake(copy, "--", "results/houbolt_start.nc").returncode != 0
+    assert product.read_bytes() == before
+    module.write_text(source)
+    assert "houbolt_start" in _would_run(copy)
 
 
 def test_an_edited_figure_script_redraws_that_figure(project, tmp_path):

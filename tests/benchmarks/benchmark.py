@@ -18,6 +18,7 @@ import peer
 import xarray as xr
 
 import study
+from reference import exact, taylor
 from study.datasets import provenance, write
 from study.observers import EnergyDrift, MaxEnergyError, NewtonIterations
 from study.problems import printed_periods
@@ -30,6 +31,8 @@ FEW, MANY = 1_024, 16_384
 LONG = 10_000
 ALL = (MaxEnergyError(), EnergyDrift(), NewtonIterations())
 COMPILE_AT_MOST = 0.3
+#: Stages that one Newton iteration of a scheme solves for together.
+STAGES = {"gauss4": 2}
 #: The most that a ratio to C should be, by spring and scheme; other schemes in proportion.
 TO_C = {
     "hardening": {"average_acceleration": 1.2, "central_difference": 1.25, "rk4": 1.0},
@@ -62,8 +65,8 @@ def _timed(work: Callable[[], object]) -> float:
 def against_c(folder: str) -> Iterator[Case]:
     """A run with the energy observed against C of the same formula."""
     for spring, targets in TO_C.items():
-        for name, scheme in study.schemes.items():
-            ours = Timed(study.problems[spring], scheme, (MaxEnergyError(),))
+        for name in peer.SCHEMES:
+            ours = Timed(study.problems[spring], study.schemes[name], (MaxEnergyError(),))
             u0, dt = float(study.problems[spring].u0), _dt(spring)
             _, error = peer.single(spring, name, u0, dt, STEPS, folder)
             same = study.run(spring, name, dt=dt, steps=STEPS, observe=["max_energy_error"])
@@ -75,6 +78,63 @@ def against_c(folder: str) -> Iterator[Case]:
                 targets.get(name, targets["average_acceleration"]),
                 STEPS,
             )
+
+
+def tangents() -> Iterator[Case]:
+    """Every implicit scheme against average acceleration, per tangent that is solved for."""
+
+    def timed(spring, name):
+        scheme, dt = study.schemes[name], _dt(spring)
+        counted = study.run(spring, scheme, dt=dt, steps=STEPS, observe=["newton_iterations"])
+        solved = counted.newton_iterations.item() * STAGES.get(name, 1)
+        run = Timed(study.problems[spring], scheme, (EnergyDrift(),))
+        return lambda: run.run(dt, STEPS)[0] / solved * STEPS
+
+    for spring in TO_C:
+        baseline = timed(spring, "average_acceleration")
+        for name, scheme in study.schemes.items():
+            if not scheme.explicit and name != "average_acceleration":
+                yield Case(
+                    f"{name}, {spring}, a tangent : average acceleration", timed(spring, name), baseline, 1.5, STEPS
+                )
+
+
+def forces() -> Iterator[Case]:
+    """Every explicit scheme against central difference, per force that is evaluated."""
+    for spring in TO_C:
+        dt = _dt(spring)
+        baseline = Timed(study.problems[spring], study.schemes["central_difference"], (EnergyDrift(),))
+        for name, scheme in study.schemes.items():
+            if scheme.explicit and name != "central_difference":
+                run = Timed(study.problems[spring], scheme, (EnergyDrift(),))
+                yield Case(
+                    f"{name}, {spring}, a force : central difference",
+                    lambda run=run, dt=dt, n=scheme.evaluations: run.run(dt, STEPS)[0] / n,
+                    lambda dt=dt, baseline=baseline: baseline.run(dt, STEPS)[0],
+                    1.5,
+                    STEPS,
+                )
+
+
+def against_heyoka() -> Iterator[Case]:
+    """The scheme of highest order against heyoka: 100 periods of the hardening spring to 1e-10, each in one call."""
+    problem, parts, periods = study.problems["hardening"], 32, 100
+    exact_period, certified = exact.period(problem, printed_periods["hardening"])
+    period = float(exact_period)
+    t = period * (periods - 1 + np.arange(1, 17) / 16)
+    truth = exact.folded(problem, t, exact_period, certified).u / float(problem.u0)
+    samples = study.run("hardening", "extrapolation12", dt=period / parts, steps=parts * periods, every=parts // 16)
+    ours, theirs = samples.u.values[-16:], taylor.trajectory(problem, t, 1e-13).u
+    for u in (ours, theirs):
+        assert np.max(np.abs(u / float(problem.u0) - truth)) < 1e-10
+    run = Timed(problem, study.schemes["extrapolation12"], (EnergyDrift(),))
+    yield Case(
+        "extrapolation12, 100 periods to 1e-10 : heyoka",
+        lambda: run.run(period / parts, parts * periods)[0],
+        lambda: taylor.trajectory(problem, t, 1e-13).seconds,
+        1.0,
+        parts * periods,
+    )
 
 
 def ensembles(folder: str) -> Iterator[Case]:
@@ -176,8 +236,8 @@ def observers() -> Iterator[Case]:
         return _timed(lambda: study.run(spring, name, dt=_dt(spring), steps=STEPS * 10, **more))
 
     everything = {"observe": list(study.observers), "every": 10}
-    for spring in TO_C:
-        for name in study.schemes:
+    for spring, names in {"hardening": list(study.schemes), "softening": peer.SCHEMES}.items():
+        for name in names:
             yield Case(
                 f"{name}, {spring}, all observers, records every 10 : none",
                 lambda spring=spring, name=name: run(spring, name, **everything),
@@ -280,6 +340,9 @@ def main(output: Path) -> None:
             print("no C compiler: the comparisons with C are left out; install gcc, or name a compiler in CC.")
         cases = [
             *(against_c(folder) if peer.compiler() else ()),
+            *tangents(),
+            *forces(),
+            *against_heyoka(),
             *ensembles(folder),
             *recording(),
             *many_steps(),

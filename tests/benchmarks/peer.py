@@ -11,6 +11,16 @@ from pathlib import Path
 import numpy as np
 
 SPRINGS = {"hardening": 0, "softening": 1}
+#: The schemes that are written in C.
+SCHEMES = (
+    "average_acceleration",
+    "central_difference",
+    "newmark_dissipative",
+    "wilson_theta",
+    "houbolt",
+    "hht_alpha",
+    "rk4",
+)
 _SINGLE = ("-O3", "-march=native")
 _ENSEMBLE = ("-O3", "-march=native", "-ffast-math", "-fopenmp-simd")
 
