@@ -189,6 +189,16 @@ def _of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
     }
 
 
+def _of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
+    linear = spectral.amplitude_decay.sel(damping_ratio=0.0).interp(dt_over_period=1 / 64)
+    ratio = accuracy.amplitude_decay.sel(steps_per_period=64, periods=3) / linear
+    return {
+        f"kept_{scheme}_{problem}": f"{ratio.sel(scheme=scheme, problem=problem).item():.1f}"
+        for scheme in ("hht_alpha", "bathe", "rk4")
+        for problem in ("hardening", "softening")
+    }
+
+
 def _at_ten(overshoot: xr.DataArray, scheme: str) -> float:
     """Overshoot of a scheme at a step of ten periods."""
     return overshoot.sel(scheme=scheme).sel(dt_over_period=10, method="nearest").item()
@@ -250,6 +260,7 @@ def numbers(results: Path) -> dict:
         **_of_accuracy(dataset("accuracy")),
         **_of_work(dataset("work_precision"), dataset("recommendation")),
         **_of_linear_theory(dataset("spectral"), dataset("large_steps")),
+        **_of_promises(dataset("spectral"), dataset("accuracy")),
         **_of_round_off(dataset("round_off")),
         **_of_claims(claims),
     }

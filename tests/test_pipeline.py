@@ -118,9 +118,12 @@ def test_a_second_call_has_nothing_to_do(project):
 
 def test_one_core_gives_the_same_bytes_as_two(project, tmp_path):
     again = _copy(tmp_path)
-    done = _snakemake(again, "--cores", "1")
+    # without what is timed, and what is made of it
+    done = _snakemake(again, "--cores", "1", "--omit-from", "work_precision", "agreement")
     assert done.returncode == 0, done.stderr[-4000:]
-    assert _hashes(again) == _hashes(project)
+    made = _hashes(again)
+    assert len(made) > 60
+    assert made.items() <= _hashes(project).items()
 
 
 def _edited(path: Path):

@@ -78,8 +78,9 @@ class EnergyMomentum(OneStep):
     Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off. For one unknown
     p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo and Tarnow for a spring. Momenta of several unknowns are kept as
     far as the correction leaves them, to third order in the step; his form in strains, which keeps them too, needs to
-    know more of a structure than V(u). For linear systems it is the trapezoidal rule. Needs the problem's potential.
-    Carries u, u̇ and a guess; one force and one potential a Newton iteration, and one potential a step.
+    know more of a structure than V(u). For linear systems it is the trapezoidal rule, unconditionally stable. Needs the
+    problem's potential. Carries u, u̇ and a guess; one force and one potential a Newton iteration, one potential a
+    step.
 
     References
     ----------
@@ -129,8 +130,8 @@ class AverageVectorField(OneStep):
     M (u̇₁ − u̇₀)/Δt + C u̇_m + ∫₀¹ p((1 − s) u₀ + s u₁) ds = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2
 
     The integral is taken by Gauss quadrature, which keeps the energy exactly where p is a polynomial of a degree up to
-    2 points − 1, and nearly elsewhere. Second order. For linear systems it is the trapezoidal rule. Needs no potential.
-    Carries u, u̇ and a guess; ``points`` forces a Newton iteration.
+    2 points − 1, and nearly elsewhere. Second order. For linear systems it is the trapezoidal rule, unconditionally
+    stable. Needs no potential. Carries u, u̇ and a guess; ``points`` forces a Newton iteration.
 
     Parameters
     ----------
