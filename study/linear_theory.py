@@ -91,12 +91,24 @@ class LinearTheory:
         Their eigenvalues (points, m).
     spectral_radius
         ρ = max |λ|, (points,).
+
+    Raises
+    ------
+    ValueError
+        If the step sizes are not positive and ascending, or the damping ratio is out of its range.
     """
 
     def __init__(self, scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float = 0.0):
-        self._scheme, self._dt_over_period, self._damping_ratio = scheme, np.asarray(dt_over_period), damping_ratio
-        self.matrices = self._of_each(amplification_matrix, self._dt_over_period)
-        self.roots = np.linalg.eigvals(self.matrices)
+        parts = np.asarray(dt_over_period, dtype=float)
+        if parts.ndim != 1 or not parts.size or not np.all(np.diff(parts, prepend=0.0) > 0) or np.isinf(parts[-1]):
+            raise ValueError(
+                f"dt_over_period must be positive and ascending, of shape (points,), not {dt_over_period}."
+            )
+        if not 0 <= damping_ratio < 1:
+            raise ValueError(f"damping_ratio must be at least 0 and less than 1, not {damping_ratio}.")
+        self._scheme, self._dt_over_period, self._damping_ratio = scheme, parts, damping_ratio
+        self.matrices = self._of_each(amplification_matrix, parts)
+        self.roots = _eigenvalues(self.matrices)
         self.spectral_radius = np.abs(self.roots).max(axis=-1)
 
     def _of_each(self, function, dt_over_period) -> np.ndarray:
@@ -104,7 +116,7 @@ class LinearTheory:
         return np.asarray(_at_each(function, self._scheme, jnp.asarray(dt_over_period, float), damping))
 
     def _radius(self, dt_over_period) -> np.ndarray:
-        return np.abs(np.linalg.eigvals(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)
+        return np.abs(_eigenvalues(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)
 
     def stability_limit(self) -> float:
         """Ω_crit, up to which the spectral radius is at most one; infinite where it is at all step sizes."""
@@ -154,13 +166,23 @@ class LinearTheory:
     def order(self) -> float:
         """Order with which the principal roots approach exp(Ω (−ξ ± i √(1 − ξ²))), less one for the number of steps.
 
-        Fitted over an octave of the finest step sizes whose error is above round-off.
+        Fitted over an octave of the finest step sizes whose error is above round-off; NaN with fewer than three there.
         """
         omega = 2 * np.pi * self._dt_over_period
         error = np.abs(np.exp(self._principal_logarithm()) - np.exp(self._exponent * omega))
         first = omega[np.argmax(error > ROUND_OFF)]
         fine = (omega >= first) & (omega <= 2 * first) & np.isfinite(error)
+        if fine.sum() < 3:
+            return np.nan
         return float(np.polyfit(np.log(omega[fine]), np.log(error[fine]), 1)[0]) - 1
+
+
+def _eigenvalues(matrices: np.ndarray) -> np.ndarray:
+    """Eigenvalues (points, m), infinite where a matrix is beyond all numbers."""
+    finite = np.isfinite(matrices).all(axis=(1, 2))
+    roots = np.full(matrices.shape[:2], complex(np.inf))
+    roots[finite] = np.linalg.eigvals(matrices[finite])
+    return roots
 
 
 def _followed(roots: np.ndarray, exponent: complex, omega: np.ndarray) -> np.ndarray:

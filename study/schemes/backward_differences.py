@@ -46,7 +46,7 @@ class BackwardDifferences(Scheme):
     C. W. Gear, Numerical initial value problems in ordinary differential equations, Prentice-Hall, 1971.
     """
 
-    weights: tuple[float, ...] = eqx.field(static=True)
+    weights: tuple[float, ...] = eqx.field(static=True, converter=tuple)
     title: str = eqx.field(default="Backward differences", kw_only=True, static=True)
     source: str = eqx.field(default="Gear (1971)", kw_only=True, static=True)
     doi: str = eqx.field(default="", kw_only=True, static=True)

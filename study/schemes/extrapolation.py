@@ -37,7 +37,7 @@ class Extrapolation(OneStep):
     II.9 and II.14.
     """
 
-    sequence: tuple[int, ...] = eqx.field(static=True)
+    sequence: tuple[int, ...] = eqx.field(static=True, converter=tuple)
     title: str = eqx.field(default="Extrapolation", kw_only=True, static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"

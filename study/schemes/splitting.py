@@ -45,8 +45,8 @@ class Splitting(OneStep):
     E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, section VI.3.
     """
 
-    drifts: tuple[float, ...] = eqx.field(static=True)
-    kicks: tuple[float, ...] = eqx.field(static=True)
+    drifts: tuple[float, ...] = eqx.field(static=True, converter=tuple)
+    kicks: tuple[float, ...] = eqx.field(static=True, converter=tuple)
     of_order: int = eqx.field(static=True)
     title: str = eqx.field(default="Splitting", kw_only=True, static=True)
     source: str = eqx.field(default="Hairer et al. (2006)", kw_only=True, static=True)
@@ -124,7 +124,7 @@ class Composition(OneStep):
     L. Verlet, Computer "experiments" on classical fluids, Phys. Rev. 159, 1967, 98-103.
     """
 
-    weights: tuple[float, ...] = eqx.field(static=True)
+    weights: tuple[float, ...] = eqx.field(static=True, converter=tuple)
     of_order: int = eqx.field(static=True)
     title: str = eqx.field(default="Composition", kw_only=True, static=True)
     source: str = eqx.field(default="Yoshida (1990)", kw_only=True, static=True)

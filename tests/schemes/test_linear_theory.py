@@ -1,5 +1,7 @@
 """Linear theory out of the code against closed forms, against the run itself, and against what is claimed."""
 
+import re
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -268,3 +270,21 @@ def test_wilson_overshoots_and_the_generalized_alpha_method_does_not():
     assert average == pytest.approx(0, abs=1e-10)
     unstable = LinearTheory(study.schemes["central_difference"], PARTS).overshoot()[:, at_ten]
     assert np.isnan(unstable).all()
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        ({"dt_over_period": [0.2, 0.1]}, "dt_over_period must be positive and ascending"),
+        ({"dt_over_period": [0.0, 0.1]}, "dt_over_period must be positive and ascending"),
+        ({"dt_over_period": 0.1}, "of shape (points,), not 0.1"),
+        ({"dt_over_period": PARTS, "damping_ratio": 1.0}, "damping_ratio must be at least 0 and less than 1, not 1.0"),
+    ],
+)
+def test_mistakes_get_a_sentence(arguments, sentence):
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        LinearTheory(study.schemes["rk4"], **arguments)
+
+
+def test_a_grid_too_coarse_for_an_order_gives_none():
+    assert np.isnan(LinearTheory(study.schemes["rk4"], np.array([0.01, 0.1])).order())
