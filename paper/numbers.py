@@ -163,6 +163,7 @@ def _of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
     count = {scheme: int((fastest == scheme).sum()) for scheme in ("rk4", "central_difference")}
     titles = dict(zip(work.scheme.values, work.scheme_title.values, strict=True))
     implicit = work.scheme.values[work.explicit.values == 0]
+    explicit_high = work.scheme.values[(work.explicit.values == 1) & (work.order.values >= 4)]
     best, best_ms = _cheapest_below(spring, "scheme", spring.max_trajectory_error, spring.time_per_run)
     _, peer_ms = _cheapest_below(
         spring.sel(solver=["heyoka"]), "solver", spring.solver_max_trajectory_error, spring.solver_time_per_run
@@ -175,6 +176,7 @@ def _of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
         "work_others": cells.size - sum(count.values()),
         "work_ranking": ", ".join(f"{titles[name]} ({number})" for name, number in ranking.items()),
         "work_implicit": int(ranking.reindex(implicit).sum()),
+        "work_explicit_high": int(ranking.reindex(explicit_high).sum()),
         "work_best": titles[best],
         "work_best_ms": f"{best_ms:.2f}",
         "work_peer_ms": f"{peer_ms:.2f}",
@@ -190,10 +192,17 @@ def _of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
 
 
 def _of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
-    linear = spectral.amplitude_decay.sel(damping_ratio=0.0).interp(dt_over_period=1 / 64)
-    ratio = accuracy.amplitude_decay.sel(steps_per_period=64, periods=3) / linear
+    """Measured over linear: loss of amplitude of damped schemes, elongation of some that do not damp."""
+    linear = spectral.sel(damping_ratio=0.0).interp(dt_over_period=1 / 64)
+    measured = accuracy.sel(steps_per_period=64, periods=3, problem=["hardening", "softening"])
+    loss = measured.amplitude_decay / linear.amplitude_decay
+    faithful = ["average_acceleration", "central_difference", "energy_momentum"]
+    elongation = (measured.period_elongation / linear.period_elongation).sel(scheme=faithful)
     return {
-        f"kept_{scheme}_{problem}": f"{ratio.sel(scheme=scheme, problem=problem).item():.1f}"
+        "elongation_least": f"{elongation.min().item():.1f}",
+        "elongation_most": f"{elongation.max().item():.1f}",
+    } | {
+        f"kept_{scheme}_{problem}": f"{loss.sel(scheme=scheme, problem=problem).item():.1f}"
         for scheme in ("hht_alpha", "bathe", "rk4")
         for problem in ("hardening", "softening")
     }

@@ -46,10 +46,10 @@ class Newmark(OneStep):
     beta: float
     gamma: float
     title: str = eqx.field(default="Newmark", kw_only=True, static=True)
+    source: str = eqx.field(default="Newmark (1959)", kw_only=True, static=True)
+    doi: str = eqx.field(default="10.1061/JMCEA3.0000098", kw_only=True, static=True)
 
     family: ClassVar[str] = "Newmark and Wilson"
-    source: ClassVar[str] = "Newmark (1959)"
-    doi: ClassVar[str] = "10.1061/JMCEA3.0000098"
 
     def __check_init__(self):
         check_ranges(self, beta=(0.0, 0.5), gamma=(0.0, 1.0))
@@ -84,4 +84,6 @@ average_acceleration = Newmark(beta=0.25, gamma=0.5, title="Average acceleration
 central_difference = Newmark(beta=0.0, gamma=0.5, title="Central difference")
 newmark_dissipative = Newmark(beta=0.3025, gamma=0.6, title="Newmark, γ = 0.6")
 linear_acceleration = Newmark(beta=1 / 6, gamma=0.5, title="Linear acceleration")
-fox_goodwin = Newmark(beta=1 / 12, gamma=0.5, title="Fox-Goodwin")
+fox_goodwin = Newmark(
+    beta=1 / 12, gamma=0.5, title="Fox-Goodwin", source="Fox and Goodwin (1949)", doi="10.1017/S0305004100025007"
+)
