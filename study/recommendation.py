@@ -114,10 +114,11 @@ def recommend(
 
     Examples
     --------
-    >>> study.recommend("hardening", error=0.01, periods=100)  # doctest: +SKIP
-                        steps_per_period      time  force_evaluations
+    >>> study.recommend("hardening", error=0.01, periods=100).head(2)  # doctest: +SKIP
+                     steps_per_period      time  force_evaluations
     scheme
-    rk4                             91.1  0.000176            36434.2
+    mclachlan4              12.917079  0.000051        6458.539738
+    extrapolation12          8.000000  0.000099       17600.000000
     """
     for name, number in (("error", error), ("periods", periods)):
         if isinstance(number, bool) or not isinstance(number, int | float | np.number):
