@@ -17,10 +17,10 @@ LEAST = 1e-10
 
 
 def _points(ax, values, rows, label, **look) -> None:
-    """Sizes, filled where positive and open where negative."""
+    """Sizes, open where negative and filled elsewhere."""
     known = np.isfinite(values)
     size = np.maximum(np.abs(values[known]), LEAST)
-    negative = values[known] < 0
+    negative = values[known] < -LEAST
     filled = [look["color"] if not below else "white" for below in negative]
     ax.scatter(size, rows[known], s=16, marker=look["marker"], edgecolors=look["color"], facecolors=filled, zorder=3,
                linewidths=0.8, label=label)  # fmt: skip

@@ -36,7 +36,7 @@ def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
                     f"ξ = {damped:g}": f"{resisted.linear_order.item():.1f}",
                     "Re-derived": _number(free.order_rederived.item(), ".1f"),
                     "Ω crit": "∞" if np.isinf(limit) else f"{limit:.3f}",
-                    "ρ∞": f"{free.infinite_frequency_radius.item():.3f}" if np.isinf(limit) else "–",
+                    "ρ∞": f"{free.infinite_frequency_radius.item():.2f}" if np.isinf(limit) else "–",
                     "Elongation %": _number(100 * fine.period_elongation.item(), ".3f"),
                     "Damping %": _number(100 * fine.algorithmic_damping.item(), ".3f"),
                     "Overshoot u": _number(coarse.displacement_overshoot.item(), ".1f"),

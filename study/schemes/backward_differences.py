@@ -7,7 +7,7 @@ import jax
 
 from study.equilibrium import Effort, Motion, balance, load
 from study.schemes.newmark import average_acceleration
-from study.schemes.scheme import Scheme
+from study.schemes.scheme import Scheme, as_tuple, check_numbers
 
 
 class Memory(NamedTuple):
@@ -32,7 +32,7 @@ class BackwardDifferences(Scheme):
     Parameters
     ----------
     weights
-        d₀, d₁, ..., at least two, with d₀ > 0 and a sum of zero.
+        d₀ > 0, d₁, ..., exact for a constant and a straight line.
 
     Raises
     ------
@@ -46,7 +46,7 @@ class BackwardDifferences(Scheme):
     C. W. Gear, Numerical initial value problems in ordinary differential equations, Prentice-Hall, 1971.
     """
 
-    weights: tuple[float, ...] = eqx.field(static=True, converter=tuple)
+    weights: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     title: str = eqx.field(default="Backward differences", kw_only=True, static=True)
     source: str = eqx.field(default="Gear (1971)", kw_only=True, static=True)
     doi: str = eqx.field(default="", kw_only=True, static=True)
@@ -54,10 +54,11 @@ class BackwardDifferences(Scheme):
     family: ClassVar[str] = "Multi-step and composite"
 
     def __check_init__(self):
-        if len(self.weights) < 2 or not self.weights[0] > 0 or abs(sum(self.weights)) > 1e-12:
+        check_numbers("BackwardDifferences", "weights", self.weights)
+        if self.weights[0] <= 0 or abs(sum(self.weights)) > 1e-12 or self.order < 1:
             raise ValueError(
-                f"BackwardDifferences(weights={self.weights}): weights must be at least two numbers, the first greater "
-                "than zero, that add up to zero."
+                f"BackwardDifferences(weights={self.weights}): weights must be those of a derivative, the first "
+                "greater than zero: add up to zero, and be exact for a straight line."
             )
 
     @property

@@ -44,6 +44,11 @@ class Compensated(Scheme):
     scheme
         A scheme whose step adds to displacement and velocity: all one-step schemes of the study.
 
+    Raises
+    ------
+    TypeError
+        If it is none.
+
     References
     ----------
     W. Kahan, Further remarks on reducing truncation errors, Comm. ACM 8(1), 1965, 40.
@@ -55,6 +60,12 @@ class Compensated(Scheme):
     family: ClassVar[str] = "Compensated"
     source: ClassVar[str] = "Kahan (1965)"
     doi: ClassVar[str] = "10.1145/363707.363723"
+
+    def __check_init__(self):
+        if not isinstance(self.scheme, OneStep):
+            raise TypeError(
+                f"Compensated takes a scheme whose step adds to u and u̇, a study.OneStep, not {self.scheme!r}."
+            )
 
     @property
     def order(self) -> int:

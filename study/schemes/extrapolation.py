@@ -6,7 +6,7 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.equilibrium import Effort, Motion, acceleration
-from study.schemes.scheme import OneStep, start_in_balance
+from study.schemes.scheme import OneStep, as_tuple, check_numbers, start_in_balance
 from study.schemes.splitting import Composition
 
 
@@ -17,8 +17,8 @@ class Extrapolation(OneStep):
 
     As Verlet's method is symmetric its error is a series in (Δt/n)², of which k terms are removed but the last: order
     2k, with damping and load too. The k sequences do not depend on each other, so that a processor runs them side by
-    side. Not symplectic; n = 1, 2, ..., 6 is stable without damping for ωΔt ≤ 3.705. Carries u, u̇ and ü;
-    n₁ + ... + n_k + 1 forces a step.
+    side. Not symplectic; n = 1, 2, ..., 6 is stable without damping for ωΔt ≤ 3.141, and again
+    beyond a narrow window at π. Carries u, u̇ and ü; n₁ + ... + n_k + 1 forces a step.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Extrapolation(OneStep):
     II.9 and II.14.
     """
 
-    sequence: tuple[int, ...] = eqx.field(static=True, converter=tuple)
+    sequence: tuple[int, ...] = eqx.field(static=True, converter=as_tuple)
     title: str = eqx.field(default="Extrapolation", kw_only=True, static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
@@ -45,8 +45,9 @@ class Extrapolation(OneStep):
     doi: ClassVar[str] = "10.1137/0702030"
 
     def __check_init__(self):
+        check_numbers("Extrapolation", "sequence", self.sequence)
         rising = all(a < b for a, b in zip((0, *self.sequence), self.sequence, strict=False))
-        if not self.sequence or not rising or not all(isinstance(n, int) for n in self.sequence):
+        if not rising or not all(isinstance(n, int) for n in self.sequence):
             raise ValueError(
                 f"Extrapolation(sequence={self.sequence}): sequence must be whole numbers that rise from at least 1."
             )

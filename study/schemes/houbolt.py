@@ -116,7 +116,7 @@ class Houbolt(Scheme):
     doi: ClassVar[str] = "10.2514/8.1722"
 
     def __check_init__(self):
-        if self.start_by not in starts:
+        if not isinstance(self.start_by, str) or self.start_by not in starts:
             raise ValueError(
                 f"Houbolt(start_by={self.start_by!r}): no such start; {did_you_mean(str(self.start_by), starts)}"
             )

@@ -20,9 +20,10 @@ class KolayRicles(OneStep):
 
     α_m, α_f, β and γ are those of the generalized-α method for ρ∞, and so are the eigenvalues for a linear structure:
     of second order, and unconditionally stable. The velocity that it carries trails by half a step, so that a motion
-    that starts with an acceleration is of first order. Published as stable for structures that soften. On one that
-    hardens it is stable as long as the tangent is below 4/Δt² M + K (ρ∞ = 1, no damping). Carries u, u̇ and ü; one
-    force a step, and three solutions.
+    that starts with an acceleration is of first order. Published as stable for structures that soften. With a tangent k
+    above K, as on one that hardens, eigenvalues exceed one: for ρ∞ = 1 as soon as k > 4/Δt² M + K without damping, and
+    for 0.8 at every step size, if by little at small ones. Carries u, u̇ and ü; one force a step (the tangent at u = 0
+    is the same in all), and three solutions.
 
     Parameters
     ----------

@@ -41,7 +41,7 @@ class Scheme(eqx.Module):
 
     @property
     def damped_order(self) -> int:
-        """Order of accuracy where there is damping or a load."""
+        """Order of accuracy where there is damping or a load, the lower of both."""
         return self.order
 
     @property
@@ -83,6 +83,21 @@ class OneStep(Scheme):
 def start_in_balance(self, problem: Problem, u0, v0, dt) -> tuple[Motion, Effort]:
     """State at t = 0 with the acceleration that the equation of motion gives there."""
     return Motion(u0, v0, acceleration(problem, 0.0, u0, v0)), Effort()
+
+
+def as_tuple(values):
+    """A tuple of a list, whatever else as it is."""
+    return tuple(values) if isinstance(values, list) else values
+
+
+def check_numbers(scheme: str, name: str, values) -> None:
+    """Refuse what is no tuple of finite numbers."""
+    if (
+        not isinstance(values, tuple)
+        or not values
+        or not all(isinstance(v, int | float) and not isinstance(v, bool) and np.isfinite(v) for v in values)
+    ):
+        raise ValueError(f"{scheme}({name}={values!r}): {name} must be a tuple of finite numbers.")
 
 
 def check_range(scheme: str, name: str, value, low: float, high: float) -> None:

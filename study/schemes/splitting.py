@@ -7,12 +7,18 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.equilibrium import Effort, Motion, Phase, acceleration
-from study.schemes.scheme import OneStep, start_in_balance
+from study.schemes.scheme import OneStep, as_tuple, check_numbers, start_in_balance
 
 
 def _check_weights(scheme: str, name: str, weights: Sequence[float]) -> None:
-    if not weights or abs(sum(weights) - 1) > 1e-12:
+    check_numbers(scheme, name, weights)
+    if abs(sum(weights) - 1) > 1e-12:
         raise ValueError(f"{scheme}({name}={weights}): {name} must be numbers that add up to one.")
+
+
+def _check_order(scheme: str, order: int) -> None:
+    if isinstance(order, bool) or not isinstance(order, int) or order < 1:
+        raise ValueError(f"{scheme}(of_order={order!r}): of_order must be a whole number of at least 1.")
 
 
 class Splitting(OneStep):
@@ -45,8 +51,8 @@ class Splitting(OneStep):
     E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, section VI.3.
     """
 
-    drifts: tuple[float, ...] = eqx.field(static=True, converter=tuple)
-    kicks: tuple[float, ...] = eqx.field(static=True, converter=tuple)
+    drifts: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
+    kicks: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     of_order: int = eqx.field(static=True)
     title: str = eqx.field(default="Splitting", kw_only=True, static=True)
     source: str = eqx.field(default="Hairer et al. (2006)", kw_only=True, static=True)
@@ -57,6 +63,7 @@ class Splitting(OneStep):
     def __check_init__(self):
         _check_weights("Splitting", "drifts", self.drifts)
         _check_weights("Splitting", "kicks", self.kicks)
+        _check_order("Splitting", self.of_order)
         if len(self.drifts) != len(self.kicks) + 1:
             raise ValueError(
                 f"Splitting needs one drift more than kicks, not {len(self.drifts)} for {len(self.kicks)}."
@@ -99,10 +106,10 @@ class Composition(OneStep):
     u̇ ← u̇ + h/2 ü,    u ← u + h u̇,    M ü + C (u̇ + h/2 ü) + p(u) = f(t),    u̇ ← u̇ + h/2 ü
 
     w = (1) is velocity Verlet itself, which is central difference (registered once, as that): second order, stable for
-    ωΔt ≤ 2. As it is
-    symmetric, weights that cancel its errors of third order, of fifth, ... make methods of order 4 (Yoshida, three
-    steps, stable for ωΔt ≤ 1.573), 6 (Yoshida, seven, 2.269) and 8 (Kahan and Li, seventeen, 5.634), with damping and
-    load too; symplectic without. Carries u, u̇ and ü; s forces a step.
+    ωΔt ≤ 2. As it is symmetric, weights that cancel its errors of third order, of fifth, ... make methods of order 4
+    (Yoshida, three steps, stable for ωΔt ≤ 1.573), 6 (Yoshida, seven, 2.269) and 8 (Kahan and Li, seventeen, 3.096, and
+    again beyond a narrow window at π), with damping and load too; symplectic without damping. Carries u, u̇ and ü;
+    s forces a step.
 
     Parameters
     ----------
@@ -124,7 +131,7 @@ class Composition(OneStep):
     L. Verlet, Computer "experiments" on classical fluids, Phys. Rev. 159, 1967, 98-103.
     """
 
-    weights: tuple[float, ...] = eqx.field(static=True, converter=tuple)
+    weights: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     of_order: int = eqx.field(static=True)
     title: str = eqx.field(default="Composition", kw_only=True, static=True)
     source: str = eqx.field(default="Yoshida (1990)", kw_only=True, static=True)
@@ -134,6 +141,7 @@ class Composition(OneStep):
 
     def __check_init__(self):
         _check_weights("Composition", "weights", self.weights)
+        _check_order("Composition", self.of_order)
         if self.weights != self.weights[::-1]:
             raise ValueError(f"Composition(weights={self.weights}): weights must be the same from both ends.")
 

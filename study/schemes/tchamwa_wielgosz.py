@@ -14,8 +14,8 @@ class TchamwaWielgosz(OneStep):
     u₁ = u₀ + Δt u̇₀ + φ Δt² ü₀,    u̇₁ = u̇₀ + Δt ü₀
     M ü₁ + C u̇₁ + p(u₁) = f(t₁)
 
-    First order. φ = 1 is the symplectic Euler method; with φ > 1 it damps high frequencies. Stable without damping for
-    ωΔt ≤ 2/√(2φ − 1). Carries u, u̇ and ü; one force a step.
+    First order. φ = 1 is, without damping, the symplectic Euler method; with φ > 1 it damps high frequencies. Stable
+    without damping for ωΔt ≤ 2/√(2φ − 1). Carries u, u̇ and ü; one force a step.
 
     Parameters
     ----------

@@ -195,10 +195,11 @@ def test_symmetric_schemes_come_back(name):
 
 
 @pytest.mark.parametrize(
-    "scheme, factor, stable", [(1.0, 1.0, True), (1.0, 4.0, True), (1.0, 5.5, False), (0.5, 1.0, True)]
+    "scheme, factor, stable",
+    [(1.0, 1.0, True), (1.0, 4.0, True), (1.0, 5.5, False), (0.8, 0.5, True), (0.8, 1.0, True), (0.8, 1.5, False)],
 )
 def test_stability_of_kr_alpha_is_that_of_its_model(scheme, factor, stable):
-    """A model without damping keeps a stiffness k up to k ≤ 4/Δt² + K at ρ∞ = 1: the structure must not harden more."""
+    """At ρ∞ = 1 a stiffness is kept up to 4/Δt² + K; with ρ∞ = 0.8 one above K, as of a structure that hardens, is not."""
     dt, rest = 1.0, 1.0
     # a spring whose tangent is 1 at rest and `factor` away from it
     problem = study.Problem(lambda u: jnp.where(jnp.abs(u) < 1e-6, rest, factor) * u, u0=1.0)
@@ -318,11 +319,19 @@ def test_parameters_out_of_range_are_refused(make, name, value):
 @pytest.mark.parametrize(
     "make, sentence",
     [
-        (lambda: study.BackwardDifferences((1.0, 1.0)), "weights must be at least two numbers"),
+        (lambda: study.BackwardDifferences((1.0, 1.0)), "weights must be those of a derivative"),
+        (lambda: study.BackwardDifferences((2.0, -2.0)), "weights must be those of a derivative"),
+        (lambda: study.BackwardDifferences("ab"), "weights must be a tuple of finite numbers"),
+        (lambda: study.BackwardDifferences((1.0, float("nan"))), "weights must be a tuple of finite numbers"),
+        (lambda: study.Splitting((0.0, 1.0), (float("nan"),), of_order=1), "kicks must be a tuple of finite numbers"),
+        (lambda: study.Composition(1.0, of_order=2), "weights must be a tuple of finite numbers"),
+        (lambda: study.Composition((1.0,), of_order="x"), "of_order must be a whole number of at least 1"),
+        (lambda: study.Extrapolation((True, 2)), "sequence must be a tuple of finite numbers"),
+        (lambda: study.Extrapolation(3), "sequence must be a tuple of finite numbers"),
         (lambda: study.Splitting((0.0, 1.0), (0.5,), of_order=1), "kicks must be numbers that add up to one"),
         (lambda: study.Splitting((1.0,), (1.0,), of_order=1), "one drift more than kicks, not 1 for 1"),
         (lambda: study.Composition((0.5, 0.2, 0.3), of_order=2), "weights must be the same from both ends"),
-        (lambda: study.Composition((), of_order=2), "weights must be numbers that add up to one"),
+        (lambda: study.Composition((), of_order=2), "weights must be a tuple of finite numbers"),
         (lambda: study.Extrapolation((2, 1)), "sequence must be whole numbers that rise from at least 1"),
         (lambda: study.AverageVectorField(points=0), "points must be a whole number of at least 1"),
     ],
@@ -330,6 +339,12 @@ def test_parameters_out_of_range_are_refused(make, name, value):
 def test_weights_that_make_no_scheme_are_refused(make, sentence):
     with pytest.raises(ValueError, match=sentence):
         make()
+
+
+@pytest.mark.parametrize("scheme", ["rk4", None, study.schemes["houbolt"]])
+def test_only_steps_that_add_can_be_compensated(scheme):
+    with pytest.raises(TypeError, match="Compensated takes a scheme whose step adds to u and u̇"):
+        study.Compensated(scheme)
 
 
 def test_an_unknown_start_is_refused_with_the_nearest():
