@@ -47,6 +47,8 @@ class HHTAlpha(OneStep):
     family: ClassVar[str] = "α-methods"
     source: ClassVar[str] = "Hilber et al. (1977)"
     doi: ClassVar[str] = "10.1002/eqe.4290050306"
+    explicit = False
+    evaluations = 1
 
     def __check_init__(self):
         check_ranges(self, alpha=(-1 / 3, 0.0), beta=(0.0, 0.5), gamma=(0.0, 1.0))
@@ -59,14 +61,6 @@ class HHTAlpha(OneStep):
     def damped_order(self) -> int:
         # eq. (12) weights neither damping nor load
         return self.order if self.alpha == 0 else 1
-
-    @property
-    def explicit(self) -> bool:
-        return False
-
-    @property
-    def evaluations(self) -> int:
-        return 1
 
     start = start_in_balance
 
@@ -119,6 +113,7 @@ class GeneralizedAlpha(OneStep):
     doi: str = eqx.field(default="10.1115/1.2900803", kw_only=True, static=True)
 
     family: ClassVar[str] = "α-methods"
+    explicit = False
 
     def __check_init__(self):
         check_ranges(self, alpha_m=(-1.0, 0.5), alpha_f=(0.0, 0.5), beta=(0.0, 1.0), gamma=(0.0, 1.5))
@@ -152,10 +147,6 @@ class GeneralizedAlpha(OneStep):
     @property
     def order(self) -> int:
         return 2 if abs(self.gamma - (0.5 - self.alpha_m + self.alpha_f)) < 1e-12 else 1
-
-    @property
-    def explicit(self) -> bool:
-        return False
 
     start = start_in_balance
 

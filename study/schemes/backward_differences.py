@@ -52,6 +52,7 @@ class BackwardDifferences(Scheme):
     doi: str = eqx.field(default="", kw_only=True, static=True)
 
     family: ClassVar[str] = "Multi-step and composite"
+    explicit = False
 
     def __check_init__(self):
         check_numbers("BackwardDifferences", "weights", self.weights)
@@ -68,10 +69,6 @@ class BackwardDifferences(Scheme):
 
         # exact for powers of t up to the order, at t = 1 where ẏ = power
         return next(p for p in range(len(self.weights) + 1) if abs(moment(p + 1) - (p + 1)) > 1e-12)
-
-    @property
-    def explicit(self) -> bool:
-        return False
 
     def start(self, problem, u0, v0, dt):
         now, effort = average_acceleration.start(problem, u0, v0, dt)

@@ -51,6 +51,8 @@ class Bathe(OneStep):
     doi: str = eqx.field(default="10.1016/j.compstruc.2005.08.001", kw_only=True, static=True)
 
     family: ClassVar[str] = "Multi-step and composite"
+    order = 2
+    explicit = False
 
     def __check_init__(self):
         check_ranges(self, gamma=(0.01, 0.99), rho_inf=(0.0, 1.0))
@@ -60,14 +62,6 @@ class Bathe(OneStep):
         """The method with that γ for which both sub-steps have the same effective stiffness, 0 ≤ ρ∞ < 1."""
         check_range("Bathe.of_one_stiffness", "rho_inf", rho_inf, 0.0, math.nextafter(1.0, 0.0))
         return cls((2 - math.sqrt(2 + 2 * rho_inf)) / (1 - rho_inf), rho_inf, **labels)
-
-    @property
-    def order(self) -> int:
-        return 2
-
-    @property
-    def explicit(self) -> bool:
-        return False
 
     start = start_in_balance
 

@@ -32,14 +32,8 @@ class ImplicitMidpoint(OneStep):
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Hairer et al. (2006)"
     doi: ClassVar[str] = "10.1007/3-540-30666-8"
-
-    @property
-    def order(self) -> int:
-        return 2
-
-    @property
-    def explicit(self) -> bool:
-        return False
+    order = 2
+    explicit = False
 
     start = start_in_balance
 
@@ -94,22 +88,10 @@ class EnergyMomentum(OneStep):
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Gonzalez (1996)"
     doi: ClassVar[str] = "10.1007/BF02440162"
-
-    @property
-    def order(self) -> int:
-        return 2
-
-    @property
-    def explicit(self) -> bool:
-        return False
-
-    @property
-    def evaluations(self) -> int:
-        return 1
-
-    @property
-    def evaluations_per_iteration(self) -> int:
-        return 2
+    order = 2
+    explicit = False
+    evaluations = 1
+    evaluations_per_iteration = 2
 
     def start(self, problem, u0, v0, dt):
         if problem.potential is None:
@@ -155,18 +137,12 @@ class AverageVectorField(OneStep):
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Quispel and McLaren (2008)"
     doi: ClassVar[str] = "10.1088/1751-8113/41/4/045206"
+    order = 2
+    explicit = False
 
     def __check_init__(self):
         if isinstance(self.points, bool) or not isinstance(self.points, int) or self.points < 1:
             raise ValueError(f"AverageVectorField(points={self.points}): points must be a whole number of at least 1.")
-
-    @property
-    def order(self) -> int:
-        return 2
-
-    @property
-    def explicit(self) -> bool:
-        return False
 
     @property
     def evaluations_per_iteration(self) -> int:

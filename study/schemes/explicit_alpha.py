@@ -47,6 +47,8 @@ class ExplicitAlpha(OneStep):
     doi: str = eqx.field(default="10.1016/S0045-7825(96)01036-5", kw_only=True, static=True)
 
     family: ClassVar[str] = "Explicit with dissipation"
+    explicit = True
+    evaluations = 1
 
     def __check_init__(self):
         check_ranges(self, alpha_m=(-1.0, 0.5), beta=(0.0, 5.0), gamma=(0.0, 2.5))
@@ -68,14 +70,6 @@ class ExplicitAlpha(OneStep):
     @property
     def order(self) -> int:
         return 2 if math.isclose(self.gamma, 1.5 - self.alpha_m) else 1
-
-    @property
-    def explicit(self) -> bool:
-        return True
-
-    @property
-    def evaluations(self) -> int:
-        return 1
 
     start = start_in_balance
 

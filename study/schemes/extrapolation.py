@@ -43,6 +43,7 @@ class Extrapolation(OneStep):
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Gragg (1965)"
     doi: ClassVar[str] = "10.1137/0702030"
+    explicit = True
 
     def __check_init__(self):
         check_numbers("Extrapolation", "sequence", self.sequence)
@@ -55,10 +56,6 @@ class Extrapolation(OneStep):
     @property
     def order(self) -> int:
         return 2 * len(self.sequence)
-
-    @property
-    def explicit(self) -> bool:
-        return True
 
     @property
     def evaluations(self) -> int:

@@ -114,20 +114,14 @@ class Houbolt(Scheme):
     family: ClassVar[str] = "Multi-step and composite"
     source: ClassVar[str] = "Houbolt (1950)"
     doi: ClassVar[str] = "10.2514/8.1722"
+    order = 2
+    explicit = False
 
     def __check_init__(self):
         if not isinstance(self.start_by, str) or self.start_by not in starts:
             raise ValueError(
                 f"Houbolt(start_by={self.start_by!r}): no such start; {did_you_mean(str(self.start_by), starts)}"
             )
-
-    @property
-    def order(self) -> int:
-        return 2
-
-    @property
-    def explicit(self) -> bool:
-        return False
 
     def start(self, problem, u0, v0, dt):
         u_1, u_2, effort = starts[self.start_by](problem, u0, v0, dt)

@@ -47,21 +47,12 @@ class KolayRicles(OneStep):
     family: ClassVar[str] = "Explicit with dissipation"
     source: ClassVar[str] = "Kolay and Ricles (2014)"
     doi: ClassVar[str] = "10.1002/eqe.2401"
+    order = 1
+    explicit = True
+    evaluations = 1
 
     def __check_init__(self):
         check_ranges(self, rho_inf=(0.0, 1.0))
-
-    @property
-    def order(self) -> int:
-        return 1
-
-    @property
-    def explicit(self) -> bool:
-        return True
-
-    @property
-    def evaluations(self) -> int:
-        return 1
 
     start = start_in_balance
 

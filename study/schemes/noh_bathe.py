@@ -41,21 +41,12 @@ class NohBathe(OneStep):
     family: ClassVar[str] = "Explicit with dissipation"
     source: ClassVar[str] = "Noh and Bathe (2013)"
     doi: ClassVar[str] = "10.1016/j.compstruc.2013.06.007"
+    order = 2
+    explicit = True
+    evaluations = 2
 
     def __check_init__(self):
         check_ranges(self, p=(0.5, 0.9))
-
-    @property
-    def order(self) -> int:
-        return 2
-
-    @property
-    def explicit(self) -> bool:
-        return True
-
-    @property
-    def evaluations(self) -> int:
-        return 2
 
     start = start_in_balance
 

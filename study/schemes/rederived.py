@@ -33,10 +33,7 @@ class Rederived(Scheme):
     family: ClassVar[str] = "Rederived"
     source: ClassVar[str] = "Erlicher et al. (2002)"
     doi: ClassVar[str] = "10.1007/s00466-001-0273-z"
-
-    @property
-    def order(self) -> int:
-        return 1
+    order = 1
 
     @property
     def explicit(self) -> bool:

@@ -32,18 +32,9 @@ class RungeKutta4(OneStep):
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Kutta (1901)"
     doi: ClassVar[str] = ""
-
-    @property
-    def order(self) -> int:
-        return 4
-
-    @property
-    def explicit(self) -> bool:
-        return True
-
-    @property
-    def evaluations(self) -> int:
-        return 4
+    order = 4
+    explicit = True
+    evaluations = 4
 
     def start(self, problem, u0, v0, dt):
         return Phase(u0, v0), Effort()
@@ -80,18 +71,9 @@ class Nystrom4(OneStep):
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Nyström (1925)"
     doi: ClassVar[str] = ""
-
-    @property
-    def order(self) -> int:
-        return 4
-
-    @property
-    def explicit(self) -> bool:
-        return True
-
-    @property
-    def evaluations(self) -> int:
-        return 3
+    order = 4
+    explicit = True
+    evaluations = 3
 
     def start(self, problem, u0, v0, dt):
         return Phase(u0, v0), Effort()
@@ -134,18 +116,9 @@ class Gauss4(OneStep):
     family: ClassVar[str] = "Runge-Kutta and conserving"
     source: ClassVar[str] = "Butcher (1964)"
     doi: ClassVar[str] = "10.1090/S0025-5718-1964-0159424-9"
-
-    @property
-    def order(self) -> int:
-        return 4
-
-    @property
-    def explicit(self) -> bool:
-        return False
-
-    @property
-    def evaluations_per_iteration(self) -> int:
-        return 2
+    order = 4
+    explicit = False
+    evaluations_per_iteration = 2
 
     def start(self, problem, u0, v0, dt):
         a0 = acceleration(problem, 0.0, u0, v0)

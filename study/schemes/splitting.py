@@ -59,6 +59,7 @@ class Splitting(OneStep):
     doi: str = eqx.field(default="10.1007/3-540-30666-8", kw_only=True, static=True)
 
     family: ClassVar[str] = "Splitting"
+    explicit = True
 
     def __check_init__(self):
         _check_weights("Splitting", "drifts", self.drifts)
@@ -76,10 +77,6 @@ class Splitting(OneStep):
     @property
     def damped_order(self) -> int:
         return min(self.of_order, 2)
-
-    @property
-    def explicit(self) -> bool:
-        return True
 
     @property
     def evaluations(self) -> int:
@@ -138,6 +135,7 @@ class Composition(OneStep):
     doi: str = eqx.field(default="10.1016/0375-9601(90)90092-3", kw_only=True, static=True)
 
     family: ClassVar[str] = "Splitting"
+    explicit = True
 
     def __check_init__(self):
         _check_weights("Composition", "weights", self.weights)
@@ -148,10 +146,6 @@ class Composition(OneStep):
     @property
     def order(self) -> int:
         return self.of_order
-
-    @property
-    def explicit(self) -> bool:
-        return True
 
     @property
     def evaluations(self) -> int:

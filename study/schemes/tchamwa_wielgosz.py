@@ -39,21 +39,12 @@ class TchamwaWielgosz(OneStep):
     family: ClassVar[str] = "Explicit with dissipation"
     source: ClassVar[str] = "Tchamwa et al. (1999)"
     doi: ClassVar[str] = ""
+    order = 1
+    explicit = True
+    evaluations = 1
 
     def __check_init__(self):
         check_ranges(self, phi=(1.0, 2.0))
-
-    @property
-    def order(self) -> int:
-        return 1
-
-    @property
-    def explicit(self) -> bool:
-        return True
-
-    @property
-    def evaluations(self) -> int:
-        return 1
 
     start = start_in_balance
 

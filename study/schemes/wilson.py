@@ -46,6 +46,7 @@ class WilsonTheta(OneStep):
     family: ClassVar[str] = "Newmark and Wilson"
     source: ClassVar[str] = "Wilson et al. (1973)"
     doi: ClassVar[str] = "10.1002/eqe.4290010305"
+    explicit = False
 
     def __check_init__(self):
         check_ranges(self, theta=(1.0, float("inf")), beta=(0.0, 0.5), gamma=(0.0, 1.0))
@@ -53,10 +54,6 @@ class WilsonTheta(OneStep):
     @property
     def order(self) -> int:
         return 2 if self.gamma == 0.5 else 1
-
-    @property
-    def explicit(self) -> bool:
-        return False
 
     start = start_in_balance
 
