@@ -117,7 +117,7 @@ def forces() -> Iterator[Case]:
 
 
 def against_heyoka() -> Iterator[Case]:
-    """The scheme of highest order against heyoka: 100 periods of the hardening spring to 1e-10, each in one call."""
+    """The scheme of highest order against heyoka: 100 periods of the hardening spring to 1e-10."""
     problem, parts, periods = study.problems["hardening"], 32, 100
     exact_period, certified = exact.period(problem, printed_periods["hardening"])
     period = float(exact_period)
@@ -130,7 +130,8 @@ def against_heyoka() -> Iterator[Case]:
     run = Timed(problem, study.schemes["extrapolation12"], (EnergyDrift(),))
     yield Case(
         "extrapolation12, 100 periods to 1e-10 : heyoka",
-        lambda: run.run(period / parts, parts * periods)[0],
+        # heyoka's time has neither its set-up nor the call in it: ours is taken over ten times the periods
+        lambda: run.run(period / parts, 10 * parts * periods)[0] / 10,
         lambda: taylor.trajectory(problem, t, 1e-13).seconds,
         1.0,
         parts * periods,
