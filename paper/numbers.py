@@ -12,11 +12,10 @@ import xarray as xr
 from paper.data import load, of_the_paper
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
+from paper.tables.stability import GAIN, PROBLEMS
 
 #: The error of the displacement at which the fastest are compared.
 EXACTING = 1e-10
-#: The problems whose energy is positive, so that a gain of it can be told from a loss.
-SPRINGS = ["hardening", "softening", "softening_large"]
 
 
 def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
@@ -212,9 +211,9 @@ def _of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
     free = spectral.sel(damping_ratio=0.0)
     damped = spectral.sel(damping_ratio=spectral.damping_ratio.max())
     unlimited = free.scheme.values[np.isinf(free.stability_limit.values)]
-    tried = large_steps.sel(scheme=[name for name in unlimited if name in large_steps.scheme], problem=SPRINGS)
+    tried = large_steps.sel(scheme=[name for name in unlimited if name in large_steps.scheme], problem=PROBLEMS)
     steps = ["problem", "dt_over_period"]
-    gained, failed = (tried.max_energy_error > 101).any(steps), (tried.status != 0).any(steps)
+    gained, failed = (tried.max_energy_error > GAIN).any(steps), (tried.status != 0).any(steps)
     wilson = free.displacement_overshoot.sel(scheme="wilson_theta").sel(dt_over_period=10, method="nearest")
     untouched = tried.scheme_title.values[~(gained | failed).values]
     return {

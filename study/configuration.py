@@ -20,9 +20,9 @@ _REGISTRIES: dict[str, Registry] = {
     "scheme": schemes,
     "schemes": schemes,
 }
-#: The sections whose products the manuscript compares with the paper, which has these schemes and problems.
 #: Lengths of runs, in periods, that figures and tables of the accuracy show.
 _SHOWN_PERIODS = (1, 3, 100)
+#: The sections whose products the manuscript compares with the paper, which has these schemes and problems.
 _OF_THE_PAPER = ("energy_error", "cpu_time", "large_steps", "sensitivity", "spectral", "accuracy")
 _PAPER_SCHEMES = list(schemes)[:7]
 _PAPER_PROBLEMS = ("hardening", "softening")

@@ -89,6 +89,34 @@ class Nystrom4(OneStep):
         return Phase(dt * v + dt**2 / 6 * (k1 + k2 + k3), dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4)), Effort()
 
 
+class Stages(NamedTuple):
+    """Displacement and velocity, each of shape () or (n,), and the accelerations (2, ...) of the last stages."""
+
+    u: jax.Array
+    v: jax.Array
+    a: jax.Array
+
+
+class _Twice(NamedTuple):
+    """Two stages of a problem as one of twice its unknowns."""
+
+    force: Callable
+    mass: Any
+    damping: Any
+
+
+def _twice(problem: Problem, shape: tuple[int, ...]) -> _Twice:
+    def force(u):
+        return jnp.stack([problem.force(stage) for stage in u.reshape(2, *shape)]).ravel()
+
+    def doubled(matrix):
+        if matrix is None or jnp.ndim(matrix) == 0:
+            return matrix
+        return jnp.tile(matrix, 2) if jnp.ndim(matrix) == 1 else jnp.kron(jnp.eye(2), matrix)
+
+    return _Twice(force, doubled(problem.mass), doubled(problem.damping))
+
+
 #: Weights of the two-stage Gauss method: stage velocities from stage accelerations.
 _GAUSS = np.array([[1 / 4, 1 / 4 - np.sqrt(3) / 6], [1 / 4 + np.sqrt(3) / 6, 1 / 4]])
 _GAUSS_TIMES = _GAUSS.sum(axis=1)
@@ -136,34 +164,6 @@ class Gauss4(OneStep):
         first, second = a = a.reshape(2, *u.shape)
         before, after = ((1 - _GAUSS_TIMES) / 2).tolist()
         return Stages(dt * v + dt**2 * (before * first + after * second), dt / 2 * (first + second), a), effort
-
-
-class Stages(NamedTuple):
-    """Displacement and velocity, each of shape () or (n,), and the accelerations (2, ...) of the last stages."""
-
-    u: jax.Array
-    v: jax.Array
-    a: jax.Array
-
-
-class _Twice(NamedTuple):
-    """Two stages of a problem as one of twice its unknowns."""
-
-    force: Callable
-    mass: Any
-    damping: Any
-
-
-def _twice(problem: Problem, shape: tuple[int, ...]) -> _Twice:
-    def force(u):
-        return jnp.stack([problem.force(stage) for stage in u.reshape(2, *shape)]).ravel()
-
-    def doubled(matrix):
-        if matrix is None or jnp.ndim(matrix) == 0:
-            return matrix
-        return jnp.tile(matrix, 2) if jnp.ndim(matrix) == 1 else jnp.kron(jnp.eye(2), matrix)
-
-    return _Twice(force, doubled(problem.mass), doubled(problem.damping))
 
 
 rk4 = RungeKutta4()
