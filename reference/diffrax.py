@@ -16,6 +16,7 @@ from reference.solution import (
     check_tolerance,
     check_trajectory,
     release,
+    right_side,
 )
 from study.problem import Problem
 
@@ -54,16 +55,6 @@ def _solver(method: str):
     return solver()
 
 
-def _right_side(t, y, problem: Problem):
-    u, v = y
-    balance = -problem.force(u)
-    if problem.damping is not None:
-        balance -= problem.damping * v
-    if problem.load is not None:
-        balance += problem.load(t)
-    return jnp.stack([v, balance if problem.mass is None else balance / problem.mass])
-
-
 def _controller(rtol, stops=None):
     controller = diffrax.PIDController(rtol=rtol, atol=rtol * ATOL_BELOW_RTOL)
     return controller if stops is None else diffrax.ClipStepSizeController(controller, step_ts=stops)
@@ -72,7 +63,7 @@ def _controller(rtol, stops=None):
 @eqx.filter_jit
 def _solve(problem: Problem, t, rtol, method: str, max_steps: int):
     return diffrax.diffeqsolve(
-        diffrax.ODETerm(_right_side),
+        diffrax.ODETerm(right_side),
         _solver(method),
         t0=0.0,
         t1=t[-1],
@@ -106,18 +97,18 @@ def trajectory(
     Raises
     ------
     ValueError
-        If the tolerance cannot be reached, the problem has more than one unknown, or the times do not increase.
+        If the tolerance cannot be reached, the mass is singular, or the times do not increase.
     RouteFailed
         If diffrax gives up, for instance at the limit of steps.
     """
     check_tolerance(f"diffrax {method}", rtol, SMALLEST_RTOL)
-    check_trajectory(f"diffrax {method}", problem, t)
+    check_trajectory(f"diffrax {method}", problem, t, unknowns=np.inf)
     times = jnp.asarray(t, float)
     _solve(problem, times, jnp.asarray(LOOSE_RTOL), method, max_steps).ys.block_until_ready()  # compiles
     start = time.perf_counter()
     solution = _solve(problem, times, jnp.asarray(rtol), method, max_steps)
     _check(problem, method, solution)
-    u, v = np.asarray(solution.ys).T
+    u, v = np.moveaxis(np.asarray(solution.ys), 1, 0)
     seconds = time.perf_counter() - start
     return Solution(u, v, int(solution.stats["num_steps"]) * STAGES[method], seconds)
 
@@ -125,7 +116,7 @@ def trajectory(
 @eqx.filter_jit
 def _fixed(problem: Problem, dt, t1):
     return diffrax.diffeqsolve(
-        diffrax.ODETerm(_right_side),
+        diffrax.ODETerm(right_side),
         ClassicalRungeKutta(),
         t0=0.0,
         t1=t1,
@@ -155,7 +146,7 @@ def _until(problem: Problem, t1, turning, rtol, method: str):
         direction=True,
     )
     return diffrax.diffeqsolve(
-        diffrax.ODETerm(_right_side),
+        diffrax.ODETerm(right_side),
         _solver(method),
         t0=0.0,
         t1=t1,
@@ -191,5 +182,5 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str =
     t = float(found.ts[-1])
     for _ in range(2):
         y = _until(problem, np.float64(t), np.float64(0.0), tolerance, method).ys[-1]
-        t -= float(y[1] / _right_side(t, y, problem)[1])
+        t -= float(y[1] / right_side(t, y, problem)[1])
     return 2 * t

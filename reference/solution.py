@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
 
+from study.linear import Banded, dense, times
 from study.problem import Problem
 
 #: Absolute tolerances stand this far below the relative one; displacements and velocities are of order one and more.
@@ -41,13 +43,30 @@ def check_tolerance(route: str, rtol: float, smallest: float) -> None:
         raise ValueError(f"{route} cannot reach a tolerance of {rtol:g}; ask for {smallest:g} or more.")
 
 
-def check_trajectory(route: str, problem: Problem, t: Sequence | np.ndarray) -> None:
-    """Refuse a problem that a route cannot solve, and times that do not increase from zero on."""
-    if np.ndim(problem.u0):
+def check_trajectory(route: str, problem: Problem, t: Sequence | np.ndarray, unknowns: float = 1) -> None:
+    """Refuse a problem with more unknowns than a route can take, and times that do not increase from zero on."""
+    if np.ndim(problem.u0) and unknowns == 1:
         raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; {route} takes one.")
+    if problem.massless:
+        raise ValueError(f"the mass of '{problem.title}' is singular, which {route} cannot take.")
     finite = len(t) > 0 and all(np.isfinite(float(time)) for time in t)
     if not finite or t[0] < 0 or any(later <= time for time, later in pairwise(t)):
         raise ValueError(f"{route} needs times that are finite and increase from zero on, not {list(map(float, t))}.")
+
+
+def right_side(t, y, problem: Problem):
+    """(u̇, M⁻¹ (f(t) − C u̇ − p(u))) of y = (u, u̇), shape (2, ...), for a solver of first order equations."""
+    u, v = y
+    force = -problem.force(u)
+    if problem.damping is not None:
+        force -= times(problem.damping, v)
+    if problem.load is not None:
+        force += problem.load(t)
+    if problem.mass is not None and not isinstance(problem.mass, Banded) and jnp.ndim(problem.mass) < 2:
+        force /= problem.mass
+    elif problem.mass is not None:
+        force = jnp.linalg.solve(dense(problem.mass, u.size), force)
+    return jnp.stack([v, force])
 
 
 def release(route: str, problem: Problem, estimate: float) -> float:

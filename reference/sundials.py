@@ -2,6 +2,7 @@
 
 import time
 
+import jax
 import numpy as np
 from sksundae.cvode import CVODE
 
@@ -13,6 +14,7 @@ from reference.solution import (
     check_tolerance,
     check_trajectory,
     release,
+    right_side,
 )
 from reference.symbolic import as_python
 from study.problem import Problem
@@ -23,16 +25,28 @@ MAX_NUM_STEPS = 1_000_000
 CV_TOO_MUCH_WORK = -1  # of cvode.h
 
 
+def _right_side_of(problem: Problem):
+    """f(t, y, ẏ) that fills ẏ: plain Python for one unknown, a compiled function for several."""
+    if np.ndim(problem.u0) == 0:
+        acceleration = as_python(problem)
+
+        def fill(t, y, rate):
+            u, v = y.tolist()
+            rate[0], rate[1] = v, acceleration(t, u, v)
+
+        return fill
+    compiled = jax.jit(lambda t, y: right_side(t, y.reshape(2, -1), problem).ravel())
+
+    def fill_all(t, y, rate):
+        rate[:] = compiled(t, y)
+
+    return fill_all
+
+
 def _solver(problem: Problem, rtol: float, method: str, **options) -> CVODE:
     check_tolerance(f"CVODE {method}", rtol, SMALLEST_RTOL)
-    acceleration = as_python(problem)
-
-    def right_side(t, y, rate):
-        u, v = y.tolist()
-        rate[0], rate[1] = v, acceleration(t, u, v)
-
     return CVODE(
-        right_side,
+        _right_side_of(problem),
         method=method,
         rtol=rtol,
         atol=rtol * ATOL_BELOW_RTOL,
@@ -41,8 +55,8 @@ def _solver(problem: Problem, rtol: float, method: str, **options) -> CVODE:
     )
 
 
-def _start(problem: Problem) -> list[float]:
-    return [float(problem.u0), float(problem.v0)]
+def _start(problem: Problem) -> np.ndarray:
+    return np.concatenate([np.ravel(problem.u0), np.ravel(problem.v0)])
 
 
 def _check(problem: Problem, method: str, solution) -> None:
@@ -69,20 +83,20 @@ def trajectory(
     Raises
     ------
     ValueError
-        If the tolerance cannot be reached, the problem has more than one unknown, or the times do not increase.
+        If the tolerance cannot be reached, the mass is singular, or the times do not increase.
     RouteFailed
         If CVODE gives up, for instance at the limit of steps.
     """
-    check_trajectory(f"CVODE {method}", problem, t)
+    check_trajectory(f"CVODE {method}", problem, t, unknowns=np.inf)
     solver = _solver(problem, rtol, method, max_num_steps=max_num_steps)
-    y = np.empty((len(t), 2))
+    y = np.empty((len(t), 2, *np.shape(problem.u0)))
     start = time.perf_counter()
     solution = solver.init_step(0.0, _start(problem))
     for i, until in enumerate(map(float, t)):
         if until > 0:
             solution = solver.step(until)
             _check(problem, method, solution)
-        y[i] = solution.y
+        y[i] = solution.y.reshape(y[i].shape)
     return Solution(y[:, 0], y[:, 1], int(solution.nfev), time.perf_counter() - start)
 
 

@@ -2,8 +2,8 @@
 
 from study import xla  # noqa: F401  (first: JAX reads its settings once)
 from study.datasets import open
-from study.observers import observers
-from study.problem import Problem
+from study.observers import Quantity, observers
+from study.problem import Problem, Rayleigh, StrainEnergy
 from study.problems import problems
 from study.recommendation import recommend
 from study.runs import run
@@ -54,9 +54,12 @@ __all__ = [
     "Nystrom4",
     "OneStep",
     "Problem",
+    "Quantity",
+    "Rayleigh",
     "RungeKutta4",
     "Scheme",
     "Splitting",
+    "StrainEnergy",
     "TchamwaWielgosz",
     "WilsonTheta",
     "observers",

@@ -101,7 +101,7 @@ class TrajectoryError(Reduction):
     def start(self, problem, state):
         return jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())
 
-    def update(self, carried, problem, state, effort):
+    def update(self, carried, problem, state, t, effort):
         step, squares, largest = carried
         step = step + 1
         phase = jnp.mod(step, self.steps)
@@ -151,7 +151,7 @@ class PeriodError(Reduction):
     def start(self, problem, state):
         return jnp.zeros((), int), _kinematics(problem, state), jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())
 
-    def update(self, carried, problem, state, effort):
+    def update(self, carried, problem, state, t, effort):
         step, before, crossings, first, last = carried
         now = _kinematics(problem, state)
         crossed = (before[0] < self.level) & (now[0] >= self.level)
@@ -202,7 +202,7 @@ class AmplitudeDecay(Reduction):
     def start(self, problem, state):
         return _kinematics(problem, state), jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())
 
-    def update(self, carried, problem, state, effort):
+    def update(self, carried, problem, state, t, effort):
         before, maxima, first, last = carried
         now = _kinematics(problem, state)
         turned = (before[1] > 0) & (now[1] <= 0)

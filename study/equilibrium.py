@@ -7,7 +7,6 @@ In every implicit scheme the new displacement and velocity are affine in one unk
 so a scheme is its ũ, ṽ, c_u, c_v, the weight w of its internal force and its right side r.
 """
 
-from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -15,14 +14,17 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from study.linear import Banded, add, dense, product, solve, times
 from study.problem import Problem
+from study.tangent import force_and_tangent
 
 #: Newton stops once a correction moves the displacement by less than this part of it. Convergence is quadratic, so
 #: the error that is left is of the order of the square: round-off.
 TOLERANCE = 1e-12
+#: With several unknowns the force that the last correction removed must also have been less than this part of the
+#: forces in the balance. Half of the digits: a stiff member loses the others in the difference of its ends.
+FORCE_TOLERANCE = 1e-8
 MAX_ITERATIONS = 50
-#: Systems of up to this many unknowns are eliminated in place.
-SMALL = 4
 
 
 class Effort(NamedTuple):
@@ -51,54 +53,10 @@ class Motion(NamedTuple):
     a: jax.Array
 
 
-def times(matrix, x):
-    """Product of a number, a diagonal (n,) or a matrix (n, n) with a vector."""
-    return matrix @ x if jnp.ndim(matrix) == 2 else matrix * x
-
-
-def add(*terms, size):
-    """Sum of numbers, diagonals (n,) and matrices (n, n), in the least of these forms that holds it."""
-    if max(map(jnp.ndim, terms)) == 2:
-        terms = [t if jnp.ndim(t) == 2 else jnp.diag(jnp.broadcast_to(t, size)) for t in terms]
-    return sum(terms[1:], start=terms[0])
-
-
-def _product(one, other):
-    """Product of a number, a diagonal (n,) or a matrix (n, n) with a number or a matrix."""
-    if jnp.ndim(one) == 2 and jnp.ndim(other) == 2:
-        return one @ other
-    return one[:, None] * other if jnp.ndim(one) == 1 and jnp.ndim(other) == 2 else one * other
-
-
-def _eliminate(matrix, rhs):
-    """Gaussian elimination with partial pivoting, written out: a call of LAPACK would take longer."""
-    n = len(rhs)
-    rows = [[*(matrix[i, j] for j in range(n)), rhs[i]] for i in range(n)]
-    for k in range(n):
-        for i in range(k + 1, n):
-            swap = jnp.abs(rows[i][k]) > jnp.abs(rows[k][k])
-            pivot = [jnp.where(swap, lower, upper) for upper, lower in zip(rows[k], rows[i], strict=True)]
-            rest = [jnp.where(swap, upper, lower) for upper, lower in zip(rows[k], rows[i], strict=True)]
-            factor = rest[k] / pivot[k]
-            rows[k], rows[i] = pivot, [low - factor * high for low, high in zip(rest, pivot, strict=True)]
-    x: list = []
-    for k in reversed(range(n)):
-        known = sum(rows[k][n - 1 - i] * x[i] for i in range(len(x)))
-        x.append((rows[k][n] - known) / rows[k][k])
-    return jnp.stack(x[::-1])
-
-
-def solve(matrix, rhs):
-    """Solution of a linear system with a number, a diagonal or a matrix; a small one is eliminated in place."""
-    if jnp.ndim(matrix) < 2:
-        return rhs / matrix
-    return _eliminate(matrix, rhs) if len(rhs) <= SMALL else jnp.linalg.solve(matrix, rhs)
-
-
-def _inertia(problem: Problem, c_v, size):
+def _inertia(problem: Problem, c_v, n: int):
     """M + c_v C."""
     mass = 1.0 if problem.mass is None else problem.mass
-    return mass if problem.damping is None else add(mass, _product(problem.damping, c_v), size=size)
+    return mass if problem.damping is None else add(mass, product(problem.damping, c_v, n), n=n)
 
 
 def _resisted(problem: Problem, rhs, v):
@@ -114,18 +72,25 @@ def load(problem: Problem, t):
 def acceleration(problem: Problem, t, u, v, c_v=0.0):
     """Acceleration a that balances M a + C (v + c_v a) + p(u) = f(t): one force, one linear solve, no iteration."""
     rhs = _resisted(problem, load(problem, t) - problem.force(u), v)
-    return solve(_inertia(problem, c_v, u.shape), rhs)
+    return solve(_inertia(problem, c_v, u.size), rhs)
 
 
-def force_and_tangent(force: Callable, u):
-    """p(u) and its full derivative ∂p/∂u by automatic differentiation."""
-    if jnp.ndim(u) == 0:
-        return jax.jvp(force, (u,), (jnp.ones_like(u),))
-    tangent, value = jax.jacfwd(lambda x: (force(x),) * 2, has_aux=True)(u)
-    return value, tangent
+def initial_acceleration(problem: Problem, u0, v0):
+    """Acceleration at t = 0; zero where there is no mass, as the equation of motion tells nothing of it there."""
+    if not problem.massless:
+        return acceleration(problem, 0.0, u0, v0)
+    rhs = _resisted(problem, load(problem, 0.0) - problem.force(u0), v0)
+    if jnp.ndim(problem.mass) == 1 and not isinstance(problem.mass, Banded):
+        return jnp.where(problem.mass > 0, rhs / problem.mass, 0.0)
+    return jnp.linalg.pinv(dense(problem.mass, u0.size), hermitian=True) @ rhs
 
 
-def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None):
+def _norm(x):
+    """Euclidean norm."""
+    return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.sum(x * x))
+
+
+def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None, symmetric=True):
     """Acceleration a that balances M a + C (v + c_v a) + w p(u + c_u a) = r, by Newton-Raphson with the full tangent.
 
     Parameters
@@ -135,13 +100,15 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
     u, v
         The predictors ũ and ṽ.
     c_u, c_v
-        What an acceleration adds to displacement and velocity: numbers, or matrices (n, n).
+        What an acceleration adds to displacement and velocity: numbers, or matrices (n, n) of any form.
     guess
         Where the iteration starts.
     weight
         w, the weight of the internal force.
     force
         The internal force as a function of u + c_u a, where it is not the problem's own p.
+    symmetric
+        Whether the tangent is, with symmetric M and C.
 
     Returns
     -------
@@ -150,16 +117,22 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         A number that is not finite ends the iteration at once, and shows in the acceleration.
     """
     force = problem.force if force is None else force
-    inertia = _inertia(problem, c_v, u.shape)
+    n = u.size
+    inertia = _inertia(problem, c_v, n)
     rhs = _resisted(problem, rhs, v)
+    weighted = product(weight, c_u, n)
 
     def iterate(a):
-        internal, tangent = force_and_tangent(force, u + times(c_u, a))
-        out_of_balance = times(inertia, a) + weight * internal - rhs
-        correction = solve(add(inertia, _product(tangent, weight * c_u), size=u.shape), out_of_balance)
+        internal, tangent = force_and_tangent(force, u + times(c_u, a), problem.tangent)
+        inertial, internal = times(inertia, a), weight * internal
+        out_of_balance = inertial + internal - rhs
+        correction = solve(add(inertia, product(tangent, weighted, n), n=n), out_of_balance, symmetric)
         a = a - correction
-        moved = jnp.max(jnp.abs(times(c_u, correction)))
-        return a, moved > TOLERANCE * jnp.max(jnp.abs(u) + jnp.abs(times(c_u, a)))
+        unfinished = _norm(times(c_u, correction)) > TOLERANCE * (_norm(u) + _norm(times(c_u, a)))
+        if jnp.ndim(u):
+            forces = _norm(inertial) + _norm(internal) + _norm(rhs)
+            unfinished |= _norm(out_of_balance) > FORCE_TOLERANCE * forces
+        return a, unfinished
 
     def again(carry):
         a, _, iterations = carry

@@ -7,8 +7,10 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import lax
 
+from study.linear import SMALL
 from study.observers import Record, Reduction
 from study.problem import Problem
 from study.schemes.scheme import Scheme
@@ -16,8 +18,8 @@ from study.schemes.scheme import Scheme
 COMPLETED, NEWTON_FAILED, NOT_FINITE = 0, 1, 2
 STATUS_MEANINGS = "completed newton_not_converged not_finite"
 
-#: Steps of a single run in one turn of the loop. Within a turn values pass from step to step in registers, between
-#: turns through memory, which at ten nanoseconds a step is felt.
+#: Steps of a single run with few unknowns in one turn of the loop. Within a turn values pass from step to step in
+#: registers, between turns through memory, which at ten nanoseconds a step is felt.
 BLOCK = 3
 #: Steps of a tile between two looks at whether any of its lanes goes on.
 PATIENCE = 64
@@ -97,8 +99,9 @@ class March(eqx.Module):
         def one(step, state, carried, dt):
             # time is a product, not a running sum, whose round-off would grow with the number of steps
             state, effort = self.scheme.step(self.problem, state, step.astype(dt.dtype) * dt, dt)
+            now = (step + 1).astype(dt.dtype) * dt
             carried = tuple(
-                reduction.update(c, self.problem, state, effort)
+                reduction.update(c, self.problem, state, now, effort)
                 for reduction, c in zip(self.reductions, carried, strict=True)
             )
             return state, carried, self._failure(state, effort, step + 1)
@@ -135,7 +138,9 @@ class March(eqx.Module):
 
         if self.lanes:
             return lax.while_loop(goes_on, patiently, progress)
-        return lax.while_loop(goes_on, step, lax.while_loop(partial(goes_on, ahead=BLOCK), block, progress))
+        if np.size(self.problem.u0) <= SMALL:
+            progress = lax.while_loop(partial(goes_on, ahead=BLOCK), block, progress)
+        return lax.while_loop(goes_on, step, progress)
 
     def proceed(self, progress: Progress, initial, dt, until, every, each_step: bool, steps=None) -> Progress:
         """March to step ``until``, with a sample at every ``every`` steps where something is recorded.

@@ -1,12 +1,14 @@
 """What a run may be asked for. Each observer is small and streams: it keeps no trajectory unless it is one."""
 
 import abc
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import equinox as eqx
 import jax.numpy as jnp
 
-from study.equilibrium import Effort
+from study.equilibrium import Effort, load
+from study.linear import times
 from study.problem import Problem
 from study.registry import Registry
 
@@ -16,8 +18,9 @@ class Observer(eqx.Module):
 
     #: Attributes of the variables that the observer gives, by the variables' names.
     variables: ClassVar[dict[str, dict[str, str]]]
-    #: Whether the problem must have a potential.
+    #: Whether the problem must have a potential, or positions.
     needs_energy: ClassVar[bool] = False
+    needs_positions: ClassVar[bool] = False
 
 
 class Reduction(Observer):
@@ -28,8 +31,8 @@ class Reduction(Observer):
         """What is carried along, at t = 0."""
 
     @abc.abstractmethod
-    def update(self, carried, problem: Problem, state, effort: Effort) -> Any:
-        """What is carried along, one step later."""
+    def update(self, carried, problem: Problem, state, t, effort: Effort) -> Any:
+        """What is carried along, one step later, at the time ``t``."""
 
     @abc.abstractmethod
     def result(self, carried, problem: Problem, state) -> dict[str, Any]:
@@ -59,7 +62,7 @@ class MaxEnergyError(Reduction):
     def start(self, problem, state):
         return problem.energy(state.u, state.v), jnp.zeros(())
 
-    def update(self, carried, problem, state, effort):
+    def update(self, carried, problem, state, t, effort):
         reference, largest = carried
         return reference, jnp.maximum(largest, jnp.abs(problem.energy(state.u, state.v) - reference))
 
@@ -79,11 +82,92 @@ class EnergyDrift(Reduction):
     def start(self, problem, state):
         return state
 
-    def update(self, carried, problem, state, effort):
+    def update(self, carried, problem, state, t, effort):
         return carried
 
     def result(self, carried, problem, state):
         return {"energy_drift": relative_energy_error(problem, carried, state)}
+
+
+class EnergyBalance(Reduction):
+    """What kinetic and potential energy, dissipation and the work of the load leave open: the drift of a scheme.
+
+    Over a step the damping force C u̇ and the load f do the work of their mean at both ends on the way between,
+    ΔD = ½ (u₁ − u₀)ᵀ C (u̇₀ + u̇₁) and ΔW = ½ (u₁ − u₀)ᵀ (f₀ + f₁), of second order, and for the trapezoidal rule on a
+    linear structure exactly. The error is the largest |E + D − W − E₀| over the largest E + D.
+
+    References
+    ----------
+    T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua and structures, Wiley, 2000,
+    section 6.2.3.
+    """
+
+    variables = {
+        "max_energy_imbalance": {
+            "long_name": "largest error of the balance of energies, dissipation and work",
+            "units": "percent",
+        },
+        "dissipated_energy": {"long_name": "energy dissipated by the damping", "units": "1"},
+        "work_of_load": {"long_name": "work done by the load", "units": "1"},
+    }
+    needs_energy = True
+
+    def start(self, problem, state):
+        energy, zero = problem.energy(state.u, state.v), jnp.zeros(())
+        return (state.u, state.v, load(problem, 0.0)), energy, (zero, zero), (zero, jnp.abs(energy))
+
+    def update(self, carried, problem, state, t, effort):
+        (u, v, f), at_start, (dissipated, work), (imbalance, scale) = carried
+        way, now = state.u - u, load(problem, t)
+        if problem.damping is not None:
+            dissipated += jnp.vdot(way, times(problem.damping, v + state.v)) / 2
+        if problem.load is not None:
+            work += jnp.vdot(way, f + now) / 2
+        handled = problem.energy(state.u, state.v) + dissipated
+        imbalance = jnp.maximum(imbalance, jnp.abs(handled - work - at_start))
+        return (state.u, state.v, now), at_start, (dissipated, work), (imbalance, jnp.maximum(scale, jnp.abs(handled)))
+
+    def result(self, carried, problem, state):
+        *_, (dissipated, work), (imbalance, scale) = carried
+        return dict(zip(self.variables, (100 * imbalance / scale, dissipated, work), strict=True))
+
+
+def _momenta(problem: Problem, state):
+    """Linear and angular momentum of every point, (points, directions) and (points,)."""
+    points, directions = jnp.shape(problem.positions)
+    p = problem.momentum(state.v).reshape(points, directions)
+    x = problem.positions + state.u.reshape(points, directions)
+    return p, x[:, 0] * p[:, 1] - x[:, 1] * p[:, 0] if directions == 2 else jnp.zeros(points)
+
+
+class MomentumErrors(Reduction):
+    """Largest change of linear and, in the plane, angular momentum, over the sum of the points' own at the start.
+
+    NaN where nothing moves at the start.
+    """
+
+    variables = {
+        "max_linear_momentum_error": {"long_name": "largest change of linear momentum, relative", "units": "1"},
+        "max_angular_momentum_error": {"long_name": "largest change of angular momentum, relative", "units": "1"},
+    }
+    needs_positions = True
+
+    def start(self, problem, state):
+        linear, angular = _momenta(problem, state)
+        return (linear.sum(axis=0), angular.sum()), (jnp.abs(linear).sum(), jnp.abs(angular).sum()), (jnp.zeros(()),) * 2
+
+    def update(self, carried, problem, state, t, effort):
+        (linear_0, angular_0), scales, (linear_error, angular_error) = carried
+        linear, angular = _momenta(problem, state)
+        errors = (
+            jnp.maximum(linear_error, jnp.linalg.norm(linear.sum(axis=0) - linear_0)),
+            jnp.maximum(angular_error, jnp.abs(angular.sum() - angular_0)),
+        )
+        return (linear_0, angular_0), scales, errors
+
+    def result(self, carried, problem, state):
+        _, scales, errors = carried
+        return {name: error / scale for name, error, scale in zip(self.variables, errors, scales, strict=True)}
 
 
 class NewtonIterations(Reduction):
@@ -97,7 +181,7 @@ class NewtonIterations(Reduction):
     def start(self, problem, state):
         return jnp.zeros((), int), jnp.zeros((), int)
 
-    def update(self, carried, problem, state, effort):
+    def update(self, carried, problem, state, t, effort):
         total, most = carried
         return total + effort.iterations, jnp.maximum(most, effort.iterations)
 
@@ -115,6 +199,30 @@ class Trajectory(Record):
 
     def sample(self, problem, initial, state):
         return {"u": state.u, "v": state.v}
+
+
+class Quantity(Record):
+    """A number of your own along time, a function of u and u̇.
+
+    Parameters
+    ----------
+    function
+        Takes u and u̇, each of shape () or (n,), and returns a number.
+    name, long_name, units
+        What the dataset calls it.
+    """
+
+    function: Callable
+    name: str = eqx.field(static=True)
+    long_name: str = eqx.field(static=True)
+    units: str = eqx.field(default="1", static=True)
+
+    @property
+    def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
+        return {self.name: {"long_name": self.long_name, "units": self.units}}
+
+    def sample(self, problem, initial, state):
+        return {self.name: self.function(state.u, state.v)}
 
 
 class EnergyError(Record):
@@ -135,6 +243,8 @@ observers: Registry[Observer] = Registry(
         "energy_error": EnergyError(),
         "max_energy_error": MaxEnergyError(),
         "energy_drift": EnergyDrift(),
+        "energy_balance": EnergyBalance(),
+        "momentum_errors": MomentumErrors(),
         "newton_iterations": NewtonIterations(),
     },
 )

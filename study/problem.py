@@ -1,101 +1,215 @@
 """Equation (1): M ü + C u̇ + p(u) = f(t), with u(0) and u̇(0)."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from study import tangent
+from study.linear import Banded, MatrixFree, add, banded, product, times
 
-def _real(value):
-    """Float64 for numbers and arrays; what JAX is tracing stays as it is."""
-    if isinstance(value, jax.core.Tracer):
+
+def _real(name: str, value):
+    """Float64 for numbers and arrays; what JAX is tracing, and what is no array, stays as it is."""
+    if value is None or isinstance(value, jax.core.Tracer | Rayleigh | Banded | MatrixFree):
         return value
     try:
         return np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError(f"a problem takes numbers and arrays of numbers, not {value!r}.") from None
+        raise ValueError(f"{name} takes numbers and arrays of numbers, not {value!r}.") from None
 
 
-def _optional_real(value):
-    return None if value is None else _real(value)
+class Rayleigh(NamedTuple):
+    """Damping C = a M + b K with the stiffness K = ∂p/∂u of the undeformed structure.
+
+    A mode of the circular frequency ω has the damping ratio ξ = (a/ω + b ω)/2.
+    """
+
+    a: float
+    b: float
+
+
+class StrainEnergy(eqx.Module):
+    """A potential V(u) = Σ w(ε(u)) of strains ε, from which a conserving scheme can tell what a rigid motion leaves.
+
+    Parameters
+    ----------
+    strains
+        ε(u), of shape (m,): functions of u of second degree at most, such as elongations of springs in a row or
+        squared lengths of bars.
+    density
+        w(ε), element by element: the energy of each strain, (m,).
+    """
+
+    strains: Callable
+    density: Callable
+
+    def __call__(self, u):
+        """V(u)."""
+        return jnp.sum(self.density(self.strains(u)))
+
+
+def _gradient(potential, u):
+    return jax.grad(potential)(u)
 
 
 class Problem(eqx.Module):
     """A second-order initial value problem M ü + C u̇ + p(u) = f(t), Xie (1996), eq. (1).
 
-    Everything but ``force``, ``u0`` and ``v0`` is optional, and what is absent costs nothing: no such term is in
-    the compiled loop.
+    Everything but a force (or a potential), ``u0`` and ``v0`` is optional, and what is absent costs nothing: no such
+    term is in the compiled loop.
 
     Parameters
     ----------
     force
-        Internal force p(u), written with ``jax.numpy``; returns the shape of ``u``.
+        Internal force p(u), written with ``jax.numpy``; returns the shape of ``u``. Where there is none, it is the
+        gradient of the potential.
     u0, v0
         Displacement and velocity at t = 0, both of shape () or (n,).
     potential
-        V(u) with p = ∂V/∂u, a scalar. Needed only where an energy is asked for.
-    mass, damping
-        M and C: a number, a diagonal (n,) or a matrix (n, n). Absent, M is the identity and C is zero.
+        V(u) with p = ∂V/∂u, a scalar, or a :class:`StrainEnergy`. Needed only where an energy is asked for.
+    mass
+        M: a number, a diagonal (n,) or a symmetric matrix (n, n). Absent, it is the identity. A massless degree of
+        freedom makes it singular, which implicit schemes take.
+    damping
+        C: a number, a diagonal, a matrix or :class:`Rayleigh`. Absent, it is zero.
     load
         f(t), of the shape of ``u``.
+    tangent
+        Structure of ∂p/∂u with several unknowns: ``diagonal``, ``tridiagonal``, ``dense``, ``matrix_free`` (for
+        symmetric tangents), or the half bandwidth. Absent, it is found for up to a thousand unknowns from the tangent
+        at two displacements; a force that couples other unknowns later, as in contact, needs it declared.
+    positions
+        Where masses stand at u = 0, of shape (points, directions), with u its change point by point. Needed only where
+        a momentum is asked for.
     title
         What figures and datasets call it.
 
     Raises
     ------
     ValueError, TypeError
-        If the shapes do not fit each other, a number is not finite, or a function is none.
+        If the shapes do not fit each other, a number is not finite, a matrix is not symmetric, the declared structure
+        is not that of the force, or a function is none.
     """
 
-    force: Callable
-    u0: Any = eqx.field(converter=_real)
-    v0: Any = eqx.field(converter=_real, default=0.0)
+    force: Callable = None  # type: ignore[assignment]
+    u0: Any = None
+    v0: Any = 0.0
     potential: Callable | None = eqx.field(default=None, kw_only=True)
-    mass: Any = eqx.field(converter=_optional_real, default=None, kw_only=True)
-    damping: Any = eqx.field(converter=_optional_real, default=None, kw_only=True)
+    mass: Any = eqx.field(default=None, kw_only=True)
+    damping: Any = eqx.field(default=None, kw_only=True)
     load: Callable | None = eqx.field(default=None, kw_only=True)
+    tangent: str | int | None = eqx.field(default=None, kw_only=True, static=True)
+    positions: Any = eqx.field(default=None, kw_only=True)
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
+    #: Whether M is singular.
+    massless: bool = eqx.field(init=False, static=True)
 
-    def __check_init__(self):
+    def __post_init__(self):
+        for name in ("u0", "v0", "mass", "damping", "positions"):
+            setattr(self, name, _real(name, getattr(self, name)))
+        self._check_shapes()
+        if self.force is None and self.potential is not None:
+            self.force = eqx.Partial(_gradient, self.potential)
+        self._check_functions()
+        self.massless = self._check_mass()
+        if not isinstance(self.u0, jax.core.Tracer):
+            self._settle_forms()
+
+    def _check_shapes(self):
         shape = np.shape(self.u0)
-        if len(shape) > 1 or shape == (0,):
-            raise ValueError(f"u0 must be a number or a vector (n,), not an array of shape {shape}.")
+        if self.u0 is None or len(shape) > 1 or shape == (0,):
+            got = "nothing" if self.u0 is None else f"an array of shape {shape}"
+            raise ValueError(f"u0 must be a number or a vector (n,), not {got}.")
         if np.shape(self.v0) != shape:
             raise ValueError(f"v0 must have the shape of u0, {shape}, not {np.shape(self.v0)}.")
-        allowed = {(), shape, shape * 2}
         for name in ("mass", "damping"):
             value = getattr(self, name)
-            if value is not None and np.shape(value) not in allowed:
+            if isinstance(value, np.ndarray | jax.Array) and value.shape not in {(), shape, shape * 2}:
                 raise ValueError(
-                    f"{name} must be a number, a diagonal or a matrix for u0 of shape {shape}; got {np.shape(value)}."
+                    f"{name} must be a number, a diagonal or a matrix for u0 of shape {shape}; got {value.shape}."
                 )
-        for name, values, expected in (
-            ("force", (self.u0,), shape),
-            ("load", (0.0,), shape),
-            ("potential", (self.u0,), ()),
+        if self.positions is not None and (np.ndim(self.positions) != 2 or np.size(self.positions) != np.size(self.u0)):
+            raise ValueError(
+                f"positions must be of shape (points, directions) with one number for each of u0's "
+                f"{np.size(self.u0)}, not {np.shape(self.positions)}."
+            )
+        for name in ("u0", "v0", "mass", "damping", "positions"):
+            value = getattr(self, name)
+            if isinstance(value, np.ndarray) and not np.isfinite(value).all():
+                raise ValueError(f"{name} must be finite, not {value}.")
+
+    def _check_functions(self):
+        shape = np.shape(self.u0)
+        for name, value, expected in (
+            ("force", self.u0, shape),
+            ("load", 0.0, shape),
+            ("potential", self.u0, ()),
         ):
             function = getattr(self, name)
             if not callable(function) and (function is not None or name == "force"):
                 raise TypeError(f"{name} must be a function, not {function!r}.")
             if function is not None:
-                received = jax.eval_shape(lambda *x, f=function: jnp.asarray(f(*x)), *values).shape
+                received = jax.eval_shape(lambda x, f=function: jnp.asarray(f(x)), value).shape
                 if received != expected:
                     raise ValueError(f"{name} must return the shape {expected}, not {received}.")
-        for name in ("u0", "v0", "mass", "damping"):
+        if isinstance(self.potential, StrainEnergy):
+            strains = jax.eval_shape(self.potential.strains, self.u0).shape
+            energies = jax.eval_shape(lambda u: self.potential.density(self.potential.strains(u)), self.u0).shape
+            if len(strains) != 1 or energies != strains:
+                raise ValueError(
+                    f"a StrainEnergy needs strains of shape (m,) and a density of the same, not {strains} and {energies}."
+                )
+
+    def _check_mass(self) -> bool:
+        """Whether the mass is singular."""
+        for name in ("mass", "damping"):
             value = getattr(self, name)
-            if isinstance(value, np.ndarray) and not np.isfinite(value).all():
-                raise ValueError(f"{name} must be finite, not {value}.")
-        if isinstance(self.mass, np.ndarray):
-            least = np.linalg.eigvalsh(self.mass).min() if self.mass.ndim == 2 else self.mass.min()
-            if least <= 0:
-                raise ValueError(f"mass must be positive (definite); its smallest value is {least:g}.")
+            if isinstance(value, np.ndarray) and value.ndim == 2:
+                difference = np.abs(value - value.T).max()
+                if difference > 1e-12 * np.abs(value).max():
+                    raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}.")
+        if not isinstance(self.mass, np.ndarray):
+            return False
+        values = np.linalg.eigvalsh(self.mass) if self.mass.ndim == 2 else self.mass
+        # what is zero of a matrix is so to round-off
+        least, zero = values.min(), np.abs(values).max() * (1e-14 * len(values) if self.mass.ndim == 2 else 0.0)
+        if least < -zero:
+            raise ValueError(f"mass must not be negative; its smallest value is {least:g}.")
+        if np.abs(values).max() == 0:
+            raise ValueError("mass must not be zero in all: the problem would not move in time.")
+        return bool(least <= zero)
+
+    def _settle_forms(self):
+        """The tangent's structure, and mass and damping in the least form that holds them."""
+        n, declared = np.size(self.u0), self.tangent
+        if np.ndim(self.u0):
+            self.tangent = (
+                tangent.found(self.force, self.u0, self.title)
+                if declared is None
+                else tangent.checked(self.force, self.u0, declared, self.title)
+            )
+        elif declared is not None:
+            raise ValueError(f"tangent={declared!r} of '{self.title}': one unknown has no structure; leave it out.")
+        for name in ("mass", "damping"):
+            value = getattr(self, name)
+            if isinstance(self.tangent, int) and isinstance(value, np.ndarray) and value.ndim == 2:
+                setattr(self, name, banded(value, self.tangent))
+        if isinstance(self.damping, Rayleigh):
+            _, stiffness = tangent.force_and_tangent(self.force, jnp.zeros_like(self.u0), self.tangent)
+            mass = 1.0 if self.mass is None else self.mass
+            a, b = self.damping
+            self.damping = add(product(a, mass, n), product(b, stiffness, n), n=n)
+
+    def momentum(self, v):
+        """M u̇."""
+        return v if self.mass is None else times(self.mass, v)
 
     def energy(self, u, v):
         """Kinetic and potential energy ½ u̇ᵀ M u̇ + V(u), the scalar E of Xie (1996), eqs (4) and (5)."""
         if self.potential is None:
             raise ValueError(f"the energy of '{self.title}' needs its potential: give Problem(potential=...).")
-        momentum = v if self.mass is None else self.mass @ v if np.ndim(self.mass) == 2 else self.mass * v
-        return 0.5 * jnp.vdot(v, momentum) + self.potential(u)
+        return 0.5 * jnp.vdot(v, self.momentum(v)) + self.potential(u)

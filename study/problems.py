@@ -1,9 +1,12 @@
 """The named problems of the study, each with its parameters and its source."""
 
+from functools import partial
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
+from study import structures
 from study.problem import Problem
 from study.registry import Registry
 
@@ -52,7 +55,41 @@ problems = Registry(
         "softening_large": _oscillator("softening spring, large amplitude", TanhSpring(100.0), u0=10.0),
         "double_well": _oscillator("double well", CubicSpring(-0.5, -1.0), u0=0.5),
     },
+    made_by={
+        "pendulum": structures.pendulum,
+        "duffing_periodic": partial(structures.duffing, 0.2, "Duffing, periodic"),
+        "duffing_chaotic": partial(structures.duffing, 0.5, "Duffing, chaotic"),
+        "stiff_soft": structures.stiff_soft,
+        "stiff_soft_sine": structures.stiff_soft_sine,
+        "elastic_pendulum": structures.elastic_pendulum,
+        "fpu_chain": structures.fpu_chain,
+        "toda_chain": structures.toda_chain,
+        "impact_bar": structures.impact_bar,
+        "spinning_truss": structures.spinning_truss,
+        "cantilever_truss": structures.cantilever_truss,
+    },
 )
+
+#: The time by which the steps of each structure are counted: a period of its load or of its motion, where there is one.
+periods = {
+    "pendulum": 33.7210,
+    "duffing_periodic": 2 * np.pi / 1.2,
+    "duffing_chaotic": 2 * np.pi / 1.2,
+    "stiff_soft": 2 * np.pi / 1.2,
+    "stiff_soft_sine": 2 * np.pi / 1.2,
+    # one turn
+    "elastic_pendulum": 2 * np.pi * 3.0443 / 7.72,
+    # of the soft springs, about
+    "fpu_chain": 2 * np.pi,
+    # the shortest of a linear chain
+    "toda_chain": np.pi,
+    # a wave crosses the bar
+    "impact_bar": 1.0,
+    # one turn
+    "spinning_truss": 2 * np.pi,
+    # of its first mode, about
+    "cantilever_truss": 1.0,
+}
 
 #: The periods that the paper prints and takes its step sizes from (sections 3.1, 3.2 and 4): two or three digits.
 printed_periods = {"hardening": 0.15, "softening": 1.14, "softening_large": 1.8, "double_well": 7.3}

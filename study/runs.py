@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from typing import TypeVar
 
+import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from tqdm import tqdm
@@ -20,6 +22,9 @@ T = TypeVar("T")
 
 #: Steps between two chances to interrupt a single run: about a second.
 PAUSE = 2**24
+
+#: Times of a run at which the load is looked at before it starts.
+LOOKS = 65
 
 STATUS_ATTRIBUTES = {
     "long_name": "how the run ended",
@@ -111,7 +116,30 @@ def _checked_observers(problem, observe) -> tuple[Observer, ...]:
             raise ValueError(
                 f"{', '.join(observer.variables)} of '{problem.title}' needs an energy: give Problem(potential=...)."
             )
+        if observer.needs_positions and problem.positions is None:
+            raise ValueError(
+                f"{', '.join(observer.variables)} of '{problem.title}' needs places: give Problem(positions=...)."
+            )
     return tuple(chosen)
+
+
+def _check_fit(problem: Problem, scheme: Scheme, duration: float) -> None:
+    """Refuse a mass that the scheme cannot take, and a load that is no number at some time of the run."""
+    if problem.massless and scheme.solves_with_mass:
+        raise ValueError(
+            f"'{scheme.title}' solves with the mass alone, and that of '{problem.title}' is singular: take an implicit "
+            "scheme, or give every unknown a mass."
+        )
+    if problem.load is not None:
+        times = np.linspace(0.0, duration, LOOKS)
+        finite = np.isfinite(np.asarray(_loads(problem.load, times))).reshape(LOOKS, -1).all(axis=1)
+        if not finite.all():
+            raise ValueError(f"the load of '{problem.title}' is not finite at t = {times[np.argmin(finite)]:g}.")
+
+
+@eqx.filter_jit
+def _loads(load, times):
+    return jax.lax.map(lambda t: jnp.asarray(load(t), float), times)
 
 
 def _lanes(problem: Problem, u0: np.ndarray, **of_lanes: np.ndarray) -> int:
@@ -177,6 +205,7 @@ def run(
     step_size, start = _checked_step_size(dt), _checked_start(definition, u0)
     count, every = _checked_steps(steps), _positive_integer("every", every)
     chosen = _checked_observers(definition, observe)
+    _check_fit(definition, method, float(np.max(step_size * count)))
     reductions = tuple(o for o in chosen if isinstance(o, Reduction))
     records = tuple(o for o in chosen if isinstance(o, Record))
     if records and count.ndim:

@@ -1,14 +1,15 @@
 """Implicit methods that conserve: the midpoint rule, and two that keep the energy of any potential."""
 
-from functools import partial
 from typing import ClassVar
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
 from study.equilibrium import Motion, balance, load
+from study.problem import StrainEnergy
 from study.schemes.scheme import OneStep, start_in_balance
 
 
@@ -44,37 +45,62 @@ class ImplicitMidpoint(OneStep):
         return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
 
 
-#: Displacements that move by less than this part of themselves take the force at their middle: dividing the change of
-#: the potential by them would lose more digits than the middle's error of third order.
+#: What moves by less than this part of itself takes the force at its middle: dividing the change of the energy by it
+#: would lose more digits than the middle's error of third order.
 STANDSTILL = 1e-5
 
 
-def discrete_gradient(problem, u0, potential, u1):
-    """Gonzalez's mean p̄ of the internal force from u₀, where V is known, to u₁, with p̄ᵀ (u₁ − u₀) = V(u₁) − V(u₀)."""
-    middle, change = (u0 + u1) / 2, u1 - u0
-    length = jnp.vdot(change, change)
-    moves = length > STANDSTILL**2 * (jnp.vdot(u0, u0) + jnp.vdot(u1, u1))
-    gain = problem.potential(u1) - potential
-    if jnp.ndim(u0) == 0:
-        # p(u_m) cancels
-        return lax.cond(moves, lambda: gain / change, lambda: problem.force(middle))
-    force = problem.force(middle)
-    missing = (gain - jnp.vdot(force, change)) / jnp.where(moves, length, 1.0)
-    return force + jnp.where(moves, missing, 0.0) * change
+def _of_strains(potential, u0):
+    """p̄ of a strain energy, strain by strain."""
+    strains, density = potential.strains, potential.density
+    slope = jax.grad(lambda strain: jnp.sum(density(strain)))
+    before = strains(u0)
+    energy = density(before)
+
+    def mean_force(u1):
+        after = strains(u1)
+        change = after - before
+        moves = jnp.abs(change) > STANDSTILL * (jnp.abs(before) + jnp.abs(after))
+        quotient = (density(after) - energy) / jnp.where(moves, change, 1.0)
+        stress = jnp.where(moves, quotient, slope((before + after) / 2))
+        return jax.vjp(strains, (u0 + u1) / 2)[1](stress)[0]
+
+    return mean_force
+
+
+def discrete_gradient(problem, u0):
+    """Gonzalez's mean p̄ of the internal force from u₀ to u₁, with p̄ᵀ (u₁ − u₀) = V(u₁) − V(u₀), as a function of u₁."""
+    if isinstance(problem.potential, StrainEnergy):
+        return _of_strains(problem.potential, u0)
+    energy = problem.potential(u0)
+
+    def mean_force(u1):
+        middle, change = (u0 + u1) / 2, u1 - u0
+        length = jnp.vdot(change, change)
+        moves = length > STANDSTILL**2 * (jnp.vdot(u0, u0) + jnp.vdot(u1, u1))
+        gain = problem.potential(u1) - energy
+        if jnp.ndim(u0) == 0:
+            # p(u_m) cancels
+            return lax.cond(moves, lambda: gain / change, lambda: problem.force(middle))
+        force = problem.force(middle)
+        missing = (gain - jnp.vdot(force, change)) / jnp.where(moves, length, 1.0)
+        return force + jnp.where(moves, missing, 0.0) * change
+
+    return mean_force
 
 
 class EnergyMomentum(OneStep):
     """The energy-momentum method by Gonzalez's discrete gradient, the midpoint rule with a force p̄ that keeps energy.
 
     M (u̇₁ − u̇₀)/Δt + C u̇_m + p̄(u₀, u₁) = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2
-    p̄ = p(u_m) + [V(u₁) − V(u₀) − p(u_m)ᵀ (u₁ − u₀)] (u₁ − u₀)/|u₁ − u₀|²
+    p̄ = (∂ε/∂u)ᵀ σ̄ at u_m,    σ̄ = (w(ε(u₁)) − w(ε(u₀)))/(ε(u₁) − ε(u₀)), strain by strain, of a strain energy
+    p̄ = p(u_m) + [V(u₁) − V(u₀) − p(u_m)ᵀ (u₁ − u₀)] (u₁ − u₀)/|u₁ − u₀|² of any other potential
 
-    Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off. For one unknown
-    p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo and Tarnow for a spring. Momenta of several unknowns are kept as
-    far as the correction leaves them, to third order in the step; his form in strains, which keeps them too, needs to
-    know more of a structure than V(u). For linear systems it is the trapezoidal rule, unconditionally stable. Needs the
-    problem's potential. Carries u, u̇ and a guess; one force and one potential a Newton iteration, one potential a
-    step.
+    Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off, and with a strain
+    energy linear and angular momentum too, which the second form keeps to third order in the step only; its tangent is
+    full. For one unknown both are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo and Tarnow for a spring. For linear
+    systems it is the trapezoidal rule, unconditionally stable. Needs the problem's potential. Carries u, u̇ and a guess;
+    one force and one potential a Newton iteration, one potential a step.
 
     References
     ----------
@@ -96,13 +122,18 @@ class EnergyMomentum(OneStep):
     def start(self, problem, u0, v0, dt):
         if problem.potential is None:
             raise ValueError(f"'{self.title}' needs the potential of '{problem.title}': give Problem(potential=...).")
+        if problem.tangent not in (None, "dense") and not isinstance(problem.potential, StrainEnergy):
+            raise ValueError(
+                f"'{self.title}' makes the tangent of '{problem.title}' full: give Problem(potential=StrainEnergy(...)), "
+                "or tangent='dense'."
+            )
         return start_in_balance(self, problem, u0, v0, dt)
 
     def increment(self, problem, state, t, dt):
         u, v, guess = state
         rhs = load(problem, t + dt / 2)
-        mean_force = partial(discrete_gradient, problem, u, problem.potential(u))
-        a, effort = balance(problem, rhs, u + dt * v, v, dt**2 / 2, dt / 2, guess, force=mean_force)
+        mean_force = discrete_gradient(problem, u)
+        a, effort = balance(problem, rhs, u + dt * v, v, dt**2 / 2, dt / 2, guess, force=mean_force, symmetric=False)
         return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
 
 

@@ -6,7 +6,7 @@ import equinox as eqx
 import jax
 from jax import lax
 
-from study.equilibrium import Effort, Phase, acceleration, balance, load
+from study.equilibrium import Effort, Phase, acceleration, balance, initial_acceleration, load
 from study.problem import Problem
 from study.registry import did_you_mean
 from study.schemes.newmark import Newmark, central_difference
@@ -123,9 +123,13 @@ class Houbolt(Scheme):
                 f"Houbolt(start_by={self.start_by!r}): no such start; {did_you_mean(str(self.start_by), starts)}"
             )
 
+    @property
+    def solves_with_mass(self) -> bool:
+        return self.start_by != "linear_acceleration"
+
     def start(self, problem, u0, v0, dt):
         u_1, u_2, effort = starts[self.start_by](problem, u0, v0, dt)
-        return History(u0, v0, acceleration(problem, 0.0, u0, v0), u_1, u_2), effort
+        return History(u0, v0, initial_acceleration(problem, u0, v0), u_1, u_2), effort
 
     def step(self, problem, state, t, dt):
         u, _, a, u_1, u_2 = state

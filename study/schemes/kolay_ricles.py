@@ -5,8 +5,10 @@ from typing import ClassVar
 import equinox as eqx
 import jax.numpy as jnp
 
-from study.equilibrium import Effort, Motion, acceleration, add, force_and_tangent, solve, times
+from study.equilibrium import Effort, Motion, acceleration
+from study.linear import add, product, solve, times
 from study.schemes.scheme import OneStep, check_ranges, start_in_balance
+from study.tangent import force_and_tangent
 
 
 class KolayRicles(OneStep):
@@ -62,15 +64,16 @@ class KolayRicles(OneStep):
         gamma = 0.5 - alpha_m + alpha_f
         beta = (0.5 + gamma) ** 2 / 4
         mass = 1.0 if problem.mass is None else problem.mass
-        _, stiffness = force_and_tangent(problem.force, jnp.zeros_like(u))
-        model = beta * dt**2 * stiffness
+        n = u.size
+        _, stiffness = force_and_tangent(problem.force, jnp.zeros_like(u), problem.tangent)
+        model = product(beta * dt**2, stiffness, n)
         if problem.damping is not None:
-            model = add(model, gamma * dt * problem.damping, size=u.shape)
-        effective = add(mass, model, size=u.shape)
-        new, old = (
-            add((1 - alpha_m) * mass, (1 - alpha_f) * model, size=u.shape),
-            add(alpha_m * mass, alpha_f * model, size=u.shape),
-        )
+            model = add(model, product(gamma * dt, problem.damping, n), n=n)
+
+        def mixed(of_mass, of_model):
+            return add(product(of_mass, mass, n), product(of_model, model, n), n=n)
+
+        effective, new, old = mixed(1.0, 1.0), mixed(1 - alpha_m, 1 - alpha_f), mixed(alpha_m, alpha_f)
 
         step = solve(effective, times(mass, a))
         du, dv = dt * v + (0.5 + gamma) * dt**2 * step, dt * step

@@ -8,7 +8,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from study.equilibrium import Effort, Phase, acceleration, balance
+from study.equilibrium import Effort, Phase, acceleration, balance, initial_acceleration
+from study.linear import Banded, MatrixFree, product
 from study.problem import Problem
 from study.schemes.scheme import OneStep
 
@@ -98,23 +99,42 @@ class Stages(NamedTuple):
 
 
 class _Twice(NamedTuple):
-    """Two stages of a problem as one of twice its unknowns."""
+    """Two stages of a problem as one of twice its unknowns, the stages of an unknown side by side."""
 
     force: Callable
     mass: Any
     damping: Any
+    tangent: str | int | None
 
 
-def _twice(problem: Problem, shape: tuple[int, ...]) -> _Twice:
-    def force(u):
-        return jnp.stack([problem.force(stage) for stage in u.reshape(2, *shape)]).ravel()
+def _twice(problem: Problem, u) -> _Twice:
+    def force(stages):
+        first, second = stages.reshape(*u.shape, 2).T
+        return jnp.stack([problem.force(first), problem.force(second)]).T.ravel()
 
     def doubled(matrix):
-        if matrix is None or jnp.ndim(matrix) == 0:
+        if matrix is None or isinstance(matrix, np.ndarray | jax.Array) and matrix.ndim == 0:
             return matrix
-        return jnp.tile(matrix, 2) if jnp.ndim(matrix) == 1 else jnp.kron(jnp.eye(2), matrix)
+        if isinstance(matrix, Banded):
+            bands = jnp.repeat(matrix.bands, 2, axis=1)
+            return Banded(jnp.zeros((2 * len(bands) - 1, 2 * u.size)).at[::2].set(bands))
+        if isinstance(matrix, MatrixFree):
+            twice = jax.vmap(matrix.product, in_axes=1, out_axes=1)
+            return MatrixFree(
+                lambda x: twice(x.reshape(-1, 2)).ravel(), jnp.repeat(jnp.broadcast_to(matrix.diagonal, u.shape), 2)
+            )
+        return jnp.repeat(matrix, 2) if jnp.ndim(matrix) == 1 else jnp.kron(matrix, jnp.eye(2))
 
-    return _Twice(force, doubled(problem.mass), doubled(problem.damping))
+    structure = 2 * problem.tangent if isinstance(problem.tangent, int) else "dense" if u.ndim == 0 else problem.tangent
+    return _Twice(force, doubled(problem.mass), doubled(problem.damping), structure)
+
+
+def _of_stages(weights: np.ndarray, problem: Problem, size: int):
+    """The weights of the stages for every unknown: (2n, 2n), or the band of it where the tangent is no matrix."""
+    if problem.tangent in (None, "dense"):
+        return np.kron(np.eye(size), weights)
+    (first, high), (low, second) = weights
+    return Banded(np.tile([[0.0, low], [first, second], [high, 0.0]], size))
 
 
 #: Weights of the two-stage Gauss method: stage velocities from stage accelerations.
@@ -149,19 +169,27 @@ class Gauss4(OneStep):
     evaluations_per_iteration = 2
 
     def start(self, problem, u0, v0, dt):
-        a0 = acceleration(problem, 0.0, u0, v0)
+        a0 = initial_acceleration(problem, u0, v0)
         return Stages(u0, v0, jnp.stack([a0, a0])), Effort()
 
     def increment(self, problem, state, t, dt):
         u, v, guess = state
-        times = t + dt * jnp.asarray(_GAUSS_TIMES)
-        stages = _twice(problem, u.shape)
-        rhs = 0.0 if problem.load is None else jnp.stack([problem.load(t) for t in times]).ravel()
-        u_stages = jnp.stack([u + c * dt * v for c in _GAUSS_TIMES.tolist()]).ravel()
-        v_stages = jnp.stack([v, v]).ravel()
-        c_u, c_v = (np.kron(A, np.eye(max(u.size, 1))) for A in (_GAUSS @ _GAUSS, _GAUSS))
-        a, effort = balance(stages, rhs, u_stages, v_stages, dt**2 * c_u, dt * c_v, guess.ravel())
-        first, second = a = a.reshape(2, *u.shape)
+        stages = _twice(problem, u)
+
+        def side_by_side(first, second):
+            return jnp.stack([first, second], axis=-1).ravel()
+
+        first, second = _GAUSS_TIMES.tolist()
+        rhs = 0.0
+        if problem.load is not None:
+            rhs = side_by_side(problem.load(t + first * dt), problem.load(t + second * dt))
+        u_stages, v_stages = side_by_side(u + first * dt * v, u + second * dt * v), side_by_side(v, v)
+        c_u, c_v = (
+            product(power, _of_stages(weights, problem, u.size), 2 * u.size)
+            for power, weights in ((dt**2, _GAUSS @ _GAUSS), (dt, _GAUSS))
+        )
+        a, effort = balance(stages, rhs, u_stages, v_stages, c_u, c_v, side_by_side(*guess), symmetric=False)
+        first, second = a = a.reshape(*u.shape, 2).T
         before, after = ((1 - _GAUSS_TIMES) / 2).tolist()
         return Stages(dt * v + dt**2 * (before * first + after * second), dt / 2 * (first + second), a), effort
 

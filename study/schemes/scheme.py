@@ -7,7 +7,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
-from study.equilibrium import Effort, Motion, acceleration
+from study.equilibrium import Effort, Motion, initial_acceleration
 from study.problem import Problem
 
 
@@ -59,6 +59,11 @@ class Scheme(eqx.Module):
         """Internal forces that one Newton iteration evaluates."""
         return 1
 
+    @property
+    def solves_with_mass(self) -> bool:
+        """Whether it takes M alone on its left side, which must then not be singular."""
+        return self.explicit
+
     @abc.abstractmethod
     def start(self, problem: Problem, u0, v0, dt) -> tuple[Any, Effort]:
         """State at t = 0, and what it took."""
@@ -82,7 +87,7 @@ class OneStep(Scheme):
 
 def start_in_balance(self, problem: Problem, u0, v0, dt) -> tuple[Motion, Effort]:
     """State at t = 0 with the acceleration that the equation of motion gives there."""
-    return Motion(u0, v0, acceleration(problem, 0.0, u0, v0)), Effort()
+    return Motion(u0, v0, initial_acceleration(problem, u0, v0)), Effort()
 
 
 def as_tuple(values):
