@@ -88,9 +88,13 @@ READS = {
     "round_off": references([config["round_off"]["problem"]]),
     "recommendation": ["work_precision"],
 }
+STRUCTURES, HISTORIES = list(config["structures"]["periods"]), list(config["structure_history"])
 DATASETS = [
     *EXPERIMENTS,
     "accuracy",
+    "structures",
+    *(f"structure_history/{name}" for name in HISTORIES),
+    *references(STRUCTURES),
     "reference_agreement",
     "work_precision",
     *(f"phase_portrait/{name}" for name in PORTRAITS),
@@ -130,6 +134,18 @@ FIGURES = {
     "promises": ("promises", dataset("spectral", "accuracy"), "Linear theory beside what the springs show."),
     "families": ("families", dataset("work_precision"), "Speed against error for every scheme."),
     "round_off": ("round_off", dataset("round_off"), "Round-off, and what compensated summation buys."),
+    "stiff_soft": ("stiff_soft", dataset("structure_history/stiff_soft"), "A mass on a stiff spring, its velocity."),
+    "oscillatory_energies": (
+        "oscillatory_energies",
+        dataset("structure_history/energy_exchange", "structure_history/long_times"),
+        "Energies of the stiff springs of the Fermi-Pasta-Ulam chain.",
+    ),
+    "energy_growth": (
+        "energy_growth",
+        dataset("structure_history/stiff_bar", "structure_history/stiff_truss"),
+        "Energy error where stiff modes are not resolved.",
+    ),
+    "structures": ("structures", dataset("structures"), "Error of the displacement of structures."),
 }
 #: Table: the datasets that it shows.
 TABLES = {
@@ -146,6 +162,7 @@ TABLES = {
     "orders_of_today": dataset("accuracy"),
     "needs": dataset("recommendation"),
     "references": dataset("reference_agreement", *references(config["references"]["problems"])),
+    "structures": dataset("structures"),
     "claims": ["results/claims.csv", *dataset("energy_error")],
 }
 
@@ -164,6 +181,8 @@ wildcard_constraints:
     experiment="|".join(EXPERIMENTS),
     figure="|".join(FIGURES),
     portrait="|".join(PORTRAITS),
+    history="|".join(HISTORIES),
+    structure="|".join(STRUCTURES),
     problem="|".join(config["references"]["problems"]),
     table="|".join(TABLES),
 
@@ -335,6 +354,99 @@ rule work_precision:
         " && python -m study.gather {output.whole} none {output.schemes} {output.solvers} ) > {log} 2>&1"
 
 
+rule structure_reference:
+    input:
+        sources("reference.structures"),
+    output:
+        update("results/reference/{structure}.nc"),
+    params:
+        options=lambda wildcards: json.dumps(
+            {
+                "problem": wildcards.structure,
+                "periods": config["structures"]["periods"][wildcards.structure],
+                "samples_per_period": config["structures"]["samples_per_period"],
+                "rtol": config["structures"]["rtol"],
+            }
+        ),
+    log:
+        "results/logs/reference_{structure}.log",
+    benchmark:
+        "results/benchmarks/reference_{structure}.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "reference of {wildcards.structure}: diffrax and CVODE"
+    shell:
+        "python -m reference.structures {output} {params.options:q} > {log} 2>&1"
+
+
+rule structure:
+    input:
+        dataset("reference/{structure}"),
+        sources("study.experiments.structures", config["structures"]["schemes"]),
+    output:
+        temp("results/structures/{structure}.nc"),
+    params:
+        options=lambda wildcards: json.dumps(
+            {
+                "problem": wildcards.structure,
+                "periods": config["structures"]["periods"][wildcards.structure],
+                "schemes": config["structures"]["schemes"],
+                "steps_per_period": config["structures"]["steps_per_period"],
+            }
+        ),
+    log:
+        "results/logs/structure_{structure}.log",
+    benchmark:
+        "results/benchmarks/structure_{structure}.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "the schemes on {wildcards.structure}"
+    shell:
+        "python -m study.experiments.structures {output} {params.options:q} > {log} 2>&1"
+
+
+rule gathered_structures:
+    input:
+        parts=dataset(*(f"structures/{name}" for name in STRUCTURES)),
+        sources=sources("study.gather"),
+    output:
+        update("results/structures.nc"),
+    log:
+        "results/logs/structures.log",
+    benchmark:
+        "results/benchmarks/structures.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "the schemes on all structures"
+    shell:
+        "python -m study.gather {output} problem {input.parts} > {log} 2>&1"
+
+
+rule structure_history:
+    input:
+        lambda wildcards: dataset(*references([config["structure_history"][wildcards.history]["problem"]])),
+        lambda wildcards: sources(
+            "study.experiments.structure_history", config["structure_history"][wildcards.history]["schemes"]
+        ),
+    output:
+        update("results/structure_history/{history}.nc"),
+    params:
+        options=lambda wildcards: json.dumps(config["structure_history"][wildcards.history]),
+    log:
+        "results/logs/structure_history_{history}.log",
+    benchmark:
+        "results/benchmarks/structure_history_{history}.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "histories of {wildcards.history}"
+    shell:
+        "python -m study.experiments.structure_history {output} {params.options:q} > {log} 2>&1"
+
+
 rule phase_portrait:
     input:
         lambda wildcards: sources(
@@ -428,6 +540,7 @@ rule numbers:
         dataset("energy_error", "energy_drift", "cpu_time", "sensitivity", "spectral", "large_steps"),
         dataset("reference_agreement", "accuracy", "work_precision", "recommendation", "round_off"),
         dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
+        dataset("structures", "structure_history/stiff_soft", "structure_history/long_times"),
         sources=sources("paper.numbers"),
     output:
         update("results/numbers.json"),

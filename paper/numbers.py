@@ -9,7 +9,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from paper.claims.ledger import by_name
+from paper.claims.structures import TURNING, kept, sawtooth
 from paper.data import load, of_the_paper
+from paper.figures.oscillatory_energies import SPRINGS
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
 from paper.tables.stability import GAIN, PROBLEMS
@@ -236,14 +239,34 @@ def _of_round_off(round_off: xr.Dataset) -> dict:
     return floors | {"round_off_known": f"{10 * round_off.uncertainty.item():.0e}"}
 
 
-def _of_claims(claims: pd.DataFrame) -> dict:
-    count = claims["verdict"].value_counts()
+def _of_structures(structures: xr.Dataset, stiff_soft: xr.Dataset, long_times: xr.Dataset) -> dict:
+    data = {"structures": structures}
+    runs = kept(data, TURNING)
+    lost = by_name((~runs).sum(["problem", "steps_per_period"]))
+    alternating = sawtooth(stiff_soft.v.isel(component=0))
+    total = sum(long_times[f"oscillatory_energy_{spring}"] for spring in SPRINGS)
+    change = by_name(100 * abs(total / total.isel(t=0) - 1).max("t"))
     return {
-        "claims": len(claims),
-        "claims_reproduced": int(count.get("reproduced", 0)),
-        "claims_qualified": int(count.get("reproduced with a qualification", 0)),
-        "claims_not_reproduced": int(count.get("not reproduced", 0)),
+        "turning_runs": runs.sizes["problem"] * runs.sizes["steps_per_period"],
+        **{f"lost_{name}": number for name, number in lost.items()},
+        **{f"sawtooth_{name}": f"{a:.2f}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
+        "long_time": f"{long_times.t.max().item():,.0f}",
+        **{f"sum_{name}": f"{value:.2g}" for name, value in change.items()},
     }
+
+
+def _of_claims(claims: pd.DataFrame) -> dict:
+    def counted(part, prefix):
+        count = part["verdict"].value_counts()
+        return {
+            prefix: len(part),
+            f"{prefix}_reproduced": int(count.get("reproduced", 0)),
+            f"{prefix}_qualified": int(count.get("reproduced with a qualification", 0)),
+            f"{prefix}_not_reproduced": int(count.get("not reproduced", 0)),
+        }
+
+    ours = claims["section"] == "structures"
+    return counted(claims[~ours], "claims") | counted(claims[ours], "structure_claims")
 
 
 def numbers(results: Path) -> dict:
@@ -265,6 +288,9 @@ def numbers(results: Path) -> dict:
         **_of_linear_theory(dataset("spectral"), dataset("large_steps")),
         **_of_promises(dataset("spectral"), dataset("accuracy")),
         **_of_round_off(dataset("round_off")),
+        **_of_structures(
+            dataset("structures"), dataset("structure_history/stiff_soft"), dataset("structure_history/long_times")
+        ),
         **_of_claims(claims),
     }
 

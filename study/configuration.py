@@ -9,7 +9,7 @@ import jsonschema
 import yaml
 
 from study.comparison import MEASURES
-from study.problems import problems
+from study.problems import periods, problems
 from study.registry import Registry, did_you_mean
 from study.schemes import schemes
 
@@ -64,7 +64,7 @@ def _check_names(section: dict[str, Any], place: str) -> None:
         elif key in _REGISTRIES:
             for name in [value] if isinstance(value, str) else value:
                 try:
-                    _REGISTRIES[key][name]
+                    _REGISTRIES[key].resolve(name)
                 except KeyError as error:
                     raise ValueError(f"{place}{key}: {error}") from None
 
@@ -104,6 +104,32 @@ def _check_contained(config: dict) -> None:
         raise ValueError("work_precision.solvers.periods lacks 100, which the figures need.")
 
 
+def _check_structures(config: dict) -> None:
+    """Structures by their names, with samples at whole steps, and what the figures draw among them."""
+    structures = config["structures"]
+    for name in structures["periods"]:
+        try:
+            problems.resolve(name)
+        except KeyError as error:
+            raise ValueError(f"structures.periods: {error}") from None
+        if name not in periods:
+            raise ValueError(f"structures.periods: '{name}' is none of the structures {', '.join(periods)}.")
+    for steps in structures["steps_per_period"]:
+        if steps % structures["samples_per_period"]:
+            raise ValueError(
+                f"structures.steps_per_period: {steps} is no multiple of the {structures['samples_per_period']} samples."
+            )
+    for name in ("stiff_soft", "fpu_chain", "elastic_pendulum", "spinning_truss", "impact_bar"):
+        if name not in structures["periods"]:
+            raise ValueError(f"structures.periods lacks '{name}', which the manuscript and its ledger need.")
+    for name, history in config["structure_history"].items():
+        place = f"structure_history.{name}"
+        if history["problem"] not in structures["periods"]:
+            raise ValueError(f"{place}: there is no reference of '{history['problem']}'; add it to structures.periods.")
+        if round(history["periods"] * history["steps_per_period"]) % history["every"]:
+            raise ValueError(f"{place}: every, {history['every']}, does not divide the number of steps.")
+
+
 def _check_values(config: dict) -> None:
     """What a schema cannot say: finite numbers, at least one step, ranges in order, what the manuscript needs."""
     for place, value in _numbers(config, ""):
@@ -133,8 +159,11 @@ def _check_values(config: dict) -> None:
         if section["tolerances"] != sorted(section["tolerances"], reverse=True):
             raise ValueError(f"{place}.tolerances must fall, not {section['tolerances']}.")
     _check_contained(config)
+    _check_structures(config)
     portraits = {f"phase_portrait.{name}": portrait for name, portrait in config["phase_portrait"].items()}
-    for place, section in {**{key: config[key] for key in _OF_THE_PAPER}, **portraits}.items():
+    of_the_paper = {key: config[key] for key in _OF_THE_PAPER}
+    structures = {"structures": {"schemes": config["structures"]["schemes"]}}
+    for place, section in {**of_the_paper, **structures, **portraits}.items():
         for key, needed in (("schemes", _PAPER_SCHEMES), ("problems", _PAPER_PROBLEMS)):
             missing = [name for name in needed if key in section and name not in section[key]]
             if missing:
@@ -157,4 +186,4 @@ def check(config: dict) -> None:
     _check_names(config, "")
     _check_values(config)
     for name in config["phase_portrait"]:
-        problems[name]
+        problems.resolve(name)

@@ -38,20 +38,32 @@ class Registry(Mapping[str, T], Generic[T]):
         self.kind = kind
         self._entries, self._aliases = dict(entries), dict(aliases or {})
         self._made_by = dict(made_by or {})
+        self._names = [*self._entries, *self._made_by]
+
+    def resolve(self, name: str) -> str:
+        """The name under which an entry is listed.
+
+        Raises
+        ------
+        UnknownName
+            If there is no such entry.
+        """
+        entry = self._aliases.get(name, name)
+        if entry not in self._entries and entry not in self._made_by:
+            raise UnknownName(f"there is no {self.kind} {name!r}; {did_you_mean(str(name), self)}")
+        return entry
 
     def __getitem__(self, name: str) -> T:
-        entry = self._aliases.get(name, name)
-        if entry in self._made_by and entry not in self._entries:
-            self._entries[entry] = self._made_by[entry]()
+        entry = self.resolve(name)
         if entry not in self._entries:
-            raise UnknownName(f"there is no {self.kind} {name!r}; {did_you_mean(str(name), self)}")
+            self._entries[entry] = self._made_by[entry]()
         return self._entries[entry]
 
     def __iter__(self) -> Iterator[str]:
-        return iter([*(name for name in self._entries if name not in self._made_by), *self._made_by])
+        return iter(self._names)
 
     def __len__(self) -> int:
-        return len(list(iter(self)))
+        return len(self._names)
 
     def __repr__(self) -> str:
         return f"{self.kind}s: {', '.join(self)}"

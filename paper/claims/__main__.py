@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from paper.claims import comparisons, conclusions, discussion, introduction  # noqa: F401  (they enter their claims)
+from paper.claims import comparisons, conclusions, discussion, introduction, structures  # noqa: F401  (they enter their claims)
 from paper.claims.ledger import CLAIMS
 from paper.data import load, of_the_paper
 from paper.published import printed_energy_errors
@@ -14,12 +14,12 @@ from paper.published import printed_energy_errors
 def main(output: Path, results: Path, names: list[str]) -> None:
     """Write the ledger, a line a claim, in the order of the paper."""
     data = {name: load(results / f"{name}.nc") for name in names}
-    # the paper speaks of its own schemes
+    # the paper speaks of its own schemes; on structures they stand beside those of today
     own = set(printed_energy_errors().scheme.values)
     data |= {
         name: of_the_paper(dataset)
         for name, dataset in data.items()
-        if "scheme" in dataset.dims and own < set(dataset.scheme.values)
+        if "scheme" in dataset.dims and own < set(dataset.scheme.values) and name != "structures"
     }
     rows = []
     for number, claim in enumerate(sorted(CLAIMS, key=lambda claim: claim.section), start=1):

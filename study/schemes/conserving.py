@@ -48,6 +48,8 @@ class ImplicitMidpoint(OneStep):
 #: What moves by less than this part of itself takes the force at its middle: dividing the change of the energy by it
 #: would lose more digits than the middle's error of third order.
 STANDSTILL = 1e-5
+#: And what moves by less than this: its square is no number any more, as ahead of a wave that comes.
+SMALLEST = 1e-150
 
 
 def _of_strains(potential, u0):
@@ -60,7 +62,7 @@ def _of_strains(potential, u0):
     def mean_force(u1):
         after = strains(u1)
         change = after - before
-        moves = jnp.abs(change) > STANDSTILL * (jnp.abs(before) + jnp.abs(after))
+        moves = jnp.abs(change) > STANDSTILL * (jnp.abs(before) + jnp.abs(after)) + SMALLEST
         quotient = (density(after) - energy) / jnp.where(moves, change, 1.0)
         stress = jnp.where(moves, quotient, slope((before + after) / 2))
         return jax.vjp(strains, (u0 + u1) / 2)[1](stress)[0]

@@ -1,0 +1,126 @@
+"""What becomes of the paper's verdicts on structures, which it did not compute: claims of ours, decided alike."""
+
+import numpy as np
+import xarray as xr
+
+from paper.claims.comparisons import DISSIPATIVE, FAITHFUL
+from paper.claims.discussion import EXPLICIT
+from paper.claims.ledger import Data, Finding, by_name, claim, listed
+from paper.published import printed_energy_errors
+
+#: A run is kept if it ends with its balance of energies within so many percent.
+KEPT = 10.0
+#: Structures with modes far too fast for the steps.
+STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
+#: Those of them that turn, so that their stiff modes are not linear.
+TURNING = ["elastic_pendulum", "spinning_truss"]
+
+
+def kept(data: Data, problems: list[str] | None = None) -> xr.DataArray:
+    """Whether a run ended with its balance of energies kept, over problem, scheme and steps_per_period."""
+    runs = data["structures"] if problems is None else data["structures"].sel(problem=problems)
+    return (runs.status == 0) & (runs.max_energy_imbalance < KEPT)
+
+
+def sawtooth(velocity: xr.DataArray) -> np.ndarray:
+    """Amplitude of the part of a velocity that changes its sign with every step, over the last half of a history."""
+    late = velocity.isel(t=slice(velocity.sizes["t"] // 2, None)).values
+    return np.abs(late[..., 2:] - 2 * late[..., 1:-1] + late[..., :-2]).max(axis=-1) / 4
+
+
+def _share(runs: xr.DataArray, schemes: list[str]) -> dict[str, float]:
+    """Share of the runs in percent, by scheme."""
+    return by_name(100 * runs.sel(scheme=schemes).mean(["problem", "steps_per_period"]))
+
+
+@claim(
+    "structures",
+    "Average acceleration and central difference are the ones to take.",
+    "share of all runs on structures that keep the balance of energies within 10 %, of the paper's schemes, in percent",
+)
+def faithful_on_structures(data):
+    share = _share(kept(data), printed_energy_errors().scheme.values.tolist())
+    best = sorted(share, key=share.__getitem__, reverse=True)[:2]
+    holding = [name for name in FAITHFUL if name in best]
+    return Finding(
+        listed(share, ".0f"),
+        len(holding) > 0,
+        "" if len(holding) == 2 else f"only {' and '.join(holding) or 'neither'} is among the two best: where modes "
+        "are stiffer than the step resolves, an explicit scheme is none to take",
+    )
+
+
+@claim(
+    "structures",
+    "Newmark (γ = 0.6), Houbolt and Wilson damp too strongly.",
+    "largest error of the balance of energies on the Fermi-Pasta-Ulam chain at the finest step, in percent",
+)
+def damping_on_the_chain(data):
+    chain = data["structures"].max_energy_imbalance.sel(problem="fpu_chain", scheme=DISSIPATIVE)
+    lost = by_name(chain.isel(steps_per_period=-1))
+    return Finding(listed(lost), min(lost.values()) > KEPT)
+
+
+@claim(
+    "structures",
+    "Average acceleration oscillates spuriously where a mode is too stiff for the step.",
+    "alternating part of the velocity of the mass on the stiff spring, T/20, late in the run",
+)
+def spurious_oscillation(data):
+    history = data["structure_history/stiff_soft"]
+    parts = dict(zip(history.scheme.values.tolist(), sawtooth(history.v.isel(component=0)).tolist(), strict=True))
+    exact = float(np.abs(history.reference_v.isel(component=0) - history.reference_v.isel(component=0).mean()).max())
+    return Finding(
+        listed(parts, ".3f"),
+        parts["average_acceleration"] > 5 * parts["bathe"],
+        "the structure itself oscillates as much from rest, at a frequency that no step here resolves "
+        f"(its velocity reaches {exact:.1f}); the scheme keeps that energy and shows it at the wrong frequency",
+    )
+
+
+@claim(
+    "structures",
+    "With stiff modes that are not resolved the trapezoidal rule and the midpoint rule blow up; energy-momentum does not.",
+    "runs on the elastic pendulum and the spinning truss that fail or leave the balance of energies by more than 10 %",
+)
+def conserving_on_stiff_structures(data):
+    runs = kept(data, TURNING)
+    names = ["average_acceleration", "implicit_midpoint", "energy_momentum"]
+    lost = by_name((~runs).sel(scheme=names).sum(["problem", "steps_per_period"]))
+    number = runs.sizes["problem"] * runs.sizes["steps_per_period"]
+    return Finding(
+        f"{listed(lost, '.0f')}, of {number}",
+        lost["energy_momentum"] == 0 and lost["average_acceleration"] > 0 and lost["implicit_midpoint"] > 0,
+    )
+
+
+@claim(
+    "structures",
+    "Explicit schemes are of no use where a mode is stiff, however slow the motion.",
+    "runs on stiff structures that are not finite, of each explicit scheme of the paper, in percent",
+)
+def explicit_on_stiff_structures(data):
+    runs = data["structures"].status.sel(problem=STIFF)
+    lost = _share(runs != 0, EXPLICIT)
+    saved = [problem for problem in STIFF if (runs.sel(problem=problem, scheme=EXPLICIT) == 0).any()]
+    return Finding(
+        listed(lost, ".0f"),
+        min(lost.values()) > 50,
+        f"at the finest steps they resolve the stiff modes of {', '.join(saved)}" if saved else "",
+    )
+
+
+@claim(
+    "structures",
+    "Δt < T/20 is reasonable for average acceleration.",
+    "error of the displacement at 20 steps in the time scale of the motion, by structure, in percent",
+)
+def a_twentieth_on_structures(data):
+    runs = data["structures"].sel(scheme="average_acceleration", steps_per_period=20)
+    error = by_name(100 * runs.displacement_error)
+    good = [name for name, value in error.items() if value <= 10]
+    return Finding(
+        listed(error, ".0f"),
+        len(good) == len(error),
+        f"only on {', '.join(good)}; a failed run is nan" if len(good) < len(error) else "",
+    )

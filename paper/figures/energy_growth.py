@@ -1,0 +1,34 @@
+"""Energy error on turning structures whose stiff modes the step does not resolve."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.figures.style import PAGE, letter, looks, main
+
+#: Errors in percent below this are drawn at it.
+FLOOR = 1e-13
+
+
+def draw(*histories: xr.Dataset) -> Figure:
+    """One panel a structure; a cross where a run ends early."""
+    figure, axes = plt.subplots(1, len(histories), figsize=(PAGE, 0.4 * PAGE), sharey=True)
+    for index, (ax, history) in enumerate(zip(axes, histories, strict=True)):
+        for name, look in looks(history.scheme).items():
+            one = history.sel(scheme=name)
+            error = np.maximum(np.abs(one.energy_error), FLOOR).where(np.isfinite(one.energy_error))
+            (line,) = ax.plot(one.t[1:], error[1:], label=one.scheme_title.item(), **{**look, "marker": ""})
+            if one.status != 0:
+                end = one.failed_at_step.item() - 1
+                ax.plot(one.t[max(end, 1)], error[max(end, 1)], "x", color=line.get_color(), markersize=6)
+        ax.set(xlabel="time", yscale="log")
+        letter(ax, index, history.problem_title)
+    axes[0].set_ylabel("energy error (%)")
+    handles, titles = axes[0].get_legend_handles_labels()
+    figure.legend(handles, titles, loc="outside lower center", ncols=len(titles))
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

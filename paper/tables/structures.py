@@ -1,0 +1,44 @@
+"""The schemes on structures at one step size: error of the displacement and of the balance of energies."""
+
+import pandas as pd
+import xarray as xr
+
+from paper.figures.structures import SHOWN
+from paper.tables.writing import main
+
+STEPS = 80
+
+
+#: Errors in percent above this have nothing to do with the motion any more.
+BEYOND = 1e4
+
+
+def _percent(value: float) -> str:
+    if not value <= BEYOND:
+        return "≫"
+    return f"{value:.2g}" if value >= 1e-6 else "0"
+
+
+def _cell(run: xr.Dataset) -> str:
+    """Both errors in percent, or how the run failed and at which step."""
+    if run.status != 0:
+        how = {1: "N", 2: "∞"}[run.status.item()]
+        return f"{how} {run.failed_at_step.item():.0f}"
+    return f"{_percent(100 * run.displacement_error.item())} / {_percent(run.max_energy_imbalance.item())}"
+
+
+def tabulate(structures: xr.Dataset) -> pd.DataFrame:
+    """One row a structure, a column a scheme."""
+    at = structures.sel(steps_per_period=STEPS)
+    shown = [name for name in SHOWN if name in at.scheme.values]
+    rows = []
+    for problem in at.problem.values:
+        one = at.sel(problem=problem)
+        title = one.problem_title.item()
+        row = {"Structure": title[0].upper() + title[1:], "Unknowns": f"{one.unknowns.item():.0f}"}
+        rows.append(row | {one.scheme_title.sel(scheme=n).item(): _cell(one.sel(scheme=n)) for n in shown})
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    main(tabulate)

@@ -1,0 +1,68 @@
+"""Histories of structures: the motion, the energy and, of the chain, the energies of its stiff springs."""
+
+from collections.abc import Sequence
+from functools import partial
+
+import jax
+import numpy as np
+import xarray as xr
+
+from study import datasets
+from study.command import main, progress
+from study.experiments import labels
+from study.observers import Observer, Quantity
+from study.problem import Problem
+from study.problems import periods as time_scales
+from study.problems import problems
+from study.runs import run
+from study.structures import oscillatory_energy
+
+
+def _observers(problem: str, definition: Problem) -> list[str | Observer]:
+    if problem == "fpu_chain":
+        return [
+            Quantity(
+                partial(oscillatory_energy, spring),
+                f"oscillatory_energy_{spring + 1}",
+                f"oscillatory energy of stiff spring {spring + 1}",
+            )
+            for spring in range(3)
+        ]
+    from_rest = float(definition.energy(definition.u0, definition.v0)) == 0
+    return ["trajectory"] if from_rest else ["trajectory", "energy_error"]
+
+
+def structure_history(
+    problem: str, schemes: Sequence[str], steps_per_period: int, periods: float, every: int
+) -> xr.Dataset:
+    """What is worth seeing of every scheme at one step size, and of the reference where it has the time."""
+    progress(f"histories of {problem}")
+    definition = problems[problem]
+    observe = _observers(problem, definition)
+    dt, steps = time_scales[problem] / steps_per_period, round(periods * steps_per_period)
+    runs = [run(problem, scheme, dt=dt, steps=steps, observe=observe, every=every) for scheme in schemes]
+    dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(labels.scheme_coordinates(schemes))
+    reference = datasets.open(f"reference/{problem}")
+    exact = {"u": reference.u.values, "v": reference.v.values}
+    for quantity in observe:
+        if isinstance(quantity, Quantity):
+            exact[quantity.name] = np.asarray(jax.vmap(quantity.function)(exact["u"], exact["v"]))
+    for name, values in exact.items():
+        if name in dataset:
+            dims = ("t_reference", "component")[: values.ndim]
+            attributes = {**dataset[name].attrs, "long_name": f"{dataset[name].long_name} of the reference"}
+            dataset[f"reference_{name}"] = (dims, values, attributes)
+    dataset = dataset.assign_coords(
+        t_reference=("t_reference", reference.t.values, {"long_name": "elapsed time of the reference", "units": "s"})
+    )
+    dataset["dt"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})
+    dataset.attrs = {
+        "title": f"Histories of the {definition.title} at one step size",
+        "problem": problem,
+        "problem_title": definition.title,
+    }
+    return dataset
+
+
+if __name__ == "__main__":
+    main(structure_history)
