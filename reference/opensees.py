@@ -63,21 +63,24 @@ def _spring(problem: Problem) -> CubicSpring:
     return spring
 
 
-def _prepared(problem: str, scheme: str) -> ModuleType:
-    """OpenSees with the spring at its start and the integrator chosen."""
-    ops, definition = load(), problems[problem]
-    spring = _spring(definition)
+def _line(nodes: int) -> ModuleType:
+    """OpenSees with nodes of unit mass on a line, the first of them fixed."""
+    ops = load()
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    for node in range(1, nodes + 1):
+        ops.node(node, 0.0)
+    ops.fix(1, 1)
+    for node in range(2, nodes + 1):
+        ops.mass(node, 1.0)
+    return ops
+
+
+def _choose(ops: ModuleType, scheme: str) -> None:
+    """The integrator of this name, and the rest of an analysis."""
     if scheme not in INTEGRATORS:
         raise ValueError(f"OpenSees does not step '{scheme}'; it steps {', '.join(INTEGRATORS)}.")
     integrator, algorithm = INTEGRATORS[scheme]
-    ops.wipe()
-    ops.model("basic", "-ndm", 1, "-ndf", 1)
-    for node in (1, 2):
-        ops.node(node, 0.0)
-    ops.fix(1, 1)
-    ops.mass(2, 1.0)
-    ops.uniaxialMaterial("ElasticPowerFunc", 1, "-coeff", spring.S1, spring.S1 * spring.S2, "-exp", 1.0, 3.0)
-    ops.element("zeroLength", 1, 1, 2, "-mat", 1, "-dir", 1)
     ops.constraints("Plain")
     ops.numberer("Plain")
     ops.system("FullGeneral")
@@ -85,6 +88,16 @@ def _prepared(problem: str, scheme: str) -> ModuleType:
     ops.algorithm(algorithm)
     ops.integrator(*integrator)
     ops.analysis("Transient")
+
+
+def _prepared(problem: str, scheme: str) -> ModuleType:
+    """OpenSees with the spring at its start and the integrator chosen."""
+    definition = problems[problem]
+    spring = _spring(definition)
+    ops = _line(nodes=2)
+    ops.uniaxialMaterial("ElasticPowerFunc", 1, "-coeff", spring.S1, spring.S1 * spring.S2, "-exp", 1.0, 3.0)
+    ops.element("zeroLength", 1, 1, 2, "-mat", 1, "-dir", 1)
+    _choose(ops, scheme)
     u0 = float(definition.u0)
     ops.setNodeDisp(2, 1, u0, "-commit")
     ops.setNodeVel(2, 1, float(definition.v0), "-commit")
@@ -120,4 +133,27 @@ def trajectory(problem: str, scheme: str, dt: float, steps: int) -> Solution:
         if ops.analyze(parts, dt / parts):
             raise ValueError(f"OpenSees failed at step {step + 1} on '{problem}' with '{scheme}'.")
         u[step], v[step] = ops.nodeDisp(2, 1), ops.nodeVel(2, 1)
+    return Solution(u, v, -1, time.perf_counter() - start)
+
+
+def stiff_soft(scheme: str, dt: float, steps: int) -> Solution:
+    """The system of :func:`study.structures.stiff_soft`, two unknowns, at every step after the start.
+
+    Raises as :func:`trajectory` does.
+    """
+    stiffness, soft, frequency = 1e7, 1.0, 1.2
+    ops, parts = _line(nodes=3), SUB_STEPS.get(scheme, 1)
+    for number, modulus in enumerate((stiffness, soft), start=1):
+        ops.uniaxialMaterial("Elastic", number, modulus)
+        ops.element("zeroLength", number, number, number + 1, "-mat", number, "-dir", 1)
+    ops.timeSeries("Trig", 1, 0.0, 2 * dt * steps, 2 * np.pi / frequency)
+    ops.pattern("Plain", 1, 1)
+    ops.load(2, stiffness)
+    _choose(ops, scheme)
+    u, v = np.empty((steps, 2)), np.empty((steps, 2))
+    start = time.perf_counter()
+    for step in range(steps):
+        if ops.analyze(parts, dt / parts):
+            raise ValueError(f"OpenSees failed at step {step + 1} on 'stiff_soft' with '{scheme}'.")
+        u[step], v[step] = ([of_node(node, 1) for node in (2, 3)] for of_node in (ops.nodeDisp, ops.nodeVel))
     return Solution(u, v, -1, time.perf_counter() - start)

@@ -132,14 +132,14 @@ def _check_fit(problem: Problem, scheme: Scheme, duration: float) -> None:
         )
     if problem.load is not None:
         times = np.linspace(0.0, duration, LOOKS)
-        finite = np.isfinite(np.asarray(_loads(problem.load, times))).reshape(LOOKS, -1).all(axis=1)
+        finite = np.asarray(_are_finite(problem.load, times))
         if not finite.all():
             raise ValueError(f"the load of '{problem.title}' is not finite at t = {times[np.argmin(finite)]:g}.")
 
 
 @eqx.filter_jit
-def _loads(load, times):
-    return jax.lax.map(lambda t: jnp.asarray(load(t), float), times)
+def _are_finite(load, times):
+    return jax.lax.map(lambda t: jnp.isfinite(load(t)).all(), times)
 
 
 def _lanes(problem: Problem, u0: np.ndarray, **of_lanes: np.ndarray) -> int:

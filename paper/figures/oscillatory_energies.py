@@ -28,13 +28,13 @@ def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
             ax.plot(one.t, one[energy], color=colour, linewidth=0.8, label=f"spring {spring}")
             ax.plot(one.t_reference, one[f"reference_{energy}"], ".", color=colour, markersize=1.5, alpha=0.5)
         ax.plot(one.t, _total(one), color="black", linewidth=0.8, label="sum")
-        ax.set_ylim(0, 1.4)
+        ax.set_ylim(0, 1.5)
         letter(ax, index, one.scheme_title.item())
         ax.set_xlabel("time")
         if index % 2 == 0:
             ax.set_ylabel("oscillatory energy")
         if index == 0:
-            ax.legend(ncols=2, loc="upper right")
+            ax.legend(ncols=4, loc="upper center", columnspacing=1.0, handlelength=1.2)
     ax = figure.add_subplot(grid[-1, :])
     styles = looks(long_times.scheme)
     for name in long_times.scheme.values:

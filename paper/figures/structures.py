@@ -1,7 +1,6 @@
 """Error of the displacement of structures against the step size."""
 
 import matplotlib.pyplot as plt
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -18,6 +17,8 @@ SHOWN = [
     "gauss4",
 ]
 COLUMNS = 3
+#: An error of so many times the displacement has nothing to do with the motion any more.
+BEYOND = 100
 
 
 def draw(structures: xr.Dataset) -> Figure:
@@ -40,9 +41,8 @@ def draw(structures: xr.Dataset) -> Figure:
         ax.set(xscale="log", yscale="log")
         ax.set_xticks(one.steps_per_period.values, [f"{n:g}" for n in one.steps_per_period.values])
         ax.minorticks_off()
-        low = np.nanmin(one.displacement_error)
-        # a displacement beyond ten times its size has nothing to do with the motion any more
-        ax.set_ylim(low / 3, min(10.0, 3 * np.nanmax(one.displacement_error)))
+        seen = one.displacement_error.where(one.displacement_error < BEYOND)
+        ax.set_ylim(seen.min() / 3, 3 * seen.max())
         letter(ax, index, one.problem_title.item())
         if index + COLUMNS >= shown.sizes["problem"]:
             ax.set_xlabel("steps in the time scale")

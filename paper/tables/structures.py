@@ -3,18 +3,14 @@
 import pandas as pd
 import xarray as xr
 
-from paper.figures.structures import SHOWN
+from paper.figures.structures import BEYOND, SHOWN
 from paper.tables.writing import main
 
 STEPS = 80
 
 
-#: Errors in percent above this have nothing to do with the motion any more.
-BEYOND = 1e4
-
-
 def _percent(value: float) -> str:
-    if not value <= BEYOND:
+    if not value <= 100 * BEYOND:
         return "≫"
     return f"{value:.2g}" if value >= 1e-6 else "0"
 

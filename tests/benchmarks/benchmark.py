@@ -16,11 +16,13 @@ import numpy as np
 import pandas as pd
 import peer
 import xarray as xr
+from scipy.linalg import solve, solve_banded
 
 import study
 from reference import exact, taylor
 from study.datasets import provenance, write
 from study.observers import EnergyDrift, MaxEnergyError, NewtonIterations
+from study import structures
 from study.problems import printed_periods
 from study.timing import Timed
 
@@ -277,6 +279,51 @@ def opensees() -> Iterator[Case]:
         )
 
 
+def several_unknowns() -> Iterator[Case]:
+    """Two unknowns against one; a bar's Newton iteration, and one of a full matrix, against LAPACK's solution alone."""
+    one = Timed(study.problems["hardening"], study.schemes["average_acceleration"], ())
+    for name, dt in (("stiff_soft", 0.2618), ("stiff_soft_sine", 0.2618)):
+        two = Timed(study.problems[name], study.schemes["average_acceleration"], ())
+        yield Case(
+            f"average acceleration, {name}, two unknowns : hardening, one",
+            lambda two=two, dt=dt: two.run(dt, STEPS)[0],
+            lambda: one.run(_dt("hardening"), STEPS)[0],
+            6.0,
+            STEPS,
+        )
+
+    def iterations(problem, dt, steps):
+        """Seconds of a run on its Newton iterations, with their number."""
+        given = {"dt": dt, "steps": steps, "observe": ["newton_iterations"]}
+        solved = study.run(problem, "average_acceleration", **given).newton_iterations.item()
+        return (lambda: _timed(lambda: study.run(problem, "average_acceleration", **given))), int(solved)
+
+    for n in (1_000, 10_000, 100_000, 1_000_000):
+        bar = structures.impact_bar(n)
+        ours, solved = iterations(bar, 1 / n, max(10, 1_000_000 // n))
+        bands = np.array([np.full(n, -1.0), np.full(n, 4.0), np.full(n, -1.0)])
+        # LAPACK's gtsv, which pivots, once for every Newton iteration
+        yield Case(
+            f"bar of {n:,}, an unknown and iteration : LAPACK's tridiagonal solution",
+            ours,
+            lambda bands=bands, n=n, solved=solved: solved * _timed(lambda: solve_banded((1, 1), bands, np.ones(n))),
+            2.0,
+            n * solved,
+        )
+    n = 100
+    chain = structures.toda_chain(n)
+    full = study.Problem(chain.force, chain.u0, chain.v0, tangent="dense", title="full chain")
+    ours, solved = iterations(full, 0.1, 2_000)
+    matrix = np.eye(n) + 0.01 * np.random.default_rng(0).normal(size=(n, n))
+    yield Case(
+        f"{n} unknowns with a full tangent, an iteration : LAPACK's solution",
+        ours,
+        lambda: solved * _timed(lambda: solve(matrix, np.ones(n), check_finite=False)),
+        1.5,
+        solved,
+    )
+
+
 _COMPILE = """
 import sys, time, jax, study
 from study.observers import MaxEnergyError
@@ -349,6 +396,7 @@ def main(output: Path) -> None:
             *many_steps(),
             *observers(),
             *opensees(),
+            *several_unknowns(),
         ]
         ds = measure(cases)
     table = pd.DataFrame(

@@ -29,6 +29,17 @@ def test_the_same_definitions_agree_to_round_off(theirs, scheme):
     np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "scheme", ["average_acceleration", "newmark_dissipative", "wilson_theta", "hht_alpha_one_force", "bathe"]
+)
+def test_the_stiff_and_soft_springs_agree(theirs, scheme):
+    dt = 2 * np.pi / 1.2 / 20
+    ours = study.run("stiff_soft", scheme, dt=dt, steps=40)
+    solution = opensees.stiff_soft(scheme, dt, 40)
+    np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-8)
+    np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-6)
+
+
 def test_houbolts_recurrence_is_the_same_and_its_start_is_not(theirs):
     """OpenSees starts it by two steps of average acceleration; from there each of its points follows from ours."""
     problem, houbolt = study.problems["hardening"], study.schemes["houbolt"]
