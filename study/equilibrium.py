@@ -80,7 +80,7 @@ def initial_acceleration(problem: Problem, u0, v0):
     if not problem.massless:
         return acceleration(problem, 0.0, u0, v0)
     rhs = _resisted(problem, load(problem, 0.0) - problem.force(u0), v0)
-    if jnp.ndim(problem.mass) == 1 and not isinstance(problem.mass, Banded):
+    if not isinstance(problem.mass, Banded) and jnp.ndim(problem.mass) == 1:
         return jnp.where(problem.mass > 0, rhs / problem.mass, 0.0)
     return jnp.linalg.pinv(dense(problem.mass, u0.size), hermitian=True) @ rhs
 

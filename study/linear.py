@@ -58,7 +58,7 @@ def _banded_times(matrix: Banded, x):
     k, n = matrix.half_bandwidth, len(x)
     if k <= 1:
         return sum(band * shifted(x, d) for d, band in enumerate(matrix.bands, start=-k))
-    beside = jnp.pad(x, k)[jnp.arange(2 * k + 1)[:, None] + jnp.arange(n)]
+    beside = jnp.pad(x, k)[jnp.arange(2 * k + 1)[:, None] + jnp.arange(n)[None]]
     return jnp.sum(jnp.stack(tuple(matrix.bands)) * beside, axis=0)
 
 
@@ -165,7 +165,7 @@ def product(one, other, n: int):
     k = one.half_bandwidth
     bands = jnp.zeros((2 * (k + other.half_bandwidth) + 1, n))
     for d, left in enumerate(one.bands, start=-k):
-        bands = bands.at[k + d : k + d + len(other.bands)].add(left * shifted(jnp.stack(tuple(other.bands)), d))
+        bands = bands.at[k + d : k + d + len(other.bands)].add(left[None] * shifted(jnp.stack(tuple(other.bands)), d))
     return Banded(bands)
 
 
@@ -220,7 +220,11 @@ def _solve_tridiagonal(bands, rhs):
         return lax.dynamic_update_slice(right, jnp.stack(now[::-1]), (start,)), x
 
     zero = jnp.zeros((), rhs.dtype)
-    carry = lax.fori_loop(0, n // UNROLL, lambda i, c: down(i * UNROLL, UNROLL, c), (upper, rhs, zero, zero))
+    carry = upper, rhs, zero, zero
+    if n < UNROLL:
+        upper, right, _, _ = down(0, n, carry)
+        return up(0, n, (right, zero))[0]
+    carry = lax.fori_loop(0, n // UNROLL, lambda i, c: down(i * UNROLL, UNROLL, c), carry)
     upper, right, _, _ = down(n - rest, rest, carry) if rest else carry
     back = up(n - rest, rest, (right, zero)) if rest else (right, zero)
     return lax.fori_loop(0, n // UNROLL, lambda i, c: up(n - rest - (i + 1) * UNROLL, UNROLL, c), back)[0]
@@ -257,21 +261,21 @@ def _solve_banded(bands, rhs):
 
 def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
     """Conjugate gradients, or GMRES where the matrix is not symmetric, with the diagonal as preconditioner."""
-    structure = jax.eval_shape(lambda: rhs)
-    tags = lineax.positive_semidefinite_tag if symmetric else ()
     diagonal = jnp.broadcast_to(matrix.diagonal, rhs.shape)
-    size = jnp.where(diagonal == 0, 1.0, jnp.abs(diagonal))
-    preconditioner = lineax.TaggedLinearOperator(
-        lineax.DiagonalLinearOperator(1 / size), lineax.positive_semidefinite_tag
-    )
+    size = jnp.sqrt(jnp.where(diagonal == 0, 1.0, jnp.abs(diagonal)))
+    scaled = rhs / size
+    # lineax measures entry by entry, in which a zero of the right side ends it at once: a measure of the whole instead
+    largest = jnp.abs(scaled).max()
+    largest = jnp.where(largest == 0, 1.0, largest)
+    tags = lineax.positive_semidefinite_tag if symmetric else ()
     method = lineax.CG if symmetric else lineax.GMRES
-    return lineax.linear_solve(
-        lineax.FunctionLinearOperator(matrix.product, structure, tags),
-        rhs,
-        method(rtol=ITERATIVE_TOLERANCE, atol=0.0, max_steps=ITERATIVE_STEPS),
-        options={"preconditioner": preconditioner},
+    solution = lineax.linear_solve(
+        lineax.FunctionLinearOperator(lambda x: matrix.product(x / size) / size, jax.eval_shape(lambda: rhs), tags),
+        scaled / largest,
+        method(rtol=0.0, atol=ITERATIVE_TOLERANCE, max_steps=ITERATIVE_STEPS),
         throw=False,
     ).value
+    return largest * solution / size
 
 
 def solve(matrix, rhs, symmetric: bool = True):

@@ -22,7 +22,7 @@ AGREEMENT = 1e-8
 
 def _directions(count: int, n: int):
     """Vectors (count, n) of zeros, and of ones at every place that leaves the vector's number over ``count``."""
-    return (jnp.arange(n, dtype=jnp.int32) % count == jnp.arange(count, dtype=jnp.int32)[:, None]).astype(float)
+    return (jnp.arange(n, dtype=jnp.int32)[None] % count == jnp.arange(count, dtype=jnp.int32)[:, None]).astype(float)
 
 
 def _bands(slope: Callable, half_bandwidth: int, n: int) -> Banded:
@@ -34,7 +34,7 @@ def _bands(slope: Callable, half_bandwidth: int, n: int) -> Banded:
     if count <= WRITTEN_OUT:
         products = [slope(d) for d in directions]
         return Banded(tuple(jax.lax.select_n((place + d) % count, *products) for d in offset))
-    column = (place + jnp.asarray(offset, dtype=jnp.int32)[:, None]) % count
+    column = (place[None] + jnp.asarray(offset, dtype=jnp.int32)[:, None]) % count
     return Banded(jnp.take_along_axis(jax.vmap(slope)(directions), column, axis=0))
 
 

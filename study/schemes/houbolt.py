@@ -124,7 +124,7 @@ class Houbolt(Scheme):
             )
 
     @property
-    def solves_with_mass(self) -> bool:
+    def needs_mass(self) -> bool:
         return self.start_by != "linear_acceleration"
 
     def start(self, problem, u0, v0, dt):

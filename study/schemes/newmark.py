@@ -66,6 +66,10 @@ class Newmark(OneStep):
     def evaluations(self) -> int:
         return 1 if self.explicit else 0
 
+    @property
+    def needs_mass(self) -> bool:
+        return 2 * self.beta < self.gamma
+
     start = start_in_balance
 
     def increment(self, problem, state, t, dt):

@@ -116,7 +116,7 @@ def _twice(problem: Problem, u) -> _Twice:
         if matrix is None or isinstance(matrix, np.ndarray | jax.Array) and matrix.ndim == 0:
             return matrix
         if isinstance(matrix, Banded):
-            bands = jnp.repeat(matrix.bands, 2, axis=1)
+            bands = jnp.repeat(jnp.stack(tuple(matrix.bands)), 2, axis=1)
             return Banded(jnp.zeros((2 * len(bands) - 1, 2 * u.size)).at[::2].set(bands))
         if isinstance(matrix, MatrixFree):
             twice = jax.vmap(matrix.product, in_axes=1, out_axes=1)

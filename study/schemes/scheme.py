@@ -60,8 +60,8 @@ class Scheme(eqx.Module):
         return 1
 
     @property
-    def solves_with_mass(self) -> bool:
-        """Whether it takes M alone on its left side, which must then not be singular."""
+    def needs_mass(self) -> bool:
+        """Whether no unknown may be without mass: a step solves with M alone, or has a limit that nothing without keeps."""
         return self.explicit
 
     @abc.abstractmethod

@@ -1,5 +1,6 @@
 """Wilson's θ-method."""
 
+import math
 from typing import ClassVar
 
 import equinox as eqx
@@ -54,6 +55,11 @@ class WilsonTheta(OneStep):
     @property
     def order(self) -> int:
         return 2 if self.gamma == 0.5 else 1
+
+    @property
+    def needs_mass(self) -> bool:
+        # the limit of unconditional stability with β = 1/6 and γ = ½
+        return self.theta < (1 + math.sqrt(3)) / 2
 
     start = start_in_balance
 

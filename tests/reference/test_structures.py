@@ -1,0 +1,67 @@
+"""Solvers under step size control on several unknowns, against each other and against modes in closed form."""
+
+import numpy as np
+import pytest
+
+import reference.diffrax
+import study
+from reference import sundials
+from study.problems import periods
+
+RTOL = 1e-10
+TRAJECTORIES = [sundials.trajectory, reference.diffrax.trajectory]
+
+
+def test_two_solvers_agree_on_a_stiff_chain():
+    problem = study.problems["fpu_chain"]
+    t = np.linspace(0, periods["fpu_chain"], 9)
+    one, other = (trajectory(problem, t, RTOL) for trajectory in TRAJECTORIES)
+    np.testing.assert_allclose(one.u, other.u, atol=1e-6)
+    # the stiff springs are fifty times as fast as they are long
+    np.testing.assert_allclose(one.v, other.v, atol=5e-5)
+    energy = [float(problem.energy(u, v)) for u, v in zip(one.u, one.v, strict=True)]
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
+
+
+MASS = np.array([[2.0, 0.5], [0.5, 1.0]])
+STIFFNESS = np.array([[6.0, -2.0], [-2.0, 4.0]])
+U0, V0 = np.array([1.0, 0.0]), np.array([0.0, 2.0])
+
+
+def _modes(t):
+    """Σ φ (φᵀ M u₀ cos ωt + φᵀ M u̇₀ sin ωt / ω) with φᵀ M φ = 1."""
+    root = np.linalg.inv(np.linalg.cholesky(MASS))
+    squares, vectors = np.linalg.eigh(root @ STIFFNESS @ root.T)
+    omega, shapes = np.sqrt(squares), root.T @ vectors
+    c, s = np.cos(np.multiply.outer(t, omega)), np.sin(np.multiply.outer(t, omega))
+    at_start, speed = shapes.T @ MASS @ U0, shapes.T @ MASS @ V0
+    return (at_start * c + speed / omega * s) @ shapes.T, (speed * c - at_start * omega * s) @ shapes.T
+
+
+@pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=["CVODE", "diffrax"])
+def test_coupled_oscillators_move_in_their_modes(trajectory):
+    """Through a mass that is a matrix, too."""
+    problem = study.Problem(lambda u: STIFFNESS @ u, U0, V0, mass=MASS)
+    t = np.linspace(0.5, 10, 20)
+    solution = trajectory(problem, t, RTOL)
+    u, v = _modes(t)
+    np.testing.assert_allclose(solution.u, u, atol=1e-7)
+    np.testing.assert_allclose(solution.v, v, atol=1e-7)
+
+
+@pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=["CVODE", "diffrax"])
+def test_a_mass_held_as_a_band_is_the_same_as_a_matrix(trajectory):
+    """Nine pairs of the coupled oscillators in a row."""
+    n = 9
+    mass, stiffness = np.kron(np.eye(n), MASS), np.kron(np.eye(n), STIFFNESS)
+    problem = study.Problem(lambda u: stiffness @ u, np.tile(U0, n), np.tile(V0, n), mass=mass, tangent="tridiagonal")
+    t = np.array([1.0, 2.0])
+    np.testing.assert_allclose(trajectory(problem, t, RTOL).u, np.tile(_modes(t)[0], n), atol=1e-7)
+
+
+@pytest.mark.parametrize("mass", [[1.0, 0.0], [[1.0, 1.0], [1.0, 1.0]]], ids=["diagonal", "matrix"])
+@pytest.mark.parametrize("route, trajectory", list(zip(["CVODE Adams", "diffrax Dopri8"], TRAJECTORIES, strict=True)))
+def test_a_singular_mass_is_refused(mass, route, trajectory):
+    problem = study.Problem(lambda u: STIFFNESS @ u, U0, V0, mass=mass, title="bent")
+    with pytest.raises(ValueError, match=f"the mass of 'bent' is singular, which {route} cannot take"):
+        trajectory(problem, np.array([1.0]), RTOL)

@@ -1,0 +1,212 @@
+"""What a problem with several unknowns is told, what it finds by itself, and what it refuses with a sentence."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from study import tangent
+from study.equilibrium import balance
+from study.linear import Banded
+
+N = 5
+ZERO = np.zeros(N)
+
+
+def _chain(u):
+    """Springs r + r³ in a row, the first of which hangs on a wall."""
+    stretch = jnp.concatenate([u[:1], jnp.diff(u)])
+    pull = stretch + stretch**3
+    return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])
+
+
+def _all_to_all(u):
+    return jnp.sinh(u) + jnp.sum(u)
+
+
+def _lopsided(u):
+    return u + 0.5 * jnp.concatenate([u[1:], jnp.zeros(1)])
+
+
+@pytest.mark.parametrize(
+    "force, structure",
+    [
+        (jnp.sinh, 0),
+        (lambda u: u * u * u, 0),
+        (_chain, 1),
+        (_all_to_all, "dense"),
+        # coupled over half of the unknowns: elimination of blocks would gain nothing
+        (lambda u: u + jnp.roll(u, 4) + jnp.roll(u, -4), "dense"),
+    ],
+    ids=["uncoupled", "zero at the start", "chain", "all", "far"],
+)
+def test_the_structure_of_the_tangent_is_found(force, structure):
+    assert study.Problem(force, np.zeros(8), np.zeros(8)).tangent == structure
+
+
+def test_few_unknowns_are_eliminated_whole():
+    assert study.Problem(_chain, np.zeros(4), np.zeros(4)).tangent == "dense"
+
+
+def test_one_unknown_has_no_structure():
+    assert study.Problem(jnp.sin, 0.5).tangent is None
+
+
+@pytest.mark.parametrize(
+    "declared, structure",
+    [("diagonal", 0), ("tridiagonal", 1), (1, 1), (4, 4), ("dense", "dense"), ("matrix_free", "matrix_free")],
+)
+def test_a_structure_may_be_declared_that_holds_more(declared, structure):
+    problem = study.Problem(jnp.sinh, ZERO, ZERO, tangent=declared)
+    assert problem.tangent == structure
+
+
+def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
+    return study.Problem(force, u0, np.zeros_like(u0) if v0 is None else v0, title="tried", **keywords)
+
+
+@pytest.mark.parametrize(
+    "keywords, sentence",
+    [
+        ({"tangent": "diagonal"},
+         "tangent='diagonal' does not fit the force of 'tried': the derivative of the force has entries beyond it."),
+        ({"force": _all_to_all, "tangent": 2},
+         "tangent=2 does not fit the force of 'tried': the derivative of the force has entries beyond it."),
+        ({"force": _lopsided, "tangent": "matrix_free"},
+         "tangent='matrix_free' does not fit the force of 'tried': it is not symmetric, as conjugate gradients need."),
+        ({"tangent": "triangular"},
+         "tangent='triangular' of 'tried': give one of diagonal, tridiagonal, dense, matrix_free, or the half"),
+        ({"tangent": N}, "or the half bandwidth as a whole number below 5."),
+        ({"tangent": -1}, "or the half bandwidth as a whole number below 5."),
+        ({"tangent": True}, "tangent=True of 'tried': give one of diagonal"),
+        ({"tangent": 1.0}, "tangent=1.0 of 'tried': give one of diagonal"),
+        ({"force": jnp.sinh, "u0": 0.0, "tangent": "diagonal"},
+         "tangent='diagonal' of 'tried': one unknown has no structure; leave it out."),
+        ({"mass": np.eye(N) + np.eye(N, k=1)}, "mass must be symmetric; it differs from its transpose by 1."),
+        ({"damping": np.eye(N) + np.eye(N, k=1)}, "damping must be symmetric; it differs from its transpose by 1."),
+        ({"mass": [1.0, 1.0, -0.5, 1.0, 1.0]}, "mass must not be negative; its smallest value is -0.5."),
+        ({"mass": -2.0}, "mass must not be negative; its smallest value is -2."),
+        ({"mass": np.diag([1.0, 1.0, -0.5, 1.0, 1.0])}, "mass must not be negative; its smallest value is -0.5."),
+        ({"mass": ZERO}, "mass must not be zero in all: the problem would not move in time."),
+        ({"positions": np.zeros((2, 2))},
+         "positions must be of shape (points, directions) with one number for each of u0's 5, not (2, 2)."),
+        ({"positions": np.zeros(5)}, "positions must be of shape (points, directions)"),
+        ({"positions": np.full((5, 1), np.nan)}, "positions must be finite"),
+        ({"positions": "here"}, "positions takes numbers and arrays of numbers, not 'here'."),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_refused(keywords, sentence):
+    with pytest.raises(ValueError) as caught:
+        _problem(**keywords)
+    assert sentence in str(caught.value)
+
+
+def test_too_many_unknowns_want_their_structure_declared():
+    many = np.zeros(tangent.FINDABLE + 1)
+    with pytest.raises(ValueError, match="'tried' has 1001 unknowns, too many to find the structure of its tangent"):
+        _problem(u0=many)
+    assert _problem(u0=many, tangent="tridiagonal").tangent == 1
+
+
+@pytest.mark.parametrize("density", [lambda e: e[:-1], lambda e: jnp.sum(e * e), lambda e: e[None]])
+def test_a_strain_energy_has_one_energy_for_each_strain(density):
+    energy = study.StrainEnergy(lambda u: jnp.diff(u), density)
+    with pytest.raises(ValueError, match=r"a StrainEnergy needs strains of shape \(m,\) and a density of the same"):
+        study.Problem(jnp.sinh, ZERO, ZERO, potential=energy)
+
+
+def test_a_strain_energy_sums_over_its_strains():
+    energy = study.StrainEnergy(lambda u: jnp.diff(u), lambda e: e * e / 2)
+    assert energy(jnp.array([0.0, 1.0, 3.0])) == 2.5
+
+
+def test_a_force_is_the_gradient_of_the_potential():
+    energy = study.StrainEnergy(
+        lambda u: jnp.concatenate([u[:1], jnp.diff(u)]), lambda r: r * r / 2 + r * r * r * r / 4
+    )
+    problem = study.Problem(potential=energy, u0=ZERO, v0=ZERO)
+    u = np.linspace(-1, 2, N)
+    np.testing.assert_allclose(problem.force(u), _chain(u), rtol=1e-14)
+    assert problem.tangent == 1
+
+
+def test_neither_force_nor_potential_is_refused():
+    with pytest.raises(TypeError, match="force must be a function, not None."):
+        study.Problem(u0=ZERO, v0=ZERO)
+
+
+@pytest.mark.parametrize(
+    "mass, massless",
+    [
+        (None, False),
+        (2.0, False),
+        (np.arange(1.0, 6.0), False),
+        (np.arange(5.0), True),
+        (np.diag([1.0, 1.0, 0.0, 1.0, 1.0]), True),
+        # a mass that moves with the sum of two unknowns only; the rank is lost to round-off
+        (np.eye(5) - np.full((5, 5), 0.2), True),
+        (np.eye(5) - np.full((5, 5), 0.19), False),
+    ],
+)
+def test_a_singular_mass_is_noticed(mass, massless):
+    assert _problem(mass=mass).massless == massless
+
+
+def test_a_narrow_mass_is_held_as_a_band():
+    n = 12
+    mass = 4 * np.eye(n) + np.eye(n, k=1) + np.eye(n, k=-1)
+    problem = _problem(u0=np.zeros(n), mass=mass)
+    assert isinstance(problem.mass, Banded) and problem.mass.half_bandwidth == 1
+    np.testing.assert_allclose(problem.momentum(jnp.arange(1.0, n + 1)), mass @ np.arange(1, n + 1))
+
+
+@pytest.mark.parametrize("scheme", ["rk4", "central_difference", "kr_alpha", "linear_acceleration", "fox_goodwin"])
+def test_schemes_with_a_limit_of_stability_want_a_mass_everywhere(scheme):
+    with pytest.raises(ValueError) as caught:
+        study.run(_problem(mass=[1.0, 1.0, 0.0, 1.0, 1.0]), scheme, dt=0.1, steps=1)
+    assert "needs a mass at every unknown, and that of 'tried' is singular: take an implicit scheme" in str(caught.value)
+
+
+@pytest.mark.parametrize("mass", [[1.0, 1.0, 0.0, 1.0, 1.0], np.diag([1.0, 1.0, 0.0, 1.0, 1.0])])
+def test_an_implicit_scheme_takes_a_massless_unknown(mass):
+    """Where nothing is inert the springs are in balance."""
+    problem = _problem(u0=np.array([0.0, 0.3, 0.6, 0.9, 1.2]), mass=mass)
+    ds = study.run(problem, "average_acceleration", dt=0.1, steps=10)
+    assert ds.status == 0
+    np.testing.assert_allclose(_chain(ds.u.values[-1])[2], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_a_load_that_is_no_number_is_refused_before_the_run(number):
+    problem = _problem(load=lambda t: jnp.where(t > 0.5, number, 1.0) * jnp.ones(N))
+    with pytest.raises(ValueError, match="the load of 'tried' is not finite at t = 0.5"):
+        study.run(problem, "rk4", dt=0.01, steps=100)
+    assert study.run(problem, "rk4", dt=0.01, steps=40).status == 0
+
+
+def test_momenta_want_to_know_where_the_masses_stand():
+    with pytest.raises(ValueError, match="of 'tried' needs places: give Problem\\(positions=...\\)."):
+        study.run(_problem(), "rk4", dt=0.1, steps=1, observe=["momentum_errors"])
+
+
+@pytest.mark.parametrize("structure", ["dense", "tridiagonal", "matrix_free"])
+@pytest.mark.parametrize("mass", [None, 2.0, np.arange(1.0, 6.0), 4 * np.eye(N) + np.eye(N, k=1) + np.eye(N, k=-1)],
+                         ids=["none", "number", "diagonal", "matrix"])  # fmt: skip
+def test_rayleigh_damping_is_of_mass_and_stiffness(structure, mass):
+    """C = aM + bK with the stiffness at rest, wherever the motion starts."""
+    a, b = 0.3, 0.05
+    problem = _problem(u0=np.linspace(0, 2, N), mass=mass, damping=study.Rayleigh(a, b), tangent=structure)
+    whole = np.eye(N) if mass is None else np.diag(np.broadcast_to(mass, N)) if np.ndim(mass) < 2 else mass
+    damping = a * whole + b * np.asarray(jax.jacfwd(_chain)(jnp.zeros(N)))
+    u, v, rhs = np.linspace(0, 1, N), np.linspace(1, 2, N), np.ones(N)
+    found, effort = balance(problem, *map(jnp.asarray, (rhs, u, v)), 0.01, 0.1, jnp.zeros(N))
+    found = np.asarray(found)
+    assert effort.converged
+    residual = whole @ found + damping @ (v + 0.1 * found) + np.asarray(_chain(jnp.asarray(u + 0.01 * found))) - rhs
+    np.testing.assert_allclose(residual, 0.0, atol=1e-8)
+
+
+def test_rayleigh_damping_of_one_unknown():
+    problem = study.Problem(lambda u: 4 * u + u**3, u0=1.0, mass=2.0, damping=study.Rayleigh(0.3, 0.05))
+    assert float(problem.damping) == pytest.approx(0.3 * 2 + 0.05 * 4)
