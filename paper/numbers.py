@@ -12,7 +12,7 @@ import xarray as xr
 from paper.claims.ledger import by_name
 from paper.claims.structures import TURNING, kept, sawtooth
 from paper.data import load, of_the_paper
-from paper.figures.oscillatory_energies import SPRINGS
+from paper.figures.oscillatory_energies import total
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
 from paper.tables.stability import GAIN, PROBLEMS
@@ -244,14 +244,14 @@ def _of_structures(structures: xr.Dataset, stiff_soft: xr.Dataset, long_times: x
     runs = kept(data, TURNING)
     lost = by_name((~runs).sum(["problem", "steps_per_period"]))
     alternating = sawtooth(stiff_soft.v.isel(component=0))
-    total = sum(long_times[f"oscillatory_energy_{spring}"] for spring in SPRINGS)
-    change = by_name(100 * abs(total / total.isel(t=0) - 1).max("t"))
+    oscillatory = total(long_times)
+    change = by_name(100 * abs(oscillatory / oscillatory.isel(t=0) - 1).max("t"))
     return {
         "turning_runs": runs.sizes["problem"] * runs.sizes["steps_per_period"],
         **{f"lost_{name}": number for name, number in lost.items()},
         **{f"sawtooth_{name}": f"{a:.2f}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "long_time": f"{long_times.t.max().item():,.0f}",
-        **{f"sum_{name}": f"{value:.2g}" for name, value in change.items()},
+        **{f"sum_{name}": f"{value:.0f}" if value > 10 else f"{value:.1f}" for name, value in change.items()},
     }
 
 

@@ -117,7 +117,8 @@ def _check_structures(config: dict) -> None:
     for steps in structures["steps_per_period"]:
         if steps % structures["samples_per_period"]:
             raise ValueError(
-                f"structures.steps_per_period: {steps} is no multiple of the {structures['samples_per_period']} samples."
+                f"structures.steps_per_period: {steps} is no multiple of samples_per_period, "
+                f"{structures['samples_per_period']}."
             )
     for name in ("stiff_soft", "fpu_chain", "elastic_pendulum", "spinning_truss", "impact_bar"):
         if name not in structures["periods"]:

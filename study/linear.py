@@ -23,16 +23,17 @@ ITERATIVE_TOLERANCE, ITERATIVE_STEPS = 1e-10, 10_000
 
 
 class Banded(NamedTuple):
-    """A matrix whose entries lie within k of the diagonal: bands[k + d, i] is entry (i, i + d), zero where there is none.
+    """A matrix with entries within k of the diagonal: bands[k + d, i] is entry (i, i + d), zero where there is none.
 
     ``bands`` has the shape (2k + 1, n); three of them are better a tuple of (n,), which the compiler need not write to
     memory before it solves.
     """
 
-    bands: jax.Array | tuple[jax.Array, ...]
+    bands: jax.Array | np.ndarray | tuple[jax.Array, ...]
 
     @property
     def half_bandwidth(self) -> int:
+        """K."""
         return len(self.bands) // 2
 
 
@@ -129,8 +130,8 @@ def _sum_of_bands(one: Banded, other: Banded) -> Banded:
     gap = wide.half_bandwidth - narrow.half_bandwidth
     end = gap + len(narrow.bands)
     if isinstance(wide.bands, tuple):
-        inner = (a + b for a, b in zip(wide.bands[gap:end], narrow.bands, strict=True))
-        return Banded((*wide.bands[:gap], *inner, *wide.bands[end:]))
+        sums = (a + b for a, b in zip(wide.bands[gap:end], narrow.bands, strict=True))
+        return Banded((*wide.bands[:gap], *sums, *wide.bands[end:]))
     inner = wide.bands[gap:end] + jnp.stack(tuple(narrow.bands))
     return Banded(jnp.concatenate([wide.bands[:gap], inner, wide.bands[end:]]))
 
@@ -188,7 +189,7 @@ def eliminate(matrix, rhs):
 
 
 def _solve_tridiagonal(bands, rhs):
-    """Thomas' elimination without pivoting, in place, a few rows a turn: a third of the time of LAPACK's, which pivots."""
+    """Thomas' elimination without pivoting, in place, a few rows a turn."""
     lower, middle, upper = bands
     n = len(rhs)
     rest = n % UNROLL

@@ -154,7 +154,11 @@ class MomentumErrors(Reduction):
 
     def start(self, problem, state):
         linear, angular = _momenta(problem, state)
-        return (linear.sum(axis=0), angular.sum()), (jnp.abs(linear).sum(), jnp.abs(angular).sum()), (jnp.zeros(()),) * 2
+        return (
+            (linear.sum(axis=0), angular.sum()),
+            (jnp.abs(linear).sum(), jnp.abs(angular).sum()),
+            (jnp.zeros(()),) * 2,
+        )
 
     def update(self, carried, problem, state, t, effort):
         (linear_0, angular_0), scales, (linear_error, angular_error) = carried

@@ -161,7 +161,8 @@ class Problem(eqx.Module):
             energies = jax.eval_shape(lambda u: self.potential.density(self.potential.strains(u)), self.u0).shape
             if len(strains) != 1 or energies != strains:
                 raise ValueError(
-                    f"a StrainEnergy needs strains of shape (m,) and a density of the same, not {strains} and {energies}."
+                    f"a StrainEnergy needs strains of shape (m,) and a density of the same, not {strains} and "
+                    f"{energies}."
                 )
 
     def _check_mass(self) -> bool:

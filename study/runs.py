@@ -127,8 +127,8 @@ def _check_fit(problem: Problem, scheme: Scheme, duration: float) -> None:
     """Refuse a mass that the scheme cannot take, and a load that is no number at some time of the run."""
     if problem.massless and scheme.needs_mass:
         raise ValueError(
-            f"'{scheme.title}' needs a mass at every unknown, and that of '{problem.title}' is singular: take an implicit "
-            "scheme that is unconditionally stable, or give every unknown a mass."
+            f"'{scheme.title}' needs a mass at every unknown, and that of '{problem.title}' is singular: take an "
+            "implicit scheme that is unconditionally stable, or give every unknown a mass."
         )
     if problem.load is not None:
         times = np.linspace(0.0, duration, LOOKS)

@@ -9,9 +9,9 @@ from study.problem import Problem, Rayleigh, StrainEnergy
 
 
 class _Load(eqx.Module):
-    """A load of one unknown, as a function of time: amplitude cos(ωt − phase) in the given direction."""
+    """A load amplitude cos(ωt − phase), its amplitude of the shape of the displacement."""
 
-    amplitude: np.ndarray = eqx.field(converter=np.asarray)
+    amplitude: float | np.ndarray = eqx.field(converter=np.asarray)
     frequency: float = eqx.field(converter=np.float64)
     phase: float = eqx.field(converter=np.float64)
 
@@ -218,7 +218,7 @@ def impact_bar(n: int = 200) -> Problem:
 
 
 def _mesh(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Joints (joints, 2) of a mesh of unit cells, numbered along the short side, and bars (bars, 2): edges, diagonals."""
+    """Joints (joints, 2) of a mesh of unit cells, numbered along the short side, and bars (bars, 2)."""
     x, y = np.meshgrid(np.arange(columns + 1.0), np.arange(rows + 1.0), indexing="ij")
     number = np.arange(x.size).reshape(x.shape)
     pairs = [

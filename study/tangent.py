@@ -9,7 +9,7 @@ import numpy as np
 from study.linear import SMALL, Banded, MatrixFree, times
 
 #: What a problem may call the structure of its tangent; a whole number stands for a half bandwidth.
-STRUCTURES = {"diagonal": 0, "tridiagonal": 1, "dense": "dense", "matrix_free": "matrix_free"}
+STRUCTURES: dict[str, int | str] = {"diagonal": 0, "tridiagonal": 1, "dense": "dense", "matrix_free": "matrix_free"}
 #: Unknowns up to which a structure is found by looking at the whole tangent.
 FINDABLE = 1000
 #: Seeds by which the diagonal of a matrix-free tangent is probed.
@@ -52,7 +52,7 @@ def force_and_tangent(force: Callable, u, structure: int | str | None):
         return value, MatrixFree(slope, jnp.sum(directions * jax.vmap(slope)(directions), axis=0))
     if structure == 0:
         return value, slope(jnp.ones_like(u))
-    return value, _bands(slope, structure, n)
+    return value, _bands(slope, structure, n)  # type: ignore[arg-type]
 
 
 def _two_states(u0: np.ndarray) -> list[np.ndarray]:
@@ -92,8 +92,8 @@ def checked(force: Callable, u0: np.ndarray, structure: int | str, title: str) -
     is_width = isinstance(known, int) and not isinstance(known, bool) and 0 <= known < len(u0)
     if not is_width and known not in ("dense", "matrix_free"):
         raise ValueError(
-            f"tangent={structure!r} of '{title}': give one of {', '.join(STRUCTURES)}, or the half bandwidth as a whole "
-            f"number below {len(u0)}."
+            f"tangent={structure!r} of '{title}': give one of {', '.join(STRUCTURES)}, or the half bandwidth as a "
+            f"whole number below {len(u0)}."
         )
     if known == "dense":
         return known

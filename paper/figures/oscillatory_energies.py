@@ -9,8 +9,13 @@ from paper.figures.style import PAGE, letter, looks, main
 SPRINGS = (1, 2, 3)
 
 
-def _total(history: xr.Dataset, prefix: str = "") -> xr.DataArray:
-    return sum(history[f"{prefix}oscillatory_energy_{spring}"] for spring in SPRINGS)
+def total(history: xr.Dataset) -> xr.DataArray:
+    """The sum of the oscillatory energies."""
+    return (
+        history[[f"oscillatory_energy_{spring}" for spring in SPRINGS]]
+        .to_dataarray("spring")
+        .sum("spring", skipna=False)
+    )
 
 
 def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
@@ -27,7 +32,7 @@ def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
             energy = f"oscillatory_energy_{spring}"
             ax.plot(one.t, one[energy], color=colour, linewidth=0.8, label=f"spring {spring}")
             ax.plot(one.t_reference, one[f"reference_{energy}"], ".", color=colour, markersize=1.5, alpha=0.5)
-        ax.plot(one.t, _total(one), color="black", linewidth=0.8, label="sum")
+        ax.plot(one.t, total(one), color="black", linewidth=0.8, label="sum")
         ax.set_ylim(0, 1.5)
         letter(ax, index, one.scheme_title.item())
         ax.set_xlabel("time")
@@ -39,7 +44,7 @@ def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
     styles = looks(long_times.scheme)
     for name in long_times.scheme.values:
         one = long_times.sel(scheme=name)
-        ax.plot(one.t, _total(one), label=one.scheme_title.item(), **{**styles[name], "marker": ""})
+        ax.plot(one.t, total(one), label=one.scheme_title.item(), **{**styles[name], "marker": ""})
     ax.set(xlabel="time", ylabel="sum of the\noscillatory energies", ylim=(0, 1.4))
     ax.legend(ncols=4, loc="upper right")
     letter(ax, len(names), "over long times")

@@ -10,9 +10,7 @@ from paper.figures.style import PAGE, letter, looks, main
 def draw(history: xr.Dataset) -> Figure:
     """One panel a scheme, over the reference at the same instants."""
     rows = -(-history.sizes["scheme"] // 2)
-    figure, axes = plt.subplots(
-        rows, 2, figsize=(PAGE, 0.24 * PAGE * rows), sharex=True, sharey=True, squeeze=False
-    )
+    figure, axes = plt.subplots(rows, 2, figsize=(PAGE, 0.24 * PAGE * rows), sharex=True, sharey=True, squeeze=False)
     for empty in axes.ravel()[history.sizes["scheme"] :]:
         empty.remove()
     styles = looks(history.scheme)

@@ -12,7 +12,9 @@ STEPS = 80
 def _percent(value: float) -> str:
     if not value <= 100 * BEYOND:
         return "≫"
-    return f"{value:.2g}" if value >= 1e-6 else "0"
+    if value < 0.001:
+        return "<0.001"
+    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
 def _cell(run: xr.Dataset) -> str:
@@ -20,7 +22,7 @@ def _cell(run: xr.Dataset) -> str:
     if run.status != 0:
         how = {1: "N", 2: "∞"}[run.status.item()]
         return f"{how} {run.failed_at_step.item():.0f}"
-    return f"{_percent(100 * run.displacement_error.item())} / {_percent(run.max_energy_imbalance.item())}"
+    return f"{_percent(100 * run.displacement_error.item())}, {_percent(run.max_energy_imbalance.item())}"
 
 
 def tabulate(structures: xr.Dataset) -> pd.DataFrame:

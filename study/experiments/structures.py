@@ -60,9 +60,7 @@ def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, 
     return {name: derived.get(name, ds.get(name, np.nan)) for name in ATTRIBUTES}
 
 
-def structures(
-    problem: str, schemes: Sequence[str], steps_per_period: Sequence[int], periods: float
-) -> xr.Dataset:
+def structures(problem: str, schemes: Sequence[str], steps_per_period: Sequence[int], periods: float) -> xr.Dataset:
     """Every scheme on one structure, by steps per period, against the reference of ``reference/PROBLEM``.
 
     Raises

@@ -126,8 +126,8 @@ class EnergyMomentum(OneStep):
             raise ValueError(f"'{self.title}' needs the potential of '{problem.title}': give Problem(potential=...).")
         if problem.tangent not in (None, "dense") and not isinstance(problem.potential, StrainEnergy):
             raise ValueError(
-                f"'{self.title}' makes the tangent of '{problem.title}' full: give Problem(potential=StrainEnergy(...)), "
-                "or tangent='dense'."
+                f"'{self.title}' makes the tangent of '{problem.title}' full: give it a StrainEnergy as potential, or "
+                "tangent='dense'."
             )
         return start_in_balance(self, problem, u0, v0, dt)
 

@@ -113,7 +113,7 @@ def _twice(problem: Problem, u) -> _Twice:
         return jnp.stack([problem.force(first), problem.force(second)]).T.ravel()
 
     def doubled(matrix):
-        if matrix is None or isinstance(matrix, np.ndarray | jax.Array) and matrix.ndim == 0:
+        if matrix is None or (isinstance(matrix, np.ndarray | jax.Array) and matrix.ndim == 0):
             return matrix
         if isinstance(matrix, Banded):
             bands = jnp.repeat(jnp.stack(tuple(matrix.bands)), 2, axis=1)

@@ -61,7 +61,7 @@ class Scheme(eqx.Module):
 
     @property
     def needs_mass(self) -> bool:
-        """Whether no unknown may be without mass: a step solves with M alone, or has a limit that nothing without keeps."""
+        """Whether no unknown may be massless: a step solves with M alone, or is stable up to some frequency only."""
         return self.explicit
 
     @abc.abstractmethod

@@ -20,9 +20,9 @@ from scipy.linalg import solve, solve_banded
 
 import study
 from reference import exact, taylor
+from study import structures
 from study.datasets import provenance, write
 from study.observers import EnergyDrift, MaxEnergyError, NewtonIterations
-from study import structures
 from study.problems import printed_periods
 from study.timing import Timed
 
