@@ -193,7 +193,7 @@ def _of_chain(u):
 def test_a_mean_force_of_the_whole_potential_couples_all(structure):
     problem = study.Problem(potential=_of_chain, u0=np.linspace(0, 1, N), v0=np.zeros(N), tangent=structure)
     with pytest.raises(
-        ValueError, match=r"makes the tangent of 'unnamed problem' full: give Problem\(potential=Strain"
+        ValueError, match=r"makes the tangent of 'unnamed problem' full: give it a StrainEnergy"
     ):
         study.run(problem, "energy_momentum", dt=DT, steps=1)
 
