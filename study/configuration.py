@@ -9,7 +9,7 @@ import jsonschema
 import yaml
 
 from study.comparison import MEASURES
-from study.problems import periods, problems
+from study.problems import periods, printed_periods, problems
 from study.registry import Registry, did_you_mean
 from study.schemes import schemes
 
@@ -67,6 +67,9 @@ def _check_names(section: dict[str, Any], place: str) -> None:
                     _REGISTRIES[key].resolve(name)
                 except KeyError as error:
                     raise ValueError(f"{place}{key}: {error}") from None
+                if name in periods and "structure" not in place:
+                    known = ", ".join(printed_periods)
+                    raise ValueError(f"{place}{key}: '{name}' is a structure; give one of {known}.")
 
 
 def _numbers(section: Any, place: str) -> Iterator[tuple[str, float]]:
@@ -120,7 +123,7 @@ def _check_structures(config: dict) -> None:
                 f"structures.steps_per_period: {steps} is no multiple of samples_per_period, "
                 f"{structures['samples_per_period']}."
             )
-    for name in ("stiff_soft", "fpu_chain", "elastic_pendulum", "spinning_truss", "impact_bar"):
+    for name in ("stiff_soft", "fpu_chain", "elastic_pendulum"):
         if name not in structures["periods"]:
             raise ValueError(f"structures.periods lacks '{name}', which the manuscript and its ledger need.")
     for name, history in config["structure_history"].items():

@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
-from study.linear import Banded, add, dense, product, solve, times
+from study.linear import SMALL, Banded, add, dense, product, solve, times
 from study.problem import Problem
 from study.tangent import force_and_tangent
 
@@ -142,6 +142,10 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         _, unfinished, iterations = carry
         return unfinished & (iterations < MAX_ITERATIONS)
 
+    if n > SMALL:
+        start = guess, jnp.ones((), bool), jnp.zeros((), int)
+        a, unfinished, iterations = lax.while_loop(to_go, again, start)
+        return a, Effort(iterations, ~unfinished)
     # it takes one iteration to correct and one to see that it did; few steps take more, so the loop stands aside
     once, _ = iterate(guess)
     a, unfinished = iterate(once)

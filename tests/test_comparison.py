@@ -76,7 +76,7 @@ def test_a_crossing_never_leaves_its_step():
         state = Motion(np.array(0.3), np.array(after), np.array(0.0))
         earlier = tuple(map(np.array, (-0.2, before, 0.0)))
         carried = (np.array(6), earlier, np.array(0), np.array(0.0), np.array(0.0))
-        *_, first, last = period.update(carried, problem, state, None)
+        *_, first, last = period.update(carried, problem, state, 0.0, None)
         assert 6 <= first == last <= 7
 
 
@@ -94,7 +94,7 @@ def test_interpolation_between_exact_steps_is_of_sixth_order():
         for observer in (period, amplitude):
             carried = observer.start(problem, states[0])
             for state in states[1:]:
-                carried = observer.update(carried, problem, state, None)
+                carried = observer.update(carried, problem, state, 0.0, None)
             observed |= observer.result(carried, problem, states[-1])
         errors.append(abs(observed["phase_error"]))
         assert abs(observed["amplitude_decay"]) < 1e-12

@@ -11,6 +11,7 @@ import pytest
 
 import study
 from study import structures
+from study.march import March, march
 from study.problems import CubicSpring
 
 N, DT, STEPS = 5, 0.05, 20
@@ -192,9 +193,7 @@ def _of_chain(u):
 @pytest.mark.parametrize("structure", ["tridiagonal", "matrix_free"])
 def test_a_mean_force_of_the_whole_potential_couples_all(structure):
     problem = study.Problem(potential=_of_chain, u0=np.linspace(0, 1, N), v0=np.zeros(N), tangent=structure)
-    with pytest.raises(
-        ValueError, match=r"makes the tangent of 'unnamed problem' full: give it a StrainEnergy"
-    ):
+    with pytest.raises(ValueError, match=r"makes the tangent of 'unnamed problem' full: give it a StrainEnergy"):
         study.run(problem, "energy_momentum", dt=DT, steps=1)
 
 
@@ -250,3 +249,15 @@ def test_forces_of_named_structures_are_slopes_of_their_energies(name):
     energy, step = jax.jit(problem.potential), 1e-5
     slope = (energy(u + step * direction) - energy(u - step * direction)) / (2 * step)
     assert float(slope) == pytest.approx(float(problem.force(jnp.asarray(u)) @ direction), rel=1e-7)
+
+
+def test_memory_grows_with_the_unknowns_and_no_faster():
+    """Numbers that the compiled march of a bar keeps for each unknown, its tridiagonal tangent among them."""
+
+    def kept(n):
+        definition = March(structures.impact_bar(n), study.schemes["average_acceleration"], (), ())
+        arguments = definition, np.zeros(n), np.float64(1 / n), np.asarray(1), np.asarray(1)
+        return march.lower(*arguments).compile().compiled.memory_analysis().temp_size_in_bytes / 8 / n
+
+    assert kept(1000) == pytest.approx(kept(100_000), rel=0.05)
+    assert kept(100_000) < 25

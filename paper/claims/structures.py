@@ -17,8 +17,13 @@ TURNING = ["elastic_pendulum", "spinning_truss"]
 
 
 def kept(data: Data, problems: list[str] | None = None) -> xr.DataArray:
-    """Whether a run ended with its balance of energies kept, over problem, scheme and steps_per_period."""
-    runs = data["structures"] if problems is None else data["structures"].sel(problem=problems)
+    """Whether a run ended with its balance of energies kept, over problem, scheme and steps_per_period.
+
+    Of the problems that are given those count that were computed.
+    """
+    runs = data["structures"]
+    if problems is not None:
+        runs = runs.sel(problem=[name for name in problems if name in runs.problem.values])
     return (runs.status == 0) & (runs.max_energy_imbalance < KEPT)
 
 
@@ -104,7 +109,7 @@ def conserving_on_stiff_structures(data):
 def explicit_on_stiff_structures(data):
     runs = kept(data, STIFF)
     lost = _share(~runs, EXPLICIT)
-    saved = [problem for problem in STIFF if runs.sel(problem=problem, scheme=EXPLICIT).any()]
+    saved = [name for name in runs.problem.values.tolist() if runs.sel(problem=name, scheme=EXPLICIT).any()]
     return Finding(
         listed(lost, ".0f"),
         min(lost.values()) > 50,

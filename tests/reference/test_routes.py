@@ -14,7 +14,7 @@ from scipy.special import ellipk
 
 import reference.diffrax
 import study
-from reference import agreement, closed_form, exact, sundials, taylor
+from reference import agreement, closed_form, exact, scipy, sundials, taylor
 from reference.solution import RouteFailed, StepLimit
 from reference.symbolic import as_python, expression, first_order, with_force_as_state
 from study.problems import CubicSpring, TanhSpring, printed_periods
@@ -36,7 +36,7 @@ def duffing():
     )
 
 
-@pytest.mark.parametrize("name", list(study.problems))
+@pytest.mark.parametrize("name", list(printed_periods))
 def test_period_is_certified_to_thirty_digits(name):
     period, certified = exact.period(study.problems[name], printed_periods[name])
     assert certified < 1e-36
@@ -44,7 +44,7 @@ def test_period_is_certified_to_thirty_digits(name):
         assert abs(closed_form.period(study.problems[name]) / mpmath.mpf(str(period)) - 1) < 1e-36
 
 
-@pytest.mark.parametrize("name", list(study.problems))
+@pytest.mark.parametrize("name", list(printed_periods))
 def test_motion_is_certified_and_closes_after_a_period(name):
     problem = study.problems[name]
     period, _ = exact.period(problem, printed_periods[name])
@@ -66,7 +66,7 @@ def test_closed_form_is_the_truth(name):
     np.testing.assert_allclose(np.array(v, float), truth.v, rtol=0, atol=1e-15 * np.abs(truth.v).max())
 
 
-@pytest.mark.parametrize("name", list(study.problems))
+@pytest.mark.parametrize("name", list(printed_periods))
 def test_period_is_the_quadrature_of_the_energy(name):
     """T = 2 ∫ du / √(2 (V(u₀) − V(u))) between the turning points, in double precision with another substitution."""
     problem = study.problems[name]
@@ -103,7 +103,7 @@ def test_duffing_period_is_that_of_the_complete_elliptic_integral():
 @pytest.mark.parametrize("route", ROUTES)
 def test_routes_meet_the_exact_period(route):
     _, period = agreement.ROUTES[route]
-    for name in study.problems:
+    for name in printed_periods:
         found = period(study.problems[name], printed_periods[name], 1e-15)
         assert found == pytest.approx(float(closed_form.period(study.problems[name])), rel=1e-12)
 
@@ -232,11 +232,12 @@ def test_times_that_do_not_increase_are_refused(t):
         exact.trajectory(study.problems["hardening"], t)
 
 
-def test_more_than_one_unknown_is_refused():
+def test_more_than_one_unknown_is_refused_where_it_must_be():
     two = study.Problem(lambda u: u, u0=[1.0, 2.0], v0=[0.0, 0.0], title="two")
-    for trajectory, period in agreement.ROUTES.values():
+    for trajectory in (taylor.trajectory, scipy.trajectory):
         with pytest.raises(ValueError, match="'two' has 2 unknowns"):
             trajectory(two, np.array([1.0]), 1e-6)
+    for _, period in agreement.ROUTES.values():
         with pytest.raises(ValueError, match="it has more than one unknown"):
             period(two, 1.0, 1e-6)
 
