@@ -251,6 +251,7 @@ def _of_structures(structures: xr.Dataset, stiff_soft: xr.Dataset, long_times: x
         **{f"lost_{name}": number for name, number in lost.items()},
         **{f"sawtooth_{name}": f"{a:.2f}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "long_time": f"{long_times.t.max().item():,.0f}",
+        "long_sample": f"{long_times.t[1].item():.0f}",
         **{f"sum_{name}": f"{value:.0f}" if value > 10 else f"{value:.1f}" for name, value in change.items()},
     }
 

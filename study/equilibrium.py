@@ -22,8 +22,8 @@ from study.tangent import force_and_tangent
 #: the error that is left is of the order of the square: round-off.
 TOLERANCE = 1e-12
 #: With several unknowns the force that the last correction removed must also have been less than this part of the
-#: forces in the balance. Half of the digits: a stiff member loses the others in the difference of its ends.
-FORCE_TOLERANCE = 1e-8
+#: forces in the balance, unless the correction was round-off: a stiff member's force is no better known than that.
+FORCE_TOLERANCE, ROUND_OFF = 1e-8, 1e-14
 MAX_ITERATIONS = 50
 
 
@@ -128,10 +128,11 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         out_of_balance = inertial + internal - rhs
         correction = solve(add(inertia, product(tangent, weighted, n), n=n), out_of_balance, symmetric)
         a = a - correction
-        unfinished = _norm(times(c_u, correction)) > TOLERANCE * (_norm(u) + _norm(times(c_u, a)))
+        moved, size = _norm(times(c_u, correction)), _norm(u) + _norm(times(c_u, a))
+        unfinished = moved > TOLERANCE * size
         if jnp.ndim(u):
             forces = _norm(inertial) + _norm(internal) + _norm(rhs)
-            unfinished |= _norm(out_of_balance) > FORCE_TOLERANCE * forces
+            unfinished |= (_norm(out_of_balance) > FORCE_TOLERANCE * forces) & (moved > ROUND_OFF * size)
         return a, unfinished
 
     def again(carry):

@@ -143,7 +143,7 @@ def _momenta(problem: Problem, state):
 class MomentumErrors(Reduction):
     """Largest change of linear and, in the plane, angular momentum, over the sum of the points' own at the start.
 
-    NaN where nothing moves at the start.
+    NaN where nothing moves at the start; the angular momentum is that of plane problems, elsewhere NaN.
     """
 
     variables = {
@@ -171,7 +171,8 @@ class MomentumErrors(Reduction):
 
     def result(self, carried, problem, state):
         _, scales, errors = carried
-        return {name: error / scale for name, error, scale in zip(self.variables, errors, scales, strict=True)}
+        known = [jnp.where(scale > 0, scale, jnp.nan) for scale in scales]
+        return {name: error / scale for name, error, scale in zip(self.variables, errors, known, strict=True)}
 
 
 class NewtonIterations(Reduction):

@@ -68,7 +68,7 @@ class Problem(eqx.Module):
         Internal force p(u), written with ``jax.numpy``; returns the shape of ``u``. Where there is none, it is the
         gradient of the potential.
     u0, v0
-        Displacement and velocity at t = 0, both of shape () or (n,).
+        Displacement and velocity at t = 0, both of shape () or (n,); at rest where no velocity is given.
     potential
         V(u) with p = ∂V/∂u, a scalar, or a :class:`StrainEnergy`. Needed only where an energy is asked for.
     mass
@@ -97,7 +97,7 @@ class Problem(eqx.Module):
 
     force: Callable = None  # type: ignore[assignment]
     u0: Any = None
-    v0: Any = 0.0
+    v0: Any = None
     potential: Callable | None = eqx.field(default=None, kw_only=True)
     mass: Any = eqx.field(default=None, kw_only=True)
     damping: Any = eqx.field(default=None, kw_only=True)
@@ -111,6 +111,8 @@ class Problem(eqx.Module):
     def __post_init__(self):
         for name in ("u0", "v0", "mass", "damping", "positions"):
             setattr(self, name, _real(name, getattr(self, name)))
+        if self.v0 is None and self.u0 is not None:
+            self.v0 = np.zeros(np.shape(self.u0))
         self._check_shapes()
         if self.force is None and self.potential is not None:
             self.force = eqx.Partial(_gradient, self.potential)
@@ -152,10 +154,20 @@ class Problem(eqx.Module):
             function = getattr(self, name)
             if not callable(function) and (function is not None or name == "force"):
                 raise TypeError(f"{name} must be a function, not {function!r}.")
-            if function is not None:
-                received = jax.eval_shape(lambda x, f=function: jnp.asarray(f(x)), value).shape
-                if received != expected:
-                    raise ValueError(f"{name} must return the shape {expected}, not {received}.")
+            if function is None:
+                continue
+            try:
+                received = jax.eval_shape(function, value)
+            except (TypeError, ValueError, IndexError) as error:
+                reason = str(error).splitlines()[0]
+                raise ValueError(
+                    f"{name} of '{self.title}' must be written with jax.numpy for u0's shape: {reason}"
+                ) from error
+            if not hasattr(received, "shape") or received.shape != expected:
+                got = getattr(received, "shape", type(received).__name__)
+                raise ValueError(f"{name} must return the shape {expected}, not {got}.")
+            if received.dtype != float:
+                raise ValueError(f"{name} must return float64, not {received.dtype}.")
         if isinstance(self.potential, StrainEnergy):
             strains = jax.eval_shape(self.potential.strains, self.u0).shape
             energies = jax.eval_shape(lambda u: self.potential.density(self.potential.strains(u)), self.u0).shape
@@ -167,9 +179,9 @@ class Problem(eqx.Module):
 
     def _check_mass(self) -> bool:
         """Whether the mass is singular."""
-        for name in ("mass", "damping"):
-            value = getattr(self, name)
-            if isinstance(value, np.ndarray) and value.ndim == 2:
+        for name, value in (("mass", self.mass), ("damping", self.damping)):
+            # damping may be gyroscopic, but for conjugate gradients
+            if isinstance(value, np.ndarray) and value.ndim == 2 and (name == "mass" or self.tangent == "matrix_free"):
                 difference = np.abs(value - value.T).max()
                 if difference > 1e-12 * np.abs(value).max():
                     raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}.")
@@ -200,6 +212,8 @@ class Problem(eqx.Module):
             if isinstance(self.tangent, int) and isinstance(value, np.ndarray) and value.ndim == 2:
                 setattr(self, name, banded(value, self.tangent))
         if isinstance(self.damping, Rayleigh):
+            if not all(isinstance(c, int | float) and np.isfinite(c) for c in self.damping):
+                raise ValueError(f"{self.damping} of '{self.title}': a and b must be finite numbers.")
             _, stiffness = tangent.force_and_tangent(self.force, jnp.zeros_like(self.u0), self.tangent)
             mass = 1.0 if self.mass is None else self.mass
             a, b = self.damping

@@ -23,8 +23,8 @@ T = TypeVar("T")
 #: Steps between two chances to interrupt a single run: about a second.
 PAUSE = 2**24
 
-#: Times of a run at which the load is looked at before it starts.
-LOOKS = 65
+#: Times of a run at which the load is looked at before it starts: at most, at least, and numbers in all.
+MOST_LOOKS, FEWEST_LOOKS, LOOKED_AT = 1001, 65, 10_000_000
 
 STATUS_ATTRIBUTES = {
     "long_name": "how the run ended",
@@ -131,7 +131,8 @@ def _check_fit(problem: Problem, scheme: Scheme, duration: float) -> None:
             "implicit scheme that is unconditionally stable, or give every unknown a mass."
         )
     if problem.load is not None:
-        times = np.linspace(0.0, duration, LOOKS)
+        looks = int(np.clip(LOOKED_AT // np.size(problem.u0), FEWEST_LOOKS, MOST_LOOKS))
+        times = np.linspace(0.0, duration, looks)
         finite = np.asarray(_are_finite(problem.load, times))
         if not finite.all():
             raise ValueError(f"the load of '{problem.title}' is not finite at t = {times[np.argmin(finite)]:g}.")

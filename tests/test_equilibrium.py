@@ -77,6 +77,18 @@ def test_every_form_of_mass_and_damping(mass, damping):
     np.testing.assert_allclose(M @ a + C @ (v + 0.4 * a) + stiffness @ u + u**3, 0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("stiffness", [1e3, 1e7, 1e9, 1e11])
+@pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "energy_momentum", "gauss4"])
+def test_stiff_links_are_no_failure_of_newton(scheme, stiffness):
+    """Their force is known to round-off of the displacement times the stiffness only, however small it is."""
+    moduli = np.array([0.5, 0.5 * stiffness, 0.5 * stiffness])
+    energy = study.StrainEnergy(lambda u: jnp.stack([u[0], u[1] - u[0], u[2] - u[1]]), lambda e: moduli * e * e)
+    ds = study.run(study.Problem(potential=energy, u0=np.ones(3)), scheme, dt=0.1, steps=50)
+    assert ds.status == 0
+    # three masses on the soft spring
+    np.testing.assert_allclose(ds.u[:, 0], np.cos(ds.t / np.sqrt(3)), atol=2e-2)
+
+
 def _dense(x, default):
     x = np.asarray(default if x is None else x)
     return x if x.ndim == 2 else np.diag(np.broadcast_to(x, 2))

@@ -84,7 +84,8 @@ def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
         ({"force": jnp.sinh, "u0": 0.0, "tangent": "diagonal"},
          "tangent='diagonal' of 'tried': one unknown has no structure; leave it out."),
         ({"mass": np.eye(N) + np.eye(N, k=1)}, "mass must be symmetric; it differs from its transpose by 1."),
-        ({"damping": np.eye(N) + np.eye(N, k=1)}, "damping must be symmetric; it differs from its transpose by 1."),
+        ({"tangent": "matrix_free", "damping": np.eye(N) + np.eye(N, k=1)},
+         "damping must be symmetric; it differs from its transpose by 1."),
         ({"mass": [1.0, 1.0, -0.5, 1.0, 1.0]}, "mass must not be negative; its smallest value is -0.5."),
         ({"mass": -2.0}, "mass must not be negative; its smallest value is -2."),
         ({"mass": np.diag([1.0, 1.0, -0.5, 1.0, 1.0])}, "mass must not be negative; its smallest value is -0.5."),
@@ -212,3 +213,41 @@ def test_rayleigh_damping_is_of_mass_and_stiffness(structure, mass):
 def test_rayleigh_damping_of_one_unknown():
     problem = study.Problem(lambda u: 4 * u + u**3, u0=1.0, mass=2.0, damping=study.Rayleigh(0.3, 0.05))
     assert float(problem.damping) == pytest.approx(0.3 * 2 + 0.05 * 4)
+
+
+def test_without_a_velocity_it_starts_at_rest():
+    np.testing.assert_array_equal(study.Problem(lambda u: u, u0=[1.0, 2.0]).v0, np.zeros(2))
+
+
+@pytest.mark.parametrize(
+    "damping", [study.Rayleigh(float("nan"), 1.0), study.Rayleigh("a", 1.0), study.Rayleigh(None, 1)]
+)
+def test_rayleigh_damping_takes_finite_numbers(damping):
+    with pytest.raises(ValueError, match="a and b must be finite numbers"):
+        _problem(damping=damping)
+
+
+@pytest.mark.parametrize(
+    "force, sentence",
+    [
+        (np.sin, "must be written with jax.numpy"),
+        (lambda u: u.astype(complex), "force must return float64, not complex128"),
+        (lambda u: jnp.dot(jnp.ones((3, 3)), u), "must be written with jax.numpy for u0's shape"),
+        (lambda u: [u], "force must return the shape"),
+    ],
+)
+def test_a_force_that_cannot_be_used_is_refused(force, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        study.Problem(force, u0=np.ones(5))
+
+
+def test_a_structure_is_looked_at_where_the_force_has_a_derivative():
+    """The root is real for short steps only; what couples far unknowns is found, and a narrow band refused."""
+    n = 200
+
+    def potential(u):
+        return jnp.sum((1 + n * jnp.diff(u)) ** 1.5) / n + 50 * (u[0] - u[100]) ** 2
+
+    assert study.Problem(potential=potential, u0=np.zeros(n)).tangent == "dense"
+    with pytest.raises(ValueError, match="has entries beyond it"):
+        study.Problem(potential=potential, u0=np.zeros(n), tangent="tridiagonal")

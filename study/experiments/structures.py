@@ -8,6 +8,7 @@ import xarray as xr
 from study import datasets
 from study.command import main, progress
 from study.experiments import labels
+from study.observers import EnergyBalance, MomentumErrors, NewtonIterations
 from study.problems import problems
 from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 
@@ -16,14 +17,10 @@ OBSERVERS = ["trajectory", "energy_balance", "newton_iterations"]
 ATTRIBUTES = {
     "displacement_error": {"long_name": "largest error of the displacement over its largest size", "units": "1"},
     "velocity_error": {"long_name": "largest error of the velocity over its largest size", "units": "1"},
-    "max_energy_imbalance": {
-        "long_name": "largest error of the balance of energies, dissipation and work",
-        "units": "percent",
-    },
-    "max_linear_momentum_error": {"long_name": "largest change of linear momentum, relative", "units": "1"},
-    "max_angular_momentum_error": {"long_name": "largest change of angular momentum, relative", "units": "1"},
+    "max_energy_imbalance": EnergyBalance.variables["max_energy_imbalance"],
+    **MomentumErrors.variables,
     "iterations_per_step": {"long_name": "Newton iterations per step", "units": "1"},
-    "max_newton_iterations": {"long_name": "most Newton iterations in one step", "units": "1"},
+    "max_newton_iterations": NewtonIterations.variables["max_newton_iterations"],
     "status": STATUS_ATTRIBUTES,
     "failed_at_step": FAILED_AT_STEP_ATTRIBUTES,
 }
