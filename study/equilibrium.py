@@ -5,6 +5,10 @@ In every implicit scheme the new displacement and velocity are affine in one unk
     u = ũ + c_u a,    u̇ = ṽ + c_v a,    M a + C (ṽ + c_v a) + w p(ũ + c_u a) = r,
 
 so a scheme is its ũ, ṽ, c_u, c_v, the weight w of its internal force and its right side r.
+
+Newton's steps are taken whole. Halving those that do not bring the forces nearer to balance was measured to save half
+of the runs that fail, those of softening springs at steps beyond a fifth of the period, and to lose more of structures
+with stiff members that turn.
 """
 
 from functools import partial

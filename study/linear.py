@@ -5,6 +5,7 @@ and a :class:`MatrixFree`, of which only the products are known.
 """
 
 from collections.abc import Callable
+from enum import IntEnum
 from functools import reduce
 from typing import NamedTuple
 
@@ -33,7 +34,7 @@ class Banded(NamedTuple):
 
     @property
     def half_bandwidth(self) -> int:
-        """K."""
+        """Largest distance of an entry from the diagonal."""
         return len(self.bands) // 2
 
 
@@ -44,10 +45,16 @@ class MatrixFree(NamedTuple):
     diagonal: jax.Array | float
 
 
-def _rank(matrix) -> int:
+class Form(IntEnum):
+    """What a matrix is held as, in ascending order of what the form can hold."""
+
+    NUMBER, DIAGONAL, BAND, FULL, FREE = range(5)
+
+
+def _form(matrix) -> Form:
     if isinstance(matrix, Banded | MatrixFree):
-        return 2 if isinstance(matrix, Banded) else 4
-    return (0, 1, 3)[jnp.ndim(matrix)]
+        return Form.BAND if isinstance(matrix, Banded) else Form.FREE
+    return (Form.NUMBER, Form.DIAGONAL, Form.FULL)[jnp.ndim(matrix)]
 
 
 def shifted(x, by: int):
@@ -65,12 +72,12 @@ def _banded_times(matrix: Banded, x):
 
 def times(matrix, x):
     """Product of a matrix of any form with a vector (n,), or of a number with a number."""
-    match _rank(matrix):
-        case 2:
+    match _form(matrix):
+        case Form.BAND:
             return _banded_times(matrix, x)
-        case 3:
+        case Form.FULL:
             return matrix @ x
-        case 4:
+        case Form.FREE:
             return matrix.product(x)
         case _:
             return matrix * x
@@ -80,24 +87,24 @@ def _as_band(matrix, n: int) -> Banded:
     return matrix if isinstance(matrix, Banded) else Banded(jnp.broadcast_to(matrix, (1, n)))
 
 
-def _widened(matrix, rank: int, n: int):
-    """The same matrix in the form of this rank, of those above a diagonal."""
-    if _rank(matrix) == rank:
+def _widened(matrix, form: Form, n: int):
+    """The same matrix in a form above a diagonal."""
+    if _form(matrix) == form:
         return matrix
-    if rank == 2:
+    if form == Form.BAND:
         return _as_band(matrix, n)
-    if rank == 3:
+    if form == Form.FULL:
         return dense(matrix, n)
     return MatrixFree(lambda x: times(matrix, x), _diagonal(matrix))
 
 
 def _diagonal(matrix):
-    match _rank(matrix):
-        case 2:
+    match _form(matrix):
+        case Form.BAND:
             return matrix.bands[matrix.half_bandwidth]
-        case 3:
+        case Form.FULL:
             return jnp.diag(matrix)
-        case 4:
+        case Form.FREE:
             return matrix.diagonal
         case _:
             return matrix
@@ -115,11 +122,11 @@ def banded(matrix: np.ndarray, half_bandwidth: int) -> "Banded | np.ndarray":
 
 def dense(matrix, n: int):
     """The matrix (n, n) of any form but that without a matrix."""
-    match _rank(matrix):
-        case 2:
+    match _form(matrix):
+        case Form.BAND:
             offsets = enumerate(matrix.bands, start=-matrix.half_bandwidth)
             return sum(jnp.diag(band[max(-d, 0) : n - max(d, 0)], d) for d, band in offsets if abs(d) < n)
-        case 3:
+        case Form.FULL:
             return matrix
         case _:
             return jnp.diag(jnp.broadcast_to(matrix, n))
@@ -137,30 +144,30 @@ def _sum_of_bands(one: Banded, other: Banded) -> Banded:
 
 
 def add(*terms, n: int):
-    """Sum of matrices of any form; with one unknown, ``n = 0``, of numbers."""
-    rank = max(map(_rank, terms))
-    if rank > 1:
-        terms = tuple(_widened(t, rank, n) for t in terms)
-    if rank == 2:
+    """Sum of matrices of any form, for n unknowns."""
+    form = max(map(_form, terms))
+    if form > Form.DIAGONAL:
+        terms = tuple(_widened(t, form, n) for t in terms)
+    if form == Form.BAND:
         return reduce(_sum_of_bands, terms)
-    if rank == 4:
+    if form == Form.FREE:
         return MatrixFree(lambda x: sum(t.product(x) for t in terms), sum(t.diagonal for t in terms))
     return sum(terms[1:], start=terms[0])
 
 
 def product(one, other, n: int):
-    """Product of two matrices of any form, with one unknown, ``n = 0``, of two numbers."""
-    ranks = _rank(one), _rank(other)
-    if max(ranks) < 2:
+    """Product of two matrices of any form, for n unknowns."""
+    forms = _form(one), _form(other)
+    if max(forms) < Form.BAND:
         return one * other
-    if 0 in ranks:
-        number, matrix = (one, other) if ranks[0] == 0 else (other, one)
+    if Form.NUMBER in forms:
+        number, matrix = (one, other) if forms[0] == Form.NUMBER else (other, one)
         if isinstance(matrix, MatrixFree):
             return MatrixFree(lambda x: number * matrix.product(x), number * matrix.diagonal)
         return jax.tree.map(lambda part: number * part, matrix)
-    if 4 in ranks:
+    if Form.FREE in forms:
         return MatrixFree(lambda x: times(one, times(other, x)), _diagonal(one) * _diagonal(other))
-    if 3 in ranks:
+    if Form.FULL in forms:
         return dense(one, n) @ dense(other, n)
     one, other = _as_band(one, n), _as_band(other, n)
     k = one.half_bandwidth
@@ -189,7 +196,7 @@ def eliminate(matrix, rhs):
 
 
 def _solve_tridiagonal(bands, rhs):
-    """Thomas' elimination without pivoting, in place, a few rows a turn."""
+    """Thomas' elimination in place, a few rows a turn, without pivoting, which M + c K does without."""
     lower, middle, upper = bands
     n = len(rhs)
     rest = n % UNROLL
@@ -281,16 +288,16 @@ def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
 
 def solve(matrix, rhs, symmetric: bool = True):
     """Solution x (n,) of matrix x = rhs; ``symmetric`` matters to a matrix-free one alone."""
-    match _rank(matrix):
-        case 2 if matrix.half_bandwidth == 1:
+    match _form(matrix):
+        case Form.BAND if matrix.half_bandwidth == 1:
             return _solve_tridiagonal(matrix.bands, rhs)
-        case 2 if matrix.half_bandwidth > 1:
+        case Form.BAND if matrix.half_bandwidth > 1:
             return _solve_banded(matrix.bands, rhs)
-        case 2:
+        case Form.BAND:
             return rhs / matrix.bands[0]
-        case 3:
+        case Form.FULL:
             return eliminate(matrix, rhs) if len(rhs) <= SMALL else jnp.linalg.solve(matrix, rhs)
-        case 4:
+        case Form.FREE:
             return _iterate(matrix, rhs, symmetric)
         case _:
             return rhs / matrix

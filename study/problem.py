@@ -81,7 +81,8 @@ class Problem(eqx.Module):
     tangent
         Structure of ∂p/∂u with several unknowns: ``diagonal``, ``tridiagonal``, ``dense``, ``matrix_free`` (for
         symmetric tangents), or the half bandwidth. Absent, it is found for up to a thousand unknowns from the tangent
-        at two displacements; a force that couples other unknowns later, as in contact, needs it declared.
+        at two displacements; a force that couples other unknowns later, as in contact, needs it declared. Bands are
+        eliminated without pivoting between rows that are far apart, as a saddle point would need: that is ``dense``.
     positions
         Where masses stand at u = 0, of shape (points, directions), with u its change point by point. Needed only where
         a momentum is asked for.
