@@ -88,7 +88,9 @@ READS = {
     "round_off": references([config["round_off"]["problem"]]),
     "recommendation": ["work_precision"],
 }
-STRUCTURES, HISTORIES = list(config["structures"]["periods"]), list(config["structure_history"])
+#: Structure: the length of its runs.
+STRUCTURES = {one["problem"]: one["periods"] for one in config["structures"]["lengths"]}
+HISTORIES = list(config["structure_history"])
 DATASETS = [
     *EXPERIMENTS,
     "accuracy",
@@ -363,7 +365,7 @@ rule structure_reference:
         options=lambda wildcards: json.dumps(
             {
                 "problem": wildcards.structure,
-                "periods": config["structures"]["periods"][wildcards.structure],
+                "periods": STRUCTURES[wildcards.structure],
                 "samples_per_period": config["structures"]["samples_per_period"],
                 "rtol": config["structures"]["rtol"],
             }
@@ -390,7 +392,7 @@ rule structure:
         options=lambda wildcards: json.dumps(
             {
                 "problem": wildcards.structure,
-                "periods": config["structures"]["periods"][wildcards.structure],
+                "periods": STRUCTURES[wildcards.structure],
                 "schemes": config["structures"]["schemes"],
                 "steps_per_period": config["structures"]["steps_per_period"],
             }

@@ -110,13 +110,14 @@ def _check_contained(config: dict) -> None:
 def _check_structures(config: dict) -> None:
     """Structures by their names, with samples at whole steps, and what the figures draw among them."""
     structures = config["structures"]
-    for name in structures["periods"]:
+    names = [one["problem"] for one in structures["lengths"]]
+    for name in names:
         try:
             problems.resolve(name)
         except KeyError as error:
-            raise ValueError(f"structures.periods: {error}") from None
+            raise ValueError(f"structures.lengths: {error}") from None
         if name not in periods:
-            raise ValueError(f"structures.periods: '{name}' is none of the structures {', '.join(periods)}.")
+            raise ValueError(f"structures.lengths: '{name}' is none of the structures {', '.join(periods)}.")
     for steps in structures["steps_per_period"]:
         if steps % structures["samples_per_period"]:
             raise ValueError(
@@ -124,12 +125,12 @@ def _check_structures(config: dict) -> None:
                 f"{structures['samples_per_period']}."
             )
     for name in ("stiff_soft", "fpu_chain", "elastic_pendulum"):
-        if name not in structures["periods"]:
-            raise ValueError(f"structures.periods lacks '{name}', which the manuscript and its ledger need.")
+        if name not in names:
+            raise ValueError(f"structures.lengths lacks '{name}', which the manuscript and its ledger need.")
     for name, history in config["structure_history"].items():
         place = f"structure_history.{name}"
-        if history["problem"] not in structures["periods"]:
-            raise ValueError(f"{place}: there is no reference of '{history['problem']}'; add it to structures.periods.")
+        if history["problem"] not in names:
+            raise ValueError(f"{place}: there is no reference of '{history['problem']}'; add it to structures.lengths.")
         if round(history["periods"] * history["steps_per_period"]) % history["every"]:
             raise ValueError(f"{place}: every, {history['every']}, does not divide the number of steps.")
 

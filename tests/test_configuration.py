@@ -50,13 +50,19 @@ def test_all_schemes_are_written_out(config):
         (lambda c: c["large_steps"].update(dt_over_period=[0.1, 300.0]), "a step is longer than the 100 periods"),
         (lambda c: c["cpu_time"].update(schemes=["rk4"]), "cpu_time.schemes lacks 'average_acceleration', which the"),
         (
-            lambda c: c["structures"]["periods"].update(fpu_chian=1),
-            "structures.periods: there is no problem 'fpu_chian'; did you mean 'fpu_chain'?",
+            lambda c: c["structures"]["lengths"].append({"problem": "fpu_chian", "periods": 1}),
+            "structures.lengths: there is no problem 'fpu_chian'; did you mean 'fpu_chain'?",
         ),
         (lambda c: c["large_steps"].update(problems=["pendulum"]), "problems: 'pendulum' is a structure; give one of"),
-        (lambda c: c["structures"]["periods"].update(hardening=1), "'hardening' is none of the structures pendulum,"),
+        (
+            lambda c: c["structures"]["lengths"].append({"problem": "hardening", "periods": 1}),
+            "'hardening' is none of the structures pendulum,",
+        ),
         (lambda c: c["structures"].update(steps_per_period=[25]), "25 is no multiple of samples_per_period, 10."),
-        (lambda c: c["structures"]["periods"].pop("fpu_chain"), "structures.periods lacks 'fpu_chain', which the"),
+        (
+            lambda c: c["structures"].update(lengths=[{"problem": "stiff_soft", "periods": 1}]),
+            "structures.lengths lacks 'fpu_chain', which the",
+        ),
         (
             lambda c: c["structure_history"]["stiff_soft"].update(problem="duffing"),
             "structure_history.stiff_soft.problem: there is no problem 'duffing'; did you mean 'duffing_",
