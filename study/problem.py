@@ -73,9 +73,10 @@ class Problem(eqx.Module):
         V(u) with p = ∂V/∂u, a scalar, or a :class:`StrainEnergy`. Needed only where an energy is asked for.
     mass
         M: a number, a diagonal (n,) or a symmetric matrix (n, n). Absent, it is the identity. A massless degree of
-        freedom makes it singular, which implicit schemes take.
+        freedom makes it singular, which schemes take that are implicit and unconditionally stable.
     damping
-        C: a number, a diagonal, a matrix or :class:`Rayleigh`. Absent, it is zero.
+        C: a number, a diagonal, a matrix (symmetric where the tangent is matrix-free) or :class:`Rayleigh`. Absent, it
+        is zero.
     load
         f(t), of the shape of ``u``.
     tangent
