@@ -22,6 +22,14 @@ class Observer(eqx.Module):
     needs_energy: ClassVar[bool] = False
     needs_positions: ClassVar[bool] = False
 
+    def lacking(self, problem: Problem) -> str | None:
+        """The argument of :class:`Problem` that the observer needs and the problem was made without."""
+        if self.needs_energy and problem.potential is None:
+            return "potential"
+        if self.needs_positions and problem.positions is None:
+            return "positions"
+        return None
+
 
 class Reduction(Observer):
     """A value that is updated with every step."""

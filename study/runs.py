@@ -112,13 +112,10 @@ def _checked_observers(problem, observe) -> tuple[Observer, ...]:
         raise TypeError(f"observe must be a list of observers; {did_you_mean('', observers)}")
     chosen = [_resolve(o, observers, Observer) for o in ([observe] if isinstance(observe, str) else observe)]
     for observer in chosen:
-        if observer.needs_energy and problem.potential is None:
+        if argument := observer.lacking(problem):
             raise ValueError(
-                f"{', '.join(observer.variables)} of '{problem.title}' needs an energy: give Problem(potential=...)."
-            )
-        if observer.needs_positions and problem.positions is None:
-            raise ValueError(
-                f"{', '.join(observer.variables)} of '{problem.title}' needs places: give Problem(positions=...)."
+                f"{', '.join(observer.variables)} of '{problem.title}' needs Problem({argument}=...), "
+                "which it was made without."
             )
     return tuple(chosen)
 

@@ -189,7 +189,7 @@ def test_a_load_that_is_no_number_is_refused_before_the_run(number):
 
 
 def test_momenta_want_to_know_where_the_masses_stand():
-    with pytest.raises(ValueError, match="of 'tried' needs places: give Problem\\(positions=...\\)."):
+    with pytest.raises(ValueError, match="of 'tried' needs Problem\\(positions=...\\), which it was made without."):
         study.run(_problem(), "rk4", dt=0.1, steps=1, observe=["momentum_errors"])
 
 

@@ -61,7 +61,7 @@ def test_objects_of_ones_own():
         ({"u0": []}, ValueError, "an ensemble needs at least one lane"),
         ({"u0": [1.0, 2.0], "dt": [0.1, 0.1, 0.1]}, ValueError, "one length to make an ensemble, not dt 3, u0 2."),
         ({"problem": study.Problem(lambda u: u, u0=1.0, title="bare"), "observe": ["max_energy_error"]}, ValueError,
-         "max_energy_error of 'bare' needs an energy: give Problem(potential=...)."),
+         "max_energy_error of 'bare' needs Problem(potential=...), which it was made without."),
     ],
 )  # fmt: skip
 def test_mistakes_get_a_sentence(arguments, error, sentence):

@@ -1,0 +1,34 @@
+"""What is timed, and for how long."""
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+from study.problems import printed_periods
+
+#: Steps of a single run.
+STEPS = 100_000
+
+
+class Case(NamedTuple):
+    """Two things to time by turns, each a function that returns seconds for the same work, or their units."""
+
+    name: str
+    ours: Callable[[], float]
+    baseline: Callable[[], float]
+    #: The most that the ratio should be.
+    target: float
+    #: Nanoseconds are per this many steps.
+    steps: int
+
+
+def step_size(problem: str) -> float:
+    """A thousandth of the period."""
+    return printed_periods[problem] / 1000
+
+
+def timed(work: Callable[[], object]) -> float:
+    """Seconds that it takes."""
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start

@@ -1,0 +1,82 @@
+"""Structures: what an unknown and an iteration of Newton's cost."""
+
+from collections.abc import Callable, Iterator
+
+import jax.numpy as jnp
+import numpy as np
+from case import STEPS, Case, step_size, timed
+from scipy.linalg import solve, solve_banded
+
+import study
+from study import structures
+from study.timing import Timed
+
+
+def cases() -> Iterator[Case]:
+    """Everything on structures that is timed."""
+    yield from few_unknowns()
+    yield from long_bars()
+    yield from full_tangent()
+
+
+def few_unknowns() -> Iterator[Case]:
+    """Two and three unknowns against one."""
+    one = Timed(study.problems["hardening"], study.schemes["average_acceleration"], ())
+    row = study.Problem(
+        lambda u: jnp.stack([2 * u[0] - u[1], 2 * u[1] - u[0] - u[2], u[2] - u[1]]),
+        u0=np.array([1.0, 0.5, 0.2]),
+        title="three masses in a row",
+    )
+    for problem, dt in (
+        (study.problems["stiff_soft"], 0.2618),
+        (study.problems["stiff_soft_sine"], 0.2618),
+        (row, 0.1),
+        (structures.toda_chain(3), 0.1),
+    ):
+        few = Timed(problem, study.schemes["average_acceleration"], ())
+        yield Case(
+            f"average acceleration, {problem.title}, {len(problem.u0)} unknowns : hardening spring, one",
+            lambda few=few, dt=dt: few.run(dt, STEPS)[0],
+            lambda: one.run(step_size("hardening"), STEPS)[0],
+            6.0,
+            STEPS,
+        )
+
+
+def _iterations(problem, dt, steps) -> tuple[Callable[[], float], int]:
+    """What gives the seconds of a run, and the number of its Newton iterations."""
+    given = {"dt": dt, "steps": steps, "observe": ["newton_iterations"]}
+    solved = study.run(problem, "average_acceleration", **given).newton_iterations.item()
+    return (lambda: timed(lambda: study.run(problem, "average_acceleration", **given))), int(solved)
+
+
+def long_bars() -> Iterator[Case]:
+    """A Newton iteration on a bar against LAPACK's solution of the same system alone."""
+    for n in (1_000, 10_000, 100_000, 1_000_000):
+        bar = structures.impact_bar(n)
+        ours, solved = _iterations(bar, 1 / n, max(10, 1_000_000 // n))
+        bands = np.array([np.full(n, -1.0), np.full(n, 4.0), np.full(n, -1.0)])
+        # LAPACK's gtsv, which pivots, once for every Newton iteration
+        yield Case(
+            f"bar of {n:,}, an unknown and iteration : LAPACK's tridiagonal solution",
+            ours,
+            lambda bands=bands, n=n, solved=solved: solved * timed(lambda: solve_banded((1, 1), bands, np.ones(n))),
+            2.0,
+            n * solved,
+        )
+
+
+def full_tangent() -> Iterator[Case]:
+    """A Newton iteration with a full tangent of a hundred unknowns against LAPACK's solution alone."""
+    n = 100
+    chain = structures.toda_chain(n)
+    full = study.Problem(chain.force, chain.u0, chain.v0, tangent="dense", title="full chain")
+    ours, solved = _iterations(full, 0.1, 2_000)
+    matrix = np.eye(n) + 0.01 * np.random.default_rng(0).normal(size=(n, n))
+    yield Case(
+        f"{n} unknowns with a full tangent, an iteration : LAPACK's solution",
+        ours,
+        lambda: solved * timed(lambda: solve(matrix, np.ones(n), check_finite=False)),
+        1.5,
+        solved,
+    )
