@@ -542,7 +542,7 @@ rule numbers:
         dataset("energy_error", "energy_drift", "cpu_time", "sensitivity", "spectral", "large_steps"),
         dataset("reference_agreement", "accuracy", "work_precision", "recommendation", "round_off"),
         dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
-        dataset("structures", "structure_history/stiff_soft", "structure_history/long_times"),
+        dataset("structures", *(f"structure_history/{name}" for name in HISTORIES)),
         sources=sources("paper.numbers"),
     output:
         update("results/numbers.json"),

@@ -16,6 +16,7 @@ from paper.figures.oscillatory_energies import total
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
 from paper.tables.stability import GAIN, PROBLEMS
+from paper.tables.structures import STEPS_PER_PERIOD
 
 #: The error of the displacement at which the fastest are compared.
 EXACTING = 1e-10
@@ -239,10 +240,11 @@ def _of_round_off(round_off: xr.Dataset) -> dict:
     return floors | {"round_off_known": f"{10 * round_off.uncertainty.item():.0e}"}
 
 
-def _of_structures(structures: xr.Dataset, stiff_soft: xr.Dataset, long_times: xr.Dataset) -> dict:
+def _of_structures(structures: xr.Dataset, history: dict[str, xr.Dataset]) -> dict:
     data = {"structures": structures}
     runs = kept(data, TURNING)
     lost = by_name((~runs).sum(["problem", "steps_per_period"]))
+    stiff_soft, long_times = history["stiff_soft"], history["long_times"]
     alternating = sawtooth(stiff_soft.v.isel(component=0))
     oscillatory = total(long_times)
     change = by_name(100 * abs(oscillatory / oscillatory.isel(t=0) - 1).max("t"))
@@ -252,6 +254,12 @@ def _of_structures(structures: xr.Dataset, stiff_soft: xr.Dataset, long_times: x
         **{f"sawtooth_{name}": f"{a:.2f}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
         "long_time": f"{long_times.t.max().item():,.0f}",
         "long_sample": f"{long_times.t[1].item():.0f}",
+        "long_step": f"{long_times.dt.item():.2f}",
+        "structures_steps": STEPS_PER_PERIOD,
+        **{
+            f"{name}_steps": history[name].steps_per_period.item()
+            for name in ("stiff_soft", "stiff_bar", "stiff_truss")
+        },
         **{f"sum_{name}": f"{value:.0f}" if value > 10 else f"{value:.1f}" for name, value in change.items()},
     }
 
@@ -290,7 +298,11 @@ def numbers(results: Path) -> dict:
         **_of_promises(dataset("spectral"), dataset("accuracy")),
         **_of_round_off(dataset("round_off")),
         **_of_structures(
-            dataset("structures"), dataset("structure_history/stiff_soft"), dataset("structure_history/long_times")
+            dataset("structures"),
+            {
+                name: dataset(f"structure_history/{name}")
+                for name in ("stiff_soft", "long_times", "stiff_bar", "stiff_truss")
+            },
         ),
         **_of_claims(claims),
     }

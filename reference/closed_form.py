@@ -1,11 +1,19 @@
-"""Closed forms in arbitrary precision: elliptic functions for the cubic springs, quadrature for the tanh period."""
+"""Closed forms in arbitrary precision.
+
+Elliptic functions for the cubic springs and the pendulum, quadrature for the period of the tanh spring, and modes for
+linear structures under a harmonic load.
+"""
 
 from collections.abc import Iterable
+from typing import cast
 
+import jax
 import mpmath
+import numpy as np
 
 from study.problem import Problem
 from study.problems import CubicSpring, TanhSpring
+from study.structures import HarmonicLoad
 
 #: Decimal digits that are carried; the periods are good to 30.
 DIGITS = 50
@@ -99,3 +107,49 @@ def trajectory(problem: Problem, t: Iterable) -> tuple[list[mpmath.mpf], list[mp
             u.append(amplitude * value)
             v.append(amplitude * kappa * slope)
     return u, v
+
+
+def _pendulum(problem: Problem, t: Iterable) -> tuple[list, list]:
+    """The plane pendulum ü + sin u = 0 from its lower rest: u = 2 arcsin(k sn(t)), u̇ = 2k cn(t), 0 < k = u̇₀/2 < 1.
+
+    Source: Byrd and Friedman (1971), as for :func:`_cubic`.
+    """
+    k = mpmath.mpf(float(problem.v0)) / 2
+    sn, cn = ([mpmath.ellipfun(name, mpmath.mpf(time), m=k**2) for time in t] for name in ("sn", "cn"))
+    return [2 * mpmath.asin(k * s) for s in sn], [2 * k * c for c in cn]
+
+
+def _modes(problem: Problem, t: Iterable) -> tuple[list, list]:
+    """Σ φ q(t) of a linear structure of unit masses, from rest under f cos(Ωt − α), with K φ = ω² φ and φᵀφ = 1.
+
+    q̈ + ω² q = φᵀf cos(Ωt − α):    q = φᵀf / (ω² − Ω²) (cos(Ωt − α) − cos α cos ωt − Ω/ω sin α sin ωt)
+    """
+    load = cast(HarmonicLoad, problem.load)
+    stiffness = mpmath.matrix(np.asarray(jax.jit(jax.jacobian(problem.force))(problem.u0)).tolist())
+    squares, shapes = mpmath.eigsy(stiffness)
+    frequency, phase = mpmath.mpf(float(load.frequency)), mpmath.mpf(float(load.phase))
+    forces = shapes.T * mpmath.matrix(np.asarray(load.amplitude).tolist())
+    u, v = [], []
+    for time in map(mpmath.mpf, t):
+        q, rate = [], []
+        for square, force in zip(squares, forces, strict=True):
+            omega, of_load = mpmath.sqrt(square), frequency * time - phase
+            c, s = mpmath.cos(omega * time), mpmath.sin(omega * time)
+            start, speed = mpmath.cos(phase), frequency * mpmath.sin(phase)
+            response = force / (square - frequency**2)
+            q.append(response * (mpmath.cos(of_load) - start * c - speed / omega * s))
+            rate.append(response * (-frequency * mpmath.sin(of_load) + omega * start * s - speed * c))
+        u.append(list(shapes * mpmath.matrix(q)))
+        v.append(list(shapes * mpmath.matrix(rate)))
+    return u, v
+
+
+#: The structures, by name, whose motion has a closed form.
+STRUCTURES = {"pendulum": _pendulum, "stiff_soft": _modes}
+
+
+def structure(name: str, problem: Problem, t: Iterable) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement and velocity of a structure of ``STRUCTURES`` at the times ``t``, rounded to doubles."""
+    with mpmath.workdps(DIGITS):
+        u, v = STRUCTURES[name](problem, t)
+        return np.array(u, dtype=float), np.array(v, dtype=float)

@@ -9,6 +9,7 @@ its motion of this spring grows to a hundred times the amplitude within five per
 
 import importlib
 import time
+from collections.abc import Callable
 from types import ModuleType
 
 import numpy as np
@@ -63,16 +64,22 @@ def _spring(problem: Problem) -> CubicSpring:
     return spring
 
 
-def _line(nodes: int) -> ModuleType:
-    """OpenSees with nodes of unit mass on a line, the first of them fixed."""
+def _nodes(places: np.ndarray) -> ModuleType:
+    """OpenSees with a node of unit mass at every place (nodes, directions)."""
     ops = load()
     ops.wipe()
-    ops.model("basic", "-ndm", 1, "-ndf", 1)
-    for node in range(1, nodes + 1):
-        ops.node(node, 0.0)
+    directions = places.shape[1]
+    ops.model("basic", "-ndm", directions, "-ndf", directions)
+    for node, place in enumerate(places.tolist(), start=1):
+        ops.node(node, *place)
+        ops.mass(node, *[1.0] * directions)
+    return ops
+
+
+def _line(nodes: int) -> ModuleType:
+    """As many of them in one place on a line, the first fixed."""
+    ops = _nodes(np.zeros((nodes, 1)))
     ops.fix(1, 1)
-    for node in range(2, nodes + 1):
-        ops.mass(node, 1.0)
     return ops
 
 
@@ -126,14 +133,8 @@ def trajectory(problem: str, scheme: str, dt: float, steps: int) -> Solution:
     ValueError
         If the problem is no cubic spring, or OpenSees has no such scheme or fails.
     """
-    ops, parts = _prepared(problem, scheme), SUB_STEPS.get(scheme, 1)
-    u, v = np.empty(steps), np.empty(steps)
-    start = time.perf_counter()
-    for step in range(steps):
-        if ops.analyze(parts, dt / parts):
-            raise ValueError(f"OpenSees failed at step {step + 1} on '{problem}' with '{scheme}'.")
-        u[step], v[step] = ops.nodeDisp(2, 1), ops.nodeVel(2, 1)
-    return Solution(u, v, -1, time.perf_counter() - start)
+    ops = _prepared(problem, scheme)
+    return _stepped(ops, scheme, dt, steps, lambda of_node: of_node(2, 1))
 
 
 def stiff_soft(scheme: str, dt: float, steps: int) -> Solution:
@@ -142,7 +143,7 @@ def stiff_soft(scheme: str, dt: float, steps: int) -> Solution:
     Raises as :func:`trajectory` does.
     """
     stiffness, soft, frequency = 1e7, 1.0, 1.2
-    ops, parts = _line(nodes=3), SUB_STEPS.get(scheme, 1)
+    ops = _line(nodes=3)
     for number, modulus in enumerate((stiffness, soft), start=1):
         ops.uniaxialMaterial("Elastic", number, modulus)
         ops.element("zeroLength", number, number, number + 1, "-mat", number, "-dir", 1)
@@ -150,10 +151,37 @@ def stiff_soft(scheme: str, dt: float, steps: int) -> Solution:
     ops.pattern("Plain", 1, 1)
     ops.load(2, stiffness)
     _choose(ops, scheme)
-    u, v = np.empty((steps, 2)), np.empty((steps, 2))
+    return _stepped(ops, scheme, dt, steps, lambda of_node: [of_node(node, 1) for node in (2, 3)])
+
+
+def truss(
+    joints: np.ndarray, bars: np.ndarray, rigidity: float, v0: np.ndarray, scheme: str, dt: float, steps: int
+) -> Solution:
+    """A free truss of bars (bars, 2) between joints (joints, directions) of unit mass, in motion from its own form.
+
+    Its bars turn with their joints (``corotTruss``) and have the energy EA (l − L)²/(2L). Displacement
+    and velocity are (steps, joints · directions). Raises as :func:`trajectory` does.
+    """
+    ops = _nodes(joints)
+    ops.uniaxialMaterial("Elastic", 1, rigidity)
+    for number, (first, second) in enumerate(bars.tolist(), start=1):
+        ops.element("corotTruss", number, first + 1, second + 1, 1.0, 1)
+    _choose(ops, scheme)
+    for node, velocity in enumerate(np.reshape(v0, joints.shape).tolist(), start=1):
+        for direction, component in enumerate(velocity, start=1):
+            ops.setNodeVel(node, direction, component, "-commit")
+    return _stepped(
+        ops, scheme, dt, steps, lambda of_node: [x for node in range(1, len(joints) + 1) for x in of_node(node)]
+    )
+
+
+def _stepped(ops: ModuleType, scheme: str, dt: float, steps: int, read: Callable) -> Solution:
+    """Displacement and velocity after every step, as ``read`` takes them from OpenSees' nodes."""
+    u, v, parts = [], [], SUB_STEPS.get(scheme, 1)
     start = time.perf_counter()
     for step in range(steps):
         if ops.analyze(parts, dt / parts):
-            raise ValueError(f"OpenSees failed at step {step + 1} on 'stiff_soft' with '{scheme}'.")
-        u[step], v[step] = ([of_node(node, 1) for node in (2, 3)] for of_node in (ops.nodeDisp, ops.nodeVel))
-    return Solution(u, v, -1, time.perf_counter() - start)
+            raise ValueError(f"OpenSees failed at step {step + 1} with '{scheme}'.")
+        u.append(read(ops.nodeDisp))
+        v.append(read(ops.nodeVel))
+    return Solution(np.array(u), np.array(v), -1, time.perf_counter() - start)

@@ -27,6 +27,8 @@ INFINITE = 1e12
 #: Ω at which a limit of stability is looked for: densely where explicit schemes end, since symmetric compositions have
 #: narrow windows of instability near multiples of π, and up to what stands for all.
 SEARCHED = np.concatenate([np.linspace(3e-4, 12, 40_000), np.geomspace(12.01, 1e4, 2_000)])
+#: Step sizes that are looked at together.
+TILE = 1024
 #: How often the interval of a limit is narrowed, and into how many parts.
 REFINEMENTS, PARTS = 2, 1_000
 
@@ -57,7 +59,7 @@ def _initial_state(scheme: Scheme, dt_over_period, damping_ratio=None) -> jax.Ar
 
 
 @eqx.filter_jit
-def _at_each(function, scheme: Scheme, dt_over_period: jax.Array, damping_ratio: jax.Array | None) -> jax.Array:
+def _at_each(function, scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: jax.Array | None) -> jax.Array:
     return jax.vmap(partial(function, scheme, damping_ratio=damping_ratio))(dt_over_period)
 
 
@@ -124,8 +126,11 @@ class LinearTheory:
         self.spectral_radius = np.abs(self.roots).max(axis=-1)
 
     def _of_each(self, function, dt_over_period) -> np.ndarray:
+        """The function at every step size, in tiles of one length: one program serves grids of all lengths."""
         damping = jnp.asarray(self._damping_ratio) if self._damping_ratio else None
-        return np.asarray(_at_each(function, self._scheme, jnp.asarray(dt_over_period, float), damping))
+        points = len(dt_over_period)
+        tiles = np.pad(np.asarray(dt_over_period, float), (0, -points % TILE), mode="edge").reshape(-1, TILE)
+        return np.concatenate([_at_each(function, self._scheme, tile, damping) for tile in tiles])[:points]
 
     def _radius(self, dt_over_period) -> np.ndarray:
         return np.abs(_eigenvalues(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)

@@ -10,7 +10,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from study.linear import SMALL
 from study.observers import Record, Reduction
 from study.problem import Problem
 from study.schemes.scheme import Scheme
@@ -18,8 +17,8 @@ from study.schemes.scheme import Scheme
 COMPLETED, NEWTON_FAILED, NOT_FINITE = 0, 1, 2
 STATUS_MEANINGS = "completed newton_not_converged not_finite"
 
-#: Steps of a single run with few unknowns in one turn of the loop. Within a turn values pass from step to step in
-#: registers, between turns through memory, which at ten nanoseconds a step is felt.
+#: Steps of a single run with one unknown in one turn of the loop. Within a turn values pass from step to step in
+#: registers, between turns through memory, which at ten nanoseconds a step is felt, and with two unknowns no more.
 BLOCK = 3
 #: Steps of a tile between two looks at whether any of its lanes goes on.
 PATIENCE = 64
@@ -138,7 +137,7 @@ class March(eqx.Module):
 
         if self.lanes:
             return lax.while_loop(goes_on, patiently, progress)
-        if np.size(self.problem.u0) <= SMALL:
+        if not np.ndim(self.problem.u0):
             progress = lax.while_loop(partial(goes_on, ahead=BLOCK), block, progress)
         return lax.while_loop(goes_on, step, progress)
 

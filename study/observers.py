@@ -141,17 +141,18 @@ class EnergyBalance(Reduction):
 
 
 def _momenta(problem: Problem, state):
-    """Linear and angular momentum of every point, (points, directions) and (points,)."""
+    """Linear and angular momentum of every point, (points, directions) and (points, 3)."""
     points, directions = jnp.shape(problem.positions)
     p = problem.momentum(state.v).reshape(points, directions)
     x = problem.positions + state.u.reshape(points, directions)
-    return p, x[:, 0] * p[:, 1] - x[:, 1] * p[:, 0] if directions == 2 else jnp.zeros(points)
+    in_space = [(0, 0), (0, 3 - directions)]
+    return p, jnp.cross(jnp.pad(x, in_space), jnp.pad(p, in_space))
 
 
 class MomentumErrors(Reduction):
-    """Largest change of linear and, in the plane, angular momentum, over the sum of the points' own at the start.
+    """Largest change of linear and of angular momentum, over the largest sum of the points' own.
 
-    NaN where nothing moves at the start; the angular momentum is that of plane problems, elsewhere NaN.
+    NaN where no point has any.
     """
 
     variables = {
@@ -161,26 +162,27 @@ class MomentumErrors(Reduction):
     needs_positions = True
 
     def start(self, problem, state):
-        linear, angular = _momenta(problem, state)
-        return (
-            (linear.sum(axis=0), angular.sum()),
-            (jnp.abs(linear).sum(), jnp.abs(angular).sum()),
-            (jnp.zeros(()),) * 2,
-        )
+        momenta = _momenta(problem, state)
+        return [m.sum(axis=0) for m in momenta], jnp.zeros(2), jnp.stack([_sizes(m) for m in momenta])
 
     def update(self, carried, problem, state, t, effort):
-        (linear_0, angular_0), scales, (linear_error, angular_error) = carried
-        linear, angular = _momenta(problem, state)
-        errors = (
-            jnp.maximum(linear_error, jnp.linalg.norm(linear.sum(axis=0) - linear_0)),
-            jnp.maximum(angular_error, jnp.abs(angular.sum() - angular_0)),
+        at_start, errors, scales = carried
+        momenta = _momenta(problem, state)
+        changes = [jnp.linalg.norm(m.sum(axis=0) - before) for m, before in zip(momenta, at_start, strict=True)]
+        return (
+            at_start,
+            jnp.maximum(errors, jnp.stack(changes)),
+            jnp.maximum(scales, jnp.stack([_sizes(m) for m in momenta])),
         )
-        return (linear_0, angular_0), scales, errors
 
     def result(self, carried, problem, state):
-        _, scales, errors = carried
-        known = [jnp.where(scale > 0, scale, jnp.nan) for scale in scales]
-        return {name: error / scale for name, error, scale in zip(self.variables, errors, known, strict=True)}
+        _, errors, scales = carried
+        return dict(zip(self.variables, errors / scales, strict=True))
+
+
+def _sizes(momenta):
+    """Sum of the points' own."""
+    return jnp.linalg.norm(momenta, axis=1).sum()
 
 
 class NewtonIterations(Reduction):

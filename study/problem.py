@@ -136,10 +136,14 @@ class Problem(eqx.Module):
                 raise ValueError(
                     f"{name} must be a number, a diagonal or a matrix for u0 of shape {shape}; got {value.shape}."
                 )
-        if self.positions is not None and (np.ndim(self.positions) != 2 or np.size(self.positions) != np.size(self.u0)):
+        if self.positions is not None and (
+            np.ndim(self.positions) != 2
+            or np.shape(self.positions)[1] > 3
+            or np.size(self.positions) != np.size(self.u0)
+        ):
             raise ValueError(
-                f"positions must be of shape (points, directions) with one number for each of u0's "
-                f"{np.size(self.u0)}, not {np.shape(self.positions)}."
+                f"positions must be of shape (points, directions), at most three directions, with one number for each "
+                f"of u0's {np.size(self.u0)}, not {np.shape(self.positions)}."
             )
         for name in ("u0", "v0", "mass", "damping", "positions"):
             value = getattr(self, name)

@@ -8,7 +8,7 @@ from study.linear import shifted
 from study.problem import Problem, Rayleigh, StrainEnergy
 
 
-class _Load(eqx.Module):
+class HarmonicLoad(eqx.Module):
     """A load amplitude cos(ωt − phase), its amplitude of the shape of the displacement."""
 
     amplitude: float | np.ndarray = eqx.field(converter=np.asarray)
@@ -16,6 +16,7 @@ class _Load(eqx.Module):
     phase: float = eqx.field(converter=np.float64)
 
     def __call__(self, t):
+        """The load at the time t."""
         return self.amplitude * jnp.cos(self.frequency * t - self.phase)
 
 
@@ -37,7 +38,7 @@ def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "
         strains=lambda u: jnp.stack([u[0], u[1] - u[0]]),
         density=lambda e: jnp.stack([stiffness * e[0] ** 2 / 2, soft_energy(e[1])]),
     )
-    load = _Load(np.array([stiffness, 0.0]), frequency=1.2, phase=np.pi / 2)
+    load = HarmonicLoad(np.array([stiffness, 0.0]), frequency=1.2, phase=np.pi / 2)
     return Problem(potential=energy, u0=np.zeros(2), v0=np.zeros(2), load=load, title=title)
 
 
@@ -141,7 +142,7 @@ def duffing(amplitude: float, title: str) -> Problem:
         u0=1.0,
         potential=lambda u: u * u * (u * u / 4 - 1 / 2),
         damping=0.3,
-        load=_Load(amplitude, frequency=1.2, phase=0.0),
+        load=HarmonicLoad(amplitude, frequency=1.2, phase=0.0),
         title=title,
     )
 

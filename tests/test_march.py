@@ -16,11 +16,11 @@ from study import ensemble, runs
 from study.march import March, march
 
 
-def test_reductions_agree_with_the_trajectory(scheme_name):
+def test_reductions_agree_with_the_trajectory(kind):
     problem = study.problems["hardening"]
     ds = study.run(
         "hardening",
-        scheme_name,
+        kind,
         dt=0.15 / 20,
         steps=300,
         observe=["trajectory", "energy_error", "max_energy_error", "energy_drift"],
@@ -33,8 +33,8 @@ def test_reductions_agree_with_the_trajectory(scheme_name):
     assert ds.u[0] == problem.u0 and ds.status == 0 and ds.failed_at_step == -1
 
 
-def test_storing_every_tenth_step_takes_them_out_of_the_whole(scheme_name):
-    whole, tenth = (study.run("softening", scheme_name, dt=0.05, steps=200, every=k) for k in (1, 10))
+def test_storing_every_tenth_step_takes_them_out_of_the_whole(kind):
+    whole, tenth = (study.run("softening", kind, dt=0.05, steps=200, every=k) for k in (1, 10))
     np.testing.assert_allclose(tenth.u, whole.u[::10], atol=1e-11)
     np.testing.assert_array_equal(tenth.t, whole.t[::10])
 
@@ -45,23 +45,23 @@ def test_newton_iterations_are_counted():
     assert 2 <= ds.max_newton_iterations.item() <= 10
 
 
-def test_a_lane_of_an_ensemble_is_a_single_run(scheme_name):
+def test_a_lane_of_an_ensemble_is_a_single_run(kind):
     u0, dt = np.linspace(0.5, 2.0, 7), np.linspace(0.001, 0.02, 7)
     observe = ["trajectory", "max_energy_error", "newton_iterations"]
-    lanes = study.run("hardening", scheme_name, dt=dt, u0=u0, steps=40, observe=observe)
+    lanes = study.run("hardening", kind, dt=dt, u0=u0, steps=40, observe=observe)
     for lane in range(7):
-        one = study.run("hardening", scheme_name, dt=dt[lane], u0=u0[lane], steps=40, observe=observe)
+        one = study.run("hardening", kind, dt=dt[lane], u0=u0[lane], steps=40, observe=observe)
         for name in one.data_vars:
             np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
     assert lanes.t.dims == ("lane", "sample")
 
 
-def test_lanes_end_after_their_own_steps(scheme_name):
+def test_lanes_end_after_their_own_steps(kind):
     steps, u0 = np.array([40, 3, 170, 1, 90]), np.linspace(0.5, 2.0, 5)
     observe = ["max_energy_error", "energy_drift", "newton_iterations"]
-    lanes = study.run("hardening", scheme_name, dt=0.004, u0=u0, steps=steps, observe=observe)
+    lanes = study.run("hardening", kind, dt=0.004, u0=u0, steps=steps, observe=observe)
     for lane in range(5):
-        one = study.run("hardening", scheme_name, dt=0.004, u0=u0[lane], steps=int(steps[lane]), observe=observe)
+        one = study.run("hardening", kind, dt=0.004, u0=u0[lane], steps=int(steps[lane]), observe=observe)
         for name in one.data_vars:
             np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
 

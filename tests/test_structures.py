@@ -57,9 +57,9 @@ def _whole(scheme):
     return _phase(_damped_chain("dense"), scheme)
 
 
-def test_a_tridiagonal_tangent_gives_the_trajectory_of_a_dense_one(scheme):
-    """With damping and a load, in every scheme."""
-    np.testing.assert_allclose(_phase(_damped_chain("tridiagonal"), scheme), _whole(scheme), rtol=0, atol=1e-11)
+def test_a_tridiagonal_tangent_gives_the_trajectory_of_a_dense_one(kind):
+    """With damping and a load, in every kind of scheme."""
+    np.testing.assert_allclose(_phase(_damped_chain("tridiagonal"), kind), _whole(kind), rtol=0, atol=1e-11)
 
 
 #: One scheme of each way to ask for tangents and solutions.
@@ -73,7 +73,7 @@ def test_blocks_and_iterations_give_the_trajectory_of_a_dense_tangent(name, stru
     np.testing.assert_allclose(_phase(_damped_chain(structure), name), _whole(name), rtol=0, atol=1e-9)
 
 
-def test_uncoupled_oscillators_are_as_many_single_ones(scheme):
+def test_uncoupled_oscillators_are_as_many_single_ones(kind):
     spring, u0 = CubicSpring(4.0, 0.5), np.linspace(-1, 2, N)
     common = {"mass": 2.0, "damping": 0.3}
     # one energy a strain: the mean force of a whole potential would couple them
@@ -82,8 +82,8 @@ def test_uncoupled_oscillators_are_as_many_single_ones(scheme):
         load=lambda t: jnp.full(N, jnp.cos(t)), **common,
     )  # fmt: skip
     single = study.Problem(spring.force, 1.0, 0.5, potential=spring.potential, load=jnp.cos, **common)
-    of_lanes = np.moveaxis(_phase(single, scheme, u0=u0), 1, 2)
-    np.testing.assert_allclose(_phase(together, scheme), of_lanes, rtol=0, atol=1e-12)
+    of_lanes = np.moveaxis(_phase(single, kind, u0=u0), 1, 2)
+    np.testing.assert_allclose(_phase(together, kind), of_lanes, rtol=0, atol=1e-12)
 
 
 LENGTH = 3.0443
@@ -184,6 +184,27 @@ def test_what_a_spinning_truss_conserves(small_truss):
         assert ds.status == 0
         assert ds.max_linear_momentum_error < 1e-10 and ds.max_angular_momentum_error < 1e-10
     assert ours.max_energy_error < 1e-8 < 1e-3 < midpoint.max_energy_error
+
+
+def test_momenta_in_space_are_those_in_the_plane():
+    """Two masses on a spring, in their plane and turned out of it; Houbolt's method keeps no angular momentum."""
+    places, speeds = np.array([[-1.0, 0.0], [1.0, 0.0]]), np.array([[0.3, -1.0], [0.1, 1.0]])
+    turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0][:, :2].T
+
+    def observed(places, speeds, scheme):
+        def strains(u):
+            first, second = places + u.reshape(places.shape)
+            return (jnp.linalg.norm(second - first) - 2)[None]
+
+        energy = study.StrainEnergy(strains, lambda e: 5 * e * e)
+        pair = study.Problem(potential=energy, u0=np.zeros(places.size), v0=speeds.ravel(), positions=places)
+        return study.run(pair, scheme, dt=0.1, steps=50, observe=["momentum_errors"])
+
+    plane, space = observed(places, speeds, "houbolt"), observed(places @ turn, speeds @ turn, "houbolt")
+    for name in ("max_linear_momentum_error", "max_angular_momentum_error"):
+        assert space[name].item() == pytest.approx(plane[name].item(), abs=1e-12)
+    assert plane.max_linear_momentum_error < 1e-12 and plane.max_angular_momentum_error > 1e-3
+    assert observed(places @ turn, speeds @ turn, "energy_momentum").max_angular_momentum_error < 1e-12
 
 
 def _of_chain(u):

@@ -56,6 +56,11 @@ def structure_history(
         t_reference=("t_reference", reference.t.values, {"long_name": "elapsed time of the reference", "units": "s"})
     )
     dataset["dt"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})
+    dataset["steps_per_period"] = (
+        (),
+        steps_per_period,
+        {"long_name": "steps in the time scale of the motion", "units": "1"},
+    )
     dataset.attrs = {
         "title": f"Histories of the {definition.title} at one step size",
         "problem": problem,

@@ -1,5 +1,6 @@
 """The schemes against those of OpenSees, an independent finite element code."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -38,6 +39,29 @@ def test_the_stiff_and_soft_springs_agree(theirs, scheme):
     solution = opensees.stiff_soft(scheme, dt, 40)
     np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-8)
     np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-6)
+
+
+@pytest.mark.parametrize("scheme", [name for name in opensees.INTEGRATORS if name not in ("houbolt", "hht_alpha")])
+def test_a_truss_that_spins_agrees(theirs, scheme):
+    """Large rotations: two cells with both diagonals, six joints, eleven bars."""
+    joints = np.array([[x, y] for x in (-1.0, 0.0, 1.0) for y in (-0.5, 0.5)])
+    first, second = np.triu_indices(6, 1)
+    near = np.linalg.norm(joints[second] - joints[first], axis=1) < 1.5
+    first, second = first[near], second[near]
+    assert len(first) == 11
+    length, rigidity, dt, steps = np.linalg.norm(joints[second] - joints[first], axis=1), 100.0, 0.02, 200
+    v0 = np.stack([-joints[:, 1], joints[:, 0]], axis=1).ravel()
+
+    def strains(u):
+        places = joints + u.reshape(joints.shape)
+        return jnp.linalg.norm(places[second] - places[first], axis=1) / length - 1
+
+    energy = study.StrainEnergy(strains, lambda e: rigidity * length * e**2 / 2)
+    ours = study.run(study.Problem(potential=energy, u0=np.zeros(12), v0=v0), scheme, dt=dt, steps=steps)
+    solution = opensees.truss(joints, np.stack([first, second], axis=1), rigidity, v0, scheme, dt, steps)
+    assert np.abs(ours.u).max() > 1
+    np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-10)
+    np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-9)
 
 
 def test_houbolts_recurrence_is_the_same_and_its_start_is_not(theirs):

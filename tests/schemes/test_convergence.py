@@ -55,7 +55,7 @@ def _two(t):
 def _observed_orders(problem, scheme, exact, duration, steps):
     errors = []
     for n in steps:
-        end = study.run(problem, scheme, dt=duration / n, steps=n).isel(t=-1)
+        end = study.run(problem, scheme, dt=duration / n, steps=n, every=n).isel(t=-1)
         errors.append(np.max(np.abs(end.u.values - np.asarray(exact(duration)[0]))))
     return -np.diff(np.log(errors)) / np.diff(np.log(steps))
 
@@ -83,5 +83,5 @@ def test_order_on_the_hardening_spring(scheme):
     steps = STEPS | {1: [1600, 3200, 6400], 2: [1600, 3200, 6400], 4: [50, 100, 200], 6: [30, 42, 60], 8: [12, 17, 24]}
     counts = steps[expected]
     # after a quarter of the period the exact displacement is zero
-    errors = [abs(study.run("hardening", scheme, dt=period / 4 / n, steps=n).u.values[-1]) for n in counts]
+    errors = [abs(study.run("hardening", scheme, dt=period / 4 / n, steps=n, every=n).u.values[-1]) for n in counts]
     assert -np.diff(np.log(errors)) / np.diff(np.log(counts)) == pytest.approx(expected, abs=0.1)
