@@ -9,6 +9,11 @@ jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 
 
+def pytest_collection_modifyitems(items):
+    """The pipeline first: at the end it would leave every core but its own without work."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+
+
 @pytest.fixture(scope="module", autouse=True)
 def forget_programs():
     """Programs of one file of tests are of no use to the next, and thousands of them slow everything down."""
