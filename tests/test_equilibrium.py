@@ -1,5 +1,6 @@
 """The balance of forces: Newton against an independent root finder, and what it says when it fails."""
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -13,11 +14,17 @@ from study.equilibrium import MAX_ITERATIONS, acceleration, balance
 finite = st.floats(-3.0, 3.0)
 
 
+def _cubic(coefficient, x):
+    return x + coefficient * x**3
+
+
 @settings(max_examples=60, deadline=None)
 @given(u=finite, v=finite, rhs=finite, c_u=st.floats(1e-6, 1.0), weight=st.floats(0.5, 1.0), cubic=st.floats(0.0, 10.0))
 def test_newton_finds_the_root(u, v, rhs, c_u, weight, cubic):
-    problem = study.Problem(lambda x: x + cubic * x**3, u0=0.0, mass=2.0, damping=0.3)
-    a, effort = balance(problem, jnp.asarray(rhs), jnp.asarray(u), jnp.asarray(v), c_u, 0.5, jnp.asarray(0.0), weight)
+    problem = study.Problem(eqx.Partial(_cubic, np.float64(cubic)), u0=0.0, mass=2.0, damping=0.3)
+    # arrays, since Python's numbers would each be compiled anew
+    numbers = [jnp.asarray(number) for number in (rhs, u, v, c_u, 0.5, 0.0, weight)]
+    a, effort = eqx.filter_jit(balance)(problem, *numbers)
 
     def residual(x):
         return 2 * x + 0.3 * (v + 0.5 * x) + weight * float(problem.force(u + c_u * x)) - rhs
@@ -77,12 +84,21 @@ def test_every_form_of_mass_and_damping(mass, damping):
     np.testing.assert_allclose(M @ a + C @ (v + 0.4 * a) + stiffness @ u + u**3, 0.0, atol=1e-12)
 
 
+def _along(u):
+    return jnp.stack([u[0], u[1] - u[0], u[2] - u[1]])
+
+
+def _linear_springs(moduli, e):
+    return moduli * e * e
+
+
 @pytest.mark.parametrize("stiffness", [1e3, 1e7, 1e9, 1e11])
 @pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "energy_momentum", "gauss4"])
 def test_stiff_links_are_no_failure_of_newton(scheme, stiffness):
     """Their force is known to round-off of the displacement times the stiffness only, however small it is."""
     moduli = np.array([0.5, 0.5 * stiffness, 0.5 * stiffness])
-    energy = study.StrainEnergy(lambda u: jnp.stack([u[0], u[1] - u[0], u[2] - u[1]]), lambda e: moduli * e * e)
+    # the moduli are arguments of one program
+    energy = study.StrainEnergy(_along, eqx.Partial(_linear_springs, moduli))
     ds = study.run(study.Problem(potential=energy, u0=np.ones(3)), scheme, dt=0.1, steps=50)
     assert ds.status == 0
     # three masses on the soft spring
