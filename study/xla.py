@@ -10,6 +10,8 @@ another processor may lack instructions. Whatever the user has set in ``XLA_FLAG
 import os
 import platform
 import warnings
+from contextlib import suppress
+from pathlib import Path
 
 import jax
 import platformdirs
@@ -18,7 +20,7 @@ from jax._src import xla_bridge
 _OPTION = "xla_cpu_small_while_loop_byte_threshold"
 _THRESHOLD = 1 << 20
 _WIDTH = "--xla_cpu_prefer_vector_width"
-#: Bytes after which the oldest programs leave the cache.
+#: Bytes of programs in the cache, at most, when a process starts.
 _CACHE_SIZE = 1 << 30
 
 
@@ -34,6 +36,17 @@ def _with_options(flags: str) -> str:
     return f"{flags} {extra}{option}".strip()
 
 
+def _prune(cache: Path) -> None:
+    """Remove the older half of the programs of a cache that has grown too large.
+
+    JAX's own bound looks at every file whenever it adds one, a third of a second once there are ten thousand.
+    """
+    files = [(entry.stat().st_mtime, entry.stat().st_size, entry.path) for entry in os.scandir(cache)]
+    if sum(size for _, size, _ in files) > _CACHE_SIZE:
+        for _, _, path in sorted(files)[: len(files) // 2]:
+            Path(path).unlink(missing_ok=True)
+
+
 _flags = _with_options(os.environ.get("XLA_FLAGS", ""))
 # the flags are read once, with JAX's first computation; that it is over only JAX's own module tells
 if _flags != os.environ.get("XLA_FLAGS") and xla_bridge.backends_are_initialized():
@@ -47,8 +60,10 @@ os.environ["XLA_FLAGS"] = _flags
 jax.config.update("jax_enable_x64", True)
 if jax.config.jax_compilation_cache_dir is None:  # type: ignore[attr-defined]
     cache = platformdirs.user_cache_path("time-integration-study") / platform.node()
+    # a folder that is not there yet, that another process prunes too, or that is not ours: JAX tells what it cannot use
+    with suppress(OSError):
+        _prune(cache)
     jax.config.update("jax_compilation_cache_dir", str(cache))
-    jax.config.update("jax_compilation_cache_max_size", _CACHE_SIZE)
     # every program: the least of them takes a tenth of a second
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", 0)

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 import study
-from study import ensemble, runs
+from study import ensemble, runs, xla
 from study.march import March, march
 
 
@@ -152,6 +152,17 @@ def test_a_second_process_compiles_nothing(tmp_path):
         for _ in range(2)
     ]
     assert misses[0] > 0 and misses[1] == 0
+
+
+def test_a_cache_that_has_grown_too_large_loses_its_older_half(tmp_path, monkeypatch):
+    for age in range(10):
+        (tmp_path / f"program{age}").write_bytes(bytes(100))
+        os.utime(tmp_path / f"program{age}", (0, 1000 - age))
+    xla._prune(tmp_path)
+    assert len(list(tmp_path.iterdir())) == 10
+    monkeypatch.setattr(xla, "_CACHE_SIZE", 999)
+    xla._prune(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {f"program{age}" for age in range(5)}
 
 
 def test_a_failed_lane_leaves_the_others_alone():
