@@ -102,7 +102,8 @@ class EnergyBalance(Reduction):
 
     Over a step the damping force C u̇ and the load f do the work of their mean at both ends on the way between,
     ΔD = ½ (u₁ − u₀)ᵀ C (u̇₀ + u̇₁) and ΔW = ½ (u₁ − u₀)ᵀ (f₀ + f₁), of second order, and for the trapezoidal rule on a
-    linear structure exactly. The error is the largest |E + D − W − E₀| over the largest E + D.
+    linear structure exactly. The error is the largest |E + D − W − E₀| over what was put in, |E₀| and the largest |W|;
+    zero where nothing was put in and nothing came of it.
 
     References
     ----------
@@ -122,10 +123,10 @@ class EnergyBalance(Reduction):
 
     def start(self, problem, state):
         energy, zero = problem.energy(state.u, state.v), jnp.zeros(())
-        return (state.u, state.v, load(problem, 0.0)), energy, (zero, zero), (zero, jnp.abs(energy))
+        return (state.u, state.v, load(problem, 0.0)), energy, (zero, zero), (zero, zero)
 
     def update(self, carried, problem, state, t, effort):
-        (u, v, f), at_start, (dissipated, work), (imbalance, scale) = carried
+        (u, v, f), at_start, (dissipated, work), (imbalance, most_work) = carried
         way, now = state.u - u, load(problem, t)
         if problem.damping is not None:
             dissipated += jnp.vdot(way, times(problem.damping, v + state.v)) / 2
@@ -133,11 +134,13 @@ class EnergyBalance(Reduction):
             work += jnp.vdot(way, f + now) / 2
         handled = problem.energy(state.u, state.v) + dissipated
         imbalance = jnp.maximum(imbalance, jnp.abs(handled - work - at_start))
-        return (state.u, state.v, now), at_start, (dissipated, work), (imbalance, jnp.maximum(scale, jnp.abs(handled)))
+        most_work = jnp.maximum(most_work, jnp.abs(work))
+        return (state.u, state.v, now), at_start, (dissipated, work), (imbalance, most_work)
 
     def result(self, carried, problem, state):
-        *_, (dissipated, work), (imbalance, scale) = carried
-        return dict(zip(self.variables, (100 * imbalance / scale, dissipated, work), strict=True))
+        _, at_start, (dissipated, work), (imbalance, most_work) = carried
+        error = jnp.where(imbalance == 0, 0.0, 100 * imbalance / (jnp.abs(at_start) + most_work))
+        return dict(zip(self.variables, (error, dissipated, work), strict=True))
 
 
 def _momenta(problem: Problem, state):

@@ -1,5 +1,6 @@
 """Equation (1): M ü + C u̇ + p(u) = f(t), with u(0) and u̇(0)."""
 
+import reprlib
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -17,9 +18,12 @@ def _real(name: str, value):
     if value is None or isinstance(value, jax.core.Tracer | Rayleigh | Banded | MatrixFree):
         return value
     try:
-        return np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} takes numbers and arrays of numbers, not {value!r}.") from None
+        numbers = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        numbers = np.asarray(None)
+    if numbers.dtype.kind not in "fiu":
+        raise ValueError(f"{name} takes real numbers and arrays of them, not {reprlib.repr(value)}.")
+    return numbers.astype(np.float64)
 
 
 class Rayleigh(NamedTuple):
@@ -73,7 +77,8 @@ class Problem(eqx.Module):
         V(u) with p = ∂V/∂u, a scalar, or a :class:`StrainEnergy`. Needed only where an energy is asked for.
     mass
         M: a number, a diagonal (n,) or a symmetric matrix (n, n). Absent, it is the identity. A massless degree of
-        freedom makes it singular, which schemes take that are implicit and unconditionally stable.
+        freedom makes it singular, which schemes take that are implicit and unconditionally stable; ``u0`` and ``v0``
+        should leave it in balance, or schemes that do not damp make it oscillate from step to step.
     damping
         C: a number, a diagonal, a matrix (symmetric where the tangent is matrix-free) or :class:`Rayleigh`. Absent, it
         is zero.
@@ -116,9 +121,12 @@ class Problem(eqx.Module):
         if self.v0 is None and self.u0 is not None:
             self.v0 = np.zeros(np.shape(self.u0))
         self._check_shapes()
-        if self.force is None and self.potential is not None:
+        derived = self.force is None and self.potential is not None
+        if derived:
             self.force = eqx.Partial(_gradient, self.potential)
         self._check_functions()
+        if not derived and self.potential is not None and not isinstance(self.u0, jax.core.Tracer):
+            self._check_slope()
         self.massless = self._check_mass()
         if not isinstance(self.u0, jax.core.Tracer):
             self._settle_forms()
@@ -164,8 +172,8 @@ class Problem(eqx.Module):
                 continue
             try:
                 received = jax.eval_shape(function, value)
-            except (TypeError, ValueError, IndexError) as error:
-                reason = str(error).splitlines()[0]
+            except Exception as error:  # whatever the function raises, it is told whose it is
+                reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
                 raise ValueError(
                     f"{name} of '{self.title}' must be written with jax.numpy for u0's shape: {reason}"
                 ) from error
@@ -183,6 +191,21 @@ class Problem(eqx.Module):
                     f"{energies}."
                 )
 
+    def _check_slope(self):
+        """Refuse a force that is not the slope of the potential, in one direction near the start."""
+        scale = max(np.abs(self.u0).max(), 1.0)
+        way, away = np.random.default_rng(0).uniform(0.5, 1.5, (2, *np.shape(self.u0)))
+        u, h = self.u0 + 0.05 * scale * away, 1e-5 * scale
+        ends = [float(self.potential(u + h * way)), float(self.potential(u - h * way))]
+        slope, expected = (ends[0] - ends[1]) / (2 * h), float(np.vdot(way, self.force(u)))
+        round_off = 1e-14 * max(map(abs, ends)) / h
+        # where one of them is not finite a run will tell
+        if abs(slope - expected) > 1e-5 * max(abs(slope), abs(expected)) + round_off:
+            raise ValueError(
+                f"the force of '{self.title}' is not the gradient of its potential: along a direction near u0 it is "
+                f"{expected:g}, and the slope of the potential {slope:g}."
+            )
+
     def _check_mass(self) -> bool:
         """Whether the mass is singular."""
         for name, value in (("mass", self.mass), ("damping", self.damping)):
@@ -193,9 +216,11 @@ class Problem(eqx.Module):
                     raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}.")
         if not isinstance(self.mass, np.ndarray):
             return False
-        values = np.linalg.eigvalsh(self.mass) if self.mass.ndim == 2 else self.mass
+        diagonal = np.diagonal(self.mass) if self.mass.ndim == 2 else self.mass
+        full = self.mass.ndim == 2 and np.count_nonzero(self.mass) > np.count_nonzero(diagonal)
+        values = np.linalg.eigvalsh(self.mass) if full else diagonal
         # what is zero of a matrix is so to round-off
-        least, zero = values.min(), np.abs(values).max() * (1e-14 * len(values) if self.mass.ndim == 2 else 0.0)
+        least, zero = values.min(), np.abs(values).max() * (1e-14 * len(values) if full else 0.0)
         if least < -zero:
             raise ValueError(f"mass must not be negative; its smallest value is {least:g}.")
         if np.abs(values).max() == 0:
@@ -207,7 +232,7 @@ class Problem(eqx.Module):
         n, declared = np.size(self.u0), self.tangent
         if np.ndim(self.u0):
             self.tangent = (
-                tangent.found(self.force, self.u0, self.title)
+                tangent.found(self.force, self.u0, self.massless, self.title)
                 if declared is None
                 else tangent.checked(self.force, self.u0, declared, self.title)
             )
@@ -218,12 +243,16 @@ class Problem(eqx.Module):
             if isinstance(self.tangent, int) and isinstance(value, np.ndarray) and value.ndim == 2:
                 setattr(self, name, banded(value, self.tangent))
         if isinstance(self.damping, Rayleigh):
-            if not all(isinstance(c, int | float) and np.isfinite(c) for c in self.damping):
+            if not all(np.ndim(c) == 0 and np.asarray(c).dtype.kind in "fiu" and np.isfinite(c) for c in self.damping):
                 raise ValueError(f"{self.damping} of '{self.title}': a and b must be finite numbers.")
             _, stiffness = tangent.force_and_tangent(self.force, jnp.zeros_like(self.u0), self.tangent)
             mass = 1.0 if self.mass is None else self.mass
             a, b = self.damping
-            self.damping = add(product(a, mass, n), product(b, stiffness, n), n=n)
+            self.damping = add(product(float(a), mass, n), product(float(b), stiffness, n), n=n)
+            if not all(np.isfinite(part).all() for part in jax.tree.leaves(eqx.filter(self.damping, eqx.is_array))):
+                raise ValueError(
+                    f"the stiffness of '{self.title}' at u = 0, of which Rayleigh takes its damping, is not finite."
+                )
 
     def momentum(self, v):
         """M u̇."""

@@ -69,8 +69,11 @@ def _two_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarray]
     raise ValueError(f"the derivative of the force of '{title}' is not finite near u0.")
 
 
-def found(force: Callable, u0: np.ndarray, title: str) -> int | str:
-    """The structure that the tangent has at two displacements about u₀: a half bandwidth, or dense."""
+def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | str:
+    """The structure that the tangent has at two displacements about u₀: a half bandwidth, or dense.
+
+    Dense, too, where an unknown has neither mass nor stiffness of its own: bands are eliminated without pivoting.
+    """
     n = len(u0)
     if n <= SMALL:
         return "dense"
@@ -83,6 +86,8 @@ def found(force: Callable, u0: np.ndarray, title: str) -> int | str:
     entries = sum(np.abs(np.asarray(jacobian(u))) for u in _two_states(force, u0, title))
     rows, columns = np.nonzero(entries)
     half_bandwidth = int(np.abs(rows - columns).max(initial=0))
+    if massless and not np.diagonal(entries).all():
+        return "dense"
     # an elimination of blocks takes about as long as LAPACK's of the whole at a quarter
     return half_bandwidth if 4 * half_bandwidth <= n else "dense"
 
@@ -95,8 +100,9 @@ def checked(force: Callable, u0: np.ndarray, structure: int | str, title: str) -
     ValueError
         If there is no such structure, or the true derivative along a random direction is another.
     """
+    structure = int(structure) if isinstance(structure, np.integer) else structure
     known = STRUCTURES.get(structure, structure) if isinstance(structure, str) else structure
-    if structure in STRUCTURES and isinstance(known, int):
+    if isinstance(structure, str) and isinstance(known, int):
         known = min(known, len(u0) - 1)
     is_width = isinstance(known, int) and not isinstance(known, bool) and 0 <= known < len(u0)
     if not is_width and known not in ("dense", "matrix_free"):

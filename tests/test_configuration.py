@@ -58,7 +58,7 @@ def test_all_schemes_are_written_out(config):
             lambda c: c["structures"]["lengths"].append({"problem": "hardening", "periods": 1}),
             "'hardening' is none of the structures pendulum,",
         ),
-        (lambda c: c["structures"].update(steps_per_period=[25]), "25 is no multiple of samples_per_period, 10."),
+        (lambda c: c["structures"].update(steps_per_period=[25]), "25 is no multiple of samples_per_period, 20."),
         (
             lambda c: c["structures"].update(lengths=[{"problem": "stiff_soft", "periods": 1}]),
             "structures.lengths lacks 'fpu_chain', which the",

@@ -45,6 +45,29 @@ def test_the_structure_of_the_tangent_is_found(force, structure):
     assert study.Problem(force, np.zeros(8), np.zeros(8)).tangent == structure
 
 
+def test_an_unknown_without_mass_and_stiffness_needs_pivots():
+    """Its neighbour pulls it, and it its neighbour: a band without pivoting would divide by zero."""
+    stiffness = 2 * np.eye(8) - np.eye(8, k=1) - np.eye(8, k=-1)
+    stiffness[0, 0] = 0
+    mass = np.ones(8)
+    assert study.Problem(lambda u: stiffness @ u, np.zeros(8), mass=mass).tangent == 1
+    mass[0] = 0
+    problem = study.Problem(lambda u: stiffness @ u, np.zeros(8), v0=np.append(np.zeros(7), 1.0), mass=mass)
+    assert problem.tangent == "dense"
+    assert study.run(problem, "bathe", dt=0.1, steps=20).status == 0
+
+
+def test_a_diagonal_matrix_is_as_regular_as_its_diagonal():
+    mass = np.array([1e8, 1e-8, 1.0])
+    assert not study.Problem(jnp.sinh, np.zeros(3), mass=np.diag(mass)).massless
+    assert not study.Problem(jnp.sinh, np.zeros(3), mass=mass).massless
+
+
+def test_numbers_of_numpy_are_numbers():
+    problem = _problem(tangent=np.int64(1), damping=study.Rayleigh(np.int64(1), np.float32(0.5)))
+    assert problem.tangent == 1
+
+
 def test_few_unknowns_are_eliminated_whole():
     assert study.Problem(_chain, np.zeros(4), np.zeros(4)).tangent == "dense"
 
@@ -95,7 +118,16 @@ def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
         ({"positions": np.zeros((1, 5))}, "at most three directions"),
         ({"positions": np.zeros(5)}, "positions must be of shape (points, directions)"),
         ({"positions": np.full((5, 1), np.nan)}, "positions must be finite"),
-        ({"positions": "here"}, "positions takes numbers and arrays of numbers, not 'here'."),
+        ({"tangent": [1]}, "tangent=[1] of 'tried': give one of diagonal"),
+        ({"mass": True}, "mass takes real numbers and arrays of them, not True."),
+        ({"u0": np.full(N, 1j)}, "u0 takes real numbers and arrays of them, not array("),
+        ({"potential": lambda u: jnp.sum(u**2)}, "the force of 'tried' is not the gradient of its potential: along"),
+        ({"force": lambda u: {}["stiffness"] * u},
+         "force of 'tried' must be written with jax.numpy for u0's shape: KeyError: 'stiffness'"),
+        ({"force": lambda u: u / jnp.sqrt(jnp.sum(u * u)), "u0": np.ones(N), "damping": study.Rayleigh(0.1, 0.1)},
+         "the stiffness of 'tried' at u = 0, of which Rayleigh takes its damping, is not finite."),
+        ({"damping": study.Rayleigh(0.1, "b")}, "a and b must be finite numbers."),
+        ({"positions": "here"}, "positions takes real numbers and arrays of them, not 'here'."),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_refused(keywords, sentence):

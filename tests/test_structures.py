@@ -139,6 +139,17 @@ def test_the_balance_closes_with_the_second_order(scheme):
     assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx(2, abs=0.1)
 
 
+def test_what_rests_is_in_balance():
+    ds = _balance(study.Problem(potential=lambda u: u @ u, u0=np.zeros(3)), "average_acceleration", DT, STEPS)
+    assert ds.max_energy_imbalance == 0
+
+
+def test_a_blow_up_is_no_loss():
+    """Of the energy that was there at the start it is many times as much."""
+    stiff = study.Problem(lambda u: 100 * u, 1.0, potential=lambda u: 50 * u * u)
+    assert _balance(stiff, "central_difference", 0.25, 20).max_energy_imbalance > 1e4
+
+
 def test_an_oscillator_dissipates_all_that_it_had():
     problem = study.Problem(lambda u: 9 * u, 0.5, 2.0, potential=lambda u: 4.5 * u * u, mass=2.0, damping=1.2)
     ds = _balance(problem, "average_acceleration", dt=0.02, steps=5000)
