@@ -46,16 +46,15 @@ def _oscillator(title: str, spring: CubicSpring | TanhSpring, u0: float) -> Prob
     return Problem(force=spring.force, potential=spring.potential, u0=u0, title=title)
 
 
-#: Every problem that can be called by name.
-problems = Registry(
+#: Every problem that can be called by name, made and checked when it is first asked for.
+problems: Registry[Problem] = Registry(
     "problem",
-    {
-        "hardening": _oscillator("hardening spring", CubicSpring(100.0, 10.0), u0=1.5),
-        "softening": _oscillator("softening spring", TanhSpring(100.0), u0=4.0),
-        "softening_large": _oscillator("softening spring, large amplitude", TanhSpring(100.0), u0=10.0),
-        "double_well": _oscillator("double well", CubicSpring(-0.5, -1.0), u0=0.5),
-    },
+    {},
     made_by={
+        "hardening": partial(_oscillator, "hardening spring", CubicSpring(100.0, 10.0), u0=1.5),
+        "softening": partial(_oscillator, "softening spring", TanhSpring(100.0), u0=4.0),
+        "softening_large": partial(_oscillator, "softening spring, large amplitude", TanhSpring(100.0), u0=10.0),
+        "double_well": partial(_oscillator, "double well", CubicSpring(-0.5, -1.0), u0=0.5),
         "pendulum": structures.pendulum,
         "duffing_periodic": partial(structures.duffing, 0.2, "Duffing, periodic"),
         "duffing_chaotic": partial(structures.duffing, 0.5, "Duffing, chaotic"),
