@@ -35,13 +35,14 @@ def _spring(problem: Problem) -> CubicSpring | TanhSpring:
 def _cubic(spring: CubicSpring, u0):
     """Amplitude A, rate κ, modulus m, phase and Jacobi function of the solution of ü + S1 u (1 + S2 u²) = 0.
 
-    A hardening spring swings as A cn(κt), κ² = S1 (1 + S2 A²), m = S2 A² / (2 (1 + S2 A²)). In one well of the double
-    well the solution is A dn(κt + φ), κ² = S1 S2 A²/2, m = 1 − (a/A)² between the turning points a and A.
+    A hardening spring, and a double well from above its hill, swing as A cn(κt), κ² = S1 (1 + S2 A²),
+    m = S2 A² / (2 (1 + S2 A²)). In one well of the double well the solution is A dn(κt + φ), κ² = S1 S2 A²/2,
+    m = 1 − (a/A)² between the turning points a and A.
     Source: P. F. Byrd, M. D. Friedman, Handbook of Elliptic Integrals for Engineers and Scientists, 1971.
     """
     S1, S2 = mpmath.mpf(spring.S1), mpmath.mpf(spring.S2)
-    if S1 > 0 and S2 > 0:
-        stiffness = 1 + S2 * u0**2
+    stiffness = 1 + S2 * u0**2
+    if (S1 > 0 and S2 > 0) or (S1 < 0 and S2 < 0 and -S2 * u0**2 > 2):
         return u0, mpmath.sqrt(S1 * stiffness), S2 * u0**2 / (2 * stiffness), mpmath.mpf(0), "cn"
     if S1 < 0 and S2 < 0 and 0 < -S2 * u0**2 < 2:
         squares = sorted([u0**2, -2 / S2 - u0**2])  # turning points: equal potential on both sides of the well
@@ -57,15 +58,16 @@ def _tanh_period(spring: TanhSpring, u0):
 
     def integrand(x):
         drop = u0 * x**2
-        # ln(cosh u₀ / cosh(u₀ − drop)) without cancellation
-        logarithm = -mpmath.log1p(2 * mpmath.sinh(drop / 2) ** 2 - mpmath.tanh(u0) * mpmath.sinh(drop))
+        # ln(cosh u₀ / cosh(u₀ − drop)) for small drops and for large amplitudes
+        tail = mpmath.exp(-2 * u0) * mpmath.expm1(2 * drop) / (1 + mpmath.exp(2 * (drop - u0)))
+        logarithm = drop + mpmath.log1p(-tail)
         return 2 * u0 * x / mpmath.sqrt(2 * spring.S * logarithm)
 
     return 4 * mpmath.quad(integrand, mpmath.linspace(0, 1, 5))
 
 
-def period(problem: Problem) -> mpmath.mpf:
-    """Exact period to ``DIGITS`` digits.
+def period(problem: Problem, u0: float | None = None) -> mpmath.mpf:
+    """Exact period to ``DIGITS`` digits, of the problem or of its spring released at another ``u0``.
 
     Raises
     ------
@@ -74,10 +76,10 @@ def period(problem: Problem) -> mpmath.mpf:
     """
     spring = _spring(problem)
     with mpmath.workdps(DIGITS):
-        u0 = mpmath.mpf(float(problem.u0))
+        at = mpmath.mpf(float(problem.u0 if u0 is None else u0))
         if isinstance(spring, TanhSpring):
-            return _tanh_period(spring, u0)
-        _, kappa, m, _, function = _cubic(spring, u0)
+            return _tanh_period(spring, at)
+        _, kappa, m, _, function = _cubic(spring, at)
         return (4 if function == "cn" else 2) * mpmath.ellipk(m) / kappa
 
 
