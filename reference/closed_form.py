@@ -66,8 +66,8 @@ def _tanh_period(spring: TanhSpring, u0):
     return 4 * mpmath.quad(integrand, mpmath.linspace(0, 1, 5))
 
 
-def period(problem: Problem, u0: float | None = None) -> mpmath.mpf:
-    """Exact period to ``DIGITS`` digits, of the problem or of its spring released at another ``u0``.
+def period(problem: Problem, u0: float | None = None, digits: int = DIGITS) -> mpmath.mpf:
+    """Exact period to so many digits, of the problem or of its spring released at another ``u0``.
 
     Raises
     ------
@@ -75,12 +75,28 @@ def period(problem: Problem, u0: float | None = None) -> mpmath.mpf:
         If there is no closed form for the problem.
     """
     spring = _spring(problem)
-    with mpmath.workdps(DIGITS):
+    with mpmath.workdps(digits):
         at = mpmath.mpf(float(problem.u0 if u0 is None else u0))
         if isinstance(spring, TanhSpring):
             return _tanh_period(spring, at)
         _, kappa, m, _, function = _cubic(spring, at)
         return (4 if function == "cn" else 2) * mpmath.ellipk(m) / kappa
+
+
+def turning_points(problem: Problem, u0: float) -> tuple[float, float]:
+    """Least and largest displacement of the motion of a spring from rest at ``u0``.
+
+    Raises
+    ------
+    ValueError
+        If there is no closed form for the problem.
+    """
+    spring = _spring(problem)
+    if isinstance(spring, TanhSpring):
+        return -abs(u0), abs(u0)
+    amplitude, _, m, _, function = _cubic(spring, mpmath.mpf(u0))
+    ends = float(amplitude), float(-amplitude if function == "cn" else amplitude * mpmath.sqrt(1 - m))
+    return min(ends), max(ends)
 
 
 def has_trajectory(problem: Problem) -> bool:

@@ -94,6 +94,15 @@ def _norm(x):
     return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.sum(x * x))
 
 
+@jax.custom_jvp
+def _differentiated(root, corrected):
+    """The root, with the derivative that one more correction of it has."""
+    return root
+
+
+_differentiated.defjvp(lambda primals, tangents: (primals[0], tangents[1]))
+
+
 def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None, symmetric=True):
     """Acceleration a that balances M a + C (v + c_v a) + w p(u + c_u a) = r, by Newton-Raphson with the full tangent.
 
@@ -126,12 +135,16 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
     rhs = _resisted(problem, rhs, v)
     weighted = product(weight, c_u, n)
 
-    def iterate(a):
+    def corrected(a):
         internal, tangent = force_and_tangent(force, u + times(c_u, a), problem.tangent)
         inertial, internal = times(inertia, a), weight * internal
         out_of_balance = inertial + internal - rhs
-        correction = solve(add(inertia, product(tangent, weighted, n), n=n), out_of_balance, symmetric)
-        a = a - correction
+        effective = lax.stop_gradient(add(inertia, product(tangent, weighted, n), n=n))
+        correction = solve(effective, out_of_balance, symmetric)
+        return a - correction, correction, out_of_balance, inertial, internal
+
+    def iterate(a):
+        a, correction, out_of_balance, inertial, internal = corrected(a)
         moved, size = _norm(times(c_u, correction)), _norm(u) + _norm(times(c_u, a))
         unfinished = moved > TOLERANCE * size
         if jnp.ndim(u):
@@ -147,14 +160,19 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         _, unfinished, iterations = carry
         return unfinished & (iterations < MAX_ITERATIONS)
 
+    def differentiable(a):
+        # not through the iteration: the balance itself tells how its root changes
+        a = lax.stop_gradient(a)
+        return _differentiated(a, corrected(a)[0])
+
     if n > SMALL:
         start = guess, jnp.ones((), bool), jnp.zeros((), int)
         a, unfinished, iterations = lax.while_loop(to_go, again, start)
-        return a, Effort(iterations, ~unfinished)
+        return differentiable(a), Effort(iterations, ~unfinished)
     # it takes one iteration to correct and one to see that it did; few steps take more, so the loop stands aside
     once, _ = iterate(guess)
     a, unfinished = iterate(once)
     a, unfinished, iterations = lax.cond(
         unfinished, partial(lax.while_loop, to_go, again), lambda carry: carry, (a, unfinished, jnp.full((), 2))
     )
-    return a, Effort(iterations, ~unfinished)
+    return differentiable(a), Effort(iterations, ~unfinished)

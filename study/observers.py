@@ -13,6 +13,10 @@ from study.problem import Problem
 from study.registry import Registry
 
 
+#: A perturbation that has grown so much was of round-off and is of the size of the motion.
+APART = 1e10
+
+
 class Observer(eqx.Module):
     """Something to know of a run: a :class:`Reduction` gives one value a run, a :class:`Record` one value a sample."""
 
@@ -21,6 +25,8 @@ class Observer(eqx.Module):
     #: Whether the problem must have a potential, or positions.
     needs_energy: ClassVar[bool] = False
     needs_positions: ClassVar[bool] = False
+    #: Whether the run must have a neighbour along (:class:`study.schemes.Linearised`).
+    needs_neighbour: ClassVar[bool] = False
 
     def lacking(self, problem: Problem) -> str | None:
         """The argument of :class:`Problem` that the observer needs and the problem was made without."""
@@ -207,6 +213,32 @@ class NewtonIterations(Reduction):
         return dict(zip(self.variables, carried, strict=True))
 
 
+class LyapunovExponent(Reduction):
+    """Largest Lyapunov exponent of the numerical map over the run, and when neighbours are far apart.
+
+    λ = ln(|δ(t)|/|δu(0)|)/t with the distance δ of displacement and velocity of :class:`study.schemes.Linearised`.
+    """
+
+    variables = {
+        "lyapunov_exponent": {"long_name": "largest Lyapunov exponent of the numerical map", "units": "s-1"},
+        "apart_from": {"long_name": "first time at which a perturbation has grown 1e10 times", "units": "s"},
+    }
+    needs_neighbour = True
+
+    def start(self, problem, state):
+        return jnp.zeros(()), jnp.full((), jnp.inf)
+
+    def update(self, carried, problem, state, t, effort):
+        _, first = carried
+        far = (jnp.max(jnp.abs(state.distance.u)) > APART) & (state.exponent >= 0) | (state.exponent > 0)
+        return t, jnp.where(far & (first == jnp.inf), t, first)
+
+    def result(self, carried, problem, state):
+        t, first = carried
+        size = jnp.sqrt(jnp.sum(state.distance.u**2 + state.distance.v**2))
+        return {"lyapunov_exponent": (jnp.log(size) + jnp.log(2.0) * state.exponent) / t, "apart_from": first}
+
+
 class Trajectory(Record):
     """Displacement and velocity along time."""
 
@@ -264,5 +296,6 @@ observers: Registry[Observer] = Registry(
         "energy_balance": EnergyBalance(),
         "momentum_errors": MomentumErrors(),
         "newton_iterations": NewtonIterations(),
+        "lyapunov_exponent": LyapunovExponent(),
     },
 )

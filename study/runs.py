@@ -16,7 +16,7 @@ from study.observers import Observer, Record, Reduction, observers
 from study.problem import Problem
 from study.problems import problems
 from study.registry import Registry, did_you_mean
-from study.schemes import Scheme, schemes
+from study.schemes import Linearised, Scheme, schemes
 
 T = TypeVar("T")
 
@@ -204,6 +204,7 @@ def run(
     count, every = _checked_steps(steps), _positive_integer("every", every)
     chosen = _checked_observers(definition, observe)
     _check_fit(definition, method, float(np.max(step_size * count)))
+    marched = Linearised(method) if any(o.needs_neighbour for o in chosen) else method
     reductions = tuple(o for o in chosen if isinstance(o, Reduction))
     records = tuple(o for o in chosen if isinstance(o, Record))
     if records and count.ndim:
@@ -219,10 +220,10 @@ def run(
         start = np.broadcast_to(start, (lanes, *np.shape(definition.u0)))
         dts = np.broadcast_to(step_size, lanes)
         outcome = march_ensemble(
-            March(definition, method, reductions, records, True), start, dts, count, every, samples
+            March(definition, marched, reductions, records, True), start, dts, count, every, samples
         )
     else:
-        alone = March(definition, method, reductions, records)
+        alone = March(definition, marched, reductions, records)
         outcome = jax.tree.map(np.asarray, _march_alone(alone, start, step_size, int(count), every, samples))
     return _labelled(definition, method, outcome, chosen, step_size, every, samples, bool(lanes))
 

@@ -1,22 +1,22 @@
-"""What becomes of a run at a step size that may be too large: when its energy leaves, and how fast neighbours part."""
+"""What becomes of a run at a step size that may be too large."""
 
 from typing import NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+import xarray as xr
+from scipy import optimize
 
 from study.march import NEWTON_FAILED, NOT_FINITE
 from study.observers import Reduction
+from study.problem import Problem
 
 #: Within this part of its height above rest the energy is accurate; below this part of it a run is at rest.
 ACCURATE = AT_REST = 0.01
 #: An energy of so many times its height has grown.
 GROWN = 100.0
-#: Neighbours that part by more than e to this power in a period are chaotic. Over N periods regular ones part in
-#: proportion to time, by about ln N / N.
-CHAOTIC = 0.1
-
 #: How a run can end, from the best to the worst.
 OUTCOMES = (
     "accurate",
@@ -30,82 +30,112 @@ OUTCOMES = (
 )
 
 
+#: What of it an event tells, the worse ones last.
+_EVENTS = {
+    "bounded": "inaccurate_from",
+    "damped_to_rest": "at_rest_from",
+    "in_the_wrong_well": "crossed_at",
+    "chaotic": "apart_from",
+    "growing": "grown_from",
+}
+
+
 class _Events(NamedTuple):
-    """First times of what can happen to an energy, infinite where it did not."""
+    """First times of what can happen to a run, infinite where it did not."""
 
     inaccurate: jax.Array
     at_rest: jax.Array
-    crossed: jax.Array
     grown: jax.Array
+    crossed: jax.Array | None
 
 
-class EnergyEvents(Reduction):
-    """When the height of the energy above rest left its first value, was lost, or grew; and when u crossed the hill.
+class Fate(Reduction):
+    """What becomes of the energy, and of the place of a run.
 
-    The height is H = E − E_rest with the energy of the nearest rest. An inaccurate run has |H − H₀| > 0.01 H₀, one at
-    rest stays below 0.01 H₀ from then on, one that has grown had H > 100 H₀. A run crosses the hill of a double well at
-    u = 0 though its energy is below it.
+    The height of the energy is H = E − E_rest. An inaccurate run has |H − H₀| > 0.01 H₀, one at rest stays below
+    0.01 H₀ from then on, one that has grown had H > 100 H₀.
 
     Parameters
     ----------
     rest
-        E_rest.
+        E_rest, the potential energy of the rest that the run swings about.
+    hill
+        Potential energy at u = 0 where that is a hill between two wells, which no run from below it should cross.
     """
 
-    rest: float
+    rest: float = eqx.field(converter=np.float64)
+    hill: float | None = eqx.field(default=None, converter=lambda energy: None if energy is None else np.float64(energy))
 
     variables = {
-        "max_height_error": {"long_name": "largest error of the energy over its height above rest", "units": "percent"},
+        "max_energy_error": {"long_name": "largest error of the energy over its height above rest", "units": "percent"},
+        "max_newton_iterations": {"long_name": "most Newton iterations in one step", "units": "1"},
         "inaccurate_from": {"long_name": "first time with an error of the energy of more than 1 percent", "units": "s"},
         "at_rest_from": {"long_name": "time from which on less than 1 percent of the energy is left", "units": "s"},
-        "crossed_at": {"long_name": "first time on the other side of u = 0", "units": "s"},
         "grown_from": {"long_name": "first time with a hundred times the energy", "units": "s"},
+        "crossed_at": {"long_name": "first time on the other side of a hill that is too high", "units": "s"},
     }
     needs_energy = True
+
+    @classmethod
+    def of(cls, problem: Problem) -> "Fate":
+        """For a problem with one unknown: the rest downhill of u₀, and the hill at u = 0 if there is one."""
+        potential = jax.jit(problem.potential)  # type: ignore[arg-type]
+        u0 = float(problem.u0)
+        rest = optimize.minimize_scalar(potential, bracket=(u0, 0.99 * u0), tol=1e-12).fun
+        hill, start = potential(0.0), potential(u0)
+        return cls(rest, hill if hill - rest > AT_REST * (start - rest) else None)
 
     def start(self, problem, state):
         never = jnp.full((), jnp.inf)
         height = problem.energy(state.u, state.v) - self.rest
-        return height, state.u, jnp.zeros(()), _Events(*[never] * 4)
+        events = _Events(never, never, never, None if self.hill is None else never)
+        return height, jnp.zeros(()), jnp.zeros((), int), events
 
     def update(self, carried, problem, state, t, effort):
-        height, u0, error, first = carried
+        height, error, iterations, first = carried
         now = problem.energy(state.u, state.v) - self.rest
         change = jnp.abs(now - height)
 
-        def at(event):
-            return jnp.where(event, t, jnp.inf)
+        def first_time(event, before):
+            return jnp.where(event & (before == jnp.inf), t, before)
 
         lost = now < AT_REST * height
         return (
             height,
-            u0,
             jnp.maximum(error, change),
+            jnp.maximum(iterations, effort.iterations),
             _Events(
-                inaccurate=jnp.minimum(first.inaccurate, at(change > ACCURATE * height)),
+                inaccurate=first_time(change > ACCURATE * height, first.inaccurate),
                 at_rest=jnp.where(lost, jnp.minimum(first.at_rest, t), jnp.inf),
-                crossed=jnp.minimum(first.crossed, at(state.u * u0 < 0)),
-                grown=jnp.minimum(first.grown, at(now > GROWN * height)),
+                grown=first_time(now > GROWN * height, first.grown),
+                crossed=None if self.hill is None else first_time(self._is_beyond(problem, state, height), first.crossed),
             ),
         )
 
-    def result(self, carried, problem, state):
-        height, _, error, first = carried
-        return dict(zip(self.variables, (100 * error / height, *first), strict=True))
-
-
-class LyapunovExponent(Reduction):
-    """Largest Lyapunov exponent of the numerical map over the run, of a :class:`study.Linearised` scheme."""
-
-    variables = {
-        "lyapunov_exponent": {"long_name": "largest Lyapunov exponent of the numerical map", "units": "s-1"}
-    }
-
-    def start(self, problem, state):
-        return jnp.zeros(())
-
-    def update(self, carried, problem, state, t, effort):
-        return t
+    def _is_beyond(self, problem, state, height):
+        """Whether the run is on the other side though its first energy does not reach the hill."""
+        return (state.u * problem.u0 < 0) & (height + self.rest < self.hill)
 
     def result(self, carried, problem, state):
-        return {"lyapunov_exponent": state.growth / carried}
+        height, error, iterations, first = carried
+        values = dict(zip(self.variables, (100 * error / height, iterations, *first), strict=True))
+        return {name: value for name, value in values.items() if value is not None}
+
+
+def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """How each lane ended as a place in ``OUTCOMES``, and the time at which that began, NaN for accurate ones, (lanes,).
+
+    Parameters
+    ----------
+    runs
+        What ``study.run`` made of an ensemble under :class:`Fate` and :class:`study.observers.LyapunovExponent`.
+    """
+    outcome, at = np.zeros(runs.sizes["lane"], np.int8), np.full(runs.sizes["lane"], np.nan)
+    for name, event in _EVENTS.items():
+        if event in runs:
+            times = runs[event].values
+            happened = np.isfinite(times)
+            outcome[happened], at[happened] = OUTCOMES.index(name), times[happened]
+    outcome[runs.status == NEWTON_FAILED] = OUTCOMES.index("newton_not_converged")
+    outcome[runs.status == NOT_FINITE] = OUTCOMES.index("not_finite")
+    return outcome, at

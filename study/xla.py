@@ -17,8 +17,9 @@ import jax
 import platformdirs
 from jax._src import xla_bridge
 
-_OPTION = "xla_cpu_small_while_loop_byte_threshold"
-_THRESHOLD = 1 << 20
+#: Options of XLA's backend for processors. Values that one step computes once are written once (multi-output fusion),
+#: not computed again for each of their uses, which halves the time of an ensemble with several observers.
+_OPTIONS = {"xla_cpu_small_while_loop_byte_threshold": str(1 << 20), "xla_cpu_use_multi_output_fusion": "true"}
 _WIDTH = "--xla_cpu_prefer_vector_width"
 #: Bytes of programs in the cache, at most, when a process starts.
 _CACHE_SIZE = 1 << 30
@@ -28,12 +29,13 @@ def _with_options(flags: str) -> str:
     """Add width and threshold to a value of ``XLA_FLAGS``, next to backend options that are already there."""
     if _WIDTH not in flags:
         flags = f"{flags} {_WIDTH}=512"
-    if _OPTION in flags:
+    missing = ",".join(f"{option}={value}" for option, value in _OPTIONS.items() if option not in flags)
+    extra = "--xla_backend_extra_options="
+    if not missing:
         return flags
-    option, extra = f"{_OPTION}={_THRESHOLD}", "--xla_backend_extra_options="
     if extra in flags:
-        return flags.replace(extra, f"{extra}{option},")
-    return f"{flags} {extra}{option}".strip()
+        return flags.replace(extra, f"{extra}{missing},")
+    return f"{flags} {extra}{missing}".strip()
 
 
 def _prune(cache: Path) -> None:

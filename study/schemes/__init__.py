@@ -24,6 +24,7 @@ from study.schemes.explicit_alpha import ExplicitAlpha, chung_lee, hulbert_chung
 from study.schemes.extrapolation import Extrapolation, extrapolation12
 from study.schemes.houbolt import Houbolt, houbolt
 from study.schemes.kolay_ricles import KolayRicles, kr_alpha
+from study.schemes.linearised import Linearised
 from study.schemes.newmark import (
     Newmark,
     average_acceleration,
@@ -103,6 +104,7 @@ __all__ = [
     "Houbolt",
     "ImplicitMidpoint",
     "KolayRicles",
+    "Linearised",
     "Newmark",
     "NohBathe",
     "Nystrom4",

@@ -6,16 +6,18 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
-from study.equilibrium import Effort
 from study.schemes.scheme import Scheme
+
+#: Powers of two by which a distance is brought back near one: exact, and far from both ends of the numbers.
+POWER = 200
 
 
 class Neighbours(NamedTuple):
-    """State of the scheme, direction in which a neighbour lies (of length one), and logarithm of how far it has gone."""
+    """State of the scheme, and the distance δ of a neighbour as ``distance`` · 2 to the power of ``exponent``."""
 
     inner: Any
-    direction: Any
-    growth: jax.Array
+    distance: Any
+    exponent: jax.Array
 
     @property
     def u(self):
@@ -28,17 +30,12 @@ class Neighbours(NamedTuple):
         return self.inner.v
 
 
-def _unit(direction):
-    """The direction with length one, and its length before."""
-    length = jnp.sqrt(sum(jnp.sum(part * part) for part in jax.tree.leaves(direction)))
-    return jax.tree.map(lambda part: part / length, direction), length
-
-
 class Linearised(Scheme):
-    """Another scheme that carries a neighbour infinitely close to each state.
+    """Another scheme with a neighbour infinitely close to its run.
 
-    With y₁ = Φ(y₀) the step of the scheme in its whole state, w₁ = DΦ(y₀) w₀ by automatic differentiation, brought back
-    to length one in every step; the sum of ln |w₁| over time tends to the largest Lyapunov exponent of the map.
+    With y₁ = Φ(y₀) the step of the scheme in its whole state, δ₁ = DΦ(y₀) δ₀ by automatic differentiation, from what a
+    change of every displacement by one makes of the first state. Where |δ| leaves [2⁻²⁰⁰, 2²⁰⁰] it is brought back by
+    this power of two, without round-off.
 
     Parameters
     ----------
@@ -71,13 +68,17 @@ class Linearised(Scheme):
         return self.scheme.needs_mass
 
     def start(self, problem, u0, v0, dt):
-        inner, effort = self.scheme.start(problem, u0, v0, dt)
-        direction, _ = _unit(jax.tree.map(jnp.ones_like, inner))
-        return Neighbours(inner, direction, jnp.zeros_like(dt)), effort
-
-    def step(self, problem, state, t, dt) -> tuple[Neighbours, Effort]:
-        inner, direction, effort = jax.jvp(
-            lambda inner: self.scheme.step(problem, inner, t, dt), (state.inner,), (state.direction,), has_aux=True
+        inner, distance, effort = jax.jvp(
+            lambda u0: self.scheme.start(problem, u0, v0, dt), (u0,), (jnp.ones_like(u0),), has_aux=True
         )
-        direction, length = _unit(direction)
-        return Neighbours(inner, direction, state.growth + jnp.log(length)), effort
+        return Neighbours(inner, distance, jnp.zeros_like(dt)), effort
+
+    def step(self, problem, state, t, dt):
+        inner, distance, effort = jax.jvp(
+            lambda inner: self.scheme.step(problem, inner, t, dt), (state.inner,), (state.distance,), has_aux=True
+        )
+        largest = jnp.stack([jnp.max(jnp.abs(part)) for part in jax.tree.leaves(distance)]).max()
+        too_far, too_near = largest > 2.0**POWER, largest < 2.0**-POWER
+        factor = jnp.where(too_far, 2.0**-POWER, jnp.where(too_near, 2.0**POWER, 1.0))
+        taken = jnp.where(too_far, POWER, jnp.where(too_near, -POWER, 0.0))
+        return Neighbours(inner, jax.tree.map(lambda part: part * factor, distance), state.exponent + taken), effort
