@@ -93,6 +93,8 @@ STRUCTURES = {one["problem"]: one["periods"] for one in config["structures"]["le
 HISTORIES = list(config["structure_history"])
 DATASETS = [
     *EXPERIMENTS,
+    "reference/amplitudes",
+    "stability/atlas",
     "accuracy",
     "structures",
     *(f"structure_history/{name}" for name in HISTORIES),
@@ -187,6 +189,8 @@ wildcard_constraints:
     structure="|".join(STRUCTURES),
     problem="|".join(config["references"]["problems"]),
     table="|".join(TABLES),
+    scheme="|".join(schemes),
+    tile="[0-9]+",
 
 
 rule all:
@@ -447,6 +451,73 @@ rule structure_history:
         "histories of {wildcards.history}"
     shell:
         "python -m study.experiments.structure_history {output} {params.options:q} > {log} 2>&1"
+
+
+rule amplitudes:
+    input:
+        sources("reference.amplitudes"),
+    output:
+        update("results/reference/amplitudes.nc"),
+    params:
+        options=json.dumps({"problems": config["atlas"]["problems"], "exponents": config["atlas"]["amplitudes"]}),
+    log:
+        "results/logs/amplitudes.log",
+    benchmark:
+        "results/benchmarks/amplitudes.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "exact periods over decades of amplitude"
+    shell:
+        "python -m reference.amplitudes {output} {params.options:q} > {log} 2>&1"
+
+
+rule atlas:
+    input:
+        dataset("reference/amplitudes"),
+        lambda wildcards: sources("study.experiments.atlas", [wildcards.scheme]),
+    output:
+        update("results/stability/tiles/{scheme}_{tile}.nc"),
+    params:
+        options=lambda wildcards: json.dumps(
+            {
+                "scheme": wildcards.scheme,
+                "tile": int(wildcards.tile),
+                **{key: config["atlas"][key] for key in ("problems", "dt_over_period", "periods", "tiles")},
+            }
+        ),
+    log:
+        "results/logs/atlas_{scheme}_{tile}.log",
+    benchmark:
+        "results/benchmarks/atlas_{scheme}_{tile}.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "maps of stability of {wildcards.scheme}, tile {wildcards.tile}"
+    shell:
+        "python -m study.experiments.atlas {output} {params.options:q} > {log} 2>&1"
+
+
+rule gathered_atlas:
+    input:
+        tiles=expand(
+            "results/stability/tiles/{scheme}_{tile}.nc",
+            scheme=config["atlas"]["schemes"],
+            tile=range(config["atlas"]["tiles"]),
+        ),
+        sources=sources("study.gather"),
+    output:
+        update("results/stability/atlas.nc"),
+    log:
+        "results/logs/atlas.log",
+    benchmark:
+        "results/benchmarks/atlas.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "maps of stability, all schemes"
+    shell:
+        "python -m study.gather {output} scheme,amplitude {input.tiles} > {log} 2>&1"
 
 
 rule phase_portrait:

@@ -23,7 +23,7 @@ _REGISTRIES: dict[str, Registry] = {
 #: Lengths of runs, in periods, that figures and tables of the accuracy show.
 _SHOWN_PERIODS = (1, 3, 100)
 #: The sections whose products the manuscript compares with the paper, which has these schemes and problems.
-_OF_THE_PAPER = ("energy_error", "cpu_time", "large_steps", "sensitivity", "spectral", "accuracy")
+_OF_THE_PAPER = ("atlas", "energy_error", "cpu_time", "large_steps", "sensitivity", "spectral", "accuracy")
 _PAPER_SCHEMES = list(schemes)[:7]
 _PAPER_PROBLEMS = ("hardening", "softening")
 #: YAML tells 15 from 15.0, and so does a count.
@@ -151,9 +151,16 @@ def _check_values(config: dict) -> None:
     for place, span in (
         ("energy_drift.steps_per_period", config["energy_drift"]["steps_per_period"]),
         ("spectral.exponents", config["spectral"]["exponents"]),
+        ("atlas.amplitudes", config["atlas"]["amplitudes"]),
+        ("atlas.dt_over_period", config["atlas"]["dt_over_period"]),
     ):
         if span["first"] >= span["last"]:
             raise ValueError(f"{place}: first, {span['first']}, must be less than last, {span['last']}.")
+    atlas = config["atlas"]
+    if atlas["tiles"] > atlas["amplitudes"]["count"]:
+        raise ValueError(f"atlas.tiles: there are more of them, {atlas['tiles']}, than amplitudes.")
+    if 10 ** atlas["dt_over_period"]["last"] > atlas["periods"]:
+        raise ValueError(f"atlas.dt_over_period: a step is longer than the {atlas['periods']} periods of the run.")
     missing_length = [length for length in _SHOWN_PERIODS if length not in config["accuracy"]["periods"]]
     if missing_length:
         raise ValueError(f"accuracy.periods lacks {missing_length[0]}, which the manuscript and its tables need.")

@@ -1,25 +1,36 @@
-"""Put datasets together: ``python -m study.gather OUTPUT DIMENSION INPUT...``.
+"""Put datasets together: ``python -m study.gather OUTPUT DIMENSIONS INPUT...``.
 
-Datasets of the same form are put along a dimension; those that complement each other are merged, with ``none`` for it.
+Datasets of the same form are put along a dimension, or along several (``rows,columns``) when they are given row by row;
+those that complement each other are merged, with ``none`` for it.
 """
 
 import sys
+from collections.abc import Iterable
+from itertools import groupby
 
 import xarray as xr
 
 from study.datasets import check_writable, provenance, write
 
 
-def main(output: str, dimension: str, inputs: list[str]) -> None:
+def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
+    """The parts along the first dimension, after those of the same place on it along the others."""
+    first, *others = dimensions
+    if others:
+        parts = [_along(others, group) for _, group in groupby(parts, lambda part: part[first].values.tolist())]
+    # what does not lie along the dimension is the same in all parts
+    return xr.concat(parts, first, combine_attrs="override", data_vars="minimal", coords="minimal")
+
+
+def main(output: str, dimensions: str, inputs: list[str]) -> None:
     """Put the parts together in the order given; the title of the first stays."""
     path = check_writable(output)
     # without their encodings, or names would be cut to the length of the first part's
     parts = [xr.load_dataset(name).drop_encoding() for name in inputs]
-    if dimension == "none":
+    if dimensions == "none":
         dataset = xr.merge(parts, join="outer", combine_attrs="override")
     else:
-        # what does not lie along the dimension is the same in all parts
-        dataset = xr.concat(parts, dimension, combine_attrs="override", data_vars="minimal", coords="minimal")
+        dataset = _along(dimensions.split(","), parts)
     dataset.attrs = provenance(parts[0].title, "python -m study.gather")
     write(dataset, path)
 

@@ -12,7 +12,6 @@ from study.linear import times
 from study.problem import Problem
 from study.registry import Registry
 
-
 #: A perturbation that has grown so much was of round-off and is of the size of the motion.
 APART = 1e10
 

@@ -64,7 +64,9 @@ class Fate(Reduction):
     """
 
     rest: float = eqx.field(converter=np.float64)
-    hill: float | None = eqx.field(default=None, converter=lambda energy: None if energy is None else np.float64(energy))
+    hill: float | None = eqx.field(
+        default=None, converter=lambda energy: None if energy is None else np.float64(energy)
+    )
 
     variables = {
         "max_energy_error": {"long_name": "largest error of the energy over its height above rest", "units": "percent"},
@@ -108,7 +110,9 @@ class Fate(Reduction):
                 inaccurate=first_time(change > ACCURATE * height, first.inaccurate),
                 at_rest=jnp.where(lost, jnp.minimum(first.at_rest, t), jnp.inf),
                 grown=first_time(now > GROWN * height, first.grown),
-                crossed=None if self.hill is None else first_time(self._is_beyond(problem, state, height), first.crossed),
+                crossed=None
+                if self.hill is None
+                else first_time(self._is_beyond(problem, state, height), first.crossed),
             ),
         )
 

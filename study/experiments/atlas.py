@@ -67,18 +67,22 @@ def atlas(scheme: str, problems: Sequence[str], dt_over_period: dict[str, float]
         "max_newton_iterations": {"long_name": "most Newton iterations in one step", "units": "1"},
         "lyapunov_exponent": {"long_name": "largest Lyapunov exponent of the numerical map", "units": "s-1"},
     }
-    return xr.Dataset(
-        {name: (dims, np.stack(values), attributes[name]) for name, values in found.items()},
-        coords={
-            **labels.problem_coordinates(problems),
-            "amplitude": exact.amplitude,
-            "u0": exact.u0.sel(problem=list(problems)),
-            "period": exact.period.sel(problem=list(problems)),
-            "highest_frequency": exact.highest_frequency.sel(problem=list(problems)),
-            "dt_over_period": ("dt_over_period", parts, {"long_name": "step size over period", "units": "1"}),
-        },
-        attrs={"title": f"Stability of the schemes over step size and amplitude, {periods} periods"},
-    ).expand_dims("scheme").assign_coords(labels.scheme_coordinates([scheme]))
+    return (
+        xr.Dataset(
+            {name: (dims, np.stack(values), attributes[name]) for name, values in found.items()},
+            coords={
+                **labels.problem_coordinates(problems),
+                "amplitude": exact.amplitude,
+                "u0": exact.u0.sel(problem=list(problems)),
+                "period": exact.period.sel(problem=list(problems)),
+                "highest_frequency": exact.highest_frequency.sel(problem=list(problems)),
+                "dt_over_period": ("dt_over_period", parts, {"long_name": "step size over period", "units": "1"}),
+            },
+            attrs={"title": f"What becomes of {periods} periods with every scheme, over step size and amplitude"},
+        )
+        .expand_dims("scheme")
+        .assign_coords(labels.scheme_coordinates([scheme]))
+    )
 
 
 if __name__ == "__main__":
