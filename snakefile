@@ -88,6 +88,13 @@ READS = {
     "round_off": references([config["round_off"]["problem"]]),
     "recommendation": ["work_precision"],
 }
+#: What else is asked about stability: the experiment, and the schemes that it uses.
+STABILITY = {
+    "roots": ("roots", config["stability"]["roots"]["schemes"]),
+    "numerical_map": ("numerical_map", config["stability"]["numerical_map"]["schemes"]),
+    "bifurcation": ("bifurcation", [config["stability"]["bifurcation"]["scheme"]]),
+    "structures": ("structure_stability", config["stability"]["structures"]["schemes"]),
+}
 #: Structure: the length of its runs.
 STRUCTURES = {one["problem"]: one["periods"] for one in config["structures"]["lengths"]}
 HISTORIES = list(config["structure_history"])
@@ -95,6 +102,8 @@ DATASETS = [
     *EXPERIMENTS,
     "reference/amplitudes",
     "stability/atlas",
+    "stability/robustness",
+    *(f"stability/{name}" for name in STABILITY),
     "accuracy",
     "structures",
     *(f"structure_history/{name}" for name in HISTORIES),
@@ -191,6 +200,8 @@ wildcard_constraints:
     table="|".join(TABLES),
     scheme="|".join(schemes),
     tile="[0-9]+",
+    stability="|".join(STABILITY),
+    spring="|".join(config["robustness"]["problems"]),
 
 
 rule all:
@@ -518,6 +529,64 @@ rule gathered_atlas:
         "maps of stability, all schemes"
     shell:
         "python -m study.gather {output} scheme,amplitude {input.tiles} > {log} 2>&1"
+
+
+rule robustness:
+    input:
+        dataset("reference/amplitudes"),
+        sources("study.experiments.robustness", config["robustness"]["schemes"]),
+    output:
+        temp("results/stability/robustness/{spring}.nc"),
+    params:
+        options=lambda wildcards: json.dumps({**config["robustness"], "problems": [wildcards.spring]}),
+    log:
+        "results/logs/robustness_{spring}.log",
+    benchmark:
+        "results/benchmarks/robustness_{spring}.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "steps a period that are enough on {wildcards.spring}"
+    shell:
+        "python -m study.experiments.robustness {output} {params.options:q} > {log} 2>&1"
+
+
+rule gathered_robustness:
+    input:
+        parts=dataset(*(f"stability/robustness/{name}" for name in config["robustness"]["problems"])),
+        sources=sources("study.gather"),
+    output:
+        update("results/stability/robustness.nc"),
+    log:
+        "results/logs/robustness.log",
+    benchmark:
+        "results/benchmarks/robustness.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "steps a period that are enough, all problems"
+    shell:
+        "python -m study.gather {output} problem {input.parts} > {log} 2>&1"
+
+
+rule stability:
+    input:
+        lambda wildcards: sources(f"study.experiments.{STABILITY[wildcards.stability][0]}", STABILITY[wildcards.stability][1]),
+    output:
+        update("results/stability/{stability}.nc"),
+    params:
+        experiment=lambda wildcards: STABILITY[wildcards.stability][0],
+        options=lambda wildcards: json.dumps(config["stability"][wildcards.stability]),
+    log:
+        "results/logs/stability_{stability}.log",
+    benchmark:
+        "results/benchmarks/stability_{stability}.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "why a scheme fails: {wildcards.stability}"
+    shell:
+        "python -m study.experiments.{params.experiment} {output} {params.options:q} > {log} 2>&1"
 
 
 rule phase_portrait:

@@ -103,7 +103,7 @@ def _differentiated(root, corrected):
 _differentiated.defjvp(lambda primals, tangents: (primals[0], tangents[1]))
 
 
-def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None, symmetric=True):
+def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None, symmetric=True, tolerance=TOLERANCE):
     """Acceleration a that balances M a + C (v + c_v a) + w p(u + c_u a) = r, by Newton-Raphson with the full tangent.
 
     Parameters
@@ -122,6 +122,8 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         The internal force as a function of u + c_u a, where it is not the problem's own p.
     symmetric
         Whether the tangent is, with symmetric M and C.
+    tolerance
+        Newton stops once a correction moves the displacement by less than this part of it.
 
     Returns
     -------
@@ -146,7 +148,7 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
     def iterate(a):
         a, correction, out_of_balance, inertial, internal = corrected(a)
         moved, size = _norm(times(c_u, correction)), _norm(u) + _norm(times(c_u, a))
-        unfinished = moved > TOLERANCE * size
+        unfinished = moved > tolerance * size
         if jnp.ndim(u):
             forces = _norm(inertial) + _norm(internal) + _norm(rhs)
             unfinished |= (_norm(out_of_balance) > FORCE_TOLERANCE * forces) & (moved > ROUND_OFF * size)

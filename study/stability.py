@@ -17,6 +17,8 @@ from study.problem import Problem
 ACCURATE = AT_REST = 0.01
 #: An energy of so many times its height has grown.
 GROWN = 100.0
+#: Errors of the energy in percent by which steps are called fine enough.
+LEVELS = (1, 5, 10)
 #: How a run can end, from the best to the worst.
 OUTCOMES = (
     "accurate",
@@ -126,8 +128,43 @@ class Fate(Reduction):
         return {name: value for name, value in values.items() if value is not None}
 
 
+class Excursions(Reduction):
+    """When the error of the energy over its height above rest first went beyond 1, 5 and 10 percent.
+
+    Parameters
+    ----------
+    rest
+        E_rest, as in :class:`Fate`.
+    """
+
+    rest: float = eqx.field(converter=np.float64)
+
+    variables = {
+        f"beyond_{level}_percent": {
+            "long_name": f"first time with an error of the energy of more than {level} percent",
+            "units": "s",
+        }
+        for level in LEVELS
+    }
+    needs_energy = True
+
+    def start(self, problem, state):
+        return problem.energy(state.u, state.v) - self.rest, (jnp.full((), jnp.inf),) * len(LEVELS)
+
+    def update(self, carried, problem, state, t, effort):
+        height, first = carried
+        change = jnp.abs(problem.energy(state.u, state.v) - self.rest - height)
+        return height, tuple(
+            jnp.where((change > level / 100 * height) & (before == jnp.inf), t, before)
+            for level, before in zip(LEVELS, first, strict=True)
+        )
+
+    def result(self, carried, problem, state):
+        return dict(zip(self.variables, carried[1], strict=True))
+
+
 def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """How each lane ended as a place in ``OUTCOMES``, and the time at which that began, NaN for accurate ones, (lanes,).
+    """How each lane ended, as a place in ``OUTCOMES``, and when that began, NaN for accurate ones, both (lanes,).
 
     Parameters
     ----------

@@ -30,6 +30,18 @@ SOLVERS = {
     "heyoka": "heyoka",
 }
 
+#: How runs end, by the flags of the maps of stability: what it is called, and its colour, light where all is well.
+OUTCOMES = {
+    "accurate": ("accurate, energy within 1 %", "#ffffff"),
+    "bounded": ("bounded", "#c9dff0"),
+    "damped_to_rest": ("damped to rest", "#4a90c4"),
+    "in_the_wrong_well": ("in the wrong well", "#00674f"),
+    "chaotic": ("chaotic", "#E69F00"),
+    "growing": ("growing without bound", "#D55E00"),
+    "newton_not_converged": ("Newton did not converge", "#8c1c4a"),
+    "not_finite": ("not finite", "#000000"),
+}
+
 # Okabe and Ito's palette without its yellow; line styles and markers tell the curves apart without any colour.
 _LOOKS = (
     cycler(color=["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"])

@@ -1,4 +1,4 @@
-"""Where a scheme can be trusted and how it fails where it cannot, over step size and amplitude: one tile of the maps."""
+"""Where a scheme can be trusted and how it fails elsewhere: one tile of the maps over step size and amplitude."""
 
 from collections.abc import Sequence
 
@@ -34,7 +34,9 @@ def _column(problem: Problem, scheme: str, fate: Fate, u0: np.ndarray, dt: np.nd
     }
 
 
-def atlas(scheme: str, problems: Sequence[str], dt_over_period: dict[str, float], periods: int, tile: int, tiles: int):
+def atlas(
+    scheme: str, problems: Sequence[str], dt_over_period: dict[str, float], periods: int, tile: int, tiles: int
+) -> xr.Dataset:
     """How the runs of a scheme end, for one of ``tiles`` parts of the amplitudes of ``results/reference/amplitudes``.
 
     Parameters

@@ -44,8 +44,8 @@ class Linearised(Scheme):
 
     References
     ----------
-    G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Lyapunov characteristic exponents for smooth dynamical systems
-    and for Hamiltonian systems; a method for computing all of them, Meccanica 15, 1980, 9-30.
+    G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Lyapunov characteristic exponents for smooth dynamical
+    systems and for Hamiltonian systems; a method for computing all of them, Meccanica 15, 1980, 9-30.
     """
 
     scheme: Scheme

@@ -1,0 +1,42 @@
+"""How every scheme ends over step size and amplitude: what can be trusted, and what happens elsewhere."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.data import of_the_paper
+from paper.figures.outcomes import PAPER_CASES, legend, outcome_map
+from paper.figures.style import PAGE, main
+
+
+def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
+    """One row a scheme of 1996, one column a problem."""
+    atlas = of_the_paper(atlas)
+    schemes, problems = atlas.scheme.values, atlas.problem.values
+    figure, axes = plt.subplots(
+        len(schemes), len(problems), figsize=(PAGE, 1.28 * len(schemes)), sharex=True, sharey=True
+    )
+    for row, scheme in zip(axes, schemes, strict=True):
+        limit = spectral.stability_limit.sel(scheme=scheme, damping_ratio=0.0).item()
+        for ax, problem in zip(row, problems, strict=True):
+            one = atlas.sel(scheme=scheme, problem=problem)
+            outcome_map(ax, one, limit)
+            for case in PAPER_CASES:
+                if case.problem == problem and case.scheme in (scheme, None):
+                    ax.plot(*case.place(one), marker=case.marker, color="black", markersize=6, markeredgecolor="white")
+    for ax, title in zip(axes[0], atlas.problem_title.values, strict=True):
+        ax.set_title(title)
+    for row, title in zip(axes, atlas.scheme_title.values, strict=True):
+        row[0].set_ylabel(title)
+    for ax in axes[-1]:
+        ax.set_xlabel("step size over period")
+        ax.set_xticks([0.01, 0.05, 0.2, 1], ["1/100", "1/20", "1/5", "1"])
+        ax.minorticks_off()
+    figure.supylabel("initial displacement over that of 1996", fontsize=8)
+    legend(figure, np.unique(atlas.outcome))
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

@@ -1,0 +1,37 @@
+"""The maps of the schemes that are not of 1996: three small panels each, one a problem."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.figures.outcomes import legend, outcome_map
+from paper.figures.style import PAGE, main
+from paper.published import printed_energy_errors
+
+#: Schemes side by side.
+COLUMNS = 3
+
+
+def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
+    """A block a scheme: hardening spring, softening spring, double well from left to right."""
+    atlas = atlas.drop_sel(scheme=printed_energy_errors().scheme.values, errors="ignore")
+    schemes, problems = atlas.scheme.values, atlas.problem.values
+    rows = -(-len(schemes) // COLUMNS)
+    figure = plt.figure(figsize=(PAGE, 0.97 * rows + 0.5))
+    blocks = figure.subfigures(rows, COLUMNS).ravel()
+    for block, scheme in zip(blocks, schemes, strict=False):
+        of_scheme = atlas.sel(scheme=scheme)
+        limit = spectral.stability_limit.sel(scheme=scheme, damping_ratio=0.0).item()
+        block.suptitle(of_scheme.scheme_title.item(), fontsize=7)
+        for ax, problem in zip(block.subplots(1, len(problems), sharey=True), problems, strict=True):
+            outcome_map(ax, of_scheme.sel(problem=problem), limit)
+            ax.set_xticks([0.01, 0.1, 1], ["", "", ""])
+            ax.set_yticks([0.1, 1, 10], ["", "", ""])
+            ax.minorticks_off()
+    legend(figure, np.unique(atlas.outcome), cases=False)
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

@@ -1,0 +1,81 @@
+"""Maps of how runs end: their colours, their lines, and the cases of the paper on them."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
+
+from paper.figures.style import OUTCOMES
+
+
+class Case(NamedTuple):
+    """A run of the paper: where it lies on a map, and of which scheme it is, None for all."""
+
+    title: str
+    problem: str
+    u0: float
+    dt: float
+    scheme: str | None
+    marker: str
+
+    def place(self, one: xr.Dataset) -> tuple[float, float]:
+        """Step size over period and relative amplitude, by the nearest amplitude of a map."""
+        nearest = one.isel(amplitude=int(np.argmin(np.abs(np.log(one.u0.values / self.u0)))))
+        return self.dt / nearest.period.item(), self.u0 / nearest.u0.item() * nearest.amplitude.item()
+
+
+#: Figure 3 of the paper is the softening spring at its large amplitude, Figure 4 the double well.
+PAPER_CASES = (
+    Case("Figure 3 of 1996", "softening", 10.0, 0.225, None, "v"),
+    Case("Figure 4 of 1996", "double_well", 0.5, 2.5, None, "o"),
+)
+
+
+#: Look of the linear limit, which has to be seen on black and on white.
+LIMIT = {
+    "color": "black",
+    "linewidth": 1.1,
+    "linestyle": "--",
+    "path_effects": [withStroke(linewidth=2.6, foreground="white")],
+}
+
+
+def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
+    """Outcomes over step size and amplitude, with the linear limit of stability at the stiffest place of each motion.
+
+    Parameters
+    ----------
+    one
+        One scheme on one problem.
+    limit
+        Ω up to which the scheme is stable on the linear oscillator.
+    """
+    colours = ListedColormap([colour for _, colour in OUTCOMES.values()])
+    ax.pcolormesh(
+        one.dt_over_period,
+        one.amplitude,
+        one.outcome,
+        cmap=colours,
+        vmin=-0.5,
+        vmax=len(OUTCOMES) - 0.5,
+        rasterized=True,
+    )
+    if np.isfinite(limit):
+        ax.plot(limit / (one.highest_frequency * one.period), one.amplitude, **LIMIT)
+    ax.set(xscale="log", yscale="log", xlim=(0.01, 1), ylim=(one.amplitude.min(), one.amplitude.max()))
+
+
+def legend(figure: Figure, present: np.ndarray, cases: bool = True) -> None:
+    """What the colours, the line and the marks of :func:`outcome_map` mean, below the panels."""
+    looks = list(OUTCOMES.values())
+    handles: list = [Patch(facecolor=looks[int(k)][1], edgecolor="0.5", label=looks[int(k)][0]) for k in present]
+    handles.append(Line2D([], [], label="linear limit of stability", **LIMIT))
+    for case in PAPER_CASES if cases else ():
+        handles.append(Line2D([], [], marker=case.marker, linestyle="", color="black", markersize=6, label=case.title))
+    figure.legend(handles=handles, loc="outside lower center", ncols=4)

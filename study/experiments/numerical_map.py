@@ -1,0 +1,59 @@
+"""Phase portraits of the numerical map: where its iterates lie from many initial states, at growing step sizes."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from study.command import main, progress
+from study.experiments import labels
+from study.problems import problems
+from study.runs import STATUS_ATTRIBUTES, run
+
+
+def numerical_map(
+    problem: str, schemes: Sequence[str], dt: Sequence[float], u0: dict[str, float], steps: int
+) -> xr.Dataset:
+    """Displacement and velocity after every step, from rest at many displacements.
+
+    Parameters
+    ----------
+    dt
+        Step sizes.
+    u0
+        ``first``, ``last`` and ``count`` of the initial displacements.
+    steps
+        Iterates of each.
+    """
+    starts = np.linspace(u0["first"], u0["last"], int(u0["count"]))
+    lanes = {"u0": np.tile(starts, len(dt)), "dt": np.repeat(dt, len(starts))}
+    runs = []
+    for scheme in schemes:
+        progress(f"numerical map of {scheme} on {problem}")
+        runs.append(run(problem, scheme, steps=steps, **lanes))
+    shape = (len(schemes), len(dt), len(starts))
+    dims = ("scheme", "dt", "u0")
+
+    def iterates(name, units):
+        with np.errstate(over="ignore"):  # a run on its way out of all numbers leaves those of single precision first
+            values = np.stack([one[name].values for one in runs]).astype(np.float32)
+        return (*dims, "iterate"), values.reshape(*shape, -1), {**runs[0][name].attrs, "units": units}
+
+    return xr.Dataset(
+        {
+            "u": iterates("u", "1"),
+            "v": iterates("v", "s-1"),
+            "status": (dims, np.stack([one.status.values for one in runs]).reshape(shape), STATUS_ATTRIBUTES),
+        },
+        coords={
+            **labels.scheme_coordinates(schemes),
+            "dt": ("dt", list(dt), {"long_name": "step size", "units": "s"}),
+            "u0": ("u0", starts, {"long_name": "initial displacement", "units": "1"}),
+            "iterate": ("iterate", np.arange(steps + 1), {"long_name": "steps taken", "units": "1"}),
+        },
+        attrs={"title": f"Iterates of the schemes on the {problems[problem].title}", "problem": problem},
+    )
+
+
+if __name__ == "__main__":
+    main(numerical_map)

@@ -1,0 +1,189 @@
+"""Which of several roots? The effective equation of a large step, and what Newton's start and tolerance make of it."""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import cast
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+
+from study.command import main, progress
+from study.equilibrium import Motion, balance, load
+from study.experiments import labels
+from study.problem import Problem
+from study.problems import problems
+from study.runs import run
+from study.schemes import HHTAlpha, Houbolt, Newmark, Scheme, WilsonTheta
+from study.schemes import schemes as registry
+
+#: Displacements among which a sign change of the effective equation is looked for, over the largest predictor.
+SEARCHED = 4001
+#: Runs that differ by so much in displacement no longer answer the same question.
+APART = 0.1
+#: Where Newton's iteration may start: from the acceleration before the step, or from none.
+GUESSES = {"last_acceleration": 1.0, "none": 0.0}
+
+
+def effective_coefficient(scheme: Scheme) -> float:
+    """κ of u + κΔt² p(u) = ũ, the effective equation of a step without mass matrix, damping and load.
+
+    Raises
+    ------
+    ValueError
+        If a step of the scheme is not one such equation.
+    """
+    match scheme:
+        case Newmark(beta=beta) if beta > 0:
+            return beta
+        case HHTAlpha(alpha=alpha, beta=beta):
+            return (1 + alpha) * beta
+        case WilsonTheta(theta=theta, beta=beta):
+            return beta * theta**2
+        case Houbolt():
+            return 1 / 2
+    raise ValueError(f"a step of '{scheme.title}' is not one effective equation u + κΔt² p(u) = ũ.")
+
+
+def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.ndarray) -> np.ndarray:
+    """How many u there are with u + c p(u) = ũ, (coefficients, predictors), from changes of sign."""
+    # no root lies beyond the largest predictor and the last rest of the potential
+    far = 2 * max(np.abs(predictor).max(), 2.0)
+    u = np.linspace(-far, far, SEARCHED)
+    p = np.asarray(jax.vmap(problem.force)(u))
+    left = u + coefficient[:, None] * p
+    sign = left[:, None, :] > predictor[:, None]
+    return np.count_nonzero(sign[..., 1:] != sign[..., :-1], axis=-1)
+
+
+@eqx.filter_jit
+def _newton(problem: Problem, coefficient, predictor, guess):
+    """Displacement that Newton finds from each guess of it, and in how many iterations."""
+
+    def one(predictor, guess):
+        a, effort = balance(
+            problem, 0.0, predictor, jnp.zeros(()), coefficient, 0.0, guess=(guess - predictor) / coefficient
+        )
+        found = predictor + coefficient * a
+        return jnp.where(effort.converged, found, jnp.nan), effort.iterations
+
+    return jax.vmap(jax.vmap(one, (0, None)), (None, 0))(predictor, guess)
+
+
+class _Inexact(Newmark):
+    """Newmark's method with a choice of where Newton's iteration starts and ends."""
+
+    tolerance: float = eqx.field(default=1e-12, kw_only=True)
+    part_of_last: float = eqx.field(default=1.0, kw_only=True)
+
+    def increment(self, problem, state, t, dt):
+        u, v, a = state
+        c_u, c_v = self.beta * dt**2, self.gamma * dt
+        du = dt * v + dt**2 * (0.5 - self.beta) * a
+        dv = dt * (1 - self.gamma) * a
+        a, effort = balance(
+            problem, load(problem, t + dt), u + du, v + dv, c_u, c_v, self.part_of_last * a, tolerance=self.tolerance
+        )
+        return Motion(du + c_u * a, dv + c_v * a, a), effort
+
+
+def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequence[float]) -> np.ndarray:
+    """Steps until a run leaves that of the finest tolerance, (guesses, tolerances, step sizes); ``steps`` if never."""
+    newmark = cast(Newmark, registry["average_acceleration"])
+    inexact = partial(_Inexact, newmark.beta, newmark.gamma)
+    exact = run(problem, newmark, dt=dt, steps=steps).u.values
+    together = np.empty((len(GUESSES), len(tolerances), len(dt)), int)
+    for g, part in enumerate(GUESSES.values()):
+        for k, tolerance in enumerate(tolerances):
+            u = run(
+                problem, inexact(tolerance=np.float64(tolerance), part_of_last=np.float64(part)), dt=dt, steps=steps
+            ).u
+            parted = ~(np.abs(u.values - exact) < APART)
+            together[g, k] = np.where(parted.any(axis=1), parted.argmax(axis=1), steps)
+    return together
+
+
+def roots(
+    problem: str,
+    schemes: Sequence[str],
+    dt: dict[str, float],
+    predictor: dict[str, float],
+    paper_dt: float,
+    tolerances: Sequence[float],
+    steps: int,
+) -> xr.Dataset:
+    """Number of roots over step size and predictor, Newton's choice at one step size, and how long tolerances agree.
+
+    Parameters
+    ----------
+    schemes
+        Those with a single effective equation a step.
+    dt, predictor
+        ``first``, ``last`` and ``count`` of the step sizes, and of the predictors ũ.
+    paper_dt
+        Step size at which Newton's choice is looked at.
+    tolerances, steps
+        Of Newton in the average acceleration method, and how long its runs are.
+    """
+    progress(f"roots of the effective equation of {problem}")
+    definition = problems[problem]
+    step_sizes, predictors = (np.linspace(one["first"], one["last"], int(one["count"])) for one in (dt, predictor))
+    kappa = np.array([effective_coefficient(registry[name]) for name in schemes])
+    count = np.stack([number_of_roots(definition, k * step_sizes**2, predictors) for k in kappa])
+    found, iterations = zip(
+        *(map(np.asarray, _newton(definition, k * paper_dt**2, predictors, predictors)) for k in kappa), strict=True
+    )
+    along = ("scheme", "guess", "predictor")
+    return xr.Dataset(
+        {
+            "number_of_roots": (
+                ("scheme", "dt", "predictor"),
+                count.astype(np.int8),
+                {"long_name": "number of roots of the effective equation", "units": "1"},
+            ),
+            "root": (
+                along,
+                np.stack(found),
+                {"long_name": f"displacement that Newton finds at a step size of {paper_dt} s", "units": "1"},
+            ),
+            "newton_iterations": (
+                along,
+                np.stack(iterations).astype(np.int32),
+                {"long_name": f"Newton iterations at a step size of {paper_dt} s", "units": "1"},
+            ),
+            "effective_coefficient": (
+                "scheme",
+                kappa,
+                {"long_name": "coefficient of the force in the effective equation over dt squared", "units": "1"},
+            ),
+            "steps_together": (
+                ("start", "newton_tolerance", "dt"),
+                _steps_together(problem, step_sizes, steps, tolerances),
+                {
+                    "long_name": f"steps of the average acceleration method until a displacement differs by {APART} "
+                    f"from that of the finest tolerance, {steps} where it never does",
+                    "units": "1",
+                },
+            ),
+            "paper_dt": ((), paper_dt, {"long_name": "step size of the paper", "units": "s"}),
+        },
+        coords={
+            **labels.scheme_coordinates(schemes),
+            "dt": ("dt", step_sizes, {"long_name": "step size", "units": "s"}),
+            "predictor": ("predictor", predictors, {"long_name": "predictor of the displacement", "units": "1"}),
+            "guess": ("guess", predictors, {"long_name": "displacement at which Newton starts", "units": "1"}),
+            "start": ("start", list(GUESSES), {"long_name": "acceleration at which Newton starts"}),
+            "newton_tolerance": (
+                "newton_tolerance",
+                list(tolerances),
+                {"long_name": "tolerance of Newton", "units": "1"},
+            ),
+        },
+        attrs={"title": f"Roots of the effective equation of the {definition.title}", "problem": problem},
+    )
+
+
+if __name__ == "__main__":
+    main(roots)
