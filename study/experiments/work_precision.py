@@ -29,12 +29,10 @@ def work_precision(
     accuracy = datasets.open("accuracy").sel(problem=problems, scheme=schemes, steps_per_period=steps_per_period)
     shape = tuple(map(len, (problems, schemes, steps_per_period)))
     per_step = np.full((*shape, repeats), np.nan)
-    compile_time = np.empty(shape[:2])
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
         period = datasets.open(f"reference/{problem}").period.item()
         timed = [Timed(problems_by_name[problem], schemes_by_name[scheme], (EnergyDrift(),)) for scheme in schemes]
-        compile_time[p] = [one.compile_time for one in timed]
         for k, parts in enumerate(steps_per_period):
             dt = period / parts
             steps = [int(FIRST_STEPS * max(1, LONG_ENOUGH / one.run(dt, FIRST_STEPS)[0])) for one in timed]
@@ -58,7 +56,6 @@ def work_precision(
             quartiles[1] - quartiles[0],
             {"long_name": "interquartile range of the time of one step", "units": "ns"},
         ),
-        compile_time=(dims[:2], compile_time, {"long_name": "time to trace and compile", "units": "s"}),
         newton_iterations_per_step=(
             dims,
             iterations,
