@@ -67,6 +67,7 @@ PORTRAITS = list(config["phase_portrait"])
 #: Experiment: the schemes that it uses. Its options are the section of the configuration of the same name.
 EXPERIMENTS = {
     "energy_error": config["energy_error"]["schemes"],
+    "accuracy": config["accuracy"]["schemes"],
     "houbolt_start": ["houbolt"],
     "cpu_time": config["cpu_time"]["schemes"],
     "energy_drift": [config["energy_drift"]["scheme"]],
@@ -85,6 +86,7 @@ def references(problems):
 #: Experiment: the datasets that it reads.
 READS = {
     "energy_error": references(config["energy_error"]["problems"]),
+    "accuracy": references(config["accuracy"]["problems"]),
     "round_off": references([config["round_off"]["problem"]]),
     "recommendation": ["work_precision"],
 }
@@ -104,7 +106,6 @@ DATASETS = [
     "stability/atlas",
     "stability/robustness",
     *(f"stability/{name}" for name in STABILITY),
-    "accuracy",
     "structures",
     *(f"structure_history/{name}" for name in HISTORIES),
     *references(STRUCTURES),
@@ -241,27 +242,9 @@ rule agreement:
     input:
         sources("reference.agreement"),
     output:
-        temp("results/reference_agreement/{problem}.nc"),
-    params:
-        options=lambda wildcards: json.dumps({"problem": wildcards.problem, **config["agreement"]}),
-    log:
-        "results/logs/agreement_{problem}.log",
-    benchmark:
-        "results/benchmarks/agreement_{problem}.tsv"
-    conda:
-        ENVIRONMENT
-    message:
-        "what a tolerance delivers on {wildcards.problem}: CVODE, diffrax, heyoka"
-    shell:
-        "python -m reference.agreement {output} {params.options:q} > {log} 2>&1"
-
-
-rule gathered_agreement:
-    input:
-        parts=dataset(*(f"reference_agreement/{name}" for name in config["references"]["problems"])),
-        sources=sources("study.gather"),
-    output:
         update("results/reference_agreement.nc"),
+    params:
+        options=json.dumps({"problems": config["references"]["problems"], **config["agreement"]}),
     log:
         "results/logs/agreement.log",
     benchmark:
@@ -269,9 +252,9 @@ rule gathered_agreement:
     conda:
         ENVIRONMENT
     message:
-        "what a tolerance delivers, all problems"
+        "what a tolerance delivers on every problem: CVODE, diffrax, heyoka"
     shell:
-        "python -m study.gather {output} problem {input.parts} > {log} 2>&1"
+        "python -m reference.agreement {output} {params.options:q} > {log} 2>&1"
 
 
 def inputs_of(experiment):
@@ -303,44 +286,6 @@ rule experiment:
         " python -m study.experiments.{wildcards.experiment} {output} {params.options:q} > {log} 2>&1"
 
 
-rule accuracy:
-    input:
-        dataset("reference/{problem}"),
-        sources("study.experiments.accuracy", config["accuracy"]["schemes"]),
-    output:
-        temp("results/accuracy/{problem}.nc"),
-    params:
-        options=lambda wildcards: json.dumps({**config["accuracy"], "problems": [wildcards.problem]}),
-    log:
-        "results/logs/accuracy_{problem}.log",
-    benchmark:
-        "results/benchmarks/accuracy_{problem}.tsv"
-    conda:
-        ENVIRONMENT
-    message:
-        "every measure of error of every scheme on {wildcards.problem}"
-    shell:
-        "python -m study.experiments.accuracy {output} {params.options:q} > {log} 2>&1"
-
-
-rule gathered_accuracy:
-    input:
-        parts=dataset(*(f"accuracy/{name}" for name in config["accuracy"]["problems"])),
-        sources=sources("study.gather"),
-    output:
-        update("results/accuracy.nc"),
-    log:
-        "results/logs/accuracy.log",
-    benchmark:
-        "results/benchmarks/accuracy.tsv"
-    conda:
-        ENVIRONMENT
-    message:
-        "every measure of error, all problems"
-    shell:
-        "python -m study.gather {output} problem {input.parts} > {log} 2>&1"
-
-
 rule work_precision:
     input:
         dataset("accuracy", *references(config["references"]["problems"])),
@@ -365,7 +310,7 @@ rule work_precision:
     message:
         "what accuracy costs: schemes and general solvers, timed with nothing else running"
     shell:
-        "( export OMP_NUM_THREADS=1 JAX_ENABLE_COMPILATION_CACHE=false"
+        "( export OMP_NUM_THREADS=1"
         " && python -m study.experiments.work_precision {output.schemes} {params.schemes:q}"
         " && python -m reference.work_precision {output.solvers} {params.solvers:q}"
         " && python -m study.gather {output.whole} none {output.schemes} {output.solvers} ) > {log} 2>&1"

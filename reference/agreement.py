@@ -11,7 +11,8 @@ from reference import diffrax, exact, sundials, taylor
 from reference.solution import RouteFailed, Solution, StepLimit
 from study.command import main, progress
 from study.problem import Problem
-from study.problems import printed_periods, problems
+from study.problems import printed_periods
+from study.problems import problems as problems_by_name
 
 #: Route: its trajectory and its period, each a function of problem, times or estimate, and tolerance.
 ROUTES: dict[str, tuple[Callable, Callable]] = {
@@ -65,7 +66,7 @@ def _attempt(ask: Callable, *arguments):
         return None, STEP_LIMIT if isinstance(failure, StepLimit) else FAILED
 
 
-def agreement(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
+def agreement(problems: Sequence[str], tolerances: Sequence[float]) -> xr.Dataset:
     """True error of every route at every tolerance, with what it took over the longest window.
 
     The tolerances must fall: where the limit of steps ends a trajectory, tighter ones are not tried. What did not
@@ -73,7 +74,12 @@ def agreement(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
     """
     if list(tolerances) != sorted(tolerances, reverse=True):
         raise ValueError(f"the tolerances must fall, not {tolerances}.")
-    definition, estimate = problems[problem], printed_periods[problem]
+    parts = [_of_problem(problem, tolerances) for problem in problems]
+    return xr.concat(parts, "problem", data_vars="minimal", coords="minimal")
+
+
+def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
+    definition, estimate = problems_by_name[problem], printed_periods[problem]
     shape = (len(ROUTES), len(tolerances))
     windowed = {
         name: np.full((*shape, len(WINDOWS)), np.nan)

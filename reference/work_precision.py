@@ -119,7 +119,7 @@ def work_precision(
         for s, (solver, trajectory) in enumerate(SOLVERS.items()):
             progress(f"{solver} on {name}")
             for k, tolerance in enumerate(tolerances):
-                for length in RUNS:
+                for length in (length for length in RUNS if length in periods):
                     shorter = [window for window in periods if window <= length]
                     times = t[: len(shorter) * SAMPLES]
                     runs = _repeated(partial(trajectory, problem, times, tolerance), repeats, longest)

@@ -33,13 +33,12 @@ TILE = 1024
 REFINEMENTS, PARTS = 2, 1_000
 
 
-def oscillator(damping_ratio=None) -> Problem:
-    """The linear oscillator with ω = 1, without the term of damping where the ratio is None."""
-    damping = None if damping_ratio is None else 2 * damping_ratio
-    return Problem(force=lambda u: u, potential=lambda u: u * u / 2, u0=1.0, damping=damping)
+def oscillator(damping_ratio=0.0) -> Problem:
+    """The linear oscillator with ω = 1."""
+    return Problem(force=lambda u: u, potential=lambda u: u * u / 2, u0=1.0, damping=2 * damping_ratio)
 
 
-def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio=None) -> jax.Array:
+def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
     """Derivative of one step with respect to the scheme's whole state, (m, m); multi-step schemes in companion form."""
     problem, dt = oscillator(damping_ratio), 2 * jnp.pi * dt_over_period
     # any state would do; this one moves in a long step and in a short one, as discrete gradients need
@@ -52,14 +51,14 @@ def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio=None) -> 
     return jax.jacfwd(step)(flat)
 
 
-def _initial_state(scheme: Scheme, dt_over_period, damping_ratio=None) -> jax.Array:
+def _initial_state(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
     """The whole state, flat, from u = 1 and u̇ = 0."""
     state, _ = scheme.start(oscillator(damping_ratio), jnp.ones(()), jnp.zeros(()), 2 * jnp.pi * dt_over_period)
     return ravel_pytree(state)[0]
 
 
 @eqx.filter_jit
-def _at_each(function, scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: jax.Array | None) -> jax.Array:
+def _at_each(function, scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: jax.Array) -> jax.Array:
     return jax.vmap(partial(function, scheme, damping_ratio=damping_ratio))(dt_over_period)
 
 
@@ -126,14 +125,25 @@ class LinearTheory:
         self.spectral_radius = np.abs(self.roots).max(axis=-1)
 
     def _of_each(self, function, dt_over_period) -> np.ndarray:
-        """The function at every step size, in tiles of one length: one program serves grids of all lengths."""
-        damping = jnp.asarray(self._damping_ratio) if self._damping_ratio else None
+        """The function at every step size, in tiles of one length: one program serves grids of all lengths.
+
+        It serves all damping ratios too: without damping its terms are zeros, and add nothing.
+        """
+        damping = jnp.asarray(float(self._damping_ratio))
         points = len(dt_over_period)
         tiles = np.pad(np.asarray(dt_over_period, float), (0, -points % TILE), mode="edge").reshape(-1, TILE)
         return np.concatenate([_at_each(function, self._scheme, tile, damping) for tile in tiles])[:points]
 
     def _radius(self, dt_over_period) -> np.ndarray:
         return np.abs(_eigenvalues(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)
+
+    def _first_unstable(self, omega: np.ndarray) -> int | None:
+        """Where Ω is first unstable, looked for tile by tile."""
+        for start in range(0, len(omega), TILE):
+            unstable = self._radius(omega[start : start + TILE] / (2 * np.pi)) > 1 + GROWTH
+            if unstable.any():
+                return start + int(np.argmax(unstable))
+        return None
 
     def stability_limit(self) -> float:
         """Ω_crit, up to which the spectral radius is at most one; infinite where it is up to Ω = 10⁴.
@@ -142,10 +152,9 @@ class LinearTheory:
         """
         omega = SEARCHED
         for _ in range(REFINEMENTS + 1):
-            unstable = self._radius(omega / (2 * np.pi)) > 1 + GROWTH
-            if not unstable.any():
+            first = self._first_unstable(omega)
+            if first is None:
                 return np.inf
-            first = int(np.argmax(unstable))
             if first == 0:
                 return 0.0
             stable = float(omega[first - 1])

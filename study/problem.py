@@ -246,7 +246,8 @@ class Problem(eqx.Module):
         if isinstance(self.damping, Rayleigh):
             if not all(np.ndim(c) == 0 and np.asarray(c).dtype.kind in "fiu" and np.isfinite(c) for c in self.damping):
                 raise ValueError(f"{self.damping} of '{self.title}': a and b must be finite numbers.")
-            _, stiffness = tangent.force_and_tangent(self.force, jnp.zeros_like(self.u0), self.tangent)
+            undeformed = jax.jit(lambda u: tangent.force_and_tangent(self.force, u, self.tangent))
+            _, stiffness = undeformed(np.zeros_like(self.u0))
             mass = 1.0 if self.mass is None else self.mass
             a, b = self.damping
             self.damping = add(product(float(a), mass, n), product(float(b), stiffness, n), n=n)

@@ -38,9 +38,11 @@ def _march_alone(definition: March, u0: np.ndarray, dt: np.ndarray, steps: int, 
     """One run, a long one with a bar of its progress where somebody watches, and a pause now and then."""
     pauses = range(PAUSE, steps + PAUSE, PAUSE)
     progress = None
+    # a loop of its own for every step is worth compiling only with one unknown, whose steps are the shorter
+    each_step = every == 1 and not u0.ndim
     for pause in tqdm(pauses, disable=True if len(pauses) < 2 else None, leave=False):
         until = np.asarray(min(pause, steps))
-        progress, outcome = march(definition, u0, dt, until, np.asarray(every), samples, every == 1, progress=progress)
+        progress, outcome = march(definition, u0, dt, until, np.asarray(every), samples, each_step, progress=progress)
         if outcome.status:  # waits for the result, so that Ctrl-C is heard between two pauses
             break
     return outcome

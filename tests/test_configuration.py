@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from snakemake.utils import update_config
 
 import study
 from study.configuration import check, complete
@@ -11,10 +12,12 @@ from study.configuration import check, complete
 FOLDER = Path(__file__).parent.parent / "config"
 
 
-@pytest.fixture(params=["study.yaml", "small.yaml"])
+@pytest.fixture(params=["study.yaml", "small.yaml", "full.yaml"])
 def config(request) -> dict:
-    """Both configurations that are shipped."""
-    return yaml.safe_load((FOLDER / request.param).read_text())
+    """The configurations that are shipped, each laid over that of the study, as Snakemake does."""
+    settings = yaml.safe_load((FOLDER / "study.yaml").read_text())
+    update_config(settings, yaml.safe_load((FOLDER / request.param).read_text()))
+    return settings
 
 
 def test_what_is_shipped_is_accepted(config):

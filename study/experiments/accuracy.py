@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+import jax
 import numpy as np
 import xarray as xr
 
@@ -23,6 +24,7 @@ def accuracy(
     measured: dict[str, np.ndarray] = {}
     attributes: dict[str, dict] = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
     for p, (problem, reference) in enumerate(references.items()):
+        jax.clear_caches()  # of no use to another problem, and ten megabytes a scheme
         for s, scheme in enumerate(schemes):
             progress(f"accuracy of {scheme} on {problem}")
             for k, steps in enumerate(steps_per_period):

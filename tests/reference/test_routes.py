@@ -157,7 +157,7 @@ def test_a_time_that_is_not_finite_is_refused():
 
 def test_how_a_route_ended_is_told():
     """A limit of steps stops the ladder of a trajectory, and keeps no period from being found."""
-    ds = agreement.agreement("hardening", [1e-9, 1e-13, 1e-15]).squeeze("problem")
+    ds = agreement.agreement(["hardening"], [1e-9, 1e-13, 1e-15]).squeeze("problem")
     ended = [agreement.FINISHED, agreement.STEP_LIMIT, agreement.NOT_TRIED]
     np.testing.assert_array_equal(ds.status.sel(route="kvaerno5"), ended)
     assert np.isnan(ds.u_error.sel(route="kvaerno5").values[1:]).all()
@@ -251,7 +251,7 @@ def test_a_period_needs_a_sensible_estimate(estimate):
 
 def test_tolerances_must_fall():
     with pytest.raises(ValueError, match=r"the tolerances must fall, not \[1e-12, 0.0001\]"):
-        agreement.agreement("hardening", [1e-12, 1e-4])
+        agreement.agreement(["hardening"], [1e-12, 1e-4])
 
 
 def test_a_damped_spring_has_no_closed_form():
