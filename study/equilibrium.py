@@ -16,18 +16,33 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import lax
 
 from study.linear import SMALL, Banded, add, dense, product, solve, times
 from study.problem import Problem
 from study.tangent import force_and_tangent
 
-#: Newton stops once a correction moves the displacement by less than this part of it. Convergence is quadratic, so
-#: the error that is left is of the order of the square: round-off.
-TOLERANCE = 1e-12
-#: With several unknowns the force that the last correction removed must also have been less than this part of the
-#: forces in the balance, unless the correction was round-off: a stiff member's force is no better known than that.
-FORCE_TOLERANCE, ROUND_OFF = 1e-8, 1e-14
+
+class Tolerances(NamedTuple):
+    """When Newton stops, by the precision of the numbers.
+
+    Parameters
+    ----------
+    displacement
+        Once a correction moves the displacement by less than this part of it. Convergence is quadratic, so the error
+        that is left is of the order of the square: round-off.
+    force, round_off
+        With several unknowns the force that the last correction removed must also have been less than this part of the
+        forces in the balance, unless the correction was round-off: a stiff member's force is no better known than that.
+    """
+
+    displacement: float
+    force: float
+    round_off: float
+
+
+TOLERANCES = {np.dtype("float64"): Tolerances(1e-12, 1e-8, 1e-14), np.dtype("float32"): Tolerances(5e-6, 1e-4, 5e-6)}
 MAX_ITERATIONS = 50
 
 
@@ -121,7 +136,7 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         A number that is not finite ends the iteration at once, and shows in the acceleration.
     """
     force = problem.force if force is None else force
-    n = u.size
+    n, tolerances = u.size, TOLERANCES[u.dtype]
     inertia = _inertia(problem, c_v, n)
     rhs = _resisted(problem, rhs, v)
     weighted = product(weight, c_u, n)
@@ -133,10 +148,10 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         correction = solve(add(inertia, product(tangent, weighted, n), n=n), out_of_balance, symmetric)
         a = a - correction
         moved, size = _norm(times(c_u, correction)), _norm(u) + _norm(times(c_u, a))
-        unfinished = moved > TOLERANCE * size
+        unfinished = moved > tolerances.displacement * size
         if jnp.ndim(u):
             forces = _norm(inertial) + _norm(internal) + _norm(rhs)
-            unfinished |= (_norm(out_of_balance) > FORCE_TOLERANCE * forces) & (moved > ROUND_OFF * size)
+            unfinished |= (_norm(out_of_balance) > tolerances.force * forces) & (moved > tolerances.round_off * size)
         return a, unfinished
 
     def again(carry):
