@@ -136,6 +136,37 @@ def test_compensated_sums_lower_the_round_off():
     assert 0 < compensated < plain / 2
 
 
+def _single_round_off(scheme, dt, steps):
+    """Of the mean energy error of every run, against compensated double precision."""
+    observed = []
+    for double, method in ((False, scheme), (True, study.Compensated(scheme))):
+        with jax.enable_x64(double):
+            ds = study.run("hardening", method, dt=dt, steps=steps, observe=["mean_energy_error"])
+        observed.append(ds.mean_energy_error.values.astype(float))
+    return np.sqrt(np.mean((observed[0] - observed[1]) ** 2))
+
+
+def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
+    """Newmark's form of central difference; the same scheme as kicks and drifts, velocity Verlet, does not."""
+    short = np.ldexp(np.arange(3936, 4064), -19)
+    long = short + np.ldexp(1365, -31)
+    newmark, verlet = study.schemes["central_difference"], study.Composition((1.0,), of_order=2)
+    steady = _single_round_off(newmark, short, 60_000)
+    assert _single_round_off(newmark, long, 60_000) > 3 * steady
+    assert _single_round_off(verlet, long, 60_000) < 2 * steady
+
+
+def test_single_precision_comes_back_bit_for_bit():
+    """Without a drift: the numbers near the orbit are finite in number."""
+    with jax.enable_x64(False):
+        ds = study.run("hardening", "yoshida4", dt=np.ldexp(3972, -19), steps=200_000)
+    states = list(zip(ds.u.values.tolist(), ds.v.values.tolist(), strict=True))
+    first = {state: step for step, state in reversed(list(enumerate(states)))}
+    closed = next(step for step, state in enumerate(states) if first[state] < step)
+    cycle = closed - first[states[closed]]
+    assert cycle > 20 and states[closed:] == states[closed - cycle : -cycle]
+
+
 @pytest.mark.parametrize("exponent", [0.5, 1.0, 1.5])
 def test_a_law_of_growth_is_recovered_with_its_error(exponent):
     periods = np.array([1, 3, 10, 32, 100, 316, 1000])

@@ -28,8 +28,6 @@ ARITHMETIC = {
 }
 #: Step sizes: how many bits they have. Those of single precision have squares that it rounds, shorter ones do not.
 BITS = {"any": 24, "short": 12}
-#: A law of growth is fitted to lengths from this part of the last one on: two decades.
-FITTED = 0.0099
 OBSERVED = ("trajectory", "max_energy_error", "mean_energy_error", "oscillations")
 
 
@@ -90,7 +88,7 @@ def growth(periods: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     periods, values
         Lengths (periods,) and what the runs showed (..., periods, run).
     """
-    late = periods >= FITTED * periods[-1]
+    late = periods >= periods[-1] / 100
     runs = values.shape[-1]
     if late.sum() < 3 or runs < 2:
         nothing = np.full(values.shape[:-2], np.nan)
