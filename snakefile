@@ -75,6 +75,7 @@ EXPERIMENTS = {
     "sensitivity": config["sensitivity"]["schemes"],
     "spectral": config["spectral"]["schemes"],
     "round_off": [*config["round_off"]["schemes"]],
+    "long_times": config["long_times"]["schemes"],
     "recommendation": [],
 }
 
@@ -88,6 +89,7 @@ READS = {
     "energy_error": references(config["energy_error"]["problems"]),
     "accuracy": references(config["accuracy"]["problems"]),
     "round_off": references([config["round_off"]["problem"]]),
+    "long_times": references([config["long_times"]["problem"]]),
     "recommendation": ["work_precision"],
 }
 #: What else is asked about stability: the experiment, and the schemes that it uses.
@@ -148,6 +150,7 @@ FIGURES = {
     "promises": ("promises", dataset("spectral", "accuracy"), "Linear theory beside what the springs show."),
     "families": ("families", dataset("work_precision"), "Speed against error for every scheme."),
     "round_off": ("round_off", dataset("round_off"), "Round-off, and what compensated summation buys."),
+    "long_times": ("long_times", dataset("long_times"), "Energy and phase over very long times, and round-off."),
     "stiff_soft": ("stiff_soft", dataset("structure_history/stiff_soft"), "A mass on a stiff spring, its velocity."),
     "oscillatory_energies": (
         "oscillatory_energies",
@@ -177,6 +180,7 @@ TABLES = {
     "needs": dataset("recommendation"),
     "references": dataset("reference_agreement", *references(config["references"]["problems"])),
     "structures": dataset("structures"),
+    "round_off_growth": dataset("long_times"),
     "claims": ["results/claims.csv", *dataset("energy_error")],
 }
 
@@ -625,7 +629,7 @@ rule numbers:
     input:
         "results/claims.csv",
         dataset("energy_error", "energy_drift", "cpu_time", "sensitivity", "spectral", "large_steps"),
-        dataset("reference_agreement", "accuracy", "work_precision", "recommendation", "round_off"),
+        dataset("reference_agreement", "accuracy", "work_precision", "recommendation", "round_off", "long_times"),
         dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
         dataset("structures", *(f"structure_history/{name}" for name in HISTORIES)),
         sources=sources("paper.numbers"),

@@ -240,6 +240,41 @@ def _of_round_off(round_off: xr.Dataset) -> dict:
     return floors | {"round_off_known": f"{10 * round_off.uncertainty.item():.0e}"}
 
 
+def _of_long_times(runs: xr.Dataset) -> dict:
+    """What the schemes themselves do over the longest runs, and laws and sizes of round-off."""
+    last = runs.isel(periods=-1)
+    law = runs.exponent.sel(quantity="energy_round_off")
+    more = (runs.exponent.sel(quantity="phase_round_off") - law).sel(arithmetic="float32")
+    double, single, compensated = (last.sel(arithmetic=name) for name in ("float64", "float32", "float32_compensated"))
+    steady = single.energy_round_off.sel(step="short")
+    drift = (single.energy_round_off.sel(step="any") / steady).sel(scheme="central_difference")
+    bought = (steady / compensated.energy_round_off.sel(step="short")).max()
+    numbers = {
+        "lasting_periods": f"{last.periods.item():,}",
+        "lasting_steps": runs.steps_per_period,
+        "lasting_runs": runs.runs,
+        "lasting_spread": f"{100 * runs.spread_of_steps:.1f}",
+        "lasting_double_from": f"{law.sel(arithmetic='float64').min().item():.2f}",
+        "lasting_double_to": f"{law.sel(arithmetic='float64').max().item():.2f}",
+        "lasting_double_energy": f"{double.energy_round_off.max().item():.0e}",
+        "lasting_double_phase": f"{double.phase_round_off.max().item():.0e}",
+        "lasting_phase_more_from": f"{more.min().item():.2f}",
+        "lasting_phase_more_to": f"{more.max().item():.2f}",
+        "lasting_drift": f"{drift.item():.0f}",
+        "lasting_bought": f"{bought.item():.1f}",
+    }
+    for name in ("central_difference", "energy_momentum", "yoshida4"):
+        of = double.sel(scheme=name, step="any")
+        numbers[f"lasting_energy_{name}"] = f"{of.max_energy_error.item():.1g}"
+        late = of.phase_error.item()
+        numbers[f"lasting_delay_{name}"] = f"{abs(late):.0f} periods {'late' if late > 0 else 'early'}"
+        for step in runs.step.values:
+            one = {"scheme": name, "step": step, "arithmetic": "float32"}
+            error = runs.exponent_error.sel(one | {"quantity": "energy_round_off"})
+            numbers[f"lasting_law_{step}_{name}"] = f"{law.sel(one).item():.2f} ± {error.item():.2f}"
+    return numbers
+
+
 def _of_structures(structures: xr.Dataset, history: dict[str, xr.Dataset]) -> dict:
     data = {"structures": structures}
     runs = kept(data, TURNING)
@@ -298,6 +333,7 @@ def numbers(results: Path) -> dict:
         **_of_linear_theory(dataset("spectral"), dataset("large_steps")),
         **_of_promises(dataset("spectral"), dataset("accuracy")),
         **_of_round_off(dataset("round_off")),
+        **_of_long_times(dataset("long_times")),
         **_of_structures(
             dataset("structures"),
             {

@@ -269,7 +269,7 @@ def against(reference: xr.Dataset, steps: int, longest: int) -> tuple[float, tup
         ),
         PeriodError(
             jnp.asarray(level),
-            jnp.asarray(_first_crossing(reference, level)),
+            jnp.asarray(first_crossing(reference, level)),
             jnp.asarray(float(steps)),
             jnp.asarray(dt),
         ),
@@ -313,10 +313,18 @@ def _rest(reference: xr.Dataset) -> float:
     return float(np.polyval(np.polyfit(t - t[1], u, 2), -slope / (2 * curvature)))
 
 
-def _first_crossing(reference: xr.Dataset, level: float) -> float:
-    """When the exact solution first crosses ``level`` upwards, in periods, interpolated by a cubic."""
+def first_crossing(reference: xr.Dataset, level: float) -> float:
+    """When the exact solution first crosses ``level`` upwards, in periods, interpolated by a cubic.
+
+    Raises
+    ------
+    ValueError
+        If it does not.
+    """
     u, v, phase = reference.u.values, reference.v.values, reference.phase.values
-    i = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))[0]
-    ends = slice(i, i + 2)
+    crossed = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))
+    if not crossed.size:
+        raise ValueError(f"the exact motion of '{reference.problem}' does not cross {level:g}.")
+    ends = slice(crossed[0], crossed[0] + 2)
     between = CubicHermiteSpline(phase[ends], u[ends] - level, v[ends] * reference.period.item())
     return float(between.roots(extrapolate=False)[0])

@@ -11,7 +11,7 @@ import yaml
 from study.comparison import MEASURES
 from study.problems import periods, printed_periods, problems
 from study.registry import Registry, did_you_mean
-from study.schemes import schemes
+from study.schemes import OneStep, schemes
 
 SCHEMA = Path(__file__).parent.parent / "config" / "schema.yaml"
 _REGISTRIES: dict[str, Registry] = {
@@ -135,6 +135,24 @@ def _check_structures(config: dict) -> None:
             raise ValueError(f"{place}: every, {history['every']}, does not divide the number of steps.")
 
 
+def _check_long_times(config: dict) -> None:
+    """Sums that can be compensated, lengths that a law of growth can be fitted to, and what the manuscript names."""
+    section = config["long_times"]
+    for name in section["schemes"]:
+        if not isinstance(schemes[name], OneStep):
+            raise ValueError(f"long_times.schemes: the sums of '{name}' cannot be compensated; give one-step schemes.")
+    for name in ("central_difference", "energy_momentum", "yoshida4"):
+        if name not in section["schemes"]:
+            raise ValueError(f"long_times.schemes lacks '{name}', which the manuscript needs.")
+    if section["problem"] not in config["references"]["problems"]:
+        raise ValueError(f"long_times.problem: there is no '{section['problem']}' among references.problems.")
+    lengths = section["periods"]
+    if lengths != sorted(lengths):
+        raise ValueError(f"long_times.periods must rise, not {lengths}.")
+    if sum(length >= lengths[-1] / 100 for length in lengths) < 3:
+        raise ValueError("long_times.periods: a law of growth takes three lengths within the last two decades.")
+
+
 def _check_values(config: dict) -> None:
     """What a schema cannot say: finite numbers, at least one step, ranges in order, what the manuscript needs."""
     for place, value in _numbers(config, ""):
@@ -172,6 +190,7 @@ def _check_values(config: dict) -> None:
             raise ValueError(f"{place}.tolerances must fall, not {section['tolerances']}.")
     _check_contained(config)
     _check_structures(config)
+    _check_long_times(config)
     portraits = {f"phase_portrait.{name}": portrait for name, portrait in config["phase_portrait"].items()}
     of_the_paper = {key: config[key] for key in _OF_THE_PAPER}
     structures = {"structures": {"schemes": config["structures"]["schemes"]}}

@@ -83,6 +83,7 @@ def march_ensemble(definition: March, u0: np.ndarray, dt: np.ndarray, steps: np.
     )
     stopped = threading.Event()
 
+    @jax.enable_x64(jax.enable_x64.value)  # which another thread does not know of its own
     def run(one):
         _, _, own = one
         end, progress, until = last if own is None else int(own.max()), None, 0

@@ -16,18 +16,33 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import lax
 
 from study.linear import SMALL, Banded, add, dense, product, solve, times
 from study.problem import Problem
 from study.tangent import force_and_tangent
 
-#: Newton stops once a correction moves the displacement by less than this part of it. Convergence is quadratic, so
-#: the error that is left is of the order of the square: round-off.
-TOLERANCE = 1e-12
-#: With several unknowns the force that the last correction removed must also have been less than this part of the
-#: forces in the balance, unless the correction was round-off: a stiff member's force is no better known than that.
-FORCE_TOLERANCE, ROUND_OFF = 1e-8, 1e-14
+
+class Tolerances(NamedTuple):
+    """When Newton stops, by the precision of the numbers.
+
+    Parameters
+    ----------
+    displacement
+        Once a correction moves the displacement by less than this part of it. Convergence is quadratic, so the error
+        that is left is of the order of the square: round-off.
+    force, round_off
+        With several unknowns the force that the last correction removed must also have been less than this part of the
+        forces in the balance, unless the correction was round-off: a stiff member's force is no better known than that.
+    """
+
+    displacement: float
+    force: float
+    round_off: float
+
+
+TOLERANCES = {np.dtype("float64"): Tolerances(1e-12, 1e-8, 1e-14), np.dtype("float32"): Tolerances(5e-6, 1e-4, 5e-6)}
 MAX_ITERATIONS = 50
 
 
@@ -103,7 +118,7 @@ def _differentiated(root, corrected):
 _differentiated.defjvp(lambda primals, tangents: (primals[0], tangents[1]))
 
 
-def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None, symmetric=True, tolerance=TOLERANCE):
+def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None, symmetric=True, tolerance=None):
     """Acceleration a that balances M a + C (v + c_v a) + w p(u + c_u a) = r, by Newton-Raphson with the full tangent.
 
     Parameters
@@ -123,7 +138,8 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
     symmetric
         Whether the tangent is, with symmetric M and C.
     tolerance
-        Newton stops once a correction moves the displacement by less than this part of it.
+        Newton stops once a correction moves the displacement by less than this part of it; that of ``TOLERANCES`` where
+        none is given.
 
     Returns
     -------
@@ -132,7 +148,8 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         A number that is not finite ends the iteration at once, and shows in the acceleration.
     """
     force = problem.force if force is None else force
-    n = u.size
+    n, tolerances = u.size, TOLERANCES[u.dtype]
+    tolerance = tolerances.displacement if tolerance is None else tolerance
     inertia = _inertia(problem, c_v, n)
     rhs = _resisted(problem, rhs, v)
     weighted = product(weight, c_u, n)
@@ -151,7 +168,7 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         unfinished = moved > tolerance * size
         if jnp.ndim(u):
             forces = _norm(inertial) + _norm(internal) + _norm(rhs)
-            unfinished |= (_norm(out_of_balance) > FORCE_TOLERANCE * forces) & (moved > ROUND_OFF * size)
+            unfinished |= (_norm(out_of_balance) > tolerances.force * forces) & (moved > tolerances.round_off * size)
         return a, unfinished
 
     def again(carry):

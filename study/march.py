@@ -43,8 +43,8 @@ class Outcome(NamedTuple):
     """What a run gives back.
 
     ``status`` and ``failed_at_step`` (−1 where nothing failed) always; ``values`` holds the variables of the
-    reductions, ``samples`` those of the records with the samples along the first axis. Values of a run that failed
-    are NaN, and so are its samples from the failure on.
+    reductions, which mean nothing where a run failed, and ``samples`` those of the records with the samples along the
+    first axis, NaN from a failure on.
     """
 
     status: jax.Array
@@ -180,17 +180,16 @@ class March(eqx.Module):
     def outcome(self, progress: Progress) -> Outcome:
         """What is known so far; complete at the last step."""
 
-        def one(failure, state, carried):
-            values = {
+        def one(state, carried):
+            return {
                 name: value
                 for reduction, c in zip(self.reductions, carried, strict=True)
                 for name, value in reduction.result(c, self.problem, state).items()
             }
-            return {n: jnp.where(failure == 0, jnp.asarray(v, float), jnp.nan) for n, v in values.items()}
 
         failure = progress.failure
         failed = jnp.where(failure < 0, NEWTON_FAILED, NOT_FINITE)
-        values = self._each(one)(failure, progress.state, progress.carried)
+        values = self._each(one)(progress.state, progress.carried)
         return Outcome(jnp.where(failure == 0, COMPLETED, failed), jnp.abs(failure) - 1, values, progress.stored)
 
 

@@ -116,6 +116,7 @@ class Problem(eqx.Module):
     #: Whether M is singular.
     massless: bool = eqx.field(init=False, static=True)
 
+    @jax.enable_x64(True)  # what is checked here is told from round-off; a run may be of single precision
     def __post_init__(self):
         for name in ("u0", "v0", "mass", "damping", "positions"):
             setattr(self, name, _real(name, getattr(self, name)))

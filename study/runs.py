@@ -11,7 +11,7 @@ import xarray as xr
 from tqdm import tqdm
 
 from study.ensemble import march_ensemble
-from study.march import STATUS_MEANINGS, March, Outcome, march
+from study.march import COMPLETED, STATUS_MEANINGS, March, Outcome, march
 from study.observers import Observer, Record, Reduction, observers
 from study.problem import Problem
 from study.problems import problems
@@ -56,9 +56,16 @@ def _resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
     return thing
 
 
+def _most_steps() -> int:
+    """What a step counter holds twice, in double or in single precision."""
+    return jnp.iinfo(jnp.result_type(int)).max // 2
+
+
 def _positive_integer(name, value):
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 1 <= value < 2**62:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
         raise ValueError(f"{name} must be a whole number of at least 1, not {value!r}.")
+    if value > _most_steps():
+        raise ValueError(f"{name} must be a whole number of at least 1 and at most {_most_steps()}, not {value!r}.")
     return int(value)
 
 
@@ -68,8 +75,10 @@ def _checked_steps(steps):
     counts = np.asarray(steps)
     if counts.ndim > 1 or not counts.size:
         raise ValueError(f"steps must be a whole number or one per lane (lanes,), not of shape {counts.shape}.")
-    if counts.dtype.kind not in "iu" or counts.min() < 1 or counts.max() >= 2**62:
+    if counts.dtype.kind not in "iu" or counts.min() < 1:
         raise ValueError(f"steps must be whole numbers of at least 1, not {counts}.")
+    if counts.max() > _most_steps():
+        raise ValueError(f"steps must be whole numbers of at most {_most_steps()}, not {counts}.")
     return counts.astype(int)
 
 
@@ -240,7 +249,10 @@ def _labelled(problem, scheme, outcome, chosen, dt, every, samples, ensemble) ->
         "failed_at_step": (lane, np.asarray(outcome.failed_at_step), FAILED_AT_STEP_ATTRIBUTES),
     }
     for name, value in outcome.values.items():
-        data[name] = ((*lane, *component[: np.ndim(value) - len(lane)]), np.asarray(value), attributes[name])
+        dims = (*lane, *component[: np.ndim(value) - len(lane)])
+        failed = np.reshape(outcome.status != COMPLETED, (-1,) * len(lane) + (1,) * (len(dims) - len(lane)))
+        # whole numbers become floats here, where double precision holds them all
+        data[name] = (dims, np.where(failed, np.nan, value), attributes[name])
     for name, value in outcome.samples.items():
         extra = component[: np.ndim(value) - len(lane) - 1]
         data[name] = ((*lane, along, *extra), np.asarray(value), attributes[name])

@@ -94,6 +94,17 @@ def test_all_schemes_are_written_out(config):
             lambda c: c["work_precision"]["solvers"].update(tolerances=[1e-14]),
             "solvers.tolerances.0: 1e-14 is less than the minimum of 2.3e-14",
         ),
+        (
+            lambda c: c["long_times"].update(schemes=["park"]),
+            "long_times.schemes: the sums of 'park' cannot be compens",
+        ),
+        (
+            lambda c: c["long_times"].update(schemes=["rk4"]),
+            "long_times.schemes lacks 'central_difference', which the",
+        ),
+        (lambda c: c["long_times"].update(periods=[10, 3, 30]), "long_times.periods must rise, not [10, 3, 30]."),
+        (lambda c: c["long_times"].update(periods=[1, 2, 3, 1000]), "a law of growth takes three lengths within the"),
+        (lambda c: c["references"].update(problems=["softening"]), "long_times.problem: there is no 'hardening' among"),
         (lambda c: c["accuracy"].update(schemes="most"), "accuracy.schemes: 'all' was expected"),
         (lambda c: c["spectral"].update(damping_ratios=[1.0]), "damping_ratios.0: 1.0 is greater than or equal to the"),
         (lambda c: c["work_precision"]["solvers"].update(periods=[1]), "work_precision.solvers.periods lacks 100"),

@@ -7,6 +7,7 @@ import jax
 
 from study.equilibrium import Effort
 from study.schemes.scheme import OneStep, Scheme
+from study.summation import compensated_sum
 
 
 class Summed(NamedTuple):
@@ -25,13 +26,6 @@ class Summed(NamedTuple):
     def v(self):
         """Velocity."""
         return self.inner.v
-
-
-def _sum(total, increment, lost):
-    """Kahan's sum of a total and an increment, and what it lost."""
-    corrected = increment - lost
-    new = total + corrected
-    return new, (new - total) - corrected
 
 
 class Compensated(Scheme):
@@ -85,6 +79,6 @@ class Compensated(Scheme):
 
     def step(self, problem, state, t, dt) -> tuple[Summed, Effort]:
         increment, effort = self.scheme.increment(problem, state.inner, t, dt)
-        u, lost_u = _sum(state.u, increment.u, state.lost_u)
-        v, lost_v = _sum(state.v, increment.v, state.lost_v)
+        u, lost_u = compensated_sum(state.u, increment.u, state.lost_u)
+        v, lost_v = compensated_sum(state.v, increment.v, state.lost_v)
         return Summed(increment._replace(u=u, v=v), lost_u, lost_v), effort

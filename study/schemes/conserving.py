@@ -46,10 +46,10 @@ class ImplicitMidpoint(OneStep):
 
 
 #: What moves by less than this part of itself takes the force at its middle: dividing the change of the energy by it
-#: would lose more digits than the middle's error of third order.
-STANDSTILL = 1e-5
+#: would lose more digits than the middle's error of third order. It is about the third root of the round-off.
+STANDSTILL = {np.dtype("float64"): 1e-5, np.dtype("float32"): 8e-3}
 #: And what moves by less than this: its square is no number any more, as ahead of a wave that comes.
-SMALLEST = 1e-150
+SMALLEST = {np.dtype("float64"): 1e-150, np.dtype("float32"): 1e-18}
 
 
 def _of_strains(potential, u0):
@@ -62,7 +62,8 @@ def _of_strains(potential, u0):
     def mean_force(u1):
         after = strains(u1)
         change = after - before
-        moves = jnp.abs(change) > STANDSTILL * (jnp.abs(before) + jnp.abs(after)) + SMALLEST
+        sizes = jnp.abs(before) + jnp.abs(after)
+        moves = jnp.abs(change) > STANDSTILL[u0.dtype] * sizes + SMALLEST[u0.dtype]
         quotient = (density(after) - energy) / jnp.where(moves, change, 1.0)
         stress = jnp.where(moves, quotient, slope((before + after) / 2))
         return jax.vjp(strains, (u0 + u1) / 2)[1](stress)[0]
@@ -79,7 +80,7 @@ def discrete_gradient(problem, u0):
     def mean_force(u1):
         middle, change = (u0 + u1) / 2, u1 - u0
         length = jnp.vdot(change, change)
-        moves = length > STANDSTILL**2 * (jnp.vdot(u0, u0) + jnp.vdot(u1, u1))
+        moves = length > STANDSTILL[u0.dtype] ** 2 * (jnp.vdot(u0, u0) + jnp.vdot(u1, u1))
         gain = problem.potential(u1) - energy
         if jnp.ndim(u0) == 0:
             # p(u_m) cancels

@@ -8,8 +8,9 @@ import jax.numpy as jnp
 
 from study.schemes.scheme import Scheme
 
-#: Powers of two by which a distance is brought back near one: exact, and far from both ends of the numbers.
-POWER = 200
+#: Powers of two by which a distance is brought back near one: exact, and far from both ends of the numbers, single
+#: precision too.
+POWER = 60
 
 
 class Neighbours(NamedTuple):
@@ -34,7 +35,7 @@ class Linearised(Scheme):
     """Another scheme with a neighbour infinitely close to its run.
 
     With y₁ = Φ(y₀) the step of the scheme in its whole state, δ₁ = DΦ(y₀) δ₀ by automatic differentiation, from what a
-    change of every displacement by one makes of the first state. Where |δ| leaves [2⁻²⁰⁰, 2²⁰⁰] it is brought back by
+    change of every displacement by one makes of the first state. Where |δ| leaves [2⁻⁶⁰, 2⁶⁰] it is brought back by
     this power of two, without round-off.
 
     Parameters

@@ -1,0 +1,57 @@
+"""Energy and phase over very long times, and what round-off adds to them."""
+
+import matplotlib.pyplot as plt
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from paper.figures.style import PAGE, letter, looks, main
+
+#: Units of each quantity, and the exponents of its round-off by Brouwer's law and with a drift.
+_UNITS = {"energy": "percent", "phase": "periods"}
+_RANDOM, _DRIFTING = {"energy": (0.5, "½"), "phase": (1.5, "3/2")}, {"energy": (1.0, "1"), "phase": (2.0, "2")}
+
+
+def _guide(ax: Axes, round_off: xr.DataArray, beside: float, law: tuple[float, str]) -> None:
+    """A line with the exponent of a law over the last decade and a half, a factor beside the round-off at the end."""
+    exponent, label = law
+    x = round_off.periods.values[round_off.periods.values >= round_off.periods.values[-1] / 50]
+    last = round_off.isel(periods=-1)
+    end = beside * (last.max() if beside > 1 else last.min()).item()
+    ax.plot(x, end * (x / x[-1]) ** exponent, color="0.6", linewidth=0.8)
+    ax.annotate(label, (x[-1], end), xytext=(4, 0), textcoords="offset points", color="0.4", va="center", fontsize=7)
+
+
+def draw(long_times: xr.Dataset) -> Figure:
+    """Above the errors in double precision and the round-off in them, below the round-off in single precision."""
+    figure, axes = plt.subplots(2, 2, figsize=(PAGE, 0.72 * PAGE), sharex=True)
+    double = long_times.sel(arithmetic="float64", step="any")
+    single = long_times.sel(arithmetic="float32", step="any")
+    steady = long_times.sel(arithmetic="float32_compensated", step="short")
+    errors = {"energy": double.max_energy_error, "phase": abs(double.phase_error)}
+    for name, look in looks(long_times.scheme).items():
+        hollow = {**look, "markerfacecolor": "white"}
+        for (kind, error), (above, below) in zip(errors.items(), axes.T, strict=True):
+            round_off = f"{kind}_round_off"
+            title = error.sel(scheme=name).scheme_title.item()
+            above.plot(long_times.periods, error.sel(scheme=name), label=title if kind == "energy" else None, **look)
+            above.plot(long_times.periods, double[round_off].sel(scheme=name), **hollow)
+            below.plot(long_times.periods, single[round_off].sel(scheme=name), **look)
+            below.plot(long_times.periods, steady[round_off].sel(scheme=name), **hollow)
+    for column, (kind, unit) in enumerate(_UNITS.items()):
+        above, below = axes[:, column]
+        round_off = f"{kind}_round_off"
+        _guide(above, double[round_off], 0.1, _RANDOM[kind])
+        _guide(below, single[round_off], 3, _DRIFTING[kind])
+        _guide(below, steady[round_off], 0.3, _RANDOM[kind])
+        letter(above, column, f"{kind}, double precision")
+        letter(below, column + 2, f"{kind}, round-off in single precision")
+        for ax in (above, below):
+            ax.set(xscale="log", yscale="log", ylabel=f"{kind} ({unit})")
+        below.set_xlabel("periods")
+    figure.legend(loc="outside lower center", ncols=4)
+    return figure
+
+
+if __name__ == "__main__":
+    main(draw)

@@ -1,0 +1,219 @@
+"""Very long runs: what drifts, what the phase loses, and how round-off grows, in double and in single precision."""
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import cast
+
+import jax
+import numpy as np
+import xarray as xr
+
+from study import datasets
+from study.command import main, progress
+from study.comparison import first_crossing
+from study.experiments import labels
+from study.problem import Problem
+from study.problems import problems
+from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.schemes import Compensated, OneStep, Scheme
+from study.schemes import schemes as registry
+
+#: Arithmetic: whether in double precision, and whether displacement and velocity are summed with compensation. The last
+#: is what the others are held against.
+ARITHMETIC = {
+    "float32": (False, False),
+    "float32_compensated": (False, True),
+    "float64": (True, False),
+    "float64_compensated": (True, True),
+}
+#: Step sizes: how many bits they have. Those of single precision have squares that it rounds, shorter ones do not.
+BITS = {"any": 24, "short": 12}
+OBSERVED = ("trajectory", "max_energy_error", "mean_energy_error", "oscillations")
+
+
+def _step_sizes(step: float, runs: int) -> np.ndarray:
+    """Step sizes around ``step`` with the bits of ``BITS``, (step, run); all arithmetics hold them exactly.
+
+    Neighbours are the least apart that the short ones can be. Round-off makes every run its own, and at the end of long
+    ones all phases of the orbit are met.
+    """
+    sizes = []
+    for bits in BITS.values():
+        unit = 2.0 ** (np.floor(np.log2(step)) + 1 - bits)
+        apart = 2 ** (bits - min(BITS.values()))
+        sizes.append((np.round(step / unit) + apart * (np.arange(runs) - runs // 2)) * unit)
+    return np.stack(sizes)
+
+
+def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, crossing: Fraction) -> np.ndarray:
+    """What the mean period, from the start to the last crossing, adds up to over the length of the run, in periods.
+
+    In fractions: single precision does not count the steps of long runs, and double leaves few digits to their phase.
+    """
+    late = np.full(len(dt), np.nan)
+    for lane in np.flatnonzero(ds.crossings.values > 0):
+        step, part, count = (
+            Fraction(ds[name].values[lane].item()) for name in ("last_crossing_step", "last_crossing_part", "crossings")
+        )
+        mean_period = (step + part) * Fraction(dt[lane]) / (crossing + count - 1)
+        late[lane] = float((mean_period / period - 1) * length)
+    return late
+
+
+def _measured(problem: Problem, scheme: Scheme, dt: np.ndarray, length: int, steps: int, double: bool, *exact) -> dict:
+    """What every run shows at the end, (run,): errors of the energy in percent and of the phase in periods."""
+    with jax.enable_x64(double):
+        ds = run(problem, scheme, dt=dt, steps=steps, every=steps, observe=OBSERVED)
+    # of the last state in double precision, which adds no round-off of its own
+    energy = jax.vmap(problem.energy)(*(ds[name].values[:, -1].astype(float) for name in ("u", "v")))
+    at_start = float(problem.energy(problem.u0, problem.v0))
+    return {
+        "energy_error": 100 * (np.asarray(energy) - at_start) / abs(at_start),
+        "max_energy_error": ds.max_energy_error.values,
+        "mean_energy_error": ds.mean_energy_error.values,
+        "phase_error": _phase_error(ds, dt, length, *exact),
+        "status": ds.status.values,
+        "failed_at_step": ds.failed_at_step.values,
+    }
+
+
+def growth(periods: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Exponent k of rms(values) ~ periods^k over the last two decades of lengths, and its standard error.
+
+    Least squares of the logarithms. The error is that of the jackknife over runs, as the lengths of one run share their
+    round-off. NaN with fewer than three lengths or two runs, and where all is zero or something no number.
+
+    Parameters
+    ----------
+    periods, values
+        Lengths (periods,) and what the runs showed (..., periods, run).
+    """
+    late = periods >= periods[-1] / 100
+    runs = values.shape[-1]
+    if late.sum() < 3 or runs < 2:
+        nothing = np.full(values.shape[:-2], np.nan)
+        return nothing, nothing
+    x = np.log(periods[late]) - np.log(periods[late]).mean()
+    squares = values[..., late, :] ** 2
+    total = squares.sum(axis=-1, keepdims=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # the slope is linear in the logarithms: of all runs, and of all but one
+        whole, without = (x @ np.log(s) / (2 * x @ x) for s in (total, total - squares))
+    error = np.sqrt((runs - 1) * without.var(axis=-1))
+    known = np.isfinite(whole[..., 0] + error)
+    return np.where(known, whole[..., 0], np.nan), np.where(known, error, np.nan)
+
+
+def long_times(
+    problem: str, schemes: Sequence[str], steps_per_period: int, periods: Sequence[int], runs: int
+) -> xr.Dataset:
+    """Errors of energy and phase by length of the run, how much of them is round-off, and their laws of growth.
+
+    Every length is run in every arithmetic with ``runs`` step sizes close to a part of the period, those of 24 bits and
+    those of 12. What a run differs by from the same run in compensated double precision is its round-off.
+
+    Parameters
+    ----------
+    schemes
+        One-step schemes; of no other can the sums be compensated.
+    periods
+        Lengths of the runs, ascending.
+
+    Raises
+    ------
+    ValueError
+        If the exact motion does not cross zero, where oscillations are counted.
+    TypeError
+        If a scheme is none of one step.
+    """
+    definition, reference = problems[problem], datasets.open(f"reference/{problem}")
+    period = Fraction(reference.period.item()) + Fraction(reference.period_remainder.item())
+    exact = period, Fraction(first_crossing(reference, 0.0))
+    dt, lengths = _step_sizes(float(period / steps_per_period), runs), np.asarray(periods)
+    shape = len(schemes), len(ARITHMETIC), len(lengths), *dt.shape
+    observed: dict[str, np.ndarray] = {}
+    for s, name in enumerate(schemes):
+        progress(f"long times of {name} on {problem}")
+        for a, (double, compensated) in enumerate(ARITHMETIC.values()):
+            scheme = Compensated(cast(OneStep, registry[name])) if compensated else registry[name]
+            for k, length in enumerate(lengths.tolist()):
+                steps = length * steps_per_period
+                measured = _measured(definition, scheme, dt.ravel(), length, steps, double, *exact)
+                for variable, values in measured.items():
+                    observed.setdefault(variable, np.empty(shape))[s, a, k] = values.reshape(dt.shape)
+    return (
+        summary({name: np.moveaxis(values, -2, 2) for name, values in observed.items()}, lengths)
+        .assign_coords(labels.scheme_coordinates(schemes))
+        .assign_attrs(
+            title=f"Long times on the {definition.title}",
+            problem=problem,
+            steps_per_period=steps_per_period,
+            runs=runs,
+            spread_of_steps=np.ptp(dt) / dt.mean(),
+        )
+    )
+
+
+def summary(observed: dict[str, np.ndarray], lengths: np.ndarray) -> xr.Dataset:
+    """Means, sizes and laws of growth of what the runs showed, each (scheme, arithmetic, step, periods, run).
+
+    Sizes are root mean squares of the runs. NaN where one of them failed.
+    """
+    along, mean, rms = ("scheme", "arithmetic", "step", "periods"), {}, {}
+    observed = dict(observed)
+    for kind, of in (("energy", "mean_energy_error"), ("phase", "phase_error")):
+        round_off = observed[of] - observed[of][:, -1:]
+        round_off[:, -1] = np.nan  # nothing to hold it against
+        observed[f"{kind}_round_off"] = round_off
+    for name in ("energy_error", "mean_energy_error", "phase_error", "energy_round_off", "phase_round_off"):
+        mean[name], rms[name] = observed[name].mean(axis=-1), np.sqrt(np.mean(observed[name] ** 2, axis=-1))
+    growing = [name for name in rms if name != "energy_error"]
+    exponent, error = growth(lengths, np.stack([observed[name] for name in growing]))
+    failed_at = np.where(observed["failed_at_step"] < 0, np.inf, observed["failed_at_step"])
+    earliest = np.argmin(failed_at, axis=-1)[..., None]
+    status, step = (
+        np.take_along_axis(observed[name], earliest, axis=-1)[..., 0].astype(int)
+        for name in ("status", "failed_at_step")
+    )
+
+    def described(values, long_name, units):
+        return along, values, {"long_name": long_name, "units": units}
+
+    less = "less that in compensated double precision"
+    slope = "slope of log rms quantity over log periods, least squares over the last two decades"
+    return xr.Dataset(
+        {
+            "energy_error": described(mean["energy_error"], "signed energy error at the end, mean of runs", "percent"),
+            "max_energy_error": described(observed["max_energy_error"].max(axis=-1), "largest energy error", "percent"),
+            "mean_energy_error": described(
+                mean["mean_energy_error"], "signed energy error, mean over the run and of runs", "percent"
+            ),
+            "phase_error": described(mean["phase_error"], "delay at the end in periods, mean of runs", "1"),
+            "energy_round_off": described(rms["energy_round_off"], f"mean energy error {less}, rms of runs", "percent"),
+            "energy_bias": described(mean["energy_round_off"], f"mean energy error {less}, mean of runs", "percent"),
+            "phase_round_off": described(rms["phase_round_off"], f"delay in periods {less}, rms of runs", "1"),
+            "phase_bias": described(mean["phase_round_off"], f"delay in periods {less}, mean of runs", "1"),
+            "exponent": (("quantity", *along[:-1]), exponent, {"long_name": slope, "units": "1"}),
+            "exponent_error": (
+                ("quantity", *along[:-1]),
+                error,
+                {"long_name": "standard error of the exponent, by the jackknife over runs", "units": "1"},
+            ),
+            "status": (
+                along,
+                status.astype(np.int32),
+                STATUS_ATTRIBUTES | {"long_name": "how the first run to fail ended"},
+            ),
+            "failed_at_step": (along, step, FAILED_AT_STEP_ATTRIBUTES),
+        },
+        coords={
+            "arithmetic": ("arithmetic", list(ARITHMETIC), {"long_name": "precision, and how is summed"}),
+            "step": ("step", list(BITS), {"long_name": "step sizes of 24 bits, or short ones of 12"}),
+            "periods": ("periods", lengths, {"long_name": "length of the run in exact periods", "units": "1"}),
+            "quantity": ("quantity", growing, {"long_name": "what grows"}),
+        },
+    )
+
+
+if __name__ == "__main__":
+    main(long_times)
