@@ -19,7 +19,7 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     schemes, problems = atlas.scheme.values, atlas.problem.values
     rows = -(-len(schemes) // COLUMNS)
     figure = plt.figure(figsize=(PAGE, 0.97 * rows + 0.5))
-    blocks = figure.subfigures(rows, COLUMNS).ravel()
+    blocks = np.asarray(figure.subfigures(rows, COLUMNS)).ravel()
     for block, scheme in zip(blocks, schemes, strict=False):
         of_scheme = atlas.sel(scheme=scheme)
         limit = spectral.stability_limit.sel(scheme=scheme, damping_ratio=0.0).item()

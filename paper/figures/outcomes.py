@@ -1,6 +1,6 @@
 """Maps of how runs end: their colours, their lines, and the cases of the paper on them."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -38,7 +38,7 @@ PAPER_CASES = (
 
 
 #: Look of the linear limit, which has to be seen on black and on white.
-LIMIT = {
+LIMIT: dict[str, Any] = {
     "color": "black",
     "linewidth": 1.1,
     "linestyle": "--",

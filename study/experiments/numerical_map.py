@@ -26,11 +26,11 @@ def numerical_map(
         Iterates of each.
     """
     starts = np.linspace(u0["first"], u0["last"], int(u0["count"]))
-    lanes = {"u0": np.tile(starts, len(dt)), "dt": np.repeat(dt, len(starts))}
+    of_lanes = np.tile(starts, len(dt)), np.repeat(dt, len(starts))
     runs = []
     for scheme in schemes:
         progress(f"numerical map of {scheme} on {problem}")
-        runs.append(run(problem, scheme, steps=steps, **lanes))
+        runs.append(run(problem, scheme, u0=of_lanes[0], dt=of_lanes[1], steps=steps))
     shape = (len(schemes), len(dt), len(starts))
     dims = ("scheme", "dt", "u0")
 
