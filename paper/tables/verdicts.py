@@ -1,0 +1,71 @@
+"""Every scheme by how it fails: the smallest step size, over the period, at which each failure is met."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from paper.data import families
+from paper.tables.writing import main
+
+#: Amplitudes over those of 1996 that are looked at, from one part to as many times.
+SPAN = 3.0
+#: Column of each failure, by the flag of the maps.
+FAILURES = {
+    "damped_to_rest": "Damped to rest",
+    "in_the_wrong_well": "Wrong well",
+    "chaotic": "Chaotic",
+    "growing": "Growing",
+    "newton_not_converged": "Newton fails",
+    "not_finite": "Not finite",
+}
+
+
+def near_1996(atlas: xr.Dataset) -> xr.Dataset:
+    """The part of the maps whose amplitudes are like those of the paper."""
+    return atlas.isel(amplitude=(atlas.amplitude >= 1 / SPAN) & (atlas.amplitude <= SPAN))
+
+
+def is_outcome(atlas: xr.Dataset, name: str) -> xr.DataArray:
+    """Where runs ended in the named way."""
+    return atlas.outcome == atlas.outcome.flag_meanings.split().index(name)
+
+
+def accurate_up_to(atlas: xr.Dataset) -> xr.DataArray:
+    """Largest step size over period up to which all runs are accurate, 0 where none is, over (problem, scheme)."""
+    enough = is_outcome(atlas, "accurate").all("amplitude")
+    count = enough.cumprod("dt_over_period").sum("dt_over_period")
+    return xr.DataArray(np.append(0.0, atlas.dt_over_period.values)[count.values], count.coords, count.dims)
+
+
+def first_of(atlas: xr.Dataset, name: str) -> xr.DataArray:
+    """Smallest step size over period at which some run ends in the named way, over (problem, scheme); infinite if none."""
+    met = is_outcome(atlas, name).any("amplitude")
+    return met.dt_over_period.where(met, np.inf).min("dt_over_period")
+
+
+def _with_problem(values: xr.DataArray) -> str:
+    """The least of the values over problems, and of which it is."""
+    least = values.min().item()
+    return "–" if np.isinf(least) else f"{least:.2g} {values.problem.values[int(np.argmin(values.values))][0]}"
+
+
+def tabulate(atlas: xr.Dataset) -> pd.DataFrame:
+    """One row a scheme."""
+    near = near_1996(atlas)
+    accurate, first = accurate_up_to(near), {title: first_of(near, name) for name, title in FAILURES.items()}
+    rows = []
+    for part in families(near).values():
+        for name in part.scheme.values:
+            up_to = accurate.sel(scheme=name)
+            rows.append(
+                {
+                    "Scheme": part.scheme_title.sel(scheme=name).item(),
+                    "1 % up to": "–" if up_to.min() == 0 else _with_problem(up_to),
+                    **{title: _with_problem(values.sel(scheme=name)) for title, values in first.items()},
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+if __name__ == "__main__":
+    main(tabulate)
