@@ -163,6 +163,20 @@ FIGURES = {
         "Energy error where stiff modes are not resolved.",
     ),
     "structures": ("structures", dataset("structures"), "Error of the displacement of structures."),
+    "atlas": ("atlas", dataset("stability/atlas", "spectral"), "How runs end over step size and amplitude, 1996."),
+    "atlas_of_today": (
+        "atlas_of_today",
+        dataset("stability/atlas", "spectral"),
+        "How runs end over step size and amplitude, schemes of today.",
+    ),
+    "roots": ("roots", dataset("stability/roots"), "Roots of the effective equation, and Newton's choice."),
+    "numerical_map": ("numerical_map", dataset("stability/numerical_map"), "Phase portraits of the numerical map."),
+    "bifurcation": ("bifurcation", dataset("stability/bifurcation"), "Order and chaos of average acceleration."),
+    "structure_stability": (
+        "structure_stability",
+        dataset("stability/structures"),
+        "Lyapunov exponents of the schemes on structures.",
+    ),
 }
 #: Table: the datasets that it shows.
 TABLES = {
@@ -632,6 +646,7 @@ rule numbers:
         dataset("reference_agreement", "accuracy", "work_precision", "recommendation", "round_off", "long_times"),
         dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
         dataset("structures", *(f"structure_history/{name}" for name in HISTORIES)),
+        dataset("stability/atlas", "stability/robustness", *(f"stability/{name}" for name in STABILITY)),
         sources=sources("paper.numbers"),
     output:
         update("results/numbers.json"),

@@ -17,6 +17,7 @@ from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
 from paper.tables.stability import GAIN, PROBLEMS
 from paper.tables.structures import STEPS_PER_PERIOD
+from paper.tables.verdicts import FAILURES, SPAN, is_outcome, near_1996
 
 #: The error of the displacement at which the fastest are compared.
 EXACTING = 1e-10
@@ -300,6 +301,55 @@ def _of_structures(structures: xr.Dataset, history: dict[str, xr.Dataset]) -> di
     }
 
 
+def _of_stability(data: dict[str, xr.Dataset]) -> dict:
+    atlas, roots, bifurcation, robustness, structures = (
+        data[name] for name in ("atlas", "roots", "bifurcation", "robustness", "structures")
+    )
+    chaotic, failed = bifurcation.lyapunov_exponent * bifurcation.dt > 0.05, bifurcation.status != 0
+    at = bifurcation.sel(dt=roots.paper_dt.item(), method="nearest")
+    a_step = at.lyapunov_exponent.item() * at.dt.item()
+    several = (roots.number_of_roots > 1).any("predictor")
+    unique_up_to = roots.dt.where(several, np.inf).min("dt")
+    longest = robustness.steps_needed.isel(periods=-1)
+    of_average = longest.sel(scheme="average_acceleration", level=10)
+    twenty = longest.sel(problem="hardening", level=10) <= 20
+    finest = structures.isel(steps_per_period=-1)
+    exponents = structures.lyapunov_exponent
+    tamed = exponents.sel(problem="duffing_chaotic", scheme="central_difference")
+    pendulum = exponents.sel(problem="pendulum", scheme="average_acceleration")
+    near = near_1996(atlas)
+    by_scheme = {name: is_outcome(near, name).any(["problem", "amplitude", "dt_over_period"]) for name in FAILURES}
+    untouched = ~(by_scheme["chaotic"] | by_scheme["growing"] | by_scheme["not_finite"])
+    return {
+        "maps": atlas.sizes["scheme"] * atlas.sizes["problem"],
+        "map_points": atlas.sizes["amplitude"] * atlas.sizes["dt_over_period"],
+        "map_periods": re.search(r"in (\d+) periods", atlas.max_energy_error.long_name)[1],  # type: ignore[index]
+        "map_schemes": atlas.sizes["scheme"],
+        "map_span": f"{SPAN:g}",
+        "map_chaotic_schemes": int(by_scheme["chaotic"].sum()),
+        "map_untouched": ", ".join(atlas.scheme_title.values[untouched.values]) or "none",
+        "chaos_from": f"{bifurcation.dt.values[chaotic.values.argmax()]:.2f}",
+        "newton_fails_from": f"{bifurcation.dt.values[failed.values.argmax()]:.2f}",
+        "exponent_at_paper": f"{a_step:.2f}",
+        "apart_from_exponent": f"{np.log(bifurcation.order_one / bifurcation.perturbation).item() / a_step:.0f}",
+        "apart_of_two_runs": at.steps_until_apart.item(),
+        **{f"unique_{name}": f"{unique_up_to.sel(scheme=name).item():.2f}" for name in roots.scheme.values},
+        "needed_periods": f"{robustness.periods.values[-1]:,}",
+        "needed_most": robustness.most_steps.item(),
+        **{
+            f"needed_{name}": f"{value:.0f}" if np.isfinite(value) else f"more than {robustness.most_steps.item()}"
+            for name, value in by_name(of_average).items()
+        },
+        "needed_twenty": ", ".join(robustness.scheme_title.values[twenty.values]) or "none",
+        "duffing_exponent_from": f"{finest.lyapunov_exponent.sel(problem='duffing_chaotic').min().item():.2f}",
+        "duffing_exponent_to": f"{finest.lyapunov_exponent.sel(problem='duffing_chaotic').max().item():.2f}",
+        "duffing_tamed": f"{tamed.min().item():.1f}",
+        "duffing_tamed_steps": tamed.idxmin().item(),
+        "pendulum_exponent": f"{pendulum.max().item():.1f}",
+        "pendulum_steps": pendulum.idxmax().item(),
+    }
+
+
 def _of_claims(claims: pd.DataFrame) -> dict:
     def counted(part, prefix):
         count = part["verdict"].value_counts()
@@ -310,8 +360,12 @@ def _of_claims(claims: pd.DataFrame) -> dict:
             f"{prefix}_not_reproduced": int(count.get("not reproduced", 0)),
         }
 
-    ours = claims["section"] == "structures"
-    return counted(claims[~ours], "claims") | counted(claims[ours], "structure_claims")
+    ours = claims["section"].isin(["structures", "stability"])
+    return counted(claims[~ours], "claims") | {
+        name: number
+        for section, prefix in (("structures", "structure_claims"), ("stability", "stability_claims"))
+        for name, number in counted(claims[claims["section"] == section], prefix).items()
+    }
 
 
 def numbers(results: Path) -> dict:
@@ -340,6 +394,12 @@ def numbers(results: Path) -> dict:
                 name: dataset(f"structure_history/{name}")
                 for name in ("stiff_soft", "long_times", "stiff_bar", "stiff_truss")
             },
+        ),
+        **_of_stability(
+            {
+                name: dataset(f"stability/{name}")
+                for name in ("atlas", "roots", "bifurcation", "robustness", "structures")
+            }
         ),
         **_of_claims(claims),
     }

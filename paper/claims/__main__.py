@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from paper.claims import comparisons, conclusions, discussion, introduction, structures  # noqa: F401  (they enter their claims)
+from paper.claims import comparisons, conclusions, discussion, introduction, stability, structures  # noqa: F401  (they enter theirs)
 from paper.claims.ledger import CLAIMS
 from paper.data import load, of_the_paper
 from paper.published import printed_energy_errors

@@ -13,7 +13,7 @@ def _steps(value: float, most: int) -> str:
 
 def tabulate(robustness: xr.Dataset) -> pd.DataFrame:
     """One row a scheme and length of the run, the levels of each problem side by side."""
-    most = max(map(int, robustness.steps_tried.split(", ")))
+    most = int(robustness.most_steps)
     rows = []
     for scheme in robustness.scheme.values:
         for length in robustness.periods.values:

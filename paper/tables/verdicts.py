@@ -38,7 +38,7 @@ def accurate_up_to(atlas: xr.Dataset) -> xr.DataArray:
 
 
 def first_of(atlas: xr.Dataset, name: str) -> xr.DataArray:
-    """Smallest step size over period at which some run ends in the named way, over (problem, scheme); infinite if none."""
+    """Smallest step size over period at which a run ends in the named way, over (problem, scheme); infinite if none."""
     met = is_outcome(atlas, name).any("amplitude")
     return met.dt_over_period.where(met, np.inf).min("dt_over_period")
 

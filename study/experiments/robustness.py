@@ -68,7 +68,8 @@ def robustness(
                     f"level at all amplitudes; NaN where {max(steps_per_period)} do not",
                     "units": "1",
                 },
-            )
+            ),
+            "most_steps": ((), max(steps_per_period), {"long_name": "most steps per period tried", "units": "1"}),
         },
         coords={
             **labels.problem_coordinates(problems),
@@ -76,10 +77,7 @@ def robustness(
             "level": ("level", list(LEVELS), {"long_name": "error of the energy over its height", "units": "percent"}),
             "periods": ("periods", list(periods), {"long_name": "length of the run in periods", "units": "1"}),
         },
-        attrs={
-            "title": "Steps per period that every scheme needs at all amplitudes",
-            "steps_tried": ", ".join(map(str, sorted(steps_per_period))),
-        },
+        attrs={"title": "Steps per period that every scheme needs at all amplitudes"},
     )
 
 

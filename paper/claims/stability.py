@@ -1,0 +1,64 @@
+"""Claims about stability at large steps and over long times, ours and the paper's, on the maps."""
+
+import numpy as np
+
+from paper.claims.ledger import Finding, by_name, claim, listed
+from paper.tables.verdicts import is_outcome, near_1996
+
+#: Schemes that damp, of those of the paper.
+DAMPED = ["newmark_dissipative", "wilson_theta", "houbolt", "hht_alpha"]
+
+
+@claim(
+    "stability",
+    "Δt < T/20 is reasonable for average acceleration, at every amplitude and for long.",
+    "steps a period that keep the energy within 10 % over the longest runs at all amplitudes, by problem",
+)
+def a_twentieth_at_every_amplitude(data):
+    robustness = data["stability/robustness"]
+    needed = robustness.steps_needed.sel(scheme="average_acceleration", level=10).isel(periods=-1)
+    steps = by_name(needed)
+    good = [name for name, value in steps.items() if value <= 20]
+    return Finding(
+        f"{listed(steps, '.0f')} (nan: more than {robustness.most_steps.item()})",
+        bool(good),
+        "" if len(good) == len(steps) else f"only on {', '.join(good) or 'none'}",
+    )
+
+
+@claim(
+    "stability",
+    "In the double well at Δt = 2.5 average acceleration is chaotic.",
+    "Lyapunov exponent of its map, a step, and steps until a perturbation of 1e-10 is of order one",
+)
+def chaos_of_average_acceleration(data):
+    at = data["stability/bifurcation"].sel(dt=2.5, method="nearest")
+    a_step = (at.lyapunov_exponent * at.dt).item()
+    return Finding(f"{a_step:.2f}; {at.steps_until_apart.item()}", a_step > 0.05 and at.steps_until_apart > 0)
+
+
+@claim(
+    "stability",
+    "Where the effective equation of a step has several roots, Newton's choice among them decides.",
+    "average acceleration in the double well: step size from which on there are several, and first at which a run fails",
+)
+def several_roots(data):
+    roots, bifurcation = data["stability/roots"], data["stability/bifurcation"]
+    several = (roots.number_of_roots.sel(scheme="average_acceleration") > 1).any("predictor")
+    first = roots.dt.values[several.values.argmax()]
+    failed = bifurcation.status.values != 0
+    fails = bifurcation.dt.values[failed.argmax()] if failed.any() else np.nan
+    return Finding(f"{first:.2f}; {fails:.2f}", bool(abs(fails - first) < 0.15))
+
+
+@claim(
+    "stability",
+    "Numerical damping keeps the schemes of the paper from chaos.",
+    "part of their runs that end chaotic on the maps at amplitudes like those of 1996, in percent",
+)
+def damping_against_chaos(data):
+    near = near_1996(data["stability/atlas"]).sel(scheme=DAMPED)
+    chaotic = is_outcome(near, "chaotic")
+    part = by_name(100 * chaotic.mean(["problem", "amplitude", "dt_over_period"]))
+    where = [p for p in near.problem.values if chaotic.sel(problem=p).any()]
+    return Finding(listed(part, ".1f"), max(part.values()) < 1, f"they are, on {', '.join(where)}" if where else "")
