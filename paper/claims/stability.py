@@ -40,7 +40,7 @@ def chaos_of_average_acceleration(data):
 @claim(
     "stability",
     "Where the effective equation of a step has several roots, Newton's choice among them decides.",
-    "average acceleration in the double well: step size from which on there are several, and first at which a run fails",
+    "average acceleration in the double well: step size from which there are several, and first at which a run fails",
 )
 def several_roots(data):
     roots, bifurcation = data["stability/roots"], data["stability/bifurcation"]
