@@ -1,6 +1,9 @@
 """What accuracy costs: the time, the forces and the Newton iterations of every scheme beside its errors."""
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -9,7 +12,7 @@ from study import datasets
 from study.command import main, progress
 from study.experiments import labels
 from study.observers import EnergyDrift
-from study.problems import problems as problems_by_name
+from study.problems import untitled
 from study.schemes import schemes as schemes_by_name
 from study.timing import Timed
 
@@ -29,10 +32,13 @@ def work_precision(
     accuracy = datasets.open("accuracy").sel(problem=problems, scheme=schemes, steps_per_period=steps_per_period)
     shape = tuple(map(len, (problems, schemes, steps_per_period)))
     per_step = np.full((*shape, repeats), np.nan)
+    chosen = [schemes_by_name[scheme] for scheme in schemes]
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
         period = datasets.open(f"reference/{problem}").period.item()
-        timed = [Timed(problems_by_name[problem], schemes_by_name[scheme], (EnergyDrift(),)) for scheme in schemes]
+        # compiled side by side, as nothing else runs then, and timed one after the other
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            timed = list(pool.map(partial(Timed, untitled(problem), reductions=(EnergyDrift(),)), chosen))
         for k, parts in enumerate(steps_per_period):
             dt = period / parts
             steps = [int(FIRST_STEPS * max(1, LONG_ENOUGH / one.run(dt, FIRST_STEPS)[0])) for one in timed]
@@ -43,7 +49,6 @@ def work_precision(
     dims = ("problem", "scheme", "steps_per_period")
     steps_of_run = accuracy.steps_per_period * accuracy.periods
     iterations = (accuracy.newton_iterations / steps_of_run).sel(periods=100).transpose(*dims).values
-    chosen = [schemes_by_name[scheme] for scheme in schemes]
     of_step = np.array([[scheme.evaluations] for scheme in chosen])
     of_iteration = np.array([[scheme.evaluations_per_iteration] for scheme in chosen])
     evaluations = of_step + of_iteration * iterations
