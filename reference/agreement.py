@@ -11,8 +11,7 @@ from reference import diffrax, exact, sundials, taylor
 from reference.solution import RouteFailed, Solution, StepLimit
 from study.command import main, progress
 from study.problem import Problem
-from study.problems import printed_periods
-from study.problems import problems as problems_by_name
+from study.problems import printed_periods, untitled
 
 #: Route: its trajectory and its period, each a function of problem, times or estimate, and tolerance.
 ROUTES: dict[str, tuple[Callable, Callable]] = {
@@ -79,7 +78,7 @@ def agreement(problems: Sequence[str], tolerances: Sequence[float]) -> xr.Datase
 
 
 def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
-    definition, estimate = problems_by_name[problem], printed_periods[problem]
+    definition, estimate = untitled(problem), printed_periods[problem]
     shape = (len(ROUTES), len(tolerances))
     windowed = {
         name: np.full((*shape, len(WINDOWS)), np.nan)

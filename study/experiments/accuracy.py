@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-import jax
 import numpy as np
 import xarray as xr
 
@@ -11,6 +10,7 @@ from study.command import main, progress
 from study.comparison import against, flagged, uncertainties
 from study.experiments import labels
 from study.observers import EnergyDrift, MaxEnergyError, NewtonIterations
+from study.problems import untitled
 from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 
 
@@ -24,14 +24,14 @@ def accuracy(
     measured: dict[str, np.ndarray] = {}
     attributes: dict[str, dict] = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
     for p, (problem, reference) in enumerate(references.items()):
-        jax.clear_caches()  # of no use to another problem, and ten megabytes a scheme
+        definition = untitled(problem)
         for s, scheme in enumerate(schemes):
             progress(f"accuracy of {scheme} on {problem}")
             for k, steps in enumerate(steps_per_period):
                 dt, observers = against(reference, steps, max(steps_per_period))
                 observe = [*observers, MaxEnergyError(), EnergyDrift(), NewtonIterations()]
                 for n, length in enumerate(periods):
-                    ds = run(problem, scheme, dt=dt, steps=steps * length, observe=observe)
+                    ds = run(definition, scheme, dt=dt, steps=steps * length, observe=observe)
                     for name, value in ds.data_vars.items():
                         measured.setdefault(str(name), np.empty(shape, value.dtype))[p, s, k, n] = value
                         attributes[str(name)] = value.attrs

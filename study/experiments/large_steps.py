@@ -7,7 +7,7 @@ import xarray as xr
 
 from study.command import main, progress
 from study.experiments import labels
-from study.problems import printed_periods
+from study.problems import printed_periods, untitled
 from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 
 
@@ -21,10 +21,11 @@ def large_steps(
     status, failed_at_step = np.zeros(shape, np.int32), np.empty(shape, int)
     for p, problem in enumerate(problems):
         progress(f"large steps on {problem}")
+        definition = untitled(problem)
         for s, scheme in enumerate(schemes):
             for r, part in enumerate(dt_over_period):
                 ds = run(
-                    problem,
+                    definition,
                     scheme,
                     dt=printed_periods[problem] * part,
                     steps=round(periods / part),

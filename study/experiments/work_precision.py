@@ -12,7 +12,7 @@ from study import datasets
 from study.command import main, progress
 from study.experiments import labels
 from study.observers import EnergyDrift
-from study.problems import problems as problems_by_name
+from study.problems import untitled
 from study.schemes import schemes as schemes_by_name
 from study.timing import Timed
 
@@ -38,7 +38,7 @@ def work_precision(
         period = datasets.open(f"reference/{problem}").period.item()
         # compiled side by side, as nothing else runs then, and timed one after the other
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            timed = list(pool.map(partial(Timed, problems_by_name[problem], reductions=(EnergyDrift(),)), chosen))
+            timed = list(pool.map(partial(Timed, untitled(problem), reductions=(EnergyDrift(),)), chosen))
         for k, parts in enumerate(steps_per_period):
             dt = period / parts
             steps = [int(FIRST_STEPS * max(1, LONG_ENOUGH / one.run(dt, FIRST_STEPS)[0])) for one in timed]
