@@ -9,6 +9,7 @@ import jsonschema
 import yaml
 
 from study.comparison import MEASURES
+from study.effective_equation import effective_coefficient
 from study.problems import periods, printed_periods, problems
 from study.registry import Registry, did_you_mean
 from study.schemes import OneStep, schemes
@@ -153,6 +154,38 @@ def _check_long_times(config: dict) -> None:
         raise ValueError("long_times.periods: a law of growth takes three lengths within the last two decades.")
 
 
+def _check_stability(config: dict) -> None:
+    """What the maps and the reasons behind them need of each other, and the manuscript of them."""
+    atlas, robustness, why = config["atlas"], config["robustness"], config["stability"]
+    if atlas["tiles"] > atlas["amplitudes"]["count"]:
+        raise ValueError(f"atlas.tiles: there are more of them, {atlas['tiles']}, than amplitudes.")
+    if 10 ** atlas["dt_over_period"]["last"] > atlas["periods"]:
+        raise ValueError(f"atlas.dt_over_period: a step is longer than the {atlas['periods']} periods of the run.")
+    for name in robustness["problems"]:
+        if name not in atlas["problems"]:
+            raise ValueError(f"robustness.problems: '{name}' is none of atlas.problems, whose amplitudes it takes.")
+    if why["bifurcation"]["shown"] > why["bifurcation"]["steps"]:
+        raise ValueError(f"stability.bifurcation: shown, {why['bifurcation']['shown']}, are more than the steps.")
+    for name in why["roots"]["schemes"]:
+        try:
+            effective_coefficient(schemes[name])
+        except ValueError as error:
+            raise ValueError(f"stability.roots.schemes: {error}") from None
+    lengths = [one["problem"] for one in why["structures"]["lengths"]]
+    for name in lengths:
+        if name not in periods:
+            raise ValueError(f"stability.structures.lengths: '{name}' is none of the structures {', '.join(periods)}.")
+    for place, there, needed in (
+        ("robustness.schemes", robustness["schemes"], ["average_acceleration"]),
+        ("stability.roots.schemes", why["roots"]["schemes"], ["average_acceleration", "wilson_theta", "houbolt"]),
+        ("stability.structures.lengths", lengths, ["pendulum", "duffing_chaotic"]),
+        ("stability.structures.schemes", why["structures"]["schemes"], ["average_acceleration", "central_difference"]),
+    ):
+        missing = [name for name in needed if name not in there]
+        if missing:
+            raise ValueError(f"{place} lacks '{missing[0]}', which the manuscript and its ledger need.")
+
+
 def _check_values(config: dict) -> None:
     """What a schema cannot say: finite numbers, at least one step, ranges in order, what the manuscript needs."""
     for place, value in _numbers(config, ""):
@@ -171,14 +204,13 @@ def _check_values(config: dict) -> None:
         ("spectral.exponents", config["spectral"]["exponents"]),
         ("atlas.amplitudes", config["atlas"]["amplitudes"]),
         ("atlas.dt_over_period", config["atlas"]["dt_over_period"]),
+        ("stability.roots.dt", config["stability"]["roots"]["dt"]),
+        ("stability.roots.predictor", config["stability"]["roots"]["predictor"]),
+        ("stability.numerical_map.u0", config["stability"]["numerical_map"]["u0"]),
+        ("stability.bifurcation.dt", config["stability"]["bifurcation"]["dt"]),
     ):
         if span["first"] >= span["last"]:
             raise ValueError(f"{place}: first, {span['first']}, must be less than last, {span['last']}.")
-    atlas = config["atlas"]
-    if atlas["tiles"] > atlas["amplitudes"]["count"]:
-        raise ValueError(f"atlas.tiles: there are more of them, {atlas['tiles']}, than amplitudes.")
-    if 10 ** atlas["dt_over_period"]["last"] > atlas["periods"]:
-        raise ValueError(f"atlas.dt_over_period: a step is longer than the {atlas['periods']} periods of the run.")
     missing_length = [length for length in _SHOWN_PERIODS if length not in config["accuracy"]["periods"]]
     if missing_length:
         raise ValueError(f"accuracy.periods lacks {missing_length[0]}, which the manuscript and its tables need.")
@@ -190,6 +222,7 @@ def _check_values(config: dict) -> None:
             raise ValueError(f"{place}.tolerances must fall, not {section['tolerances']}.")
     _check_contained(config)
     _check_structures(config)
+    _check_stability(config)
     _check_long_times(config)
     portraits = {f"phase_portrait.{name}": portrait for name, portrait in config["phase_portrait"].items()}
     of_the_paper = {key: config[key] for key in _OF_THE_PAPER}

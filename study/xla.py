@@ -4,7 +4,7 @@ XLA's CPU compiler turns a loop into one native loop only while the loop's body 
 operation (up to ten times slower) otherwise. The threshold is raised here; a call of LAPACK, as more than one unknown
 takes, is no part of such a loop. Vector registers are used in their full width, which ensembles gain from. Loops come
 from XLA's older generator: the newer one takes half as long again to compile a march, and twice as long where schemes
-iterate on several unknowns, for the same numbers at the same speed (chains take a tenth more, trusses a tenth less).
+iterate on several unknowns, for the same numbers at a speed within a sixth, more or less.
 
 What has been compiled is kept for the next process, in a folder of this machine alone, as another processor may lack
 instructions. Whatever the user has set in ``XLA_FLAGS`` or as JAX's cache stands.

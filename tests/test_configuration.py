@@ -61,6 +61,36 @@ def test_all_schemes_are_written_out(config):
             lambda c: c["structures"]["lengths"].append({"problem": "hardening", "periods": 1}),
             "'hardening' is none of the structures pendulum,",
         ),
+        (lambda c: c["atlas"].update(tiles=1000), "atlas.tiles: there are more of them, 1000, than amplitudes."),
+        (lambda c: c["atlas"]["dt_over_period"].update(last=5), "atlas.dt_over_period: a step is longer than the"),
+        (
+            lambda c: c["atlas"]["amplitudes"].update(first=2),
+            "atlas.amplitudes: first, 2, must be less than last, 1.5.",
+        ),
+        (
+            lambda c: c["robustness"]["problems"].append("softening_large"),
+            "robustness.problems: 'softening_large' is none",
+        ),
+        (
+            lambda c: c["stability"]["bifurcation"].update(shown=10**6),
+            "stability.bifurcation: shown, 1000000, are more",
+        ),
+        (
+            lambda c: c["stability"]["roots"]["schemes"].append("bathe"),
+            "a step of 'Bathe' is not one effective equation",
+        ),
+        (
+            lambda c: c["stability"]["roots"]["schemes"].append("bathed"),
+            "stability.roots.schemes: there is no scheme 'bathed'",
+        ),
+        (
+            lambda c: c["stability"]["structures"]["lengths"].pop(0),
+            "stability.structures.lengths lacks 'pendulum', which",
+        ),
+        (
+            lambda c: c["stability"]["structures"]["lengths"].append({"problem": "hardening", "periods": 1}),
+            "stability.structures.lengths: 'hardening' is none of the structures pendulum,",
+        ),
         (lambda c: c["structures"].update(steps_per_period=[25]), "25 is no multiple of samples_per_period, 20."),
         (
             lambda c: c["structures"].update(lengths=[{"problem": "stiff_soft", "periods": 1}]),

@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 
 import study
 from reference.amplitudes import amplitudes
+from study.effective_equation import effective_coefficient, number_of_roots
 from study.experiments.atlas import atlas
 from study.experiments.bifurcation import bifurcation
 from study.experiments.robustness import robustness
-from study.experiments.roots import effective_coefficient, number_of_roots, roots
+from study.experiments.roots import roots
 from study.linear_theory import LinearTheory, oscillator
 from study.problems import CubicSpring
 from study.stability import OUTCOMES, Fate, outcomes

@@ -11,51 +11,19 @@ import numpy as np
 import xarray as xr
 
 from study.command import main, progress
+from study.effective_equation import effective_coefficient, number_of_roots
 from study.equilibrium import Motion, balance, load
 from study.experiments import labels
 from study.problem import Problem
 from study.problems import problems
 from study.runs import run
-from study.schemes import HHTAlpha, Houbolt, Newmark, Scheme, WilsonTheta
+from study.schemes import Newmark
 from study.schemes import schemes as registry
 
-#: Displacements among which a sign change of the effective equation is looked for, over the largest predictor.
-SEARCHED = 4001
 #: Runs that differ by so much in displacement no longer answer the same question.
 APART = 0.1
 #: Where Newton's iteration may start: from the acceleration before the step, or from none.
 GUESSES = {"last_acceleration": 1.0, "none": 0.0}
-
-
-def effective_coefficient(scheme: Scheme) -> float:
-    """κ of u + κΔt² p(u) = ũ, the effective equation of a step without mass matrix, damping and load.
-
-    Raises
-    ------
-    ValueError
-        If a step of the scheme is not one such equation.
-    """
-    match scheme:
-        case Newmark(beta=beta) if beta > 0:
-            return beta
-        case HHTAlpha(alpha=alpha, beta=beta):
-            return (1 + alpha) * beta
-        case WilsonTheta(theta=theta, beta=beta):
-            return beta * theta**2
-        case Houbolt():
-            return 1 / 2
-    raise ValueError(f"a step of '{scheme.title}' is not one effective equation u + κΔt² p(u) = ũ.")
-
-
-def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.ndarray) -> np.ndarray:
-    """How many u there are with u + c p(u) = ũ, (coefficients, predictors), from changes of sign."""
-    # no root lies beyond the largest predictor and the last rest of the potential
-    far = 2 * max(np.abs(predictor).max(), 2.0)
-    u = np.linspace(-far, far, SEARCHED)
-    p = np.asarray(jax.vmap(problem.force)(u))
-    left = u + coefficient[:, None] * p
-    sign = left[:, None, :] > predictor[:, None]
-    return np.count_nonzero(sign[..., 1:] != sign[..., :-1], axis=-1)
 
 
 @eqx.filter_jit
