@@ -10,7 +10,7 @@ import xarray as xr
 from scipy import optimize
 
 from study.march import NEWTON_FAILED, NOT_FINITE
-from study.observers import Reduction
+from study.observers import Record, Reduction
 from study.problem import Problem
 
 #: Within this part of its height above rest the energy is accurate; below this part of it a run is at rest.
@@ -124,6 +124,25 @@ class Fate(Reduction):
         height, error, iterations, first = carried
         values = dict(zip(self.variables, (100 * error / height, iterations, *first), strict=True))
         return {name: value for name, value in values.items() if value is not None}
+
+
+class Height(Record):
+    """Height of the energy above rest along time, over that at the start.
+
+    Parameters
+    ----------
+    rest
+        As in :class:`Fate`.
+    """
+
+    rest: float = eqx.field(converter=np.float64)
+
+    variables = {"height": {"long_name": "height of the energy above rest over that at the start", "units": "1"}}
+    needs_energy = True
+
+    def sample(self, problem, initial, state):
+        first, now = (problem.energy(at.u, at.v) - self.rest for at in (initial, state))
+        return {"height": now / first}
 
 
 def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
