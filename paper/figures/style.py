@@ -30,6 +30,19 @@ SOLVERS = {
     "heyoka": "heyoka",
 }
 
+#: How a run can end, by the names in the maps of stability: what it is called, and a colour, the darker the worse, so
+#: that the order is seen in greyscale too.
+OUTCOMES = {
+    "accurate": ("accurate", "#ffffff"),
+    "bounded": ("bounded", "#d0e1f2"),
+    "damped_to_rest": ("damped to rest", "#8fc1e0"),
+    "in_the_wrong_well": ("in the wrong well", "#e69f00"),
+    "chaotic": ("chaotic", "#cc79a7"),
+    "growing": ("growing", "#c8500a"),
+    "newton_not_converged": ("Newton did not converge", "#7f1d2d"),
+    "not_finite": ("not finite", "#000000"),
+}
+
 # Okabe and Ito's palette without its yellow; line styles and markers tell the curves apart without any colour.
 _LOOKS = (
     cycler(color=["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"])
