@@ -227,12 +227,13 @@ rule all:
     default_target: True
     input:
         "results/manuscript.pdf",
+        "results/explorer.html",
         "results/claims.csv",
         dataset(*DATASETS),
         expand("results/figures/{figure}.{format}", figure=FIGURES, format=["pdf", "png", "svg"]),
         expand("results/tables/{table}.{format}", table=TABLES, format=["csv", "tex"]),
     message:
-        "everything is made; see results/manuscript.pdf"
+        "everything is made; see results/manuscript.pdf and results/explorer.html"
 
 
 rule reference:
@@ -451,13 +452,14 @@ rule atlas:
         dataset("reference/amplitudes"),
         lambda wildcards: sources("study.experiments.atlas", [wildcards.scheme]),
     output:
-        update("results/stability/tiles/{scheme}_{tile}.nc"),
+        maps=update("results/stability/tiles/{scheme}_{tile}.nc"),
+        portraits=update("results/stability/portraits/{scheme}_{tile}.nc"),
     params:
         options=lambda wildcards: json.dumps(
             {
                 "scheme": wildcards.scheme,
                 "tile": int(wildcards.tile),
-                **{key: config["atlas"][key] for key in ("problems", "dt_over_period", "periods", "tiles")},
+                **{key: config["atlas"][key] for key in ("problems", "dt_over_period", "periods", "portraits", "tiles")},
             }
         ),
     log:
@@ -550,6 +552,55 @@ rule stability:
         "why a scheme fails: {wildcards.stability}"
     shell:
         "python -m study.experiments.{params.experiment} {output} {params.options:q} > {log} 2>&1"
+
+
+rule gathered_portraits:
+    input:
+        tiles=expand(
+            "results/stability/portraits/{scheme}_{tile}.nc",
+            scheme=config["atlas"]["schemes"],
+            tile=range(config["atlas"]["tiles"]),
+        ),
+        sources=sources("study.gather"),
+    output:
+        update("results/stability/portraits.nc"),
+    log:
+        "results/logs/portraits.log",
+    benchmark:
+        "results/benchmarks/portraits.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "samples of the runs of the maps, all schemes"
+    shell:
+        "python -m study.gather {output} scheme,amplitude {input.tiles} > {log} 2>&1"
+
+
+rule explorer:
+    input:
+        data=dataset(
+            "stability/atlas",
+            "stability/portraits",
+            "reference/amplitudes",
+            *(f"phase_portrait/{name}" for name in PORTRAITS),
+        ),
+        sources=sources("paper.explorer"),
+    output:
+        report(
+            update("results/explorer.html"), caption="paper/figures/caption.rst", category="Maps of stability"
+        ),
+    params:
+        caption="Every run of the maps of stability, to look at.",
+    log:
+        "results/logs/explorer.log",
+    benchmark:
+        "results/benchmarks/explorer.tsv"
+    conda:
+        ENVIRONMENT
+    message:
+        "page to explore the maps of stability"
+    shell:
+        "python -m paper.explorer {output} {input.data} > {log} 2>&1"
 
 
 rule phase_portrait:

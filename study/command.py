@@ -1,4 +1,4 @@
-"""How the pipeline calls a function that makes a dataset: ``python -m MODULE OUTPUT 'JSON OPTIONS'``."""
+"""How the pipeline calls a function that makes datasets: ``python -m MODULE OUTPUT... 'JSON OPTIONS'``."""
 
 import inspect
 import json
@@ -29,18 +29,25 @@ def _options(function: Callable, text: str) -> dict:
     return options
 
 
-def main(function: Callable[..., xr.Dataset]) -> None:
-    """Make the dataset of ``function`` and write it whole, with its provenance; the output is checked first."""
+def main(function: Callable[..., xr.Dataset | tuple[xr.Dataset, ...]]) -> None:
+    """Make the datasets of ``function``, one for each output, and write each whole, with its provenance.
+
+    The outputs are checked first.
+    """
     module = sys.modules[function.__module__].__spec__.name  # type: ignore[union-attr]
-    if len(sys.argv) != 3:
-        raise SystemExit(f"usage: python -m {module} OUTPUT 'JSON OPTIONS'")
-    path, options = check_writable(sys.argv[1]), _options(function, sys.argv[2])
+    if len(sys.argv) < 3:
+        raise SystemExit(f"usage: python -m {module} OUTPUT... 'JSON OPTIONS'")
+    paths, options = [check_writable(path) for path in sys.argv[1:-1]], _options(function, sys.argv[-1])
     try:
-        dataset = function(**options)
+        made = function(**options)
     except (KeyError, ValueError, FileNotFoundError) as error:
         raise SystemExit(f"{module}: {error}") from error
-    dataset.attrs = provenance(dataset.attrs.pop("title"), f"python -m {module}") | dataset.attrs
-    write(dataset, path)
+    datasets = (made,) if isinstance(made, xr.Dataset) else made
+    if len(datasets) != len(paths):
+        raise SystemExit(f"{module} makes {len(datasets)} datasets, for which {len(paths)} outputs were given.")
+    for dataset, path in zip(datasets, paths, strict=True):
+        dataset.attrs = provenance(dataset.attrs.pop("title"), f"python -m {module}") | dataset.attrs
+        write(dataset, path)
 
 
 def progress(message: str) -> None:

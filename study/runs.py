@@ -170,6 +170,7 @@ def run(
     observe: Sequence[str | Observer] = ("trajectory",),
     u0: float | np.ndarray | None = None,
     every: int = 1,
+    samples: int | None = None,
 ) -> xr.Dataset:
     """March one scheme on one problem and return what was observed.
 
@@ -186,8 +187,10 @@ def run(
     u0
         Initial displacement in place of the problem's; an array (lanes, ...) makes an ensemble.
     every
-        Store what is recorded along time at every so many steps; it must divide ``steps``. Every new number of samples
-        is compiled anew, which a new number of steps alone is not.
+        Store what is recorded along time at every so many steps; without ``samples`` it must divide ``steps``.
+    samples
+        How many samples to store behind the first, in place of those of the whole run; NaN where the run has ended.
+        Every new number is compiled anew, which a new number of steps alone is not.
 
     Returns
     -------
@@ -223,20 +226,28 @@ def run(
             f"'{next(iter(records[0].variables))}' is recorded along time, which takes one number of steps for all "
             "lanes; give steps as a number, or observe what has one value a run."
         )
-    if np.any(count % every):
+    if samples is None and np.any(count % every):
         raise ValueError(f"every must divide the number of steps; {every} does not divide {count[()]}.")
-    samples = int(count) // every if records else 0
+    if not records:
+        room = 0
+    elif samples is None:
+        room = int(count) // every
+    else:
+        room = _positive_integer("samples", samples)
     lanes = _lanes(definition, start, dt=step_size, steps=count)
     if lanes:
         start = np.broadcast_to(start, (lanes, *np.shape(definition.u0)))
         dts = np.broadcast_to(step_size, lanes)
-        outcome = march_ensemble(
-            March(definition, marched, reductions, records, True), start, dts, count, every, samples
-        )
+        outcome = march_ensemble(March(definition, marched, reductions, records, True), start, dts, count, every, room)
     else:
         alone = March(definition, marched, reductions, records)
-        outcome = jax.tree.map(np.asarray, _march_alone(alone, start, step_size, int(count), every, samples))
-    return _labelled(definition, method, outcome, chosen, step_size, every, samples, bool(lanes))
+        outcome = jax.tree.map(np.asarray, _march_alone(alone, start, step_size, int(count), every, room))
+    runs = _labelled(definition, method, outcome, chosen, step_size, every, room, bool(lanes))
+    if np.any(room * every > count):
+        # where the next sample is due stands the end of the run
+        going_on = xr.DataArray(np.arange(room + 1) * every <= count, dims=runs.t.dims[-1])
+        runs.update(runs[list(outcome.samples)].where(going_on))
+    return runs
 
 
 def _labelled(problem, scheme, outcome, chosen, dt, every, samples, ensemble) -> xr.Dataset:

@@ -10,7 +10,7 @@ import xarray as xr
 from scipy import optimize
 
 from study.march import NEWTON_FAILED, NOT_FINITE
-from study.observers import Reduction
+from study.observers import Record, Reduction
 from study.problem import Problem
 
 #: Within this part of its height above rest the energy is accurate; below this part of it a run is at rest.
@@ -161,6 +161,25 @@ class Excursions(Reduction):
 
     def result(self, carried, problem, state):
         return dict(zip(self.variables, carried[1], strict=True))
+
+
+class Height(Record):
+    """Height of the energy above rest along time, over that at the start.
+
+    Parameters
+    ----------
+    rest
+        E_rest, as in :class:`Fate`.
+    """
+
+    rest: float = eqx.field(converter=np.float64)
+
+    variables = {"height": {"long_name": "height of the energy above rest over that at the start", "units": "1"}}
+    needs_energy = True
+
+    def sample(self, problem, initial, state):
+        first, now = (problem.energy(at.u, at.v) - self.rest for at in (initial, state))
+        return {"height": now / first}
 
 
 def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:

@@ -91,6 +91,20 @@ def test_an_ensemble_on_an_accelerator_is_one_tile(monkeypatch):
     xr.testing.assert_allclose(study.run("hardening", "rk4", **arguments), on_cpu, rtol=1e-12)
 
 
+@pytest.mark.parametrize("u0", [4.0, [4.0, 5.0]])
+def test_a_number_of_samples_fits_runs_of_every_length(u0):
+    arguments = {"problem": "softening", "scheme": "rk4", "dt": 0.05, "u0": u0}
+    whole = study.run(**arguments, steps=50).u
+    for steps in (7, 30, 50):
+        some = study.run(**arguments, steps=steps, every=3, samples=10).u
+        ended = np.arange(11) * 3 > steps
+        np.testing.assert_array_equal(some.t, whole.t[:31:3])
+        np.testing.assert_array_equal(some.isel(t=~ended), whole[..., :31:3].isel(t=~ended))
+        assert some.isel(t=ended).isnull().all()
+    with pytest.raises(ValueError, match="samples must be a whole number of at least 1, not 0"):
+        study.run(**arguments, steps=7, samples=0)
+
+
 @pytest.mark.parametrize("every", [1, 10, 1000])
 def test_a_pause_changes_nothing(monkeypatch, every):
     """Also where it falls between two samples."""

@@ -82,6 +82,7 @@ def _hashes(folder: Path) -> dict[str, str]:
 def test_everything_is_made(project):
     results = project / "results"
     assert (results / "manuscript.pdf").read_bytes().startswith(b"%PDF")
+    assert 1e6 < (results / "explorer.html").stat().st_size < 15e6
     for figure in ("hardening", "softening", "instability", "double_well", "energy_history", "energy_drift"):
         for suffix in (".pdf", ".png", ".svg"):
             assert (results / "figures" / f"{figure}{suffix}").stat().st_size > 5000

@@ -30,15 +30,16 @@ SOLVERS = {
     "heyoka": "heyoka",
 }
 
-#: How runs end, by the flags of the maps of stability: what it is called, and its colour, light where all is well.
+#: How a run can end, by the names in the maps of stability: what it is called, and a colour, the darker the worse, so
+#: that the order is seen in greyscale too.
 OUTCOMES = {
-    "accurate": ("accurate, energy within 1 %", "#ffffff"),
-    "bounded": ("bounded", "#c9dff0"),
-    "damped_to_rest": ("damped to rest", "#4a90c4"),
-    "in_the_wrong_well": ("in the wrong well", "#00674f"),
-    "chaotic": ("chaotic", "#E69F00"),
-    "growing": ("growing without bound", "#D55E00"),
-    "newton_not_converged": ("Newton did not converge", "#8c1c4a"),
+    "accurate": ("accurate", "#ffffff"),
+    "bounded": ("bounded", "#d0e1f2"),
+    "damped_to_rest": ("damped to rest", "#8fc1e0"),
+    "in_the_wrong_well": ("in the wrong well", "#e69f00"),
+    "chaotic": ("chaotic", "#cc79a7"),
+    "growing": ("growing", "#c8500a"),
+    "newton_not_converged": ("Newton did not converge", "#7f1d2d"),
     "not_finite": ("not finite", "#000000"),
 }
 

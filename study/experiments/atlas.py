@@ -1,4 +1,8 @@
-"""Where a scheme can be trusted and how it fails elsewhere: one tile of the maps over step size and amplitude."""
+"""Where a scheme can be trusted and how it fails where it cannot, over step size and amplitude: one tile of the maps.
+
+Samples of some of the runs are kept beside the maps. They come from the same march: to compile another one would take
+as long as to run it.
+"""
 
 from collections.abc import Sequence
 
@@ -8,10 +12,13 @@ import xarray as xr
 from study import datasets
 from study.command import main, progress
 from study.experiments import labels
-from study.problem import Problem
 from study.problems import problems as registry
 from study.runs import run
-from study.stability import OUTCOMES, Fate, outcomes
+from study.stability import OUTCOMES, Fate, Height, outcomes
+
+#: The part of a period by which samples move around an orbit, as nearly as steps allow: the golden section is furthest
+#: from every fraction, so that they come to lie all around it.
+GOLDEN = (5**0.5 - 1) / 2
 
 _OUTCOME_ATTRIBUTES = {
     "long_name": "how the run ended",
@@ -20,23 +27,39 @@ _OUTCOME_ATTRIBUTES = {
 }
 
 
-def _column(problem: Problem, scheme: str, fate: Fate, u0: np.ndarray, dt: np.ndarray, steps: int) -> dict:
-    """One step size over all amplitudes."""
-    runs = run(problem, scheme, dt=dt, steps=steps, u0=u0, observe=[fate, "lyapunov_exponent"])
+def _single(values: np.ndarray) -> np.ndarray:
+    """In single precision, infinite where that has no such number."""
+    with np.errstate(over="ignore"):
+        return values.astype(np.float32)
+
+
+def _column(runs: xr.Dataset, dt: np.ndarray) -> dict[str, np.ndarray]:
+    """What the maps tell of one step size, each (amplitudes,)."""
     outcome, began = outcomes(runs)
     step = np.where(np.isnan(began), -1, np.rint(began / dt))
     return {
         "outcome": outcome,
         "at_step": np.where(runs.status > 0, runs.failed_at_step, step).astype(np.int32),
-        "max_energy_error": runs.max_energy_error.values.astype(np.float32),
-        "max_newton_iterations": runs.max_newton_iterations.values.astype(np.float32),
-        "lyapunov_exponent": runs.lyapunov_exponent.values.astype(np.float32),
+        "max_energy_error": _single(runs.max_energy_error.values),
+        "max_newton_iterations": _single(runs.max_newton_iterations.values),
+        "lyapunov_exponent": _single(runs.lyapunov_exponent.values),
     }
 
 
+def _sampled(places: np.ndarray, whole: int, points: int) -> np.ndarray:
+    """Which of the places on an axis of so many in all are among the at most ``points`` evenly spaced ones."""
+    return places % -(-whole // points) == 0
+
+
 def atlas(
-    scheme: str, problems: Sequence[str], dt_over_period: dict[str, float], periods: int, tile: int, tiles: int
-) -> xr.Dataset:
+    scheme: str,
+    problems: Sequence[str],
+    dt_over_period: dict[str, float],
+    periods: int,
+    portraits: dict[str, int],
+    tile: int,
+    tiles: int,
+) -> tuple[xr.Dataset, xr.Dataset]:
     """How the runs of a scheme end, for one of ``tiles`` parts of the amplitudes of ``results/reference/amplitudes``.
 
     Parameters
@@ -45,19 +68,45 @@ def atlas(
         ``first`` and ``last`` power of ten of Δt/T, with T the period at the amplitude, and the ``count`` of them.
     periods
         Length of the runs in periods.
+    portraits
+        At how many amplitudes and step sizes, at most, to keep samples (``points``), and how many behind the first
+        (``samples``).
+
+    Returns
+    -------
+    tuple of xarray.Dataset
+        The maps, and the samples.
     """
-    exact = datasets.open("reference/amplitudes")
+    exact = datasets.open("reference/amplitudes").sel(problem=list(problems))
     own = np.array_split(np.arange(exact.sizes["amplitude"]), tiles)[tile]
+    sampled = _sampled(own, exact.sizes["amplitude"], portraits["points"])
     exact = exact.isel(amplitude=own)
     parts = np.logspace(dt_over_period["first"], dt_over_period["last"], int(dt_over_period["count"]))
-    found: dict[str, list] = {}
+    sampled_parts = _sampled(np.arange(len(parts)), len(parts), portraits["points"])
+    spacing = GOLDEN + max(0, round(periods / portraits["samples"] - GOLDEN))
+    # a sample at every single step would be another program
+    every = np.maximum(2, np.rint(spacing / parts)).astype(int)
+    maps: dict[str, list] = {}
+    samples: dict[str, list] = {}
     for name in problems:
         progress(f"stability of {scheme} on {name}")
         problem, of_problem = registry[name], exact.sel(problem=name)
         u0, period, fate = of_problem.u0.values, of_problem.period.values, Fate.of(problem)
-        columns = [_column(problem, scheme, fate, u0, part * period, round(periods / part)) for part in parts]
-        for variable in columns[0]:
-            found.setdefault(variable, []).append(np.stack([column[variable] for column in columns], axis=1))
+        for part, apart, is_sampled in zip(parts, every, sampled_parts, strict=True):
+            runs = run(
+                problem,
+                scheme,
+                dt=part * period,
+                steps=round(periods / part),
+                u0=u0,
+                observe=[fate, "lyapunov_exponent", "trajectory", Height(fate.rest)],
+                every=int(apart),
+                samples=portraits["samples"],
+            )
+            for variable, column in _column(runs, part * period).items():
+                maps.setdefault(variable, []).append(column)
+            for variable in ("u", "v", "height") if is_sampled else ():
+                samples.setdefault(variable, []).append(_single(runs[variable].values[sampled]))
     dims = ("problem", "amplitude", "dt_over_period")
     attributes = {
         "outcome": _OUTCOME_ATTRIBUTES,
@@ -68,22 +117,43 @@ def atlas(
         },
         "max_newton_iterations": {"long_name": "most Newton iterations in one step", "units": "1"},
         "lyapunov_exponent": {"long_name": "largest Lyapunov exponent of the numerical map", "units": "s-1"},
-    }
-    return (
-        xr.Dataset(
-            {name: (dims, np.stack(values), attributes[name]) for name, values in found.items()},
-            coords={
-                **labels.problem_coordinates(problems),
-                "amplitude": exact.amplitude,
-                "u0": exact.u0.sel(problem=list(problems)),
-                "period": exact.period.sel(problem=list(problems)),
-                "highest_frequency": exact.highest_frequency.sel(problem=list(problems)),
-                "dt_over_period": ("dt_over_period", parts, {"long_name": "step size over period", "units": "1"}),
-            },
-            attrs={"title": f"What becomes of {periods} periods with every scheme, over step size and amplitude"},
+    } | {name: runs[name].attrs for name in samples}
+
+    def labelled(found, exact, parts, title, *along):
+        """The step sizes of each problem, which were found one after the other, behind the amplitudes."""
+        shape = (len(problems), len(parts))
+        values = {name: np.stack(columns).reshape(*shape, *columns[0].shape) for name, columns in found.items()}
+        return (
+            xr.Dataset(
+                {name: ((*dims, *along), np.moveaxis(v, 1, 2), attributes[name]) for name, v in values.items()},
+                coords={
+                    **labels.problem_coordinates(problems),
+                    "amplitude": exact.amplitude,
+                    "u0": exact.u0,
+                    "period": exact.period,
+                    "highest_frequency": exact.highest_frequency,
+                    "dt_over_period": ("dt_over_period", parts, {"long_name": "step size over period", "units": "1"}),
+                },
+                attrs={"title": title},
+            )
+            .expand_dims("scheme")
+            .assign_coords(labels.scheme_coordinates([scheme]))
         )
-        .expand_dims("scheme")
-        .assign_coords(labels.scheme_coordinates([scheme]))
+
+    portrait = labelled(
+        samples,
+        exact.isel(amplitude=sampled),
+        parts[sampled_parts],
+        f"Samples of {periods} periods with every scheme, over step size and amplitude",
+        "sample",
+    )
+    return (
+        labelled(
+            maps, exact, parts, f"What becomes of {periods} periods with every scheme, over step size and amplitude"
+        ),
+        portrait.assign_coords(
+            every=("dt_over_period", every[sampled_parts], {"long_name": "steps between two samples", "units": "1"})
+        ),
     )
 
 
