@@ -9,6 +9,7 @@ from case import Case, step_size, timed
 
 import study
 from study.observers import MaxEnergyError
+from study.stability import Fate
 from study.timing import Timed
 
 STEPS, LONG = 1_000, 10_000
@@ -18,9 +19,9 @@ FEW, MANY = 1_024, 16_384
 def cases(folder: str) -> Iterator[Case]:
     """Everything on ensembles that is timed; compiled C stands in the folder."""
 
-    def run(spring, lanes, steps=STEPS, dt=1.0, scheme="average_acceleration"):
+    def run(spring, lanes, steps=STEPS, dt=1.0, scheme="average_acceleration", observe=("max_energy_error",)):
         u0 = np.linspace(0.5, 1.0, lanes) * float(study.problems[spring].u0)
-        arguments = {"u0": u0, "dt": dt * step_size(spring), "steps": steps, "observe": ["max_energy_error"]}
+        arguments = {"u0": u0, "dt": dt * step_size(spring), "steps": steps, "observe": observe}
         return timed(lambda: study.run(spring, scheme, **arguments))
 
     for spring, (to_single, to_c) in {"hardening": (0.08, 1.7), "softening": (0.3, 1.0)}.items():
@@ -54,6 +55,14 @@ def cases(folder: str) -> Iterator[Case]:
             1.1,
             lanes * STEPS // 4,
         )
+    maps = Fate.of(study.problems["hardening"]), "lyapunov_exponent"
+    yield Case(
+        "as for the maps of stability : energy alone",
+        lambda: run("hardening", FEW, LONG, dt=20, observe=maps),
+        lambda: run("hardening", FEW, LONG, dt=20),
+        2.0,
+        FEW * LONG,
+    )
     mixed = np.linspace(1, 2 * STEPS, MANY).astype(int)
     yield Case(
         f"lanes with 1 to {2 * STEPS} steps : with {STEPS} each",
