@@ -36,6 +36,9 @@ os.environ |= {
     "PYTHONSAFEPATH": "1",
 }
 ENVIRONMENT = "config/environment.yaml"  # for --sdm conda only
+# ensembles under many observers take two thirds of the time when XLA writes what a step computes once, and does not
+# compute it again for each of its uses; programs of structures and solvers, though, it then compiles at great length
+ONE_LOOP = "XLA_FLAGS=--xla_backend_extra_options=xla_cpu_use_multi_output_fusion=true"
 
 
 # ---------------------------------------------------------------------------------------------------------------------
@@ -471,7 +474,7 @@ rule atlas:
     message:
         "maps of stability of {wildcards.scheme}, tile {wildcards.tile}"
     shell:
-        "python -m study.experiments.atlas {output} {params.options:q} > {log} 2>&1"
+        "{ONE_LOOP} python -m study.experiments.atlas {output} {params.options:q} > {log} 2>&1"
 
 
 rule gathered_atlas:
@@ -513,7 +516,7 @@ rule robustness:
     message:
         "steps a period that are enough on {wildcards.spring}"
     shell:
-        "python -m study.experiments.robustness {output} {params.options:q} > {log} 2>&1"
+        "{ONE_LOOP} python -m study.experiments.robustness {output} {params.options:q} > {log} 2>&1"
 
 
 rule gathered_robustness:

@@ -20,9 +20,8 @@ import jax
 import platformdirs
 from jax._src import xla_bridge
 
-#: Options of XLA's backend for processors. Values that one step computes once are written once (multi-output fusion),
-#: not computed again for each of their uses, which halves the time of an ensemble with several observers.
-_OPTIONS = {"xla_cpu_small_while_loop_byte_threshold": str(1 << 20), "xla_cpu_use_multi_output_fusion": "true"}
+_OPTION = "xla_cpu_small_while_loop_byte_threshold"
+_THRESHOLD = 1 << 20
 _FLAGS = ("--xla_cpu_prefer_vector_width=512", "--xla_cpu_use_fusion_emitters=false")
 #: Bytes of programs in the cache, at most, when a process starts.
 _CACHE_SIZE = 1 << 30
@@ -31,13 +30,12 @@ _CACHE_SIZE = 1 << 30
 def _with_options(flags: str) -> str:
     """Add ours to a value of ``XLA_FLAGS``, next to backend options that are already there."""
     flags = " ".join([flags, *(flag for flag in _FLAGS if flag.partition("=")[0] not in flags)])
-    missing = ",".join(f"{option}={value}" for option, value in _OPTIONS.items() if option not in flags)
-    extra = "--xla_backend_extra_options="
-    if not missing:
+    if _OPTION in flags:
         return flags
+    option, extra = f"{_OPTION}={_THRESHOLD}", "--xla_backend_extra_options="
     if extra in flags:
-        return flags.replace(extra, f"{extra}{missing},")
-    return f"{flags} {extra}{missing}".strip()
+        return flags.replace(extra, f"{extra}{option},")
+    return f"{flags} {extra}{option}".strip()
 
 
 def _prune(cache: Path) -> None:
