@@ -245,7 +245,7 @@ def _of_long_times(runs: xr.Dataset) -> dict:
     """What the schemes themselves do over the longest runs, and laws and sizes of round-off."""
     last = runs.isel(periods=-1)
     law = runs.exponent.sel(quantity="energy_round_off")
-    more = (runs.exponent.sel(quantity="phase_round_off") - law).sel(arithmetic="float32")
+    more = (runs.exponent.sel(quantity="phase_round_off") - law).sel(arithmetic="float64")
     double, single, compensated = (last.sel(arithmetic=name) for name in ("float64", "float32", "float32_compensated"))
     steady = single.energy_round_off.sel(step="short")
     drift = (single.energy_round_off.sel(step="any") / steady).sel(scheme="central_difference")
@@ -308,8 +308,8 @@ def _of_stability(data: dict[str, xr.Dataset]) -> dict:
     chaotic, failed = bifurcation.lyapunov_exponent * bifurcation.dt > 0.05, bifurcation.status != 0
     at = bifurcation.sel(dt=roots.paper_dt.item(), method="nearest")
     a_step = at.lyapunov_exponent.item() * at.dt.item()
-    several = (roots.number_of_roots > 1).any("predictor")
-    unique_up_to = roots.dt.where(several, np.inf).min("dt")
+    a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(chaotic & (bifurcation.steps_until_apart > 0))
+    foretold = np.log(bifurcation.order_one / bifurcation.perturbation) / a_step_each / bifurcation.steps_until_apart
     longest = robustness.steps_needed.isel(periods=-1)
     of_average = longest.sel(scheme="average_acceleration", level=10)
     twenty = longest.sel(problem="hardening", level=10) <= 20
@@ -333,7 +333,10 @@ def _of_stability(data: dict[str, xr.Dataset]) -> dict:
         "exponent_at_paper": f"{a_step:.2f}",
         "apart_from_exponent": f"{np.log(bifurcation.order_one / bifurcation.perturbation).item() / a_step:.0f}",
         "apart_of_two_runs": at.steps_until_apart.item(),
-        **{f"unique_{name}": f"{unique_up_to.sel(scheme=name).item():.2f}" for name in roots.scheme.values},
+        **{f"unique_{name}": f"{roots.unique_up_to.sel(scheme=name).item():.2f}" for name in roots.scheme.values},
+        "foretold": f"{foretold.median().item():.1f}",
+        "foretold_from": f"{foretold.quantile(0.05).item():.1f}",
+        "foretold_to": f"{foretold.quantile(0.95).item():.1f}",
         "needed_periods": f"{robustness.periods.values[-1]:,}",
         "needed_most": robustness.most_steps.item(),
         **{
@@ -344,9 +347,9 @@ def _of_stability(data: dict[str, xr.Dataset]) -> dict:
         "duffing_exponent_from": f"{finest.lyapunov_exponent.sel(problem='duffing_chaotic').min().item():.2f}",
         "duffing_exponent_to": f"{finest.lyapunov_exponent.sel(problem='duffing_chaotic').max().item():.2f}",
         "duffing_tamed": f"{tamed.min().item():.1f}",
-        "duffing_tamed_steps": tamed.idxmin().item(),
+        "duffing_tamed_steps": int(tamed.idxmin()),
         "pendulum_exponent": f"{pendulum.max().item():.1f}",
-        "pendulum_steps": pendulum.idxmax().item(),
+        "pendulum_steps": int(pendulum.idxmax()),
     }
 
 

@@ -175,7 +175,19 @@ def _check_stability(config: dict) -> None:
     for name in lengths:
         if name not in periods:
             raise ValueError(f"stability.structures.lengths: '{name}' is none of the structures {', '.join(periods)}.")
+    for name in ("roots", "numerical_map", "bifurcation"):
+        if why[name]["problem"] != "double_well":
+            raise ValueError(
+                f"stability.{name}.problem: the manuscript tells of 'double_well', not of '{why[name]['problem']}'."
+            )
+    if not why["bifurcation"]["dt"]["first"] < why["roots"]["paper_dt"] < why["bifurcation"]["dt"]["last"]:
+        raise ValueError("stability.roots.paper_dt is none of the step sizes of stability.bifurcation.dt.")
+    if 0.0 not in config["spectral"]["damping_ratios"]:
+        raise ValueError("spectral.damping_ratios lacks 0.0, whose stability limit the maps show.")
     for place, there, needed in (
+        ("spectral.schemes", config["spectral"]["schemes"], atlas["schemes"]),
+        ("atlas.problems", atlas["problems"], ["hardening", "softening", "double_well"]),
+        ("robustness.problems", robustness["problems"], ["hardening", "softening", "double_well"]),
         ("robustness.schemes", robustness["schemes"], ["average_acceleration"]),
         ("stability.roots.schemes", why["roots"]["schemes"], ["average_acceleration", "wilson_theta", "houbolt"]),
         ("stability.structures.lengths", lengths, ["pendulum", "duffing_chaotic"]),

@@ -8,6 +8,8 @@ from study.schemes import HHTAlpha, Houbolt, Newmark, Scheme, WilsonTheta
 
 #: Displacements among which a change of sign is looked for.
 SEARCHED = 4001
+#: How far they are looked for at most.
+FARTHEST = 1e6
 
 
 def effective_coefficient(scheme: Scheme) -> float:
@@ -32,10 +34,22 @@ def effective_coefficient(scheme: Scheme) -> float:
 
 def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.ndarray) -> np.ndarray:
     """How many u there are with u + c p(u) = ũ, (coefficients, predictors), from changes of sign."""
-    # no root lies beyond the largest predictor and the last rest of the potential
-    far = 2 * max(np.abs(predictor).max(), 2.0)
+    force = jax.jit(jax.vmap(problem.force))
+    far = 2 * np.abs(predictor).max()
+    # beyond every root the left side is larger than any predictor, and grows
+    while far < FARTHEST:
+        ends = far * np.array([[-1.0, 1.0], [-2.0, 2.0]])
+        left = np.abs(ends + coefficient[:, None, None] * np.asarray(jax.vmap(force)(ends)))
+        if left[:, 0].min() > np.abs(predictor).max() and (left[:, 1] > left[:, 0]).all():
+            break
+        far *= 2
     u = np.linspace(-far, far, SEARCHED)
-    p = np.asarray(jax.vmap(problem.force)(u))
-    left = u + coefficient[:, None] * p
+    left = u + coefficient[:, None] * np.asarray(force(u))
     sign = left[:, None, :] > predictor[:, None]
     return np.count_nonzero(sign[..., 1:] != sign[..., :-1], axis=-1)
+
+
+def unique_up_to(problem: Problem, scheme: Scheme, u: np.ndarray) -> float:
+    """Δt = 1/√(κ max(−p′)) up to which the equation has one root, with p′ among the displacements ``u``."""
+    softest = -np.asarray(jax.vmap(jax.grad(problem.force))(u)).min()
+    return float(1 / np.sqrt(effective_coefficient(scheme) * softest)) if softest > 0 else np.inf

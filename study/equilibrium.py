@@ -109,13 +109,17 @@ def _norm(x):
     return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.sum(x * x))
 
 
-@jax.custom_jvp
-def _differentiated(root, corrected):
-    """The root, with the derivative that one more correction of it has."""
-    return root
+@partial(jax.custom_jvp, nondiff_argnums=(0,))
+def _root(correct, a, given):
+    """The root as it was found; ``correct(a, *given)`` corrects it once more."""
+    return a
 
 
-_differentiated.defjvp(lambda primals, tangents: (primals[0], tangents[1]))
+@_root.defjvp
+def _derivative_of_root(correct, primals, tangents):
+    """Not through the iteration: a correction of the root itself tells how it changes with what is given."""
+    a, given = primals
+    return a, jax.jvp(lambda given: correct(a, *given), (given,), (tangents[1],))[1]
 
 
 def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None, symmetric=True, tolerance=None):
@@ -158,7 +162,7 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         internal, tangent = force_and_tangent(force, u + times(c_u, a), problem.tangent)
         inertial, internal = times(inertia, a), weight * internal
         out_of_balance = inertial + internal - rhs
-        effective = lax.stop_gradient(add(inertia, product(tangent, weighted, n), n=n))
+        effective = add(inertia, product(tangent, weighted, n), n=n)
         correction = solve(effective, out_of_balance, symmetric)
         return a - correction, correction, out_of_balance, inertial, internal
 
@@ -180,9 +184,8 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         return unfinished & (iterations < MAX_ITERATIONS)
 
     def differentiable(a):
-        # not through the iteration: the balance itself tells how its root changes
-        a = lax.stop_gradient(a)
-        return _differentiated(a, corrected(a)[0])
+        correct, given = jax.closure_convert(lambda a: corrected(a)[0], a)
+        return _root(correct, lax.stop_gradient(a), given)
 
     if n > SMALL:
         start = guess, jnp.ones((), bool), jnp.zeros((), int)

@@ -301,12 +301,13 @@ class NewtonIterations(Reduction):
 class LyapunovExponent(Reduction):
     """Largest Lyapunov exponent of the numerical map over the run, and when neighbours are far apart.
 
-    λ = ln(|δ(t)|/|δu(0)|)/t with the distance δ of displacement and velocity of :class:`study.schemes.Linearised`.
+    λ = ln |δ(t)|/t with the distance δ of displacement and velocity of :class:`study.schemes.Linearised`, whose
+    displacement is of length one at the start. A regular motion has λ of the order of ln t/t.
     """
 
     variables = {
         "lyapunov_exponent": {"long_name": "largest Lyapunov exponent of the numerical map", "units": "s-1"},
-        "apart_from": {"long_name": "first time at which a perturbation has grown 1e10 times", "units": "s"},
+        "apart_from": {"long_name": "time from which on a perturbation is 1e10 times as large", "units": "s"},
     }
     needs_neighbour = True
 
@@ -315,8 +316,9 @@ class LyapunovExponent(Reduction):
 
     def update(self, carried, problem, state, t, effort):
         _, first = carried
-        far = (jnp.max(jnp.abs(state.distance.u)) > APART) & (state.exponent >= 0) | (state.exponent > 0)
-        return t, jnp.where(far & (first == jnp.inf), t, first)
+        size = jnp.max(jnp.abs(state.distance.u) + jnp.abs(state.distance.v))
+        far = (size > APART) & (state.exponent >= 0) | (state.exponent > 0)
+        return t, jnp.where(far, jnp.minimum(first, t), jnp.inf)
 
     def result(self, carried, problem, state):
         t, first = carried

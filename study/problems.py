@@ -38,9 +38,9 @@ class TanhSpring(eqx.Module):
         return self.S * jnp.tanh(u)
 
     def potential(self, u):
-        """S ln cosh u, in a form that does not overflow at large |u|."""
+        """S ln cosh u, in a form that neither overflows at large |u| nor cancels to less than it is worth at small."""
         size = jnp.abs(u)
-        return self.S * (size + jnp.log1p(jnp.exp(-2 * size)) - jnp.log(2.0))
+        return self.S * (size + jnp.log1p(jnp.expm1(-2 * size) / 2))
 
 
 def _oscillator(title: str, spring: CubicSpring | TanhSpring, u0: float) -> Problem:

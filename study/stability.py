@@ -17,6 +17,8 @@ from study.problem import Problem
 ACCURATE = AT_REST = 0.01
 #: An energy of so many times its height has grown.
 GROWN = 100.0
+#: A minimum of the potential so many times as far as the start is none.
+FARTHEST = 1e6
 #: Errors of the energy in percent by which steps are called fine enough.
 LEVELS = (1, 5, 10)
 #: How a run can end, from the best to the worst.
@@ -43,7 +45,7 @@ _EVENTS = {
 
 
 class _Events(NamedTuple):
-    """First times of what can happen to a run, infinite where it did not."""
+    """When what can happen to a run did, infinite where it did not."""
 
     inaccurate: jax.Array
     at_rest: jax.Array
@@ -54,76 +56,88 @@ class _Events(NamedTuple):
 class Fate(Reduction):
     """What becomes of the energy, and of the place of a run.
 
-    The height of the energy is H = E − E_rest. An inaccurate run has |H − H₀| > 0.01 H₀, one at rest stays below
-    0.01 H₀ from then on, one that has grown had H > 100 H₀.
+    The height of the energy is H = E − E_rest. An inaccurate run has |H − H₀| > 0.01 H₀; one at rest stays below
+    0.01 H₀ from then on; one that has grown stays above a hundred times H₀, or the barrier's height if that is more.
 
     Parameters
     ----------
     rest
         E_rest, the potential energy of the rest that the run swings about.
-    hill
-        Potential energy at u = 0 where that is a hill between two wells, which no run from below it should cross.
+    barrier
+        Potential energy at u = 0 where that is a barrier between two wells, which no run from below it should cross.
     """
 
     rest: float = eqx.field(converter=np.float64)
-    hill: float | None = eqx.field(
+    barrier: float | None = eqx.field(
         default=None, converter=lambda energy: None if energy is None else np.float64(energy)
     )
 
     variables = {
-        "max_energy_error": {"long_name": "largest error of the energy over its height above rest", "units": "percent"},
+        "max_height_error": {"long_name": "largest error of the energy over its height above rest", "units": "percent"},
         "max_newton_iterations": {"long_name": "most Newton iterations in one step", "units": "1"},
         "inaccurate_from": {"long_name": "first time with an error of the energy of more than 1 percent", "units": "s"},
         "at_rest_from": {"long_name": "time from which on less than 1 percent of the energy is left", "units": "s"},
-        "grown_from": {"long_name": "first time with a hundred times the energy", "units": "s"},
-        "crossed_at": {"long_name": "first time on the other side of a hill that is too high", "units": "s"},
+        "grown_from": {"long_name": "time from which on there is a hundred times the energy", "units": "s"},
+        "crossed_at": {"long_name": "first time beyond a barrier that is too high", "units": "s"},
     }
     needs_energy = True
 
     @classmethod
     def of(cls, problem: Problem) -> "Fate":
-        """For a problem with one unknown: the rest downhill of u₀, and the hill at u = 0 if there is one."""
-        potential = jax.jit(problem.potential)  # type: ignore[arg-type]
+        """For a problem with one unknown: the rest downhill of u₀, and the barrier at u = 0 if there is one.
+
+        Raises
+        ------
+        ValueError
+            If the problem has several unknowns, no potential, or a potential without a minimum downhill of u₀.
+        """
+        if np.ndim(problem.u0):
+            raise ValueError(f"the fate of '{problem.title}' is not told: it has more than one unknown.")
+        if problem.potential is None:
+            raise ValueError(f"the fate of '{problem.title}' needs Problem(potential=...), which it was made without.")
+        potential = jax.jit(problem.potential)
         u0 = float(problem.u0)
-        rest = optimize.minimize_scalar(potential, bracket=(u0, 0.99 * u0), tol=1e-12).fun
-        hill, start = potential(0.0), potential(u0)
-        return cls(rest, hill if hill - rest > AT_REST * (start - rest) else None)
+        try:
+            found = optimize.minimize_scalar(potential, bracket=(u0, 0.99 * u0 if u0 else 0.01), tol=1e-12)
+        except RuntimeError:
+            found = optimize.OptimizeResult(fun=-np.inf)
+        if not np.isfinite(found.fun) or abs(found.x) > FARTHEST * max(abs(u0), 1):
+            raise ValueError(f"the potential of '{problem.title}' has no minimum downhill of u0 = {u0:g}.")
+        barrier, start = potential(0.0), potential(u0)
+        return cls(found.fun, barrier if barrier - found.fun > AT_REST * (start - found.fun) else None)
 
     def start(self, problem, state):
         never = jnp.full((), jnp.inf)
         height = problem.energy(state.u, state.v) - self.rest
-        events = _Events(never, never, never, None if self.hill is None else never)
-        return height, jnp.zeros(()), jnp.zeros((), int), events
+        side, crossed = (None, None) if self.barrier is None else (state.u, never)
+        return (height, side), jnp.zeros(()), jnp.zeros((), int), _Events(never, never, never, crossed)
 
     def update(self, carried, problem, state, t, effort):
-        height, error, iterations, first = carried
+        (height, side), error, iterations, first = carried
         now = problem.energy(state.u, state.v) - self.rest
         change = jnp.abs(now - height)
 
         def first_time(event, before):
             return jnp.where(event & (before == jnp.inf), t, before)
 
-        lost = now < AT_REST * height
-        return (
-            height,
-            jnp.maximum(error, change),
-            jnp.maximum(iterations, effort.iterations),
-            _Events(
-                inaccurate=first_time(change > ACCURATE * height, first.inaccurate),
-                at_rest=jnp.where(lost, jnp.minimum(first.at_rest, t), jnp.inf),
-                grown=first_time(now > GROWN * height, first.grown),
-                crossed=None
-                if self.hill is None
-                else first_time(self._is_beyond(problem, state, height), first.crossed),
-            ),
-        )
+        def since(event, before):
+            return jnp.where(event, jnp.minimum(before, t), jnp.inf)
 
-    def _is_beyond(self, problem, state, height):
-        """Whether the run is on the other side though its first energy does not reach the hill."""
-        return (state.u * problem.u0 < 0) & (height + self.rest < self.hill)
+        much, crossed = height, None
+        if self.barrier is not None:
+            much = jnp.maximum(height, self.barrier - self.rest)
+            crossed = first_time((state.u * side < 0) & (height + self.rest < self.barrier), first.crossed)
+        events = _Events(
+            inaccurate=first_time(change > ACCURATE * height, first.inaccurate),
+            at_rest=since(now < AT_REST * height, first.at_rest),
+            grown=since(now > GROWN * much, first.grown),
+            crossed=crossed,
+        )
+        iterations = jnp.maximum(iterations, effort.iterations)
+        return (height, side), jnp.maximum(error, change), iterations, events
 
     def result(self, carried, problem, state):
-        height, error, iterations, first = carried
+        (height, _), error, iterations, first = carried
         values = dict(zip(self.variables, (100 * error / height, iterations, *first), strict=True))
         return {name: value for name, value in values.items() if value is not None}
 
@@ -189,7 +203,14 @@ def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     ----------
     runs
         What ``study.run`` made of an ensemble under :class:`Fate` and :class:`study.observers.LyapunovExponent`.
+
+    Raises
+    ------
+    ValueError
+        If it is no ensemble.
     """
+    if "lane" not in runs.dims:
+        raise ValueError("outcomes are told of an ensemble: give study.run an array of u0 or of dt.")
     outcome, at = np.zeros(runs.sizes["lane"], np.int8), np.full(runs.sizes["lane"], np.nan)
     for name, event in _EVENTS.items():
         if event in runs:

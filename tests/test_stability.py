@@ -22,6 +22,8 @@ from study.linear_theory import LinearTheory, oscillator
 from study.problems import CubicSpring
 from study.stability import OUTCOMES, Fate, outcomes
 
+#: More amplitudes than a tile of an ensemble has lanes.
+MANY = {"first": -1.0, "last": 1.0, "count": 150}
 EXPONENTS = {"first": -1.0, "last": 1.0, "count": 6}
 GRID = {"first": -1.5, "last": 0.0, "count": 7}
 
@@ -76,38 +78,83 @@ def test_neighbours_part_as_two_runs_do():
     assert alone.lyapunov_exponent.item() * met * dt == pytest.approx(np.log(1e-2 / 1e-10), abs=2.5)
 
 
-def test_several_unknowns_have_an_exponent_too():
-    ds = study.run("elastic_pendulum", "energy_momentum", dt=0.02, steps=300, observe=["lyapunov_exponent"])
-    assert np.isfinite(ds.lyapunov_exponent)
+@pytest.mark.parametrize("n", [1, 4])
+def test_equal_unknowns_have_the_exponent_of_one(n):
+    problem = study.Problem(lambda u: -2 * u, np.ones(n), np.zeros(n))
+    ds = study.run(problem, "rk4", dt=0.01, steps=2000, observe=["lyapunov_exponent"])
+    # of √2, with a length of one at the start
+    assert ds.lyapunov_exponent.item() == pytest.approx(np.sqrt(2) + np.log(np.sqrt(3) / 2) / 20, rel=1e-4)
+
+
+def test_a_free_structure_is_not_only_shifted():
+    problem = study.Problem(lambda u: jnp.stack([u[1] - u[0], u[0] - u[1]]), [0.0, 0.1], [0.0, 0.0])
+    ds = study.run(problem, "rk4", dt=0.01, steps=2000, observe=["lyapunov_exponent"])
+    assert ds.lyapunov_exponent.item() == pytest.approx(np.sqrt(2), rel=0.05)
 
 
 @pytest.mark.parametrize(
-    "problem, scheme, dt, steps, outcome",
+    "problem, u0, scheme, dt, steps, outcome",
     [
-        ("hardening", "average_acceleration", 0.15 / 200, 4000, "accurate"),
-        ("hardening", "average_acceleration", 0.15 / 10, 400, "bounded"),
-        ("hardening", "houbolt", 0.15 / 10, 4000, "damped_to_rest"),
-        ("double_well", "houbolt", 6.0, 100, "in_the_wrong_well"),
-        ("double_well", "average_acceleration", 2.5, 400, "chaotic"),
-        ("hardening", "wilson_theta", 0.15, 400, "growing"),
-        ("softening", "houbolt", 1.0, 400, "newton_not_converged"),
-        ("hardening", "central_difference", 0.15, 400, "not_finite"),
+        ("hardening", 1.5, "average_acceleration", 0.15 / 200, 4000, "accurate"),
+        ("hardening", -1.5, "average_acceleration", 0.15 / 10, 400, "bounded"),
+        ("hardening", 1.5, "houbolt", 0.15 / 10, 4000, "damped_to_rest"),
+        ("double_well", 0.5, "houbolt", 6.0, 100, "in_the_wrong_well"),
+        ("double_well", -0.5, "rk4", 0.02, 1000, "accurate"),
+        ("double_well", 0.5, "average_acceleration", 2.5, 400, "chaotic"),
+        ("softening", 0.05, "central_difference", 0.25, 400, "growing"),
+        ("softening", 4.0, "houbolt", 1.0, 400, "newton_not_converged"),
+        ("hardening", 1.5, "central_difference", 0.15, 400, "not_finite"),
     ],
 )
-def test_how_runs_end(problem, scheme, dt, steps, outcome):
+def test_how_runs_end(problem, u0, scheme, dt, steps, outcome):
     definition = study.problems[problem]
-    u0 = np.array([float(definition.u0)])
-    runs = study.run(problem, scheme, dt=dt, steps=steps, u0=u0, observe=[Fate.of(definition), "lyapunov_exponent"])
+    runs = study.run(problem, scheme, dt=dt, steps=steps, u0=[u0], observe=[Fate.of(definition), "lyapunov_exponent"])
     ended, began = outcomes(runs)
     assert OUTCOMES[ended[0]] == outcome
     assert np.isnan(began[0]) == (outcome == "accurate" or runs.status.item() > 0)
     assert np.isnan(began[0]) or 0 < began[0] <= steps * dt
 
 
+def test_a_motion_that_is_damped_out_of_chaos_was_not_chaotic():
+    # neighbours part at first, then all come to rest
+    definition = study.problems["softening"]
+    observe = [Fate.of(definition), "lyapunov_exponent"]
+    runs = study.run(
+        definition, "wilson_theta", dt=np.linspace(0.05, 0.4, 64), steps=4000, u0=[10.0] * 64, observe=observe
+    )
+    ended, _ = outcomes(runs)
+    chaotic = ended == OUTCOMES.index("chaotic")
+    assert (runs.lyapunov_exponent.values[chaotic] > 0).all()
+
+
+@pytest.mark.parametrize(
+    "problem, sentence",
+    [
+        (study.Problem(lambda u: u, 1.0, title="own"), "needs Problem(potential=...)"),
+        (study.Problem(lambda u: u, [1.0, 2.0], potential=lambda u: (u * u).sum() / 2, title="own"), "more than one"),
+        (study.Problem(lambda u: -u, 1.0, potential=lambda u: -u * u / 2, title="own"), "has no minimum downhill"),
+        (study.Problem(lambda u: 1.0 + 0 * u, 1.0, potential=lambda u: u, title="own"), "has no minimum downhill"),
+    ],
+)
+def test_no_fate_without_a_rest(problem, sentence):
+    with pytest.raises(ValueError) as caught:
+        Fate.of(problem)
+    assert sentence in str(caught.value)
+
+
+def test_the_energy_momentum_method_converges_at_small_amplitude_too():
+    """Where the potential of the softening spring is a difference of numbers that are much larger."""
+    u0 = np.array([0.126, 0.141, 0.175, 0.195])
+    runs = study.run(
+        "softening", "energy_momentum", dt=0.6290 / 256, u0=u0, steps=100_000, observe=["max_energy_error"]
+    )
+    assert (runs.status == 0).all()
+
+
 def test_the_rest_lies_downhill_and_a_hill_is_seen():
     well, spring = Fate.of(study.problems["double_well"]), Fate.of(study.problems["softening"])
-    assert well.rest == pytest.approx(-0.125, abs=1e-9) and well.hill == 0.0
-    assert spring.rest == pytest.approx(0.0, abs=1e-9) and spring.hill is None
+    assert well.rest == pytest.approx(-0.125, abs=1e-9) and well.barrier == 0.0
+    assert spring.rest == pytest.approx(0.0, abs=1e-9) and spring.barrier is None
 
 
 def test_a_run_from_above_the_hill_is_in_no_wrong_well():
@@ -136,6 +183,8 @@ def test_the_highest_frequency_is_that_of_the_tangent_on_the_way(springs):
 
 
 def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(springs, monkeypatch):
+    many = amplitudes(["softening", "double_well"], MANY)
+    study.datasets.write(many.assign_attrs(source=study.datasets.SOURCE), "results/reference/amplitudes.nc")
     portraits = {"points": 3, "samples": 5}
     arguments = {
         "problems": ["softening", "double_well"],

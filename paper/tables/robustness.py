@@ -12,23 +12,17 @@ def _steps(value: float, most: int) -> str:
 
 
 def tabulate(robustness: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme and length of the run, the levels of each problem side by side."""
+    """One row a scheme, over the longest runs, the levels of each problem side by side."""
     most = int(robustness.most_steps)
     rows = []
     for scheme in robustness.scheme.values:
-        for length in robustness.periods.values:
-            one = robustness.steps_needed.sel(scheme=scheme, periods=length)
-            first = length == robustness.periods.values[0]
-            row = {
-                "Scheme": robustness.scheme_title.sel(scheme=scheme).item() if first else "",
-                "Periods": f"{length:,}",
-            }
-            for problem, title in zip(robustness.problem.values, robustness.problem_title.values, strict=True):
-                for level in robustness.level.values:
-                    row[f"{title.split()[0].capitalize()} {level} %"] = _steps(
-                        one.sel(problem=problem, level=level).item(), most
-                    )
-            rows.append(row)
+        one = robustness.steps_needed.sel(scheme=scheme).isel(periods=-1)
+        row = {"Scheme": robustness.scheme_title.sel(scheme=scheme).item()}
+        for problem, title in zip(robustness.problem.values, robustness.problem_title.values, strict=True):
+            for level in robustness.level.values:
+                needed = one.sel(problem=problem, level=level).item()
+                row[f"{title.split()[0].capitalize()} {level} %"] = _steps(needed, most)
+        rows.append(row)
     return pd.DataFrame(rows)
 
 

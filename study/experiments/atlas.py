@@ -40,7 +40,7 @@ def _column(runs: xr.Dataset, dt: np.ndarray) -> dict[str, np.ndarray]:
     return {
         "outcome": outcome,
         "at_step": np.where(runs.status > 0, runs.failed_at_step, step).astype(np.int32),
-        "max_energy_error": _single(runs.max_energy_error.values),
+        "max_energy_error": _single(runs.max_height_error.values),
         "max_newton_iterations": _single(runs.max_newton_iterations.values),
         "lyapunov_exponent": _single(runs.lyapunov_exponent.values),
     }

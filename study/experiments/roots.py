@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from study.command import main, progress
-from study.effective_equation import effective_coefficient, number_of_roots
+from study.effective_equation import effective_coefficient, number_of_roots, unique_up_to
 from study.equilibrium import Motion, balance, load
 from study.experiments import labels
 from study.problem import Problem
@@ -134,6 +134,11 @@ def roots(
                     f"from that of the finest tolerance, {steps} where it never does",
                     "units": "1",
                 },
+            ),
+            "unique_up_to": (
+                "scheme",
+                [unique_up_to(definition, registry[name], predictors) for name in schemes],
+                {"long_name": "step size up to which the effective equation has one root", "units": "s"},
             ),
             "paper_dt": ((), paper_dt, {"long_name": "step size of the paper", "units": "s"}),
         },

@@ -35,8 +35,8 @@ class Linearised(Scheme):
     """Another scheme with a neighbour infinitely close to its run.
 
     With y₁ = Φ(y₀) the step of the scheme in its whole state, δ₁ = DΦ(y₀) δ₀ by automatic differentiation, from what a
-    change of every displacement by one makes of the first state. Where |δ| leaves [2⁻⁶⁰, 2⁶⁰] it is brought back by
-    this power of two, without round-off.
+    change of the displacements by a vector of length one makes of the first state. Where |δ| leaves [2⁻⁶⁰, 2⁶⁰] it is
+    brought back by this power of two, without round-off.
 
     Parameters
     ----------
@@ -69,8 +69,13 @@ class Linearised(Scheme):
         return self.scheme.needs_mass
 
     def start(self, problem, u0, v0, dt):
+        # any direction but a special one: all unknowns alike would be a translation of a free structure
+        direction = jnp.cos(jnp.arange(u0.size, dtype=u0.dtype)).reshape(u0.shape)
         inner, distance, effort = jax.jvp(
-            lambda u0: self.scheme.start(problem, u0, v0, dt), (u0,), (jnp.ones_like(u0),), has_aux=True
+            lambda u0: self.scheme.start(problem, u0, v0, dt),
+            (u0,),
+            (direction / jnp.sqrt(jnp.sum(direction * direction)),),
+            has_aux=True,
         )
         return Neighbours(inner, distance, jnp.zeros_like(dt)), effort
 

@@ -279,9 +279,9 @@ def test_what_has_no_closed_form_says_so():
         closed_form.trajectory(study.problems["softening"], np.zeros(1))
     with pytest.raises(ValueError, match="no closed form is known for 'own'"):
         closed_form.period(study.Problem(lambda u: u**5, u0=1.0, title="own"))
-    over_the_hill = study.Problem(CubicSpring(-0.5, -1.0).force, u0=2.0)
+    without_rest = study.Problem(CubicSpring(-0.5, 1.0).force, u0=2.0)
     with pytest.raises(ValueError, match="no closed form is implemented"):
-        closed_form.period(over_the_hill)
+        closed_form.period(without_rest)
 
 
 def test_translation_keeps_the_function():
