@@ -38,7 +38,7 @@ os.environ |= {
 ENVIRONMENT = "config/environment.yaml"  # for --sdm conda only
 # ensembles under many observers take two thirds of the time when XLA writes what a step computes once, and does not
 # compute it again for each of its uses; programs of structures and solvers, though, it then compiles at great length
-ONE_LOOP = "XLA_FLAGS=--xla_backend_extra_options=xla_cpu_use_multi_output_fusion=true"
+MULTI_OUTPUT_FUSION = "XLA_FLAGS=--xla_backend_extra_options=xla_cpu_use_multi_output_fusion=true"
 
 
 # ---------------------------------------------------------------------------------------------------------------------
@@ -458,6 +458,7 @@ rule atlas:
         maps=update("results/stability/tiles/{scheme}_{tile}.nc"),
         portraits=update("results/stability/portraits/{scheme}_{tile}.nc"),
     params:
+        fusion=MULTI_OUTPUT_FUSION,
         options=lambda wildcards: json.dumps(
             {
                 "scheme": wildcards.scheme,
@@ -474,7 +475,7 @@ rule atlas:
     message:
         "maps of stability of {wildcards.scheme}, tile {wildcards.tile}"
     shell:
-        "{ONE_LOOP} python -m study.experiments.atlas {output} {params.options:q} > {log} 2>&1"
+        "{params.fusion} python -m study.experiments.atlas {output} {params.options:q} > {log} 2>&1"
 
 
 rule gathered_atlas:
@@ -506,6 +507,7 @@ rule robustness:
     output:
         temp("results/stability/robustness/{spring}.nc"),
     params:
+        fusion=MULTI_OUTPUT_FUSION,
         options=lambda wildcards: json.dumps({**config["robustness"], "problems": [wildcards.spring]}),
     log:
         "results/logs/robustness_{spring}.log",
@@ -516,7 +518,7 @@ rule robustness:
     message:
         "steps a period that are enough on {wildcards.spring}"
     shell:
-        "{ONE_LOOP} python -m study.experiments.robustness {output} {params.options:q} > {log} 2>&1"
+        "{params.fusion} python -m study.experiments.robustness {output} {params.options:q} > {log} 2>&1"
 
 
 rule gathered_robustness:
