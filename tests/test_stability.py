@@ -16,8 +16,10 @@ from reference.amplitudes import amplitudes
 from study.effective_equation import effective_coefficient, number_of_roots
 from study.experiments.atlas import atlas
 from study.experiments.bifurcation import bifurcation
+from study.experiments.numerical_map import numerical_map
 from study.experiments.robustness import robustness
 from study.experiments.roots import roots
+from study.experiments.structure_stability import structure_stability
 from study.linear_theory import LinearTheory, oscillator
 from study.problems import CubicSpring
 from study.stability import OUTCOMES, Fate, outcomes
@@ -281,9 +283,32 @@ def test_the_steps_that_are_enough_are_enough(springs):
         assert bool((runs.max_energy_error <= 5).all()) == kept
 
 
+def test_how_many_steps_are_enough_does_not_depend_on_longer_runs(springs):
+    """Also where runs fail later."""
+    short = robustness(["double_well"], ["average_acceleration"], [3, 4, 5, 20], [20])
+    both = robustness(["double_well"], ["average_acceleration"], [3, 4, 5, 20], [20, 200])
+    xr.testing.assert_equal(short.steps_needed.isel(periods=0, drop=True), both.steps_needed.isel(periods=0, drop=True))
+
+
 def test_a_bifurcation_diagram_tells_order_from_chaos():
     ds = bifurcation("double_well", "average_acceleration", {"first": 1.0, "last": 2.6, "count": 5}, 600, 50, 1e-10)
     regular, chaotic = ds.isel(dt=0), ds.isel(dt=-1)
     assert regular.lyapunov_exponent < 0.05 < chaotic.lyapunov_exponent
     assert regular.steps_until_apart == -1 and 0 < chaotic.steps_until_apart < 600
     assert (regular.u > 0).all() and chaotic.u.min() < 0 < chaotic.u.max()
+
+
+def test_the_numerical_map_keeps_every_iterate():
+    ds = numerical_map(
+        "double_well", ["energy_momentum"], [1.0, 2.0], {"first": 0.5, "last": 1.2, "count": 3}, steps=20
+    )
+    alone = study.run("double_well", "energy_momentum", dt=2.0, u0=[1.2], steps=20)
+    np.testing.assert_allclose(ds.u.sel(scheme="energy_momentum", dt=2.0, u0=1.2), alone.u[0], rtol=1e-6)
+    assert (ds.status == 0).all()
+
+
+def test_a_coarse_step_can_tame_chaos():
+    one = [{"problem": "duffing_chaotic", "periods": 200}]
+    ds = structure_stability(one, ["central_difference", "rk4"], [14, 80]).squeeze()
+    assert ds.lyapunov_exponent.sel(scheme="central_difference", steps_per_period=14) < -0.3
+    assert (ds.lyapunov_exponent.sel(steps_per_period=80) > 0.3).all()

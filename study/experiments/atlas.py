@@ -11,7 +11,9 @@ import xarray as xr
 
 from study import datasets
 from study.command import main, progress
+from study.equilibrium import MAX_ITERATIONS
 from study.experiments import labels
+from study.march import NEWTON_FAILED
 from study.problems import problems as registry
 from study.runs import run
 from study.stability import OUTCOMES, Fate, Height, outcomes
@@ -36,12 +38,13 @@ def _single(values: np.ndarray) -> np.ndarray:
 def _column(runs: xr.Dataset, dt: np.ndarray) -> dict[str, np.ndarray]:
     """What the maps tell of one step size, each (amplitudes,)."""
     outcome, began = outcomes(runs)
+    iterations = np.where(runs.status == NEWTON_FAILED, MAX_ITERATIONS, runs.max_newton_iterations)
     step = np.where(np.isnan(began), -1, np.rint(began / dt))
     return {
         "outcome": outcome,
         "at_step": np.where(runs.status > 0, runs.failed_at_step, step).astype(np.int32),
         "max_energy_error": _single(runs.max_height_error.values),
-        "max_newton_iterations": _single(runs.max_newton_iterations.values),
+        "max_newton_iterations": _single(iterations),
         "lyapunov_exponent": _single(runs.lyapunov_exponent.values),
     }
 
@@ -112,10 +115,14 @@ def atlas(
         "outcome": _OUTCOME_ATTRIBUTES,
         "at_step": {"long_name": "step at which it began, -1 where the run is accurate", "units": "1"},
         "max_energy_error": {
-            "long_name": f"largest error of the energy over its height above rest in {periods} periods",
+            "long_name": f"largest error of the energy over its height above rest in {periods} periods, "
+            "NaN where the run failed",
             "units": "percent",
         },
-        "max_newton_iterations": {"long_name": "most Newton iterations in one step", "units": "1"},
+        "max_newton_iterations": {
+            "long_name": f"most Newton iterations in one step, {MAX_ITERATIONS} where they did not converge",
+            "units": "1",
+        },
         "lyapunov_exponent": {"long_name": "largest Lyapunov exponent of the numerical map", "units": "s-1"},
     } | {name: runs[name].attrs for name in samples}
 
