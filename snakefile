@@ -198,6 +198,8 @@ TABLES = {
     "references": dataset("reference_agreement", *references(config["references"]["problems"])),
     "structures": dataset("structures"),
     "round_off_growth": dataset("long_times"),
+    "verdicts": dataset("stability/atlas"),
+    "robustness": dataset("stability/robustness"),
     "claims": ["results/claims.csv", *dataset("energy_error")],
 }
 
