@@ -1,10 +1,14 @@
 """Lyapunov exponents of the numerical maps of structures over the step size, beside what fine steps agree on."""
 
 import matplotlib.pyplot as plt
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.figures.style import PAGE, letter, looks, main
+
+#: Exponents up to which a panel has a linear scale.
+LINEAR = 2.0
 
 
 def draw(structures: xr.Dataset) -> Figure:
@@ -27,7 +31,8 @@ def draw(structures: xr.Dataset) -> Figure:
             )
         ax.axhline(0, color="black", linewidth=0.6)
         ax.set(xscale="log", xlabel="steps in its time scale")
-        ax.set_yscale("symlog", linthresh=1)
+        if np.nanmax(np.abs(one.lyapunov_exponent)) > LINEAR:
+            ax.set_yscale("symlog", linthresh=1)
         ax.set_xticks(one.steps_per_period.values[::2], [str(v) for v in one.steps_per_period.values[::2]])
         ax.minorticks_off()
         letter(ax, index, one.problem_title.item())
