@@ -149,7 +149,10 @@ def observers() -> Iterator[Case]:
     def run(spring, name, **more):
         return timed(lambda: study.run(spring, name, dt=step_size(spring), steps=STEPS * 10, **more))
 
-    every_one = [o for o in study.observers.values() if not o.lacking(study.problems["hardening"])]
+    # a neighbour along is a march of its own
+    every_one = [
+        o for o in study.observers.values() if not o.lacking(study.problems["hardening"]) and not o.needs_neighbour
+    ]
     reductions = tuple(o for o in every_one if isinstance(o, Reduction))
     everything = {"observe": every_one, "every": 10}
     for spring, names in {"hardening": list(study.schemes), "softening": peer.SCHEMES}.items():
