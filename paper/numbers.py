@@ -10,6 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.claims.ledger import by_name
+from paper.claims.stability import CHAOTIC
 from paper.claims.structures import TURNING, kept, sawtooth
 from paper.data import load, of_the_paper
 from paper.figures.oscillatory_energies import total
@@ -305,9 +306,13 @@ def _of_stability(data: dict[str, xr.Dataset]) -> dict:
     atlas, roots, bifurcation, robustness, structures = (
         data[name] for name in ("atlas", "roots", "bifurcation", "robustness", "structures")
     )
-    chaotic, failed = bifurcation.lyapunov_exponent * bifurcation.dt > 0.05, bifurcation.status != 0
+    chaotic, failed = bifurcation.lyapunov_exponent * bifurcation.dt > CHAOTIC, bifurcation.status != 0
     at = bifurcation.sel(dt=roots.paper_dt.item(), method="nearest")
     a_step = at.lyapunov_exponent.item() * at.dt.item()
+    beyond = (roots.dt >= bifurcation.dt.values[chaotic.values.argmax()]) & (
+        roots.dt < roots.unique_up_to.sel(scheme="average_acceleration")
+    )
+    in_chaos = roots.steps_together.sel(start="last_acceleration").isel(dt=beyond)
     a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(chaotic & (bifurcation.steps_until_apart > 0))
     foretold = np.log(bifurcation.order_one / bifurcation.perturbation) / a_step_each / bifurcation.steps_until_apart
     longest = robustness.steps_needed.isel(periods=-1)
@@ -330,6 +335,9 @@ def _of_stability(data: dict[str, xr.Dataset]) -> dict:
         "map_untouched": ", ".join(atlas.scheme_title.values[untouched.values]) or "none",
         "chaos_from": f"{bifurcation.dt.values[chaotic.values.argmax()]:.2f}",
         "newton_fails_from": f"{bifurcation.dt.values[failed.values.argmax()]:.2f}",
+        "together": f"{in_chaos.median().item():.0f}",
+        "together_from": int(in_chaos.min()),
+        "together_to": int(in_chaos.max()),
         "exponent_at_paper": f"{a_step:.2f}",
         "apart_from_exponent": f"{np.log(bifurcation.order_one / bifurcation.perturbation).item() / a_step:.0f}",
         "apart_of_two_runs": at.steps_until_apart.item(),
