@@ -16,7 +16,7 @@ from study.march import March, Outcome, march
 
 #: Lanes of a tile: their state stays in the cache next to the core, whatever the size of the ensemble. Also a small
 #: one fills a whole tile, or its loops would be compiled otherwise and its results differ in the last bits.
-TILE = 128
+TILE = 64
 #: Tiles that are marched in one call, at most.
 GROUP = 64
 #: Lane-steps of a group between two chances to be interrupted: less than a second.

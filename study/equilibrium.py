@@ -109,17 +109,62 @@ def _norm(x):
     return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.sum(x * x))
 
 
-@partial(jax.custom_jvp, nondiff_argnums=(0,))
-def _root(correct, a, given):
-    """The root as it was found; ``correct(a, *given)`` corrects it once more."""
+def _goes_on(carry):
+    _, unfinished, iterations = carry
+    return unfinished & (iterations < MAX_ITERATIONS)
+
+
+def _any(flags):
+    """Whether any flag of (lanes,) is set, by halves as far as that goes: XLA's own reduction takes one at a time."""
+    lanes = len(flags)
+    while lanes > 8 and lanes % 2 == 0:
+        lanes //= 2
+        flags = flags[:lanes] | flags[lanes:]
+    return jnp.any(flags)
+
+
+def _iterated(iterate, given, carry):
+    """``(a, unfinished, iterations)`` after as many turns of ``a, unfinished = iterate(a, *given)`` as it takes."""
+
+    def again(carry, given):
+        a, _, iterations = carry
+        return *iterate(a, *given), iterations + 1
+
+    @jax.custom_batching.custom_vmap
+    def to_the_end(carry, given):
+        def loop(carry):
+            return lax.while_loop(_goes_on, partial(again, given=given), carry)
+
+        return loop(carry) if carry[0].size > SMALL else lax.cond(_goes_on(carry), loop, lambda carry: carry, carry)
+
+    @to_the_end.def_vmap
+    def in_lanes(lanes, batched, carry, given):
+        carry = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (lanes, *x.shape)), carry, batched[0])
+        each = jax.vmap(again, in_axes=(0, [0 if b else None for b in batched[1]]))
+
+        def those_that_go_on(carry):
+            def newest(goes_on, new, old):
+                return jax.tree.map(partial(jnp.where, goes_on), new, old)
+
+            return jax.vmap(newest)(_goes_on(carry), each(carry, given), carry)
+
+        return lax.while_loop(lambda carry: _any(_goes_on(carry)), those_that_go_on, carry), (True, True, True)
+
+    return to_the_end(carry, given)
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def _root(residual, solution, a, given, fixed):
+    """The root a of ``residual(a, *given)``; ``solution(r, *fixed)`` solves with the residual's slope there."""
     return a
 
 
 @_root.defjvp
-def _derivative_of_root(correct, primals, tangents):
-    """Not through the iteration: a correction of the root itself tells how it changes with what is given."""
-    a, given = primals
-    return a, jax.jvp(lambda given: correct(a, *given), (given,), (tangents[1],))[1]
+def _derivative_of_root(residual, solution, primals, tangents):
+    """Not through the iteration, but by the implicit function theorem."""
+    a, given, fixed = primals
+    _, change = jax.jvp(lambda given: residual(a, *given), (given,), (tangents[1],))
+    return a, -solution(change, *fixed)
 
 
 def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None, symmetric=True, tolerance=None):
@@ -158,16 +203,16 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
     rhs = _resisted(problem, rhs, v)
     weighted = product(weight, c_u, n)
 
-    def corrected(a):
+    def internal_and_effective(a):
         internal, tangent = force_and_tangent(force, u + times(c_u, a), problem.tangent)
-        inertial, internal = times(inertia, a), weight * internal
-        out_of_balance = inertial + internal - rhs
-        effective = add(inertia, product(tangent, weighted, n), n=n)
-        correction = solve(effective, out_of_balance, symmetric)
-        return a - correction, correction, out_of_balance, inertial, internal
+        return weight * internal, add(inertia, product(tangent, weighted, n), n=n)
 
     def iterate(a):
-        a, correction, out_of_balance, inertial, internal = corrected(a)
+        internal, effective = internal_and_effective(a)
+        inertial = times(inertia, a)
+        out_of_balance = inertial + internal - rhs
+        correction = solve(effective, out_of_balance, symmetric)
+        a = a - correction
         moved, size = _norm(times(c_u, correction)), _norm(u) + _norm(times(c_u, a))
         unfinished = moved > tolerance * size
         if jnp.ndim(u):
@@ -175,26 +220,17 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
             unfinished |= (_norm(out_of_balance) > tolerances.force * forces) & (moved > tolerances.round_off * size)
         return a, unfinished
 
-    def again(carry):
-        a, _, iterations = carry
-        return *iterate(a), iterations + 1
-
-    def to_go(carry):
-        _, unfinished, iterations = carry
-        return unfinished & (iterations < MAX_ITERATIONS)
-
     def differentiable(a):
-        correct, given = jax.closure_convert(lambda a: corrected(a)[0], a)
-        return _root(correct, lax.stop_gradient(a), given)
+        residual, given = jax.closure_convert(lambda a: times(inertia, a) + weight * force(u + times(c_u, a)) - rhs, a)
+        solution, fixed = jax.closure_convert(lambda r: solve(internal_and_effective(a)[1], r, symmetric), a)
+        return _root(residual, solution, a, given, fixed)
 
-    if n > SMALL:
-        start = guess, jnp.ones((), bool), jnp.zeros((), int)
-        a, unfinished, iterations = lax.while_loop(to_go, again, start)
-        return differentiable(a), Effort(iterations, ~unfinished)
-    # it takes one iteration to correct and one to see that it did; few steps take more, so the loop stands aside
-    once, _ = iterate(guess)
-    a, unfinished = iterate(once)
-    a, unfinished, iterations = lax.cond(
-        unfinished, partial(lax.while_loop, to_go, again), lambda carry: carry, (a, unfinished, jnp.full((), 2))
-    )
+    iterate, given = jax.closure_convert(iterate, guess)
+    given = lax.stop_gradient(given)
+    a, unfinished, iterations = lax.stop_gradient(guess), jnp.ones((), bool), jnp.zeros((), int)
+    if n <= SMALL:
+        # it takes one iteration to correct and one to see that it did; few steps take more, so the loop stands aside
+        once, _ = iterate(a, *given)
+        (a, unfinished), iterations = iterate(once, *given), jnp.full((), 2)
+    a, unfinished, iterations = _iterated(iterate, given, (a, unfinished, iterations))
     return differentiable(a), Effort(iterations, ~unfinished)
