@@ -180,6 +180,11 @@ FIGURES = {
         dataset("stability/structures"),
         "Lyapunov exponents of the schemes on structures.",
     ),
+    "structure_outcomes": (
+        "structure_outcomes",
+        dataset("stability/structures"),
+        "How runs of structures end over step size and excitation.",
+    ),
 }
 #: Table: the datasets that it shows.
 TABLES = {

@@ -318,8 +318,8 @@ def _of_stability(data: dict[str, xr.Dataset]) -> dict:
     longest = robustness.steps_needed.isel(periods=-1)
     of_average = longest.sel(scheme="average_acceleration", level=10)
     twenty = longest.sel(problem="hardening", level=10) <= 20
-    finest = structures.isel(steps_per_period=-1)
-    exponents = structures.lyapunov_exponent
+    exponents = structures.lyapunov_exponent.sel(excitation=1)
+    finest = exponents.isel(steps_per_period=-1)
     tamed = exponents.sel(problem="duffing_chaotic", scheme="central_difference")
     pendulum = exponents.sel(problem="pendulum", scheme="average_acceleration")
     near = near_1996(atlas)
@@ -352,8 +352,8 @@ def _of_stability(data: dict[str, xr.Dataset]) -> dict:
             for name, value in by_name(of_average).items()
         },
         "needed_twenty": ", ".join(robustness.scheme_title.values[twenty.values]) or "none",
-        "duffing_exponent_from": f"{finest.lyapunov_exponent.sel(problem='duffing_chaotic').min().item():.2f}",
-        "duffing_exponent_to": f"{finest.lyapunov_exponent.sel(problem='duffing_chaotic').max().item():.2f}",
+        "duffing_exponent_from": f"{finest.sel(problem='duffing_chaotic').min().item():.2f}",
+        "duffing_exponent_to": f"{finest.sel(problem='duffing_chaotic').max().item():.2f}",
         "duffing_tamed": f"{tamed.min().item():.1f}",
         "duffing_tamed_steps": int(tamed.idxmin()),
         "pendulum_exponent": f"{pendulum.max().item():.1f}",

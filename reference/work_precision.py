@@ -12,8 +12,7 @@ from reference.agreement import FINISHED, LOST, LOST_ABOVE, NOT_TRIED, STATUS_ME
 from reference.solution import RouteFailed, Solution
 from study.command import main, progress
 from study.problem import Problem
-from study.problems import printed_periods
-from study.problems import problems as problems_by_name
+from study.problems import printed_periods, untitled
 
 #: Solver: its trajectory, a function of problem, times and tolerance.
 SOLVERS: dict[str, Callable[..., Solution]] = {
@@ -107,7 +106,7 @@ def work_precision(
     status = np.full(shape, NOT_TRIED, np.int32)
     fixed = np.empty((len(problems), len(steps_per_period)))
     for p, name in enumerate(problems):
-        problem = problems_by_name[name]
+        problem = untitled(name)
         exact_period, certified = exact.period(problem, printed_periods[name])
         period = float(exact_period)
         last = np.arange(1, SAMPLES + 1) / SAMPLES - 1

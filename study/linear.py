@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-import lineax
 import numpy as np
 from jax import lax
 
@@ -269,6 +268,8 @@ def _solve_banded(bands, rhs):
 
 def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
     """Conjugate gradients, or GMRES where the matrix is not symmetric, with the diagonal as preconditioner."""
+    import lineax  # not before it is needed: that takes a quarter of a second
+
     diagonal = jnp.broadcast_to(matrix.diagonal, rhs.shape)
     size = jnp.sqrt(jnp.where(diagonal == 0, 1.0, jnp.abs(diagonal)))
     scaled = rhs / size

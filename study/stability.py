@@ -32,7 +32,11 @@ OUTCOMES = (
     "newton_not_converged",
     "not_finite",
 )
-
+OUTCOME_ATTRIBUTES = {
+    "long_name": "how the run ended",
+    "flag_values": np.arange(len(OUTCOMES), dtype=np.int8),
+    "flag_meanings": " ".join(OUTCOMES),
+}
 
 #: What of it an event tells, the worse ones last.
 _EVENTS = {
@@ -220,3 +224,22 @@ def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     outcome[runs.status == NEWTON_FAILED] = OUTCOMES.index("newton_not_converged")
     outcome[runs.status == NOT_FINITE] = OUTCOMES.index("not_finite")
     return outcome, at
+
+
+def outcome_of_balance(run: xr.Dataset) -> int:
+    """How a run under load and damping ended, as a place in ``OUTCOMES``, by what the balance of its energies tells.
+
+    Accurate within 1 % of what was put in, growing beyond a hundred times that. No rest is known, and no wells.
+
+    Parameters
+    ----------
+    run
+        What ``study.run`` made under :class:`study.observers.EnergyBalance` and ``LyapunovExponent``.
+    """
+    if run.status in (NEWTON_FAILED, NOT_FINITE):
+        return OUTCOMES.index("newton_not_converged" if run.status == NEWTON_FAILED else "not_finite")
+    if run.max_energy_imbalance > 100 * GROWN:
+        return OUTCOMES.index("growing")
+    if np.isfinite(run.apart_from):
+        return OUTCOMES.index("chaotic")
+    return OUTCOMES.index("accurate" if run.max_energy_imbalance <= 100 * ACCURATE else "bounded")

@@ -1,5 +1,7 @@
 """Problems beyond the paper's oscillators: stiff, chaotic and large ones, each with its parameters and its source."""
 
+from collections.abc import Callable
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
@@ -18,6 +20,24 @@ class HarmonicLoad(eqx.Module):
     def __call__(self, t):
         """The load at the time t."""
         return self.amplitude * jnp.cos(self.frequency * t - self.phase)
+
+
+class _Scaled(eqx.Module):
+    """A load times a factor."""
+
+    load: Callable
+    factor: float = eqx.field(converter=np.float64)
+
+    def __call__(self, t):
+        return self.factor * self.load(t)
+
+
+def excited(problem: Problem, factor: float) -> Problem:
+    """The problem with ``factor`` times its initial velocity and its load, in the same compiled programs."""
+    problem = eqx.tree_at(lambda p: p.v0, problem, factor * problem.v0)
+    if problem.load is None:
+        return problem
+    return eqx.tree_at(lambda p: p.load, problem, _Scaled(problem.load, factor))
 
 
 def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "stiff and soft springs") -> Problem:

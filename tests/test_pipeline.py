@@ -5,8 +5,10 @@ import hashlib
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -45,10 +47,12 @@ def _copy(target: Path) -> Path:
     return target
 
 
+_COMMAND = [sys.executable, "-m", "snakemake", "--configfile", "config/small.yaml"]
+
+
 def _snakemake(folder: Path, *arguments: str) -> subprocess.CompletedProcess:
-    command = [sys.executable, "-m", "snakemake", "--configfile", "config/small.yaml", *arguments]
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
+    return subprocess.run([*_COMMAND, *arguments], cwd=folder, capture_output=True, text=True, env=environment)
 
 
 @pytest.fixture(scope="module")
@@ -164,6 +168,30 @@ def test_a_failed_job_leaves_what_was_there_and_is_made_anew(project, tmp_path):
     assert product.read_bytes() == before
     module.write_text(source)
     assert "houbolt_start" in _would_run(copy)
+
+
+def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, tmp_path):
+    copy = tmp_path / "copy"
+    shutil.copytree(project, copy)
+    stability = copy / "results" / "stability"
+    missing = [stability / "tiles" / f"{scheme}_0.nc" for scheme in ("central_difference", "rk4")]
+    for path in missing:
+        path.unlink()
+    interrupted = subprocess.Popen(
+        [*_COMMAND, "--cores", "1", "--", "results/stability/atlas.nc"], cwd=copy, stderr=subprocess.PIPE, text=True
+    )
+    while not any(path.exists() for path in missing):
+        assert interrupted.poll() is None, interrupted.stderr.read()
+        time.sleep(0.05)
+    interrupted.send_signal(signal.SIGINT)
+    interrupted.communicate()
+    assert interrupted.returncode != 0 and sum(path.exists() for path in missing) == 1
+    there = {path: path.stat().st_mtime_ns for path in (stability / "tiles").iterdir()}
+    done = _snakemake(copy, "--", "results/stability/atlas.nc")
+    assert done.returncode == 0, done.stderr[-4000:]
+    assert {path: path.stat().st_mtime_ns for path in there} == there
+    whole = "stability/atlas.nc"
+    assert _hashes(copy)[whole] == _hashes(project)[whole]
 
 
 def test_an_edited_figure_script_redraws_that_figure(project, tmp_path):

@@ -23,6 +23,7 @@ from study.experiments.structure_stability import structure_stability
 from study.linear_theory import LinearTheory, oscillator
 from study.problems import CubicSpring
 from study.stability import OUTCOMES, Fate, outcomes
+from study.structures import excited
 
 #: More amplitudes than a tile of an ensemble has lanes.
 MANY = {"first": -1.0, "last": 1.0, "count": 150}
@@ -309,6 +310,23 @@ def test_the_numerical_map_keeps_every_iterate():
 
 def test_a_coarse_step_can_tame_chaos():
     one = [{"problem": "duffing_chaotic", "periods": 200}]
-    ds = structure_stability(one, ["central_difference", "rk4"], [14, 80]).squeeze()
+    ds = structure_stability(one, ["central_difference", "rk4"], [1], [14, 80]).squeeze()
     assert ds.lyapunov_exponent.sel(scheme="central_difference", steps_per_period=14) < -0.3
     assert (ds.lyapunov_exponent.sel(steps_per_period=80) > 0.3).all()
+
+
+def test_structures_end_as_their_energies_say():
+    one = [{"problem": "pendulum", "periods": 20}]
+    ds = structure_stability(one, ["central_difference", "energy_momentum"], [0.5, 1], [4, 320]).squeeze()
+    names = np.array(OUTCOMES)[ds.outcome.values]
+    # four steps in its time scale are beyond the limit of stability of its small oscillations, 2
+    assert (names[0, :, 0] == "growing").all() and (names[:, :, 1] == "accurate").all()
+    assert names[1, 0, 0] == "newton_not_converged" and ds.status.sel(scheme="energy_momentum")[0, 0] == 1
+
+
+def test_an_excitation_scales_velocity_and_load():
+    pendulum, duffing = (study.problems[name] for name in ("pendulum", "duffing_chaotic"))
+    assert excited(pendulum, 0.5).v0 == 0.5 * pendulum.v0 and excited(pendulum, 0.5).load is None
+    t = jnp.asarray(0.3)
+    assert excited(duffing, 3.0).load(t) == pytest.approx(3 * duffing.load(t))
+    assert excited(duffing, 3.0).u0 == duffing.u0

@@ -29,7 +29,7 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
             ax.set_xticks([0.01, 0.1, 1], ["", "", ""])
             ax.set_yticks([0.1, 1, 10], ["", "", ""])
             ax.minorticks_off()
-    legend(figure, np.unique(atlas.outcome), cases=False)
+    legend(figure, atlas.outcome.values, cases=False)
     return figure
 
 

@@ -46,6 +46,15 @@ LIMIT: dict[str, Any] = {
 }
 
 
+#: Colours of outcomes by their flags.
+COLOURS: dict[str, Any] = {
+    "cmap": ListedColormap([colour for _, colour in OUTCOMES.values()]),
+    "vmin": -0.5,
+    "vmax": len(OUTCOMES) - 0.5,
+    "rasterized": True,
+}
+
+
 def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
     """Outcomes over step size and amplitude, with the linear limit of stability at the stiffest place of each motion.
 
@@ -56,26 +65,21 @@ def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
     limit
         Ω up to which the scheme is stable on the linear oscillator.
     """
-    colours = ListedColormap([colour for _, colour in OUTCOMES.values()])
-    ax.pcolormesh(
-        one.dt_over_period,
-        one.amplitude,
-        one.outcome,
-        cmap=colours,
-        vmin=-0.5,
-        vmax=len(OUTCOMES) - 0.5,
-        rasterized=True,
-    )
+    ax.pcolormesh(one.dt_over_period, one.amplitude, one.outcome, **COLOURS)
     if np.isfinite(limit):
         ax.plot(limit / (one.highest_frequency * one.period), one.amplitude, **LIMIT)
     ax.set(xscale="log", yscale="log", xlim=(0.01, 1), ylim=(one.amplitude.min(), one.amplitude.max()))
 
 
-def legend(figure: Figure, present: np.ndarray, cases: bool = True) -> None:
-    """What the colours, the line and the marks of :func:`outcome_map` mean, below the panels."""
+def patches(outcomes: np.ndarray) -> list[Patch]:
+    """What the colours of the outcomes mean, of those that are present."""
     looks = list(OUTCOMES.values())
-    handles: list = [Patch(facecolor=looks[int(k)][1], edgecolor="0.5", label=looks[int(k)][0]) for k in present]
-    handles.append(Line2D([], [], label="linear limit of stability", **LIMIT))
+    return [Patch(facecolor=looks[int(k)][1], edgecolor="0.5", label=looks[int(k)][0]) for k in np.unique(outcomes)]
+
+
+def legend(figure: Figure, outcomes: np.ndarray, cases: bool = True) -> None:
+    """What the colours, the line and the marks of :func:`outcome_map` mean, below the panels."""
+    handles = [*patches(outcomes), Line2D([], [], label="linear limit of stability", **LIMIT)]
     for case in PAPER_CASES if cases else ():
         handles.append(Line2D([], [], marker=case.marker, linestyle="", color="black", markersize=6, label=case.title))
     figure.legend(handles=handles, loc="outside lower center", ncols=4)

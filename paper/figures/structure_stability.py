@@ -13,6 +13,7 @@ LINEAR = 2.0
 
 def draw(structures: xr.Dataset) -> Figure:
     """One panel a structure."""
+    structures = structures.sel(excitation=1)
     problems = structures.problem.values
     columns = min(len(problems), 3)
     rows = -(-len(problems) // columns)

@@ -25,10 +25,10 @@ def accuracy(
     attributes: dict[str, dict] = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
     for p, (problem, reference) in enumerate(references.items()):
         definition = untitled(problem)
+        compared = [against(reference, steps, max(steps_per_period)) for steps in steps_per_period]
         for s, scheme in enumerate(schemes):
             progress(f"accuracy of {scheme} on {problem}")
-            for k, steps in enumerate(steps_per_period):
-                dt, observers = against(reference, steps, max(steps_per_period))
+            for k, (steps, (dt, observers)) in enumerate(zip(steps_per_period, compared, strict=True)):
                 observe = [*observers, MaxEnergyError(), EnergyDrift(), NewtonIterations()]
                 for n, length in enumerate(periods):
                     ds = run(definition, scheme, dt=dt, steps=steps * length, observe=observe)

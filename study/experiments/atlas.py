@@ -16,17 +16,11 @@ from study.experiments import labels
 from study.march import NEWTON_FAILED
 from study.problems import problems as registry
 from study.runs import run
-from study.stability import OUTCOMES, Fate, Height, outcomes
+from study.stability import OUTCOME_ATTRIBUTES, Fate, Height, outcomes
 
 #: The part of a period by which samples move around an orbit, as nearly as steps allow: the golden section is furthest
 #: from every fraction, so that they come to lie all around it.
 GOLDEN = (5**0.5 - 1) / 2
-
-_OUTCOME_ATTRIBUTES = {
-    "long_name": "how the run ended",
-    "flag_values": np.arange(len(OUTCOMES), dtype=np.int8),
-    "flag_meanings": " ".join(OUTCOMES),
-}
 
 
 def _single(values: np.ndarray) -> np.ndarray:
@@ -112,7 +106,7 @@ def atlas(
                 samples.setdefault(variable, []).append(_single(runs[variable].values[sampled]))
     dims = ("problem", "amplitude", "dt_over_period")
     attributes = {
-        "outcome": _OUTCOME_ATTRIBUTES,
+        "outcome": OUTCOME_ATTRIBUTES,
         "at_step": {"long_name": "step at which it began, -1 where the run is accurate", "units": "1"},
         "max_energy_error": {
             "long_name": f"largest error of the energy over its height above rest in {periods} periods, "

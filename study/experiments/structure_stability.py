@@ -1,6 +1,7 @@
-"""Structures that are stiff or chaotic: what becomes of runs, and of neighbours, at growing step sizes."""
+"""Structures that are stiff or chaotic: how runs end, and what becomes of neighbours, at growing step sizes."""
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -10,40 +11,49 @@ from study.experiments import labels
 from study.problems import periods as time_scales
 from study.problems import problems as registry
 from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.stability import OUTCOME_ATTRIBUTES, outcome_of_balance
+from study.structures import excited
 
 
-def structure_stability(lengths: Sequence[dict], schemes: Sequence[str], steps_per_period: Sequence[int]) -> xr.Dataset:
-    """Lyapunov exponent of the numerical map, and error of the balance of energies, by structure and step size.
+def structure_stability(
+    lengths: Sequence[dict], schemes: Sequence[str], excitations: Sequence[float], steps_per_period: Sequence[int]
+) -> xr.Dataset:
+    """Outcome, Lyapunov exponent of the numerical map and error of the balance of energies, over excitation and step.
 
     Parameters
     ----------
     lengths
         ``problem`` and ``periods`` of each structure: the length of its runs in its time scale.
+    excitations
+        Factors of the initial velocity and of the load of the structure.
     steps_per_period
         Steps in the time scale of the structure (``study.problems.periods``).
     """
     names = [one["problem"] for one in lengths]
-    shape = (len(names), len(schemes), len(steps_per_period))
-    exponent, imbalance = np.empty(shape), np.empty(shape)
+    shape = (len(names), len(schemes), len(excitations), len(steps_per_period))
+    exponent, imbalance, outcome = np.empty(shape), np.empty(shape), np.empty(shape, np.int8)
     status, failed_at_step = np.zeros(shape, np.int32), np.empty(shape, int)
     for p, one in enumerate(lengths):
         scale, problem = time_scales[one["problem"]], registry[one["problem"]]
+        excited_problems = [excited(problem, factor) for factor in excitations]
         for s, scheme in enumerate(schemes):
             progress(f"stability of {scheme} on {one['problem']}")
-            for k, parts in enumerate(steps_per_period):
+            for (e, definition), (k, parts) in product(enumerate(excited_problems), enumerate(steps_per_period)):
                 ds = run(
-                    problem,
+                    definition,
                     scheme,
                     dt=scale / parts,
                     steps=round(one["periods"] * parts),
                     observe=["lyapunov_exponent", "energy_balance"],
                 )
-                at = p, s, k
+                at = p, s, e, k
                 exponent[at], imbalance[at] = ds.lyapunov_exponent * scale, ds.max_energy_imbalance
+                outcome[at] = outcome_of_balance(ds)
                 status[at], failed_at_step[at] = ds.status, ds.failed_at_step
-    dims = ("problem", "scheme", "steps_per_period")
+    dims = ("problem", "scheme", "excitation", "steps_per_period")
     return xr.Dataset(
         {
+            "outcome": (dims, outcome, OUTCOME_ATTRIBUTES),
             "lyapunov_exponent": (
                 dims,
                 exponent,
@@ -60,10 +70,15 @@ def structure_stability(lengths: Sequence[dict], schemes: Sequence[str], steps_p
         coords={
             **labels.problem_coordinates(names),
             **labels.scheme_coordinates(schemes),
+            "excitation": (
+                "excitation",
+                list(excitations),
+                {"long_name": "initial velocity and load over those of the problem", "units": "1"},
+            ),
             **labels.steps_per_period_coordinate(steps_per_period),
             "periods": ("problem", [one["periods"] for one in lengths], {"long_name": "length of runs", "units": "1"}),
         },
-        attrs={"title": "Lyapunov exponents of the schemes on structures that are stiff or chaotic"},
+        attrs={"title": "How the schemes end on structures that are stiff or chaotic, over excitation and step size"},
     )
 
 
