@@ -710,7 +710,7 @@ rule numbers:
         dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
         dataset("structures", *(f"structure_history/{name}" for name in HISTORIES)),
         dataset("stability/atlas", "stability/robustness", *(f"stability/{name}" for name in STABILITY)),
-        sources=sources("paper.numbers"),
+        sources=sources("paper.numbers.__main__"),
     output:
         update("results/numbers.json"),
     log:

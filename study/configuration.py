@@ -27,6 +27,8 @@ _SHOWN_PERIODS = (1, 3, 100)
 _OF_THE_PAPER = ("atlas", "energy_error", "cpu_time", "large_steps", "sensitivity", "spectral", "accuracy")
 _PAPER_SCHEMES = list(schemes)[:7]
 _PAPER_PROBLEMS = ("hardening", "softening")
+#: Schemes that a reader can tell apart in one panel of a figure.
+_CURVES = 7
 #: YAML tells 15 from 15.0, and so does a count.
 _Validator = jsonschema.validators.extend(
     jsonschema.Draft202012Validator,
@@ -171,6 +173,8 @@ def _check_stability(config: dict) -> None:
             effective_coefficient(schemes[name])
         except ValueError as error:
             raise ValueError(f"stability.roots.schemes: {error}") from None
+    if 1 not in why["structures"]["excitations"]:
+        raise ValueError("stability.structures.excitations lacks 1, the structure as it is.")
     lengths = [one["problem"] for one in why["structures"]["lengths"]]
     for name in lengths:
         if name not in periods:
@@ -196,6 +200,20 @@ def _check_stability(config: dict) -> None:
         missing = [name for name in needed if name not in there]
         if missing:
             raise ValueError(f"{place} lacks '{missing[0]}', which the manuscript and its ledger need.")
+
+
+def _check_panels(config: dict) -> None:
+    """As many schemes as figures can show."""
+    sections = {key: config[key] for key in ("energy_error", "round_off", "long_times")}
+    sections |= {f"stability.{key}": config["stability"][key] for key in ("roots", "structures")}
+    for several in ("phase_portrait", "structure_history"):
+        sections |= {f"{several}.{name}": section for name, section in config[several].items()}
+    for place, section in sections.items():
+        count = len(section["schemes"])
+        if count > _CURVES:
+            raise ValueError(f"{place}.schemes: {count} are more than the {_CURVES} curves of a panel of its figure.")
+    if set(config["atlas"]["schemes"]) <= set(_PAPER_SCHEMES):
+        raise ValueError("atlas.schemes has none but those of the paper; a figure shows the others, give one at least.")
 
 
 def _check_values(config: dict) -> None:
@@ -236,6 +254,7 @@ def _check_values(config: dict) -> None:
     _check_structures(config)
     _check_stability(config)
     _check_long_times(config)
+    _check_panels(config)
     portraits = {f"phase_portrait.{name}": portrait for name, portrait in config["phase_portrait"].items()}
     of_the_paper = {key: config[key] for key in _OF_THE_PAPER}
     structures = {"structures": {"schemes": config["structures"]["schemes"]}}

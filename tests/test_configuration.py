@@ -51,6 +51,12 @@ def test_all_schemes_are_written_out(config):
         ),
         (lambda c: c["energy_drift"]["steps_per_period"].update(first=50), "first, 50, must be less than last, 40."),
         (lambda c: c["large_steps"].update(dt_over_period=[0.1, 300.0]), "a step is longer than the 100 periods"),
+        (lambda c: c["round_off"].update(schemes="all"), "round_off.schemes: 33 are more than the 7 curves"),
+        (lambda c: c["atlas"].update(schemes=list(study.schemes)[:7]), "atlas.schemes has none but those of the paper"),
+        (
+            lambda c: c["stability"]["structures"].update(excitations=[0.5, 2]),
+            "stability.structures.excitations lacks 1",
+        ),
         (lambda c: c["cpu_time"].update(schemes=["rk4"]), "cpu_time.schemes lacks 'average_acceleration', which the"),
         (
             lambda c: c["structures"]["lengths"].append({"problem": "fpu_chian", "periods": 1}),

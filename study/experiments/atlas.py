@@ -109,8 +109,7 @@ def atlas(
         "outcome": OUTCOME_ATTRIBUTES,
         "at_step": {"long_name": "step at which it began, -1 where the run is accurate", "units": "1"},
         "max_energy_error": {
-            "long_name": f"largest error of the energy over its height above rest in {periods} periods, "
-            "NaN where the run failed",
+            "long_name": "largest error of the energy over its height above rest, NaN where the run failed",
             "units": "percent",
         },
         "max_newton_iterations": {
@@ -134,6 +133,7 @@ def atlas(
                     "period": exact.period,
                     "highest_frequency": exact.highest_frequency,
                     "dt_over_period": ("dt_over_period", parts, {"long_name": "step size over period", "units": "1"}),
+                    "periods": ((), periods, {"long_name": "length of the runs in periods", "units": "1"}),
                 },
                 attrs={"title": title},
             )

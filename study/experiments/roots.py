@@ -21,7 +21,7 @@ from study.schemes import Newmark
 from study.schemes import schemes as registry
 
 #: Runs that differ by so much in displacement no longer answer the same question.
-APART = 0.1
+PARTED = 0.1
 #: Where Newton's iteration may start: from the acceleration before the step, or from none.
 GUESSES = {"last_acceleration": 1.0, "none": 0.0}
 
@@ -68,7 +68,7 @@ def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequen
             u = run(
                 problem, inexact(tolerance=np.float64(tolerance), part_of_last=np.float64(part)), dt=dt, steps=steps
             ).u
-            parted = ~(np.abs(u.values - exact) < APART)
+            parted = ~(np.abs(u.values - exact) < PARTED)
             together[g, k] = np.where(parted.any(axis=1), parted.argmax(axis=1), steps)
     return together
 
@@ -130,7 +130,7 @@ def roots(
                 ("start", "newton_tolerance", "dt"),
                 _steps_together(problem, step_sizes, steps, tolerances),
                 {
-                    "long_name": f"steps of the average acceleration method until a displacement differs by {APART} "
+                    "long_name": f"steps of the average acceleration method until a displacement differs by {PARTED} "
                     f"from that of the finest tolerance, {steps} where it never does",
                     "units": "1",
                 },

@@ -6,7 +6,7 @@ import equinox as eqx
 import jax
 
 from study.equilibrium import Effort
-from study.schemes.scheme import OneStep, Scheme
+from study.schemes.scheme import OneStep, Wrapper
 from study.summation import compensated_sum
 
 
@@ -28,7 +28,7 @@ class Summed(NamedTuple):
         return self.inner.v
 
 
-class Compensated(Scheme):
+class Compensated(Wrapper):
     """Another scheme with compensated summation of displacement and velocity.
 
     y = Δu − lost,    u₁ = u₀ + y,    lost = (u₁ − u₀) − y
@@ -60,18 +60,6 @@ class Compensated(Scheme):
             raise TypeError(
                 f"Compensated takes a scheme whose step adds to u and u̇, a study.OneStep, not {self.scheme!r}."
             )
-
-    @property
-    def order(self) -> int:
-        return self.scheme.order
-
-    @property
-    def explicit(self) -> bool:
-        return self.scheme.explicit
-
-    @property
-    def evaluations(self) -> int:
-        return self.scheme.evaluations
 
     def start(self, problem, u0, v0, dt):
         inner, effort = self.scheme.start(problem, u0, v0, dt)

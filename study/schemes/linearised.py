@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
-from study.schemes.scheme import Scheme
+from study.schemes.scheme import Scheme, Wrapper
 
 
 class Neighbours(NamedTuple):
@@ -36,7 +36,7 @@ def _power_of_two(size):
     return (biased - bias).astype(int), lax.bitcast_convert_type((2 * bias - biased) << number.nmant, size.dtype)
 
 
-class Linearised(Scheme):
+class Linearised(Wrapper):
     """Another scheme with a neighbour infinitely close to its run.
 
     With y₁ = Φ(y₀) the step of the scheme in its whole state, δ₁ = DΦ(y₀) δ₀ by automatic differentiation, from what a
@@ -60,18 +60,6 @@ class Linearised(Scheme):
     family: ClassVar[str] = "Linearised"
     source: ClassVar[str] = "Benettin et al. (1980)"
     doi: ClassVar[str] = "10.1007/BF02128236"
-
-    @property
-    def order(self) -> int:
-        return self.scheme.order
-
-    @property
-    def explicit(self) -> bool:
-        return self.scheme.explicit
-
-    @property
-    def needs_mass(self) -> bool:
-        return self.scheme.needs_mass
 
     def start(self, problem, u0, v0, dt):
         # any direction but a special one: all unknowns alike would be a translation of a free structure

@@ -85,6 +85,36 @@ class OneStep(Scheme):
         return new._replace(u=state.u + new.u, v=state.v + new.v), effort
 
 
+class Wrapper(Scheme):
+    """A scheme that steps another one, ``scheme``, and carries something beside its state."""
+
+    scheme: eqx.AbstractVar[Scheme]
+
+    @property
+    def order(self) -> int:
+        return self.scheme.order
+
+    @property
+    def damped_order(self) -> int:
+        return self.scheme.damped_order
+
+    @property
+    def explicit(self) -> bool:
+        return self.scheme.explicit
+
+    @property
+    def evaluations(self) -> int:
+        return self.scheme.evaluations
+
+    @property
+    def evaluations_per_iteration(self) -> int:
+        return self.scheme.evaluations_per_iteration
+
+    @property
+    def needs_mass(self) -> bool:
+        return self.scheme.needs_mass
+
+
 def start_in_balance(self, problem: Problem, u0, v0, dt) -> tuple[Motion, Effort]:
     """State at t = 0 with the acceleration that the equation of motion gives there."""
     return Motion(u0, v0, initial_acceleration(problem, u0, v0)), Effort()

@@ -1,0 +1,1 @@
+"""The numbers that the text quotes, by what they tell of."""

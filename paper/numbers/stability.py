@@ -1,0 +1,103 @@
+"""Numbers of the text: maps of stability, what is behind them, and long times."""
+
+import numpy as np
+import xarray as xr
+
+from paper.claims.ledger import by_name
+from paper.claims.stability import CHAOTIC
+from paper.tables.verdicts import FAILURES, SPAN, is_outcome, near_1996
+
+
+def of_long_times(runs: xr.Dataset) -> dict:
+    """What the schemes themselves do over the longest runs, and laws and sizes of round-off."""
+    last = runs.isel(periods=-1)
+    law = runs.exponent.sel(quantity="energy_round_off")
+    more = (runs.exponent.sel(quantity="phase_round_off") - law).sel(arithmetic="float64")
+    double, single, compensated = (last.sel(arithmetic=name) for name in ("float64", "float32", "float32_compensated"))
+    steady = single.energy_round_off.sel(step="short")
+    drift = (single.energy_round_off.sel(step="any") / steady).sel(scheme="central_difference")
+    bought = (steady / compensated.energy_round_off.sel(step="short")).max()
+    numbers = {
+        "lasting_periods": f"{last.periods.item():,}",
+        "lasting_steps": runs.steps_per_period,
+        "lasting_runs": runs.runs,
+        "lasting_spread": f"{100 * runs.spread_of_steps:.1f}",
+        "lasting_double_from": f"{law.sel(arithmetic='float64').min().item():.2f}",
+        "lasting_double_to": f"{law.sel(arithmetic='float64').max().item():.2f}",
+        "lasting_double_energy": f"{double.energy_round_off.max().item():.0e}",
+        "lasting_double_phase": f"{double.phase_round_off.max().item():.0e}",
+        "lasting_phase_more_from": f"{more.min().item():.2f}",
+        "lasting_phase_more_to": f"{more.max().item():.2f}",
+        "lasting_drift": f"{drift.item():.0f}",
+        "lasting_bought": f"{bought.item():.1f}",
+    }
+    for name in ("central_difference", "energy_momentum", "yoshida4"):
+        of = double.sel(scheme=name, step="any")
+        numbers[f"lasting_energy_{name}"] = f"{of.max_energy_error.item():.1g}"
+        late = of.phase_error.item()
+        numbers[f"lasting_delay_{name}"] = f"{abs(late):.0f} periods {'late' if late > 0 else 'early'}"
+        for step in runs.step.values:
+            one = {"scheme": name, "step": step, "arithmetic": "float32"}
+            error = runs.exponent_error.sel(one | {"quantity": "energy_round_off"})
+            numbers[f"lasting_law_{step}_{name}"] = f"{law.sel(one).item():.2f} ± {error.item():.2f}"
+    return numbers
+
+
+def of_stability(data: dict[str, xr.Dataset]) -> dict:
+    """Maps, roots, chaos, and steps that are enough."""
+    atlas, roots, bifurcation, robustness, structures = (
+        data[name] for name in ("atlas", "roots", "bifurcation", "robustness", "structures")
+    )
+    chaotic, failed = bifurcation.lyapunov_exponent * bifurcation.dt > CHAOTIC, bifurcation.status != 0
+    at = bifurcation.sel(dt=roots.paper_dt.item(), method="nearest")
+    a_step = at.lyapunov_exponent.item() * at.dt.item()
+    beyond = (roots.dt >= bifurcation.dt.values[chaotic.values.argmax()]) & (
+        roots.dt < roots.unique_up_to.sel(scheme="average_acceleration")
+    )
+    in_chaos = roots.steps_together.sel(start="last_acceleration").isel(dt=beyond)
+    a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(chaotic & (bifurcation.steps_until_apart > 0))
+    foretold = np.log(bifurcation.order_one / bifurcation.perturbation) / a_step_each / bifurcation.steps_until_apart
+    longest = robustness.steps_needed.isel(periods=-1)
+    of_average = longest.sel(scheme="average_acceleration", level=10)
+    twenty = longest.sel(problem="hardening", level=10) <= 20
+    exponents = structures.lyapunov_exponent.sel(excitation=1)
+    finest = exponents.isel(steps_per_period=-1)
+    tamed = exponents.sel(problem="duffing_chaotic", scheme="central_difference")
+    pendulum = exponents.sel(problem="pendulum", scheme="average_acceleration")
+    near = near_1996(atlas)
+    by_scheme = {name: is_outcome(near, name).any(["problem", "amplitude", "dt_over_period"]) for name in FAILURES}
+    untouched = ~(by_scheme["chaotic"] | by_scheme["growing"] | by_scheme["not_finite"])
+    return {
+        "maps": atlas.sizes["scheme"] * atlas.sizes["problem"],
+        "map_points": atlas.sizes["amplitude"] * atlas.sizes["dt_over_period"],
+        "map_periods": atlas.periods.item(),
+        "map_schemes": atlas.sizes["scheme"],
+        "map_span": f"{SPAN:g}",
+        "map_chaotic_schemes": int(by_scheme["chaotic"].sum()),
+        "map_untouched": ", ".join(atlas.scheme_title.values[untouched.values]) or "none",
+        "chaos_from": f"{bifurcation.dt.values[chaotic.values.argmax()]:.2f}",
+        "newton_fails_from": f"{bifurcation.dt.values[failed.values.argmax()]:.2f}",
+        "together": f"{in_chaos.median().item():.0f}",
+        "together_from": int(in_chaos.min()),
+        "together_to": int(in_chaos.max()),
+        "exponent_at_paper": f"{a_step:.2f}",
+        "apart_from_exponent": f"{np.log(bifurcation.order_one / bifurcation.perturbation).item() / a_step:.0f}",
+        "apart_of_two_runs": at.steps_until_apart.item(),
+        **{f"unique_{name}": f"{roots.unique_up_to.sel(scheme=name).item():.2f}" for name in roots.scheme.values},
+        "foretold": f"{foretold.median().item():.1f}",
+        "foretold_from": f"{foretold.quantile(0.05).item():.1f}",
+        "foretold_to": f"{foretold.quantile(0.95).item():.1f}",
+        "needed_periods": f"{robustness.periods.values[-1]:,}",
+        "needed_most": robustness.most_steps.item(),
+        **{
+            f"needed_{name}": f"{value:.0f}" if np.isfinite(value) else f"more than {robustness.most_steps.item()}"
+            for name, value in by_name(of_average).items()
+        },
+        "needed_twenty": ", ".join(robustness.scheme_title.values[twenty.values]) or "none",
+        "duffing_exponent_from": f"{finest.sel(problem='duffing_chaotic').min().item():.2f}",
+        "duffing_exponent_to": f"{finest.sel(problem='duffing_chaotic').max().item():.2f}",
+        "duffing_tamed": f"{tamed.min().item():.1f}",
+        "duffing_tamed_steps": int(tamed.idxmin()),
+        "pendulum_exponent": f"{pendulum.max().item():.1f}",
+        "pendulum_steps": int(pendulum.idxmax()),
+    }
