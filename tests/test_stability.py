@@ -21,7 +21,9 @@ from study.experiments.robustness import robustness
 from study.experiments.roots import roots
 from study.experiments.structure_stability import structure_stability
 from study.linear_theory import LinearTheory, oscillator
+from study.march import COMPLETED, NEWTON_FAILED, March, march
 from study.problems import CubicSpring
+from study.schemes import Linearised
 from study.stability import OUTCOMES, Fate, outcomes
 from study.structures import excited
 
@@ -330,3 +332,14 @@ def test_an_excitation_scales_velocity_and_load():
     t = jnp.asarray(0.3)
     assert excited(duffing, 3.0).load(t) == pytest.approx(3 * duffing.load(t))
     assert excited(duffing, 3.0).u0 == duffing.u0
+
+
+def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
+    definition = March(
+        study.problems["double_well"], Linearised(study.schemes["average_acceleration"]), (), (), lanes=True
+    )
+    numbers = np.asarray(400), np.asarray(1)
+    (progress, _), outcome = march(definition, jnp.full(2, 0.5), jnp.asarray([0.1, 4.0]), *numbers)
+    assert outcome.status.tolist() == [COMPLETED, NEWTON_FAILED] and outcome.failed_at_step[1] < 400
+    # NaN, on which Newton's iteration ends at once
+    assert all(np.isnan(part[1]) and np.isfinite(part[0]) for part in jax.tree.leaves(progress.state.inner))
