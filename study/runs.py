@@ -242,12 +242,16 @@ def run(
     else:
         alone = March(definition, marched, reductions, records)
         outcome = jax.tree.map(np.asarray, _march_alone(alone, start, step_size, int(count), every, room))
-    runs = _labelled(definition, method, outcome, chosen, step_size, every, room, bool(lanes))
-    if np.any(room * every > count):
+    going_on = np.arange(room + 1) * every <= count
+    if not np.all(going_on):
         # where the next sample is due stands the end of the run
-        going_on = xr.DataArray(np.arange(room + 1) * every <= count, dims=runs.t.dims[-1])
-        runs.update(runs[list(outcome.samples)].where(going_on))
-    return runs
+        along = bool(lanes)
+        cut = {
+            name: np.where(going_on.reshape((1,) * along + (-1,) + (1,) * (values.ndim - along - 1)), values, np.nan)
+            for name, values in outcome.samples.items()
+        }
+        outcome = outcome._replace(samples=cut)
+    return _labelled(definition, method, outcome, chosen, step_size, every, room, bool(lanes))
 
 
 def _labelled(problem, scheme, outcome, chosen, dt, every, samples, ensemble) -> xr.Dataset:
