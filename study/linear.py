@@ -69,13 +69,18 @@ def _banded_times(matrix: Banded, x):
     return jnp.sum(jnp.stack(tuple(matrix.bands)) * beside, axis=0)
 
 
+def _written_out(matrix, other):
+    """Product of a small matrix (n, n) with (n,) or (n, n): many lanes of a product as such are taken one by one."""
+    return sum(jnp.multiply.outer(matrix[:, j], other[j]) for j in range(len(other)))
+
+
 def times(matrix, x):
     """Product of a matrix of any form with a vector (n,), or of a number with a number."""
     match _form(matrix):
         case Form.BAND:
             return _banded_times(matrix, x)
         case Form.FULL:
-            return matrix @ x
+            return _written_out(matrix, x) if len(x) <= SMALL else matrix @ x
         case Form.FREE:
             return matrix.product(x)
         case _:
@@ -167,7 +172,7 @@ def product(one, other, n: int):
     if Form.FREE in forms:
         return MatrixFree(lambda x: times(one, times(other, x)), _diagonal(one) * _diagonal(other))
     if Form.FULL in forms:
-        return dense(one, n) @ dense(other, n)
+        return _written_out(dense(one, n), dense(other, n)) if n <= SMALL else dense(one, n) @ dense(other, n)
     one, other = _as_band(one, n), _as_band(other, n)
     k = one.half_bandwidth
     bands = jnp.zeros((2 * (k + other.half_bandwidth) + 1, n))
