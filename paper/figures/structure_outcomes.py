@@ -31,7 +31,7 @@ def draw(structures: xr.Dataset) -> Figure:
         ax.set_title(title.replace(" ", "\n", 1), fontsize=7)
     for ax in axes[-1]:
         ax.set_xticks(np.arange(len(steps))[::3], steps[::3])
-    figure.supxlabel("steps in the time scale of the structure", fontsize=8)
+        ax.set_xlabel("steps")
     figure.legend(handles=patches(structures.outcome.values), loc="outside lower center", ncols=6)
     return figure
 
