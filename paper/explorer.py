@@ -62,10 +62,10 @@ counted in the exact period T at that amplitude; its colour tells how the run en
 the orbit and the energy of the run beneath it, and click on an outcome in the legend to hide it.</p>
 """
 _NOTE = """
-<p>Shown are {cells}. Orbit and energy are those of the nearest of {portraits} runs, marked by a small square: samples
-about {spacing:.1f} periods apart, from light to dark along time, as long as the energy above rest is less than a
-hundred times that of the start. A run is accurate while that energy stays within 1 %. The dashed line is at T/20, and
-stars are the runs of the paper.</p>
+<p>Shown are {cells}. Orbit and energy, and how it ended, are those of the nearest of {portraits} runs, marked by a
+small square: samples about {spacing:.1f} periods apart, from light to dark along time, as long as the energy above rest
+is less than a hundred times that of the start. A run is accurate while that energy stays within 1 %. The dashed line is
+at T/20, and stars are the runs of the paper.</p>
 """
 # shows the run that is nearest to the mouse, or to the one that was shown last
 _SHOW = """
@@ -84,7 +84,8 @@ run.data = {u, v, height, t: u.map((_, sample) => sample * spacing[j]), sample: 
 orbit.data = {u: orbit_u, v: orbit_v}
 place.data = {x: [x[j]], y: [y[i]]}
 const [u0, dt] = [orbits.data.u0[p][i], 10 ** x[j] * orbits.data.period[p][i]]
-title.text = `u₀ = ${u0.toPrecision(3)}, Δt = ${dt.toPrecision(3)} = T/${(10 ** -x[j]).toPrecision(3)}`
+const ended = labels[runs.data.outcome[one][i * x.length + j]]
+title.text = `u₀ = ${u0.toPrecision(3)}, Δt = ${dt.toPrecision(3)} = T/${(10 ** -x[j]).toPrecision(3)}: ${ended}`
 """
 
 # what the map may be coloured by, and what of a cell is told beside the mouse
@@ -152,15 +153,18 @@ def _maps(atlas: xr.Dataset) -> ColumnDataSource:
     return ColumnDataSource(columns)
 
 
-def _runs(portraits: xr.Dataset, exact: xr.Dataset) -> ColumnDataSource:
-    """A row for each problem and scheme, with the samples (amplitudes, step sizes, samples) of each quantity."""
-    columns: dict[str, list] = {"name": [], "u": [], "v": [], "height": []}
+def _runs(portraits: xr.Dataset, exact: xr.Dataset, outcome: xr.DataArray) -> ColumnDataSource:
+    """A row for each problem and scheme, with outcomes, and samples (amplitudes, step sizes, samples) of quantities."""
+    outcome = outcome.sel(amplitude=portraits.amplitude, dt_over_period=portraits.dt_over_period, method="nearest")
+    columns: dict[str, list] = {"name": [], "outcome": [], "u": [], "v": [], "height": []}
     for p in portraits.problem.values.tolist():
         size = {name: abs(exact[f"orbit_{name}"].sel(problem=p)).max("point").values for name in ("u", "v")}
         for s in portraits.scheme.values.tolist():
             one = portraits.sel(problem=p, scheme=s)
             one = one.where(one.height <= MOST)
             columns["name"].append(f"{p} {s}")
+            ends = outcome.sel(problem=p, scheme=s).transpose("amplitude", "dt_over_period")
+            columns["outcome"].append(ends.values.astype(np.uint8))
             for name in ("u", "v"):
                 columns[name].append(_on_grid(one[name].values, size[name][:, None, None]))
             doublings = np.log2(np.maximum(one.height.values, LEAST / 2)) * 2**DIGITS_OF_HEIGHT
@@ -354,8 +358,14 @@ def explorer(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, *
     show = CustomJS(
         args={
             **{"x": x, "y": y, "spacing": spacing, "samples": samples, "points": exact.sizes["point"]},
-            **{"problem": problem, "scheme": scheme, "runs": _runs(portraits, exact), "orbits": _orbits(exact)},
+            **{
+                "problem": problem,
+                "scheme": scheme,
+                "runs": _runs(portraits, exact, atlas.outcome),
+                "orbits": _orbits(exact),
+            },
             **{"run": run, "orbit": orbit, "place": place, "title": phase.title},
+            "labels": [title for title, _ in OUTCOMES.values()],
         },
         code=_SHOW,
     )

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
 import yaml
 
 from study.comparison import MEASURES
@@ -173,10 +174,25 @@ def _check_stability(config: dict) -> None:
             effective_coefficient(schemes[name])
         except ValueError as error:
             raise ValueError(f"stability.roots.schemes: {error}") from None
+    exponents = np.linspace(*(atlas["amplitudes"][key] for key in ("first", "last", "count")))
+    if not np.any(np.abs(exponents) <= np.log10(3)):
+        raise ValueError("atlas.amplitudes has none within a factor of 3 of the paper's, which the verdicts are on.")
+    if why["bifurcation"]["scheme"] != "average_acceleration":
+        raise ValueError(
+            f"stability.bifurcation.scheme: the manuscript tells of 'average_acceleration', not of "
+            f"'{why['bifurcation']['scheme']}'."
+        )
+    if why["roots"]["paper_dt"] != 2.5:
+        raise ValueError(f"stability.roots.paper_dt: that of the paper is 2.5, not {why['roots']['paper_dt']}.")
+    for one in why["structures"]["lengths"]:
+        if one["periods"] * min(why["structures"]["steps_per_period"]) < 2:
+            raise ValueError(f"stability.structures.lengths: {one['periods']} periods are less than two steps.")
     if 1 not in why["structures"]["excitations"]:
         raise ValueError("stability.structures.excitations lacks 1, the structure as it is.")
     lengths = [one["problem"] for one in why["structures"]["lengths"]]
     for name in lengths:
+        if lengths.count(name) > 1:
+            raise ValueError(f"stability.structures.lengths has '{name}' twice.")
         if name not in periods:
             raise ValueError(f"stability.structures.lengths: '{name}' is none of the structures {', '.join(periods)}.")
     for name in ("roots", "numerical_map", "bifurcation"):
@@ -185,7 +201,7 @@ def _check_stability(config: dict) -> None:
                 f"stability.{name}.problem: the manuscript tells of 'double_well', not of '{why[name]['problem']}'."
             )
     if not why["bifurcation"]["dt"]["first"] < why["roots"]["paper_dt"] < why["bifurcation"]["dt"]["last"]:
-        raise ValueError("stability.roots.paper_dt is none of the step sizes of stability.bifurcation.dt.")
+        raise ValueError("stability.bifurcation.dt leaves out 2.5, the step size of the paper.")
     if 0.0 not in config["spectral"]["damping_ratios"]:
         raise ValueError("spectral.damping_ratios lacks 0.0, whose stability limit the maps show.")
     for place, there, needed in (

@@ -14,6 +14,7 @@ with stiff members that turn.
 from functools import partial
 from typing import NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -124,11 +125,11 @@ def _any(flags):
 
 
 def _iterated(iterate, given, carry):
-    """``(a, unfinished, iterations)`` after as many turns of ``a, unfinished = iterate(a, *given)`` as it takes."""
+    """``(a, unfinished, iterations)`` after as many turns of ``a, unfinished = iterate((a,), given)`` as it takes."""
 
     def again(carry, given):
         a, _, iterations = carry
-        return *iterate(a, *given), iterations + 1
+        return *iterate((a,), given), iterations + 1
 
     @jax.custom_batching.custom_vmap
     def to_the_end(carry, given):
@@ -140,7 +141,7 @@ def _iterated(iterate, given, carry):
     @to_the_end.def_vmap
     def in_lanes(lanes, batched, carry, given):
         carry = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (lanes, *x.shape)), carry, batched[0])
-        each = jax.vmap(again, in_axes=(0, [0 if b else None for b in batched[1]]))
+        each = jax.vmap(again, in_axes=(0, jax.tree.map(lambda b: 0 if b else None, batched[1])))
 
         def those_that_go_on(carry):
             def newest(goes_on, new, old):
@@ -153,18 +154,30 @@ def _iterated(iterate, given, carry):
     return to_the_end(carry, given)
 
 
+def _opened(function, *examples):
+    """The function with what it closes over as arguments, and these: (lanes of) arrays must not pass unseen."""
+    closed, structure = jax.tree.flatten(eqx.filter_closure_convert(function, *examples))
+    arrays, rest = eqx.partition(closed, eqx.is_array)
+
+    def opened(arguments, arrays):
+        return jax.tree.unflatten(structure, eqx.combine(arrays, rest))(*arguments)
+
+    return opened, arrays
+
+
 @partial(jax.custom_jvp, nondiff_argnums=(0, 1))
 def _root(residual, solution, a, given, fixed):
-    """The root a of ``residual(a, *given)``; ``solution(r, *fixed)`` solves with the residual's slope there."""
+    """The root a of ``residual((a,), given)``; ``solution((r, a), fixed)`` solves with the residual's slope there."""
     return a
 
 
 @_root.defjvp
 def _derivative_of_root(residual, solution, primals, tangents):
     """Not through the iteration, but by the implicit function theorem."""
-    a, given, fixed = primals
-    _, change = jax.jvp(lambda given: residual(a, *given), (given,), (tangents[1],))
-    return a, -solution(change, *fixed)
+    _, given, fixed = primals
+    a = _root(residual, solution, *primals)
+    _, change = jax.jvp(lambda given: residual((a,), given), (given,), (tangents[1],))
+    return a, -solution((change, a), fixed)
 
 
 def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None, symmetric=True, tolerance=None):
@@ -221,16 +234,16 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         return a, unfinished
 
     def differentiable(a):
-        residual, given = jax.closure_convert(lambda a: times(inertia, a) + weight * force(u + times(c_u, a)) - rhs, a)
-        solution, fixed = jax.closure_convert(lambda r: solve(internal_and_effective(a)[1], r, symmetric), a)
+        residual, given = _opened(lambda a: times(inertia, a) + weight * force(u + times(c_u, a)) - rhs, a)
+        solution, fixed = _opened(lambda r, a: solve(internal_and_effective(a)[1], r, symmetric), a, a)
         return _root(residual, solution, a, given, fixed)
 
-    iterate, given = jax.closure_convert(iterate, guess)
+    opened, given = _opened(iterate, guess)
     given = lax.stop_gradient(given)
     a, unfinished, iterations = lax.stop_gradient(guess), jnp.ones((), bool), jnp.zeros((), int)
     if n <= SMALL:
         # it takes one iteration to correct and one to see that it did; few steps take more, so the loop stands aside
-        once, _ = iterate(a, *given)
-        (a, unfinished), iterations = iterate(once, *given), jnp.full((), 2)
-    a, unfinished, iterations = _iterated(iterate, given, (a, unfinished, iterations))
+        once, _ = opened((a,), given)
+        (a, unfinished), iterations = opened((once,), given), jnp.full((), 2)
+    a, unfinished, iterations = _iterated(opened, given, (a, unfinished, iterations))
     return differentiable(a), Effort(iterations, ~unfinished)

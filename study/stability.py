@@ -10,7 +10,7 @@ import xarray as xr
 from scipy import optimize
 
 from study.march import NEWTON_FAILED, NOT_FINITE
-from study.observers import Record, Reduction
+from study.observers import APART, Record, Reduction
 from study.problem import Problem
 
 #: Within this part of its height above rest the energy is accurate; below this part of it a run is at rest.
@@ -226,20 +226,24 @@ def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     return outcome, at
 
 
-def outcome_of_balance(run: xr.Dataset) -> int:
+def outcome_of_balance(run: xr.Dataset, growth: float) -> int:
     """How a run under load and damping ended, as a place in ``OUTCOMES``, by what the balance of its energies tells.
 
-    Accurate within 1 % of what was put in, growing beyond a hundred times that. No rest is known, and no wells.
+    Accurate is a balance within 1 % of what was put in, growing one beyond a hundred times that. No rest is known, and
+    no wells.
 
     Parameters
     ----------
     run
-        What ``study.run`` made under :class:`study.observers.EnergyBalance` and ``LyapunovExponent``.
+        What ``study.run`` made under :class:`study.observers.EnergyBalance`.
+    growth
+        Logarithm of how much a perturbation grows over the run. It is chaotic beyond that of
+        :class:`study.observers.LyapunovExponent`.
     """
     if run.status in (NEWTON_FAILED, NOT_FINITE):
         return OUTCOMES.index("newton_not_converged" if run.status == NEWTON_FAILED else "not_finite")
     if run.max_energy_imbalance > 100 * GROWN:
         return OUTCOMES.index("growing")
-    if np.isfinite(run.apart_from):
+    if growth > APART * np.log(2):
         return OUTCOMES.index("chaotic")
     return OUTCOMES.index("accurate" if run.max_energy_imbalance <= 100 * ACCURATE else "bounded")

@@ -98,7 +98,10 @@ def test_all_schemes_are_written_out(config):
             "stability.structures.lengths: 'hardening' is none of the structures pendulum,",
         ),
         (lambda c: c["stability"]["bifurcation"].update(problem="hardening"), "the manuscript tells of 'double_well'"),
-        (lambda c: c["stability"]["roots"].update(paper_dt=7), "stability.roots.paper_dt is none of the step sizes"),
+        (
+            lambda c: c["stability"]["roots"].update(paper_dt=7),
+            "stability.roots.paper_dt: that of the paper is 2.5, not 7",
+        ),
         (lambda c: c["spectral"].update(damping_ratios=[0.1]), "spectral.damping_ratios lacks 0.0"),
         (lambda c: c["robustness"].update(problems=["softening"]), "robustness.problems lacks 'hardening', which the"),
         (lambda c: c["structures"].update(steps_per_period=[25]), "25 is no multiple of samples_per_period, 20."),

@@ -1,6 +1,7 @@
 """The balance of forces: Newton against an independent root finder, and what it says when it fails."""
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -108,3 +109,22 @@ def test_stiff_links_are_no_failure_of_newton(scheme, stiffness):
 def _dense(x, default):
     x = np.asarray(default if x is None else x)
     return x if x.ndim == 2 else np.diag(np.broadcast_to(x, 2))
+
+
+@pytest.mark.parametrize("name", ["average_acceleration", "gauss4", "bathe", "energy_momentum"])
+def test_steps_are_vectorised_and_differentiated_twice(name):
+    """Without a compiler too, and beyond the derivative that the Lyapunov exponent takes."""
+    scheme, problem, dt = study.schemes[name], study.problems["hardening"], jnp.asarray(0.01)
+
+    def moved(u0):
+        state, _ = scheme.start(problem, u0, jnp.asarray(0.3), dt)
+        for _ in range(3):
+            state, _ = scheme.step(problem, state, jnp.asarray(0.0), dt)
+        return state.u
+
+    u0, h = jnp.asarray([1.0, 1.2]), 1e-4
+    np.testing.assert_allclose(jax.vmap(moved)(u0), [moved(one) for one in u0], rtol=1e-14)
+    slope, bend = jax.vmap(jax.jacfwd(moved))(u0), jax.vmap(jax.jacfwd(jax.jacfwd(moved)))(u0)
+    before, at, after = (jax.vmap(moved)(u0 + way * h) for way in (-1, 0, 1))
+    np.testing.assert_allclose(slope, (after - before) / (2 * h), rtol=1e-5, atol=1e-7)
+    np.testing.assert_allclose(bend, (after - 2 * at + before) / h**2, rtol=1e-5)

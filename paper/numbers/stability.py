@@ -60,7 +60,7 @@ def of_stability(data: dict[str, xr.Dataset]) -> dict:
     longest = robustness.steps_needed.isel(periods=-1)
     of_average = longest.sel(scheme="average_acceleration", level=10)
     twenty = longest.sel(problem="hardening", level=10) <= 20
-    exponents = structures.lyapunov_exponent.sel(excitation=1)
+    exponents = structures.lyapunov_exponent.sel(excitation=1).sortby("steps_per_period")
     finest = exponents.isel(steps_per_period=-1)
     tamed = exponents.sel(problem="duffing_chaotic", scheme="central_difference")
     pendulum = exponents.sel(problem="pendulum", scheme="average_acceleration")

@@ -33,6 +33,7 @@ def _power_of_two(size):
     number = jnp.finfo(size.dtype)
     bias = number.maxexp - 1
     biased = lax.bitcast_convert_type(size, f"int{number.bits}") >> number.nmant
+    biased = jnp.minimum(biased, 2 * bias - 1)  # of what overflows too the factor is a number
     return (biased - bias).astype(int), lax.bitcast_convert_type((2 * bias - biased) << number.nmant, size.dtype)
 
 
