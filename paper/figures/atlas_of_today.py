@@ -20,15 +20,21 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     rows = -(-len(schemes) // COLUMNS)
     figure = plt.figure(figsize=(PAGE, 0.97 * rows + 0.5))
     blocks = np.asarray(figure.subfigures(rows, COLUMNS)).ravel()
-    for block, scheme in zip(blocks, schemes, strict=False):
+    for index, (block, scheme) in enumerate(zip(blocks, schemes, strict=False)):
         of_scheme = atlas.sel(scheme=scheme)
         limit = spectral.stability_limit.sel(scheme=scheme, damping_ratio=0.0).item()
         block.suptitle(of_scheme.scheme_title.item(), fontsize=7)
-        for ax, problem in zip(block.subplots(1, len(problems), sharey=True), problems, strict=True):
+        panels = block.subplots(1, len(problems), sharey=True)
+        for ax, problem in zip(panels, problems, strict=True):
             outcome_map(ax, of_scheme.sel(problem=problem), limit)
-            ax.set_xticks([0.01, 0.1, 1], ["", "", ""])
-            ax.set_yticks([0.1, 1, 10], ["", "", ""])
+            # the lowest of each column, and the first of each row
+            labels = ["0.01", "0.1", "1"] if index + COLUMNS >= len(schemes) else [""] * 3
+            ax.set_xticks([0.01, 0.1, 1], labels, fontsize=5)
             ax.minorticks_off()
+            if index < COLUMNS:
+                title = of_scheme.problem_title.sel(problem=problem).item().removesuffix(" spring")
+                ax.set_title(title, fontsize=5, loc="center")
+        panels[0].set_yticks([0.1, 1, 10], ["0.1", "1", "10"] if index % COLUMNS == 0 else [""] * 3, fontsize=5)
     legend(figure, atlas.outcome.values, cases=False)
     return figure
 

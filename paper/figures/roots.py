@@ -38,6 +38,7 @@ def draw(roots: xr.Dataset) -> Figure:
                 linewidth=0.8,
                 label=f"{tolerance:.0e}" if line == "-" else None,
             )
+    axes[2].plot([], [], ":", color="0.4", label="from none")
     axes[2].set(xlabel="step size in s", ylabel="steps until they differ")
     axes[2].legend(title="tolerance", loc="lower left", fontsize=6)
     for index, (ax, title) in enumerate(
