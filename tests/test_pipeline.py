@@ -174,14 +174,13 @@ def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, tmp_path):
     shutil.copytree(project, copy)
     stability = copy / "results" / "stability"
     missing = [stability / "tiles" / f"{scheme}_0.nc" for scheme in ("central_difference", "rk4")]
-    for path in missing:
+    for path in (*missing, stability / "atlas.nc"):
         path.unlink()
-    interrupted = subprocess.Popen(
-        [*_COMMAND, "--cores", "1", "--", "results/stability/atlas.nc"], cwd=copy, stderr=subprocess.PIPE, text=True
-    )
-    assert any("Finished jobid" in line for line in interrupted.stderr)
-    interrupted.send_signal(signal.SIGINT)
-    interrupted.communicate()
+    command = [*_COMMAND, "--cores", "1", "--", "results/stability/atlas.nc"]
+    with subprocess.Popen(command, cwd=copy, stderr=subprocess.PIPE, text=True) as interrupted:
+        assert any("Finished jobid" in line for line in interrupted.stderr)
+        interrupted.send_signal(signal.SIGINT)
+        interrupted.communicate()
     assert interrupted.returncode != 0 and sum(path.exists() for path in missing) == 1
     there = {path: path.stat().st_mtime_ns for path in (stability / "tiles").iterdir()}
     done = _snakemake(copy, "--", "results/stability/atlas.nc")
