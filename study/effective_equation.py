@@ -36,11 +36,12 @@ def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.nda
     """How many u there are with u + c p(u) = ũ, (coefficients, predictors), from changes of sign."""
     force = jax.jit(jax.vmap(problem.force))
     far = 2 * np.abs(predictor).max()
-    # beyond every root the left side is larger than any predictor, and grows
+    # beyond every root the left side is larger than any predictor, and grows without a change of sign
     while far < FARTHEST:
         ends = far * np.array([[-1.0, 1.0], [-2.0, 2.0]])
-        left = np.abs(ends + coefficient[:, None, None] * np.asarray(jax.vmap(force)(ends)))
-        if left[:, 0].min() > np.abs(predictor).max() and (left[:, 1] > left[:, 0]).all():
+        left = ends + coefficient[:, None, None] * np.asarray(jax.vmap(force)(ends))
+        near, beyond = np.abs(left[:, 0]), np.sign(left[:, 0]) * left[:, 1]
+        if near.min() > np.abs(predictor).max() and (beyond > near).all():
             break
         far *= 2
     u = np.linspace(-far, far, SEARCHED)

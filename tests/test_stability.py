@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import study
@@ -224,6 +224,7 @@ def test_a_map_shows_the_linear_limit_at_small_amplitude(springs):
     c=st.floats(0.01, 10),
     predictor=st.floats(-1, 1),
 )
+@example(S1=1.0, S2=-0.25, c=1.0, predictor=0.0)
 @settings(max_examples=40, deadline=None)
 def test_roots_of_a_cubic_effective_equation(S1, S2, c, predictor):
     spring = CubicSpring(S1, S2)
