@@ -28,6 +28,8 @@ _SHOWN_PERIODS = (1, 3, 100)
 _OF_THE_PAPER = ("atlas", "energy_error", "cpu_time", "large_steps", "sensitivity", "spectral", "accuracy")
 _PAPER_SCHEMES = list(schemes)[:7]
 _PAPER_PROBLEMS = ("hardening", "softening")
+#: The verdicts are on amplitudes of the maps within this factor of the paper's.
+_VERDICTS_WITHIN = 3
 #: Schemes that a reader can tell apart in one panel of a figure.
 _CURVES = 7
 #: YAML tells 15 from 15.0, and so does a count.
@@ -175,8 +177,10 @@ def _check_stability(config: dict) -> None:
         except ValueError as error:
             raise ValueError(f"stability.roots.schemes: {error}") from None
     exponents = np.linspace(*(atlas["amplitudes"][key] for key in ("first", "last", "count")))
-    if not np.any(np.abs(exponents) <= np.log10(3)):
-        raise ValueError("atlas.amplitudes has none within a factor of 3 of the paper's, which the verdicts are on.")
+    if not np.any(np.abs(exponents) <= np.log10(_VERDICTS_WITHIN)):
+        raise ValueError(
+            f"atlas.amplitudes has none within a factor of {_VERDICTS_WITHIN} of the paper's, as verdicts need."
+        )
     if why["bifurcation"]["scheme"] != "average_acceleration":
         raise ValueError(
             f"stability.bifurcation.scheme: the manuscript tells of 'average_acceleration', not of "

@@ -20,7 +20,7 @@ def structure_stability(
 ) -> xr.Dataset:
     """Outcome, Lyapunov exponent of the numerical map and error of the balance of energies, over excitation and step.
 
-    The largest exponent, over the second half of the runs.
+    The exponent is the largest one, over the second half of the runs.
 
     Parameters
     ----------
@@ -46,9 +46,9 @@ def structure_stability(
                     run(definition, scheme, dt=scale / parts, steps=n, observe=["lyapunov_exponent", "energy_balance"])
                     for n in (steps // 2, steps)
                 )
-                # the first half belongs to the way from a displacement to a motion of the stiffest mode
-                growth = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
-                exponent[at], imbalance[at] = growth * scale, whole.max_energy_imbalance
+                # without the first half, in which a displacement becomes a motion of the stiffest mode
+                rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
+                exponent[at], imbalance[at] = rate * scale, whole.max_energy_imbalance
                 outcome[at] = outcome_of_balance(whole, exponent[at] * one["periods"])
                 status[at], failed_at_step[at] = whole.status, whole.failed_at_step
     dims = ("problem", "scheme", "excitation", "steps_per_period")
