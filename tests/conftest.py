@@ -1,10 +1,14 @@
 """Strictness that holds for every test, and what several of them use."""
 
+import gc
+
 import jax
 import pytest
 
 import study
 
+# as the pipeline's jobs do: what has been imported stays, and is not looked through for garbage again and again
+gc.freeze()
 jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_numpy_dtype_promotion", "strict")
 

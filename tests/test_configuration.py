@@ -12,7 +12,7 @@ from study.configuration import check, complete
 FOLDER = Path(__file__).parent.parent / "config"
 
 
-@pytest.fixture(params=["study.yaml", "small.yaml", "full.yaml"])
+@pytest.fixture(params=["study.yaml", "full.yaml"])
 def config(request) -> dict:
     """The configurations that are shipped, each laid over that of the study, as Snakemake does."""
     settings = yaml.safe_load((FOLDER / "study.yaml").read_text())

@@ -1,4 +1,4 @@
-"""The whole pipeline on the small configuration, in a copy of the project."""
+"""The whole pipeline as `make` runs it, in a copy of the project."""
 
 import csv
 import hashlib
@@ -46,7 +46,7 @@ def _copy(target: Path) -> Path:
     return target
 
 
-_COMMAND = [sys.executable, "-m", "snakemake", "--configfile", "config/small.yaml"]
+_COMMAND = [sys.executable, "-m", "snakemake"]
 
 
 def _snakemake(folder: Path, *arguments: str) -> subprocess.CompletedProcess:

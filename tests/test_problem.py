@@ -2,6 +2,7 @@
 
 import jax
 import jax.numpy as jnp
+import mpmath
 import numpy as np
 import pytest
 
@@ -153,6 +154,16 @@ def test_a_strain_energy_has_one_energy_for_each_strain(density):
 def test_a_strain_energy_sums_over_its_strains():
     energy = study.StrainEnergy(lambda u: jnp.diff(u), lambda e: e * e / 2)
     assert energy(jnp.array([0.0, 1.0, 3.0])) == 2.5
+
+
+def test_the_potential_of_the_softening_spring_leaves_round_off():
+    """Of the size of u at most, between which and a logarithm it is a difference."""
+    u = np.concatenate([[0.0], np.geomspace(1e-8, 700, 300), -np.geomspace(1e-3, 30, 100)])
+    with mpmath.workdps(40):
+        exact = np.array([float(100 * mpmath.log(mpmath.cosh(mpmath.mpf(x)))) for x in u])
+    potential = study.problems["softening"].potential
+    assert np.all(np.abs(jax.vmap(potential)(u) - exact) <= 8e-16 * 100 * np.abs(u))
+    np.testing.assert_allclose(jax.vmap(jax.grad(potential))(u), 100 * np.tanh(u), atol=1e-13)
 
 
 def test_a_force_is_the_gradient_of_the_potential():

@@ -187,7 +187,8 @@ def test_the_highest_frequency_is_that_of_the_tangent_on_the_way(springs):
     assert well.highest_frequency.item() == pytest.approx(np.sqrt(-0.5 + 1.5 * (2 - well.u0.item() ** 2)))
 
 
-def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(springs, monkeypatch):
+@pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "gauss4", "rk4"])
+def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(springs, monkeypatch, scheme):
     many = amplitudes(["softening", "double_well"], MANY)
     study.datasets.write(many.assign_attrs(source=study.datasets.SOURCE), "results/reference/amplitudes.nc")
     portraits = {"points": 3, "samples": 5}
@@ -197,9 +198,9 @@ def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(springs, monkeypatc
         "periods": 20,
         "portraits": portraits,
     }
-    whole, _ = atlas("average_acceleration", **arguments, tile=0, tiles=1)
+    whole, _ = atlas(scheme, **arguments, tile=0, tiles=1)
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
-    tiles = [atlas("average_acceleration", **arguments, tile=tile, tiles=3) for tile in range(3)]
+    tiles = [atlas(scheme, **arguments, tile=tile, tiles=3) for tile in range(3)]
     for tile, (part, _) in enumerate(tiles):
         study.datasets.write(part, f"{tile}.nc")
     gather = [sys.executable, "-m", "study.gather", "gathered.nc", "scheme,amplitude", *(f"{k}.nc" for k in range(3))]

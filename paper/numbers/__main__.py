@@ -54,6 +54,7 @@ def numbers(results: Path) -> dict:
         **of_long_times(dataset("long_times")),
         **of_structures(
             dataset("structures"),
+            dataset("reference/elastic_pendulum"),
             {
                 name: dataset(f"structure_history/{name}")
                 for name in ("stiff_soft", "long_times", "stiff_bar", "stiff_truss")

@@ -41,9 +41,10 @@ def of_accuracy(accuracy: xr.Dataset) -> dict:
 
 
 def _heyoka_wins_below(work: xr.Dataset) -> float:
-    """The error below which heyoka takes less time than the Runge-Kutta method, on every problem."""
+    """The error below which heyoka takes less time than the Runge-Kutta method, on every problem that it was given."""
     wins = []
-    for problem in work.problem.values:
+    given = work.solver_time_per_run.sel(solver="heyoka", periods=100).dropna("problem", how="all").problem
+    for problem in given.values:
         one = work.sel(problem=problem, periods=100)
         rk4 = one.sel(scheme="rk4")
         peer = one.sel(solver="heyoka")
@@ -88,13 +89,15 @@ def of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
         "work_ranking": ", ".join(f"{titles[name]} ({number})" for name, number in ranking.items()),
         "work_implicit": int(ranking.reindex(implicit).sum()),
         "work_explicit_high": int(ranking.reindex(explicit_high).sum()),
-        "work_best": titles[best],
+        "work_best": titles.get(best, "none"),
         "work_best_ms": f"{best_ms:.2f}",
         "work_peer_ms": f"{peer_ms:.2f}",
         "work_rk4_finest": f"{rk4.max_trajectory_error.item():.0e}",
         "work_rk4_ms": f"{1e3 * rk4.time_per_run.item():.1f}",
         "work_heyoka_finest": f"{heyoka.solver_max_trajectory_error.item():.0e}",
         "work_heyoka_ms": f"{1e3 * heyoka.solver_time_per_run.item():.1f}",
+        "work_loosest": f"{np.log10(spring.tolerance.max().item()):.0f}",
+        "work_tightest": f"{np.log10(spring.tolerance.min().item()):.0f}",
         "work_heyoka_from": f"{_heyoka_wins_below(work):.0e}",
         "work_iterations_coarse": f"{coarse.item():.1f}",
         "work_diffrax_step": f"{spring.diffrax_rk4_time_per_step.dropna('steps_per_period')[-1].item():.0f}",

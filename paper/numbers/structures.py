@@ -1,5 +1,6 @@
 """Numbers of the text: structures."""
 
+import numpy as np
 import xarray as xr
 
 from paper.claims.ledger import by_name
@@ -8,8 +9,8 @@ from paper.figures.oscillatory_energies import total
 from paper.tables.structures import STEPS_PER_PERIOD
 
 
-def of_structures(structures: xr.Dataset, history: dict[str, xr.Dataset]) -> dict:
-    """Energies of stiff structures and of those that turn."""
+def of_structures(structures: xr.Dataset, reference: xr.Dataset, history: dict[str, xr.Dataset]) -> dict:
+    """Energies of stiff structures and of those that turn, and how well one of them is known."""
     data = {"structures": structures}
     runs = kept(data, TURNING)
     lost = by_name((~runs).sum(["problem", "steps_per_period"]))
@@ -18,6 +19,8 @@ def of_structures(structures: xr.Dataset, history: dict[str, xr.Dataset]) -> dic
     oscillatory = total(long_times)
     change = by_name(100 * abs(oscillatory / oscillatory.isel(t=0) - 1).max("t"))
     return {
+        "structures_shown": structures.sizes["problem"],
+        "structure_tolerance": f"{np.log10(reference.rtol):.0f}",
         "turning_runs": runs.sizes["problem"] * runs.sizes["steps_per_period"],
         **{f"lost_{name}": number for name, number in lost.items()},
         **{f"sawtooth_{name}": f"{a:.2f}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},

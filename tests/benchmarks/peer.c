@@ -15,7 +15,11 @@ static inline double potential(double u) { return 50.0 * u * u * (1 + 5.0 * u * 
 #else
 static inline double force(double u) { return 100.0 * tanh(u); }
 static inline double tangent(double u) { double t = tanh(u); return 100.0 * (1 - t * t); }
-static inline double potential(double u) { return 100.0 * (fabs(u) + log1p(exp(-2 * fabs(u))) - log(2.0)); }
+static inline double potential(double u) {
+  double t = fabs(tanh(u)), s = t / (2 + t), series = 0;
+  for (int odd = 31; odd > 0; odd -= 2) series = series * (s * s) + 1.0 / odd;
+  return 100.0 * (fabs(u) - 2 * s * series);
+}
 #endif
 
 /* a of a + w p(u + c_u a) = r */
