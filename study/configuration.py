@@ -130,9 +130,18 @@ def _check_structures(config: dict) -> None:
                 f"structures.steps_per_period: {steps} is no multiple of samples_per_period, "
                 f"{structures['samples_per_period']}."
             )
-    for name in ("stiff_soft", "fpu_chain", "elastic_pendulum"):
-        if name not in names:
-            raise ValueError(f"structures.lengths lacks '{name}', which the manuscript and its ledger need.")
+    histories = config["structure_history"]
+    keeping = ["implicit_midpoint", "energy_momentum"]
+    _check_needed(
+        ("structures.lengths", names, ["stiff_soft", "fpu_chain", "elastic_pendulum"]),
+        ("structures.schemes", structures["schemes"], [*_PAPER_SCHEMES, *keeping, "gauss4"]),
+        ("structure_history.stiff_soft.schemes", histories["stiff_soft"]["schemes"], ["average_acceleration", "bathe"]),
+        (
+            "structure_history.long_times.schemes",
+            histories["long_times"]["schemes"],
+            ["central_difference", *keeping, "bathe"],
+        ),
+    )
     for name, history in config["structure_history"].items():
         place = f"structure_history.{name}"
         if history["problem"] not in names:
@@ -208,7 +217,7 @@ def _check_stability(config: dict) -> None:
         raise ValueError("stability.bifurcation.dt leaves out 2.5, the step size of the paper.")
     if 0.0 not in config["spectral"]["damping_ratios"]:
         raise ValueError("spectral.damping_ratios lacks 0.0, whose stability limit the maps show.")
-    for place, there, needed in (
+    _check_needed(
         ("spectral.schemes", config["spectral"]["schemes"], atlas["schemes"]),
         ("atlas.problems", atlas["problems"], ["hardening", "softening", "double_well"]),
         ("robustness.problems", robustness["problems"], ["hardening", "softening", "double_well"]),
@@ -216,8 +225,13 @@ def _check_stability(config: dict) -> None:
         ("stability.roots.schemes", why["roots"]["schemes"], ["average_acceleration", "wilson_theta", "houbolt"]),
         ("stability.structures.lengths", lengths, ["pendulum", "duffing_chaotic"]),
         ("stability.structures.schemes", why["structures"]["schemes"], ["average_acceleration", "central_difference"]),
-    ):
-        missing = [name for name in needed if name not in there]
+    )
+
+
+def _check_needed(*cases: tuple[str, list, list]) -> None:
+    """Of every place what is there, and what must be."""
+    for place, there, needed in cases:
+        missing = [one for one in needed if one not in there]
         if missing:
             raise ValueError(f"{place} lacks '{missing[0]}', which the manuscript and its ledger need.")
 
@@ -277,12 +291,15 @@ def _check_values(config: dict) -> None:
     _check_panels(config)
     portraits = {f"phase_portrait.{name}": portrait for name, portrait in config["phase_portrait"].items()}
     of_the_paper = {key: config[key] for key in _OF_THE_PAPER}
-    structures = {"structures": {"schemes": config["structures"]["schemes"]}}
-    for place, section in {**of_the_paper, **structures, **portraits}.items():
+    for place, section in {**of_the_paper, **portraits}.items():
         for key, needed in (("schemes", _PAPER_SCHEMES), ("problems", _PAPER_PROBLEMS)):
-            missing = [name for name in needed if key in section and name not in section[key]]
-            if missing:
-                raise ValueError(f"{place}.{key} lacks '{missing[0]}', which the manuscript and its ledger need.")
+            if key in section:
+                _check_needed((f"{place}.{key}", section[key], needed))
+    _check_needed(
+        ("agreement.tolerances", config["agreement"]["tolerances"], [1e-9]),
+        ("accuracy.schemes", config["accuracy"]["schemes"], ["bathe", "energy_momentum"]),
+        ("spectral.schemes", config["spectral"]["schemes"], ["generalized_alpha"]),
+    )
 
 
 def check(config: dict) -> None:

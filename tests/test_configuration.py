@@ -150,6 +150,12 @@ def test_all_schemes_are_written_out(config):
         (lambda c: c["references"].update(problems=["softening"]), "long_times.problem: there is no 'hardening' among"),
         (lambda c: c["accuracy"].update(schemes="most"), "accuracy.schemes: 'all' was expected"),
         (lambda c: c["spectral"].update(damping_ratios=[1.0]), "damping_ratios.0: 1.0 is greater than or equal to the"),
+        (lambda c: c["structures"]["schemes"].remove("gauss4"), "structures.schemes lacks 'gauss4', which the"),
+        (lambda c: c["agreement"].update(tolerances=[1e-4, 1e-8]), "agreement.tolerances lacks '1e-09', which the"),
+        (
+            lambda c: c["structure_history"]["stiff_soft"].update(schemes=["bathe"]),
+            "structure_history.stiff_soft.schemes lacks 'average_acceleration', which the",
+        ),
         (lambda c: c["work_precision"]["solvers"].update(periods=[1]), "work_precision.solvers.periods lacks 100"),
         (
             lambda c: c["work_precision"]["solvers"].update(longest=0),
