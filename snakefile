@@ -708,7 +708,7 @@ rule numbers:
         dataset("energy_error", "energy_drift", "cpu_time", "sensitivity", "spectral", "large_steps"),
         dataset("reference_agreement", "accuracy", "work_precision", "recommendation", "round_off", "long_times"),
         dataset("phase_portrait/softening_large", "phase_portrait/double_well"),
-        dataset("structures", *(f"structure_history/{name}" for name in HISTORIES)),
+        dataset("structures", "reference/elastic_pendulum", *(f"structure_history/{name}" for name in HISTORIES)),
         dataset("stability/atlas", "stability/robustness", *(f"stability/{name}" for name in STABILITY)),
         sources=sources("paper.numbers.__main__"),
     output:

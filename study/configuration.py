@@ -1,7 +1,7 @@
 """The configuration of the pipeline, checked before any work starts."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -228,7 +228,7 @@ def _check_stability(config: dict) -> None:
     )
 
 
-def _check_needed(*cases: tuple[str, list, list]) -> None:
+def _check_needed(*cases: tuple[str, Sequence, Sequence]) -> None:
     """Of every place what is there, and what must be."""
     for place, there, needed in cases:
         missing = [one for one in needed if one not in there]
