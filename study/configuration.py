@@ -28,6 +28,7 @@ _SHOWN_PERIODS = (1, 3, 100)
 _OF_THE_PAPER = ("atlas", "energy_error", "cpu_time", "large_steps", "sensitivity", "spectral", "accuracy")
 _PAPER_SCHEMES = list(schemes)[:7]
 _PAPER_PROBLEMS = ("hardening", "softening")
+_PAPER_STEPS = (15, 20, 25, 50, 100, 200, 1000)
 #: The verdicts are on amplitudes of the maps within this factor of the paper's.
 _VERDICTS_WITHIN = 3
 #: Schemes that a reader can tell apart in one panel of a figure.
@@ -135,6 +136,7 @@ def _check_structures(config: dict) -> None:
     _check_needed(
         ("structures.lengths", names, ["stiff_soft", "fpu_chain", "elastic_pendulum"]),
         ("structures.schemes", structures["schemes"], [*_PAPER_SCHEMES, *keeping, "gauss4"]),
+        ("structures.steps_per_period", structures["steps_per_period"], [80]),
         ("structure_history.stiff_soft.schemes", histories["stiff_soft"]["schemes"], ["average_acceleration", "bathe"]),
         (
             "structure_history.long_times.schemes",
@@ -295,11 +297,31 @@ def _check_values(config: dict) -> None:
         for key, needed in (("schemes", _PAPER_SCHEMES), ("problems", _PAPER_PROBLEMS)):
             if key in section:
                 _check_needed((f"{place}.{key}", section[key], needed))
+    accuracy, work, answer = config["accuracy"], config["work_precision"], config["recommendation"]
     _check_needed(
         ("agreement.tolerances", config["agreement"]["tolerances"], [1e-9]),
-        ("accuracy.schemes", config["accuracy"]["schemes"], ["bathe", "energy_momentum"]),
+        ("energy_error.steps_per_period", config["energy_error"]["steps_per_period"], _PAPER_STEPS),
+        ("houbolt_start.steps_per_period", config["houbolt_start"]["steps_per_period"], _PAPER_STEPS),
+        ("accuracy.schemes", accuracy["schemes"], ["bathe", "energy_momentum"]),
+        ("accuracy.steps_per_period", accuracy["steps_per_period"], [64]),
+        ("work_precision.schemes.schemes", work["schemes"]["schemes"], ["average_acceleration", "rk4"]),
+        ("work_precision.schemes.problems", work["schemes"]["problems"], ["hardening"]),
+        ("work_precision.solvers.problems", work["solvers"]["problems"], ["hardening"]),
+        ("recommendation.problems", answer["problems"], ["hardening"]),
+        ("recommendation.measures", answer["measures"], ["max_trajectory_error"]),
+        ("round_off.schemes", config["round_off"]["schemes"], ["rk4"]),
+        ("large_steps.problems", config["large_steps"]["problems"], list(printed_periods)),
         ("spectral.schemes", config["spectral"]["schemes"], ["generalized_alpha"]),
     )
+    for key, told in (("energy_drift", "softening"), ("sensitivity", "double_well")):
+        if config[key]["problem"] != told:
+            raise ValueError(f"{key}.problem: the manuscript tells of '{told}', not of '{config[key]['problem']}'.")
+    if config["energy_drift"]["scheme"] != "rk4":
+        raise ValueError(
+            f"energy_drift.scheme: the manuscript tells of 'rk4', not of '{config['energy_drift']['scheme']}'."
+        )
+    if config["robustness"]["periods"] != sorted(config["robustness"]["periods"]):
+        raise ValueError(f"robustness.periods must rise, not {config['robustness']['periods']}.")
 
 
 def check(config: dict) -> None:

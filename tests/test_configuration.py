@@ -150,6 +150,18 @@ def test_all_schemes_are_written_out(config):
         (lambda c: c["references"].update(problems=["softening"]), "long_times.problem: there is no 'hardening' among"),
         (lambda c: c["accuracy"].update(schemes="most"), "accuracy.schemes: 'all' was expected"),
         (lambda c: c["spectral"].update(damping_ratios=[1.0]), "damping_ratios.0: 1.0 is greater than or equal to the"),
+        (
+            lambda c: c["energy_drift"].update(scheme="houbolt"),
+            "energy_drift.scheme: the manuscript tells of 'rk4', not",
+        ),
+        (
+            lambda c: c["sensitivity"].update(problem="hardening"),
+            "sensitivity.problem: the manuscript tells of 'double",
+        ),
+        (lambda c: c["robustness"].update(periods=[100, 10]), "robustness.periods must rise, not [100, 10]"),
+        (lambda c: c["large_steps"].update(problems=["hardening", "softening"]), "large_steps.problems lacks 'soften"),
+        (lambda c: c["energy_error"]["steps_per_period"].remove(25), "energy_error.steps_per_period lacks '25', which"),
+        (lambda c: c["round_off"].update(schemes=["houbolt"]), "round_off.schemes lacks 'rk4', which the"),
         (lambda c: c["structures"]["schemes"].remove("gauss4"), "structures.schemes lacks 'gauss4', which the"),
         (lambda c: c["agreement"].update(tolerances=[1e-4, 1e-8]), "agreement.tolerances lacks '1e-09', which the"),
         (

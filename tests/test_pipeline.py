@@ -158,7 +158,7 @@ def test_a_failed_job_leaves_what_was_there_and_is_made_anew(project, tmp_path):
     shutil.copytree(project, copy)
     product, module = copy / "results" / "houbolt_start.nc", copy / "study" / "experiments" / "houbolt_start.py"
     before, source = product.read_bytes(), module.read_text()
-    config = copy / "config" / "small.yaml"
+    config = copy / "config" / "study.yaml"
     settings = yaml.safe_load(config.read_text())
     settings["houbolt_start"]["periods"] = 50
     config.write_text(yaml.safe_dump(settings))
@@ -176,7 +176,12 @@ def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, tmp_path):
     missing = [stability / "tiles" / f"{scheme}_0.nc" for scheme in ("central_difference", "rk4")]
     for path in (*missing, stability / "atlas.nc"):
         path.unlink()
-    command = [*_COMMAND, "--cores", "1", "--", "results/stability/atlas.nc"]
+    # who runs the tests in the background has interrupts switched off
+    code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from snakemake.cli import main; main()"
+    )
+    command = [sys.executable, "-c", code, "--cores", "1", "--", "results/stability/atlas.nc"]
     with subprocess.Popen(command, cwd=copy, stderr=subprocess.PIPE, text=True) as interrupted:
         assert any("Finished jobid" in line for line in interrupted.stderr)
         interrupted.send_signal(signal.SIGINT)
@@ -205,7 +210,7 @@ def test_an_edited_figure_script_redraws_that_figure(project, tmp_path):
     ],
 )
 def test_a_wrong_configuration_stops_before_any_work(project, tmp_path, change, sentence):
-    config = yaml.safe_load((project / "config" / "small.yaml").read_text())
+    config = yaml.safe_load((project / "config" / "study.yaml").read_text())
     change(config)
     (tmp_path / "wrong.yaml").write_text(yaml.safe_dump(config))
     before = _hashes(project)

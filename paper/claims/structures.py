@@ -87,7 +87,7 @@ def spurious_oscillation(data):
 @claim(
     "structures",
     "Where stiff modes turn, trapezoidal and midpoint rule blow up or lose Newton; energy-momentum does neither.",
-    "runs on the elastic pendulum and the spinning truss that fail or leave the balance of energies by more than 10 %",
+    "runs on those of such structures that took part that fail or leave the balance of energies by more than 10 %",
 )
 def conserving_on_stiff_structures(data):
     runs = kept(data, TURNING)
