@@ -131,10 +131,7 @@ def test_a_long_run_can_be_interrupted(tmp_path, u0):
         f"study.run('hardening', 'rk4', dt=1e-4, u0={u0}, steps=10**12, observe=['max_energy_error'])"
     )
     process = subprocess.Popen(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        [sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
     assert process.stdout.readline() == b"ready\n"
     time.sleep(2)
@@ -161,8 +158,6 @@ def test_jax_in_use_before_the_import_is_told():
 
 def test_a_second_process_compiles_nothing(tmp_path):
     code = (
-        # who runs the tests in the background has interrupts switched off
-        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
         "import jax, study; hits = []; "
         "jax.monitoring.register_event_listener(lambda name, **_: hits.append(name.rsplit('/', 1)[-1])); "
         "study.run('hardening', 'houbolt', dt=1e-3, steps=10); print(hits.count('cache_misses'))"
