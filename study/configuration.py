@@ -125,6 +125,8 @@ def _check_structures(config: dict) -> None:
             raise ValueError(f"structures.lengths: {error}") from None
         if name not in periods:
             raise ValueError(f"structures.lengths: '{name}' is none of the structures {', '.join(periods)}.")
+        if names.count(name) > 1:
+            raise ValueError(f"structures.lengths has '{name}' twice.")
     for steps in structures["steps_per_period"]:
         if steps % structures["samples_per_period"]:
             raise ValueError(
@@ -192,11 +194,6 @@ def _check_stability(config: dict) -> None:
         raise ValueError(
             f"atlas.amplitudes has none within a factor of {_VERDICTS_WITHIN} of the paper's, as verdicts need."
         )
-    if why["bifurcation"]["scheme"] != "average_acceleration":
-        raise ValueError(
-            f"stability.bifurcation.scheme: the manuscript tells of 'average_acceleration', not of "
-            f"'{why['bifurcation']['scheme']}'."
-        )
     if why["roots"]["paper_dt"] != 2.5:
         raise ValueError(f"stability.roots.paper_dt: that of the paper is 2.5, not {why['roots']['paper_dt']}.")
     for one in why["structures"]["lengths"]:
@@ -210,11 +207,6 @@ def _check_stability(config: dict) -> None:
             raise ValueError(f"stability.structures.lengths has '{name}' twice.")
         if name not in periods:
             raise ValueError(f"stability.structures.lengths: '{name}' is none of the structures {', '.join(periods)}.")
-    for name in ("roots", "numerical_map", "bifurcation"):
-        if why[name]["problem"] != "double_well":
-            raise ValueError(
-                f"stability.{name}.problem: the manuscript tells of 'double_well', not of '{why[name]['problem']}'."
-            )
     if not why["bifurcation"]["dt"]["first"] < why["roots"]["paper_dt"] < why["bifurcation"]["dt"]["last"]:
         raise ValueError("stability.bifurcation.dt leaves out 2.5, the step size of the paper.")
     if 0.0 not in config["spectral"]["damping_ratios"]:
@@ -291,6 +283,11 @@ def _check_values(config: dict) -> None:
     _check_stability(config)
     _check_long_times(config)
     _check_panels(config)
+    _check_told(config)
+
+
+def _check_told(config: dict) -> None:
+    """What the manuscript and its ledger tell of by name."""
     portraits = {f"phase_portrait.{name}": portrait for name, portrait in config["phase_portrait"].items()}
     of_the_paper = {key: config[key] for key in _OF_THE_PAPER}
     for place, section in {**of_the_paper, **portraits}.items():
@@ -313,13 +310,25 @@ def _check_values(config: dict) -> None:
         ("large_steps.problems", config["large_steps"]["problems"], list(printed_periods)),
         ("spectral.schemes", config["spectral"]["schemes"], ["generalized_alpha"]),
     )
-    for key, told in (("energy_drift", "softening"), ("sensitivity", "double_well")):
-        if config[key]["problem"] != told:
-            raise ValueError(f"{key}.problem: the manuscript tells of '{told}', not of '{config[key]['problem']}'.")
-    if config["energy_drift"]["scheme"] != "rk4":
-        raise ValueError(
-            f"energy_drift.scheme: the manuscript tells of 'rk4', not of '{config['energy_drift']['scheme']}'."
-        )
+    drift, why, histories = config["energy_drift"], config["stability"], config["structure_history"]
+    for place, there, told in (
+        ("energy_drift.problem", drift["problem"], "softening"),
+        ("energy_drift.scheme", drift["scheme"], "rk4"),
+        ("sensitivity.problem", config["sensitivity"]["problem"], "double_well"),
+        ("structure_history.stiff_soft.problem", histories["stiff_soft"]["problem"], "stiff_soft"),
+        ("structure_history.energy_exchange.problem", histories["energy_exchange"]["problem"], "fpu_chain"),
+        ("structure_history.long_times.problem", histories["long_times"]["problem"], "fpu_chain"),
+        ("stability.roots.problem", why["roots"]["problem"], "double_well"),
+        ("stability.numerical_map.problem", why["numerical_map"]["problem"], "double_well"),
+        ("stability.bifurcation.problem", why["bifurcation"]["problem"], "double_well"),
+        ("stability.bifurcation.scheme", why["bifurcation"]["scheme"], "average_acceleration"),
+    ):
+        if there != told:
+            raise ValueError(f"{place}: the manuscript tells of '{told}', not of '{there}'.")
+    if not drift["steps_per_period"]["first"] <= 20 < 25 <= drift["steps_per_period"]["last"]:
+        raise ValueError("energy_drift.steps_per_period leaves out 20 or 25, which the manuscript explains.")
+    if max(config["large_steps"]["dt_over_period"]) <= 0.2:
+        raise ValueError("large_steps.dt_over_period has none above 0.2, of which the ledger decides a claim.")
     if config["robustness"]["periods"] != sorted(config["robustness"]["periods"]):
         raise ValueError(f"robustness.periods must rise, not {config['robustness']['periods']}.")
 

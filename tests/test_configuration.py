@@ -158,6 +158,19 @@ def test_all_schemes_are_written_out(config):
             lambda c: c["sensitivity"].update(problem="hardening"),
             "sensitivity.problem: the manuscript tells of 'double",
         ),
+        (
+            lambda c: c["structure_history"]["long_times"].update(problem="elastic_pendulum"),
+            "structure_history.long_times.problem: the manuscript tells of 'fpu_chain', not of 'elastic_pendulum'",
+        ),
+        (
+            lambda c: c["energy_drift"]["steps_per_period"].update(first=30),
+            "energy_drift.steps_per_period leaves out 20",
+        ),
+        (lambda c: c["large_steps"].update(dt_over_period=[0.1, 0.2]), "large_steps.dt_over_period has none above 0.2"),
+        (
+            lambda c: c["structures"]["lengths"].append({"problem": "stiff_soft", "periods": 3}),
+            "structures.lengths has 'stiff_soft' twice.",
+        ),
         (lambda c: c["robustness"].update(periods=[100, 10]), "robustness.periods must rise, not [100, 10]"),
         (lambda c: c["large_steps"].update(problems=["hardening", "softening"]), "large_steps.problems lacks 'soften"),
         (lambda c: c["energy_error"]["steps_per_period"].remove(25), "energy_error.steps_per_period lacks '25', which"),
