@@ -130,13 +130,15 @@ def test_a_long_run_can_be_interrupted(tmp_path, u0):
         "print('ready', flush=True); "
         f"study.run('hardening', 'rk4', dt=1e-4, u0={u0}, steps=10**12, observe=['max_energy_error'])"
     )
-    process = subprocess.Popen(
-        [sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
-    assert process.stdout.readline() == b"ready\n"
-    time.sleep(2)
-    process.send_signal(signal.SIGINT)
-    _, error = process.communicate(timeout=60)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, **pipes) as process:
+        try:
+            assert process.stdout.readline() == b"ready\n"
+            time.sleep(2)
+            process.send_signal(signal.SIGINT)
+            _, error = process.communicate(timeout=60)
+        finally:
+            process.kill()  # which it would otherwise survive by weeks
     assert process.returncode != 0 and b"KeyboardInterrupt" in error
     assert xr.load_dataset(tmp_path / "kept.nc").status == 0
 
