@@ -223,7 +223,7 @@ def _check_stability(config: dict) -> None:
 
 
 def _check_needed(*cases: tuple[str, Sequence, Sequence]) -> None:
-    """Of every place what is there, and what must be."""
+    """Refuse a place that lacks what must be in it; each case is the place, what is there and what must be."""
     for place, there, needed in cases:
         missing = [one for one in needed if one not in there]
         if missing:
