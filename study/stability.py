@@ -118,8 +118,9 @@ class Fate(Reduction):
 
     def update(self, carried, problem, state, t, effort):
         (height, side), error, iterations, first = carried
-        now = problem.energy(state.u, state.v) - self.rest
-        change = jnp.abs(now - height)
+        # over that at the start: as XLA repeats no division, the energy is not made again for every event
+        now = (problem.energy(state.u, state.v) - self.rest) / height
+        change = jnp.abs(now - 1)
 
         def first_time(event, before):
             return jnp.where(event & (before == jnp.inf), t, before)
@@ -127,13 +128,13 @@ class Fate(Reduction):
         def since(event, before):
             return jnp.where(event, jnp.minimum(before, t), jnp.inf)
 
-        much, crossed = height, None
+        much, crossed = 1.0, None
         if self.barrier is not None:
-            much = jnp.maximum(height, self.barrier - self.rest)
+            much = jnp.maximum(1.0, (self.barrier - self.rest) / height)
             crossed = first_time((state.u * side < 0) & (height + self.rest < self.barrier), first.crossed)
         events = _Events(
-            inaccurate=first_time(change > ACCURATE * height, first.inaccurate),
-            at_rest=since(now < AT_REST * height, first.at_rest),
+            inaccurate=first_time(change > ACCURATE, first.inaccurate),
+            at_rest=since(now < AT_REST, first.at_rest),
             grown=since(now > GROWN * much, first.grown),
             crossed=crossed,
         )
@@ -141,8 +142,8 @@ class Fate(Reduction):
         return (height, side), jnp.maximum(error, change), iterations, events
 
     def result(self, carried, problem, state):
-        (height, _), error, iterations, first = carried
-        values = dict(zip(self.variables, (100 * error / height, iterations, *first), strict=True))
+        _, error, iterations, first = carried
+        values = dict(zip(self.variables, (100 * error, iterations, *first), strict=True))
         return {name: value for name, value in values.items() if value is not None}
 
 
@@ -171,9 +172,9 @@ class Excursions(Reduction):
 
     def update(self, carried, problem, state, t, effort):
         height, first = carried
-        change = jnp.abs(problem.energy(state.u, state.v) - self.rest - height)
+        change = jnp.abs((problem.energy(state.u, state.v) - self.rest) / height - 1)
         return height, tuple(
-            jnp.where((change > level / 100 * height) & (before == jnp.inf), t, before)
+            jnp.where((change > level / 100) & (before == jnp.inf), t, before)
             for level, before in zip(LEVELS, first, strict=True)
         )
 

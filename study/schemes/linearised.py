@@ -33,8 +33,9 @@ def _power_of_two(size):
     number = jnp.finfo(size.dtype)
     bias = number.maxexp - 1
     biased = lax.bitcast_convert_type(size, f"int{number.bits}") >> number.nmant
-    biased = jnp.minimum(biased, 2 * bias - 1)  # of what overflows too the factor is a number
-    return (biased - bias).astype(int), lax.bitcast_convert_type((2 * bias - biased) << number.nmant, size.dtype)
+    biased = jnp.clip(biased, 1, 2 * bias - 1)  # of what under- or overflows too the factor is a number
+    # exact, and as XLA repeats no division, the size is not made again for every number that is scaled
+    return (biased - bias).astype(int), 1 / lax.bitcast_convert_type(biased << number.nmant, size.dtype)
 
 
 class Linearised(Wrapper):

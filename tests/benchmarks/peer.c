@@ -16,9 +16,12 @@ static inline double potential(double u) { return 50.0 * u * u * (1 + 5.0 * u * 
 static inline double force(double u) { return 100.0 * tanh(u); }
 static inline double tangent(double u) { double t = tanh(u); return 100.0 * (1 - t * t); }
 static inline double potential(double u) {
-  double t = fabs(tanh(u)), s = t / (2 + t), series = 0;
-  for (int odd = 31; odd > 0; odd -= 2) series = series * (s * s) + 1.0 / odd;
-  return 100.0 * (fabs(u) - 2 * s * series);
+  double t = fabs(tanh(u)), s = t / (2 + t), z = s * s, even = 0, odd = 0;
+  for (int n = 29; n > 0; n -= 4) {
+    even = even * (z * z) + 1.0 / n;
+    odd = odd * (z * z) + 1.0 / (n + 2);
+  }
+  return 100.0 * (fabs(u) - 2 * s * (even + z * odd));
 }
 #endif
 
