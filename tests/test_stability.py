@@ -83,6 +83,14 @@ def test_neighbours_part_as_two_runs_do():
     assert alone.lyapunov_exponent.item() * met * dt == pytest.approx(np.log(1e-2 / 1e-10), abs=2.5)
 
 
+def test_a_neighbour_that_a_step_has_brought_to_the_run_stays_with_it():
+    scheme, problem, dt = Linearised(study.schemes["rk4"]), study.problems["hardening"], jnp.asarray(0.01)
+    start, _ = scheme.start(problem, jnp.asarray(1.0), jnp.asarray(0.0), dt)
+    together = start._replace(distance=jax.tree.map(jnp.zeros_like, start.distance))
+    state, _ = scheme.step(problem, together, jnp.asarray(0.0), dt)
+    assert all(part == 0 for part in jax.tree.leaves(state.distance))
+
+
 @pytest.mark.parametrize("n", [1, 4])
 def test_equal_unknowns_have_the_exponent_of_one(n):
     problem = study.Problem(lambda u: -2 * u, np.ones(n), np.zeros(n))
