@@ -9,6 +9,10 @@ so a scheme is its ũ, ṽ, c_u, c_v, the weight w of its internal force and its
 Newton's steps are taken whole. Halving those that do not bring the forces nearer to balance was measured to save half
 of the runs that fail, those of softening springs at steps beyond a fifth of the period, and to lose more of structures
 with stiff members that turn.
+
+References
+----------
+P. Deuflhard, Newton methods for nonlinear problems, Springer, 2004.
 """
 
 from functools import partial
@@ -33,17 +37,25 @@ class Tolerances(NamedTuple):
     displacement
         Once a correction moves the displacement by less than this part of it. Convergence is quadratic, so the error
         that is left is of the order of the square: round-off.
+    near, foretold
+        With one unknown also once a correction of less than the first part foretells that the next one would be less
+        than the second: after |d₁| and |d₂| comes about |d₂|³/|d₁|² (Deuflhard, 2004, section 2.1).
     force, round_off
         With several unknowns the force that the last correction removed must also have been less than this part of the
         forces in the balance, unless the correction was round-off: a stiff member's force is no better known than that.
     """
 
     displacement: float
+    near: float
+    foretold: float
     force: float
     round_off: float
 
 
-TOLERANCES = {np.dtype("float64"): Tolerances(1e-12, 1e-8, 1e-14), np.dtype("float32"): Tolerances(5e-6, 1e-4, 5e-6)}
+TOLERANCES = {
+    np.dtype("float64"): Tolerances(1e-12, near=1e-8, foretold=1e-17, force=1e-8, round_off=1e-14),
+    np.dtype("float32"): Tolerances(5e-6, near=1e-4, foretold=5e-9, force=1e-4, round_off=5e-6),
+}
 MAX_ITERATIONS = 50
 
 
@@ -111,7 +123,7 @@ def _norm(x):
 
 
 def _goes_on(carry):
-    _, unfinished, iterations = carry
+    _, _, unfinished, iterations = carry
     return unfinished & (iterations < MAX_ITERATIONS)
 
 
@@ -125,11 +137,11 @@ def _any(flags):
 
 
 def _iterated(iterate, given, carry):
-    """``(a, unfinished, iterations)`` after as many turns of ``a, unfinished = iterate((a,), given)`` as it takes."""
+    """``(a, moved, unfinished, iterations)`` after as many turns of ``iterate((a, moved), given)`` as it takes."""
 
     def again(carry, given):
-        a, _, iterations = carry
-        return *iterate((a,), given), iterations + 1
+        a, moved, _, iterations = carry
+        return *iterate((a, moved), given), iterations + 1
 
     @jax.custom_batching.custom_vmap
     def to_the_end(carry, given):
@@ -149,7 +161,7 @@ def _iterated(iterate, given, carry):
 
             return jax.vmap(newest)(_goes_on(carry), each(carry, given), carry)
 
-        return lax.while_loop(lambda carry: _any(_goes_on(carry)), those_that_go_on, carry), (True, True, True)
+        return lax.while_loop(lambda carry: _any(_goes_on(carry)), those_that_go_on, carry), (True,) * 4
 
     return to_the_end(carry, given)
 
@@ -200,8 +212,8 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
     symmetric
         Whether the tangent is, with symmetric M and C.
     tolerance
-        Newton stops once a correction moves the displacement by less than this part of it; that of ``TOLERANCES`` where
-        none is given.
+        Newton stops at the latest once a correction moves the displacement by less than this part of it; that of
+        ``TOLERANCES`` where none is given.
 
     Returns
     -------
@@ -220,7 +232,7 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         internal, tangent = force_and_tangent(force, u + times(c_u, a), problem.tangent)
         return weight * internal, add(inertia, product(tangent, weighted, n), n=n)
 
-    def iterate(a):
+    def iterate(a, before):
         internal, effective = internal_and_effective(a)
         inertial = times(inertia, a)
         out_of_balance = inertial + internal - rhs
@@ -231,19 +243,23 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         if jnp.ndim(u):
             forces = _norm(inertial) + _norm(internal) + _norm(rhs)
             unfinished |= (_norm(out_of_balance) > tolerances.force * forces) & (moved > tolerances.round_off * size)
-        return a, unfinished
+        else:
+            foretold = moved**3 <= tolerances.foretold * size * before**2
+            unfinished &= ~((moved <= tolerances.near * size) & foretold)
+        return a, moved, unfinished
 
     def differentiable(a):
         residual, given = _opened(lambda a: times(inertia, a) + weight * force(u + times(c_u, a)) - rhs, a)
         solution, fixed = _opened(lambda r, a: solve(internal_and_effective(a)[1], r, symmetric), a, a)
         return _root(residual, solution, a, given, fixed)
 
-    opened, given = _opened(iterate, guess)
+    moved = jnp.zeros((), u.dtype)
+    opened, given = _opened(iterate, guess, moved)
     given = lax.stop_gradient(given)
-    a, unfinished, iterations = lax.stop_gradient(guess), jnp.ones((), bool), jnp.zeros((), int)
+    carry = lax.stop_gradient(guess), moved, jnp.ones((), bool), jnp.zeros((), int)
     if n <= SMALL:
         # it takes one iteration to correct and one to see that it did; few steps take more, so the loop stands aside
-        once, _ = opened((a,), given)
-        (a, unfinished), iterations = opened((once,), given), jnp.full((), 2)
-    a, unfinished, iterations = _iterated(opened, given, (a, unfinished, iterations))
+        once, moved, _ = opened(carry[:2], given)
+        carry = *opened((once, moved), given), jnp.full((), 2)
+    a, _, unfinished, iterations = _iterated(opened, given, carry)
     return differentiable(a), Effort(iterations, ~unfinished)

@@ -6,6 +6,8 @@
 #include <math.h>
 
 #define TOLERANCE 1e-12
+#define NEAR 1e-8
+#define FORETOLD 1e-17
 #define MAX_ITERATIONS 50
 
 #if SPRING == 0
@@ -28,16 +30,20 @@ static inline double potential(double u) {
 /* a of a + w p(u + c_u a) = r */
 static inline int balance(double r, double u, double c_u, double w, double *a) {
   int iterations = 0;
-  double moved, allowed;
+  double before, moved = 0, size;
+  int unfinished;
   do {
     double at = u + c_u * *a;
     double correction = (*a + w * force(at) - r) / (1 + w * c_u * tangent(at));
     *a -= correction;
+    before = moved;
     moved = fabs(c_u * correction);
-    allowed = TOLERANCE * (fabs(u) + fabs(c_u * *a));
+    size = fabs(u) + fabs(c_u * *a);
+    int foretold = moved <= NEAR * size && moved * moved * moved <= FORETOLD * size * before * before;
+    unfinished = moved > TOLERANCE * size && !foretold;
     iterations++;
-  } while (moved > allowed && iterations < MAX_ITERATIONS);
-  return moved <= allowed;
+  } while (unfinished && iterations < MAX_ITERATIONS);
+  return !unfinished;
 }
 
 typedef struct { double u, v, a, u_1, u_2; } State;
