@@ -228,7 +228,7 @@ wildcard_constraints:
     problem="|".join(config["references"]["problems"]),
     table="|".join(TABLES),
     scheme="|".join(schemes),
-    tile="[0-9]+",
+    tile="|".join(map(str, range(config["atlas"]["tiles"]))),
     stability="|".join(STABILITY),
     spring="|".join(config["robustness"]["problems"]),
 

@@ -59,7 +59,7 @@ _INTRODUCTION = f"""
 <h1>{TITLE}</h1>
 <p>Every cell of the map is one run, released from rest at the amplitude u₀ and marched with the step size Δt, which is
 counted in the exact period T at that amplitude; its colour tells how the run ended. Move the mouse over the map to see
-the orbit and the energy of the run beneath it, and click on an outcome in the legend to hide it.</p>
+the orbit and the energy of the run beneath it; pick one outcome, or click on those in the legend to hide them.</p>
 """
 _NOTE = """
 <p>Shown are {cells}. Orbit and energy, and how it ended, are those of the nearest of {portraits} runs, marked by a
@@ -105,11 +105,12 @@ _TOLD = {
 }
 _NUMBER = "return Number.isFinite(value) ? String(+value.toPrecision(Number.isInteger(value) ? 9 : 3)) : '–'"
 _LABEL = "return labels[value]"
-# shows what the map is coloured by
+# shows what the map is coloured by, of the outcomes all or one
 _PICK = """
 for (const [name, parts] of Object.entries(layers)) {
-  for (const part of parts) part.visible = name === this.value
+  for (const part of parts) part.visible = name === colour.value
 }
+for (const [index, part] of outcomes.entries()) part.visible &&= ["all", String(index)].includes(outcome.value)
 """
 
 
@@ -248,7 +249,7 @@ def _draw_maps(plane: figure, maps: ColumnDataSource, view: CDSView) -> tuple[di
     layers: dict[str, list] = {"outcome": [legend]}
     for index, (label, colour) in enumerate(OUTCOMES.values()):
         alone = LinearColorMapper([colour], low=index - 0.5, high=index + 0.5, low_color=CLEAR, high_color=CLEAR)
-        cells = image("outcome", alone)
+        cells = image("outcome", alone, name=f"outcome {index}")
         # an image has no sign in a legend; a square far outside has
         sign = plane.scatter([right + 10], [top], marker="square", size=12, color=colour, line_color="grey")
         legend.items.append(LegendItem(label=label, renderers=[sign, cells]))
@@ -345,7 +346,14 @@ def explorer(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, *
     layers, hover = _draw_maps(plane, _maps(coarse), CDSView(filter=of_problem & of_scheme))
     _mark_cases(plane, _cases(atlas, cases), CDSView(filter=of_problem))
     colour = Select(title="colour", options=list(_COLOURS.items()), value="outcome")
-    colour.js_on_change("value", CustomJS(args={"layers": layers}, code=_PICK))
+    labels = [label for label, _ in OUTCOMES.values()]
+    outcome = Select(
+        title="outcome", options=[("all", "all"), *((str(k), v) for k, v in enumerate(labels))], value="all"
+    )
+    outcomes = layers["outcome"][1:]  # behind their legend
+    pick = CustomJS(args={"layers": layers, "outcomes": outcomes, "colour": colour, "outcome": outcome}, code=_PICK)
+    for one in (colour, outcome):
+        one.js_on_change("value", pick)
 
     x, y = np.log10(portraits.dt_over_period.values), np.log10(portraits.amplitude.values)
     spacing, samples = (portraits.every * portraits.dt_over_period).values, portraits.sizes["sample"]
@@ -365,7 +373,7 @@ def explorer(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, *
                 "orbits": _orbits(exact),
             },
             **{"run": run, "orbit": orbit, "place": place, "title": phase.title},
-            "labels": [title for title, _ in OUTCOMES.values()],
+            "labels": labels,
         },
         code=_SHOW,
     )
@@ -384,7 +392,7 @@ def explorer(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, *
     page.add_root(
         column(
             Div(text=_INTRODUCTION, width=1100),
-            row(problem, scheme, colour),
+            row(problem, scheme, outcome, colour),
             row(plane, column(phase, energy)),
             Div(text=note, width=1100),
         )

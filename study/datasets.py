@@ -104,7 +104,20 @@ def open(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
         present = sorted(p.relative_to(folder).with_suffix("").as_posix() for p in Path(folder).rglob("*.nc"))
         hint = f" Among those that are there: {did_you_mean(str(name), present)}" if present else ""
         raise FileNotFoundError(f"there is no dataset '{path}'; `snakemake {path}` makes those of the study.{hint}")
+    return read(path)
+
+
+def read(path: str | Path) -> xr.Dataset:
+    """Read a dataset of the study from a file.
+
+    Raises
+    ------
+    ValueError
+        If the file is not there, is damaged or was not written by this study.
+    """
     again = f"delete it and run `snakemake {path}`."
+    if not Path(path).exists():
+        raise ValueError(f"there is no dataset '{path}'; `snakemake {path}` makes those of the study.")
     try:
         dataset = xr.load_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, ValueError) as error:

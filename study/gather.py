@@ -10,7 +10,7 @@ from itertools import groupby
 
 import xarray as xr
 
-from study.datasets import check_writable, provenance, write
+from study.datasets import check_writable, provenance, read, write
 
 
 def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
@@ -25,8 +25,12 @@ def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
 def main(output: str, dimensions: str, inputs: list[str]) -> None:
     """Put the parts together in the order given; the title of the first stays."""
     path = check_writable(output)
+    try:
+        parts = [read(name) for name in inputs]
+    except ValueError as error:
+        raise SystemExit(f"study.gather: {error}") from None
     # without their encodings, or names would be cut to the length of the first part's
-    parts = [xr.load_dataset(name).drop_encoding() for name in inputs]
+    parts = [part.drop_encoding() for part in parts]
     if dimensions == "none":
         dataset = xr.merge(parts, join="outer", combine_attrs="override")
     else:
@@ -36,4 +40,6 @@ def main(output: str, dimensions: str, inputs: list[str]) -> None:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 4:
+        raise SystemExit("usage: python -m study.gather OUTPUT DIMENSIONS INPUT...")
     main(sys.argv[1], sys.argv[2], sys.argv[3:])

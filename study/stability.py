@@ -12,6 +12,7 @@ from scipy import optimize
 from study.march import NEWTON_FAILED, NOT_FINITE
 from study.observers import APART, Record, Reduction
 from study.problem import Problem
+from study.problems import problems
 
 #: Within this part of its height above rest the energy is accurate; below this part of it a run is at rest.
 ACCURATE = AT_REST = 0.01
@@ -62,6 +63,7 @@ class Fate(Reduction):
 
     The height of the energy is H = E − E_rest. An inaccurate run has |H − H₀| > 0.01 H₀; one at rest stays below
     0.01 H₀ from then on; one that has grown stays above a hundred times H₀, or the barrier's height if that is more.
+    A run that starts at rest has no H₀, and an error that is not a number.
 
     Parameters
     ----------
@@ -87,16 +89,20 @@ class Fate(Reduction):
     needs_energy = True
 
     @classmethod
-    def of(cls, problem: Problem) -> "Fate":
+    def of(cls, problem: str | Problem) -> "Fate":
         """For a problem with one unknown: the rest downhill of u₀, and the barrier at u = 0 if there is one.
 
         Raises
         ------
         ValueError
-            If the problem has several unknowns, no potential, or a potential without a minimum downhill of u₀.
+            If the problem has several unknowns, damping or a load, which change its energy, no potential, or a
+            potential without a minimum downhill of u₀.
         """
+        problem = problems[problem] if isinstance(problem, str) else problem
         if np.ndim(problem.u0):
             raise ValueError(f"the fate of '{problem.title}' is not told: it has more than one unknown.")
+        if problem.damping is not None or problem.load is not None:
+            raise ValueError(f"the fate of '{problem.title}' is not told: damping or a load change its energy.")
         if problem.potential is None:
             raise ValueError(f"the fate of '{problem.title}' needs Problem(potential=...), which it was made without.")
         potential = jax.jit(problem.potential)
@@ -111,6 +117,8 @@ class Fate(Reduction):
         return cls(found.fun, barrier if barrier - found.fun > AT_REST * (start - found.fun) else None)
 
     def start(self, problem, state):
+        if jnp.ndim(state.u):
+            raise ValueError(f"the fate of '{problem.title}' is not told: it has more than one unknown.")
         never = jnp.full((), jnp.inf)
         height = problem.energy(state.u, state.v) - self.rest
         side, crossed = (None, None) if self.barrier is None else (state.u, never)
@@ -212,10 +220,13 @@ def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     Raises
     ------
     ValueError
-        If it is no ensemble.
+        If it is no ensemble, or was observed otherwise.
     """
     if "lane" not in runs.dims:
         raise ValueError("outcomes are told of an ensemble: give study.run an array of u0 or of dt.")
+    for name in set(_EVENTS.values()) - {"crossed_at"}:  # without a barrier nothing can be crossed
+        if name not in runs:
+            raise ValueError(f"outcomes need '{name}': have Fate.of(problem) and 'lyapunov_exponent' observed.")
     outcome, at = np.zeros(runs.sizes["lane"], np.int8), np.full(runs.sizes["lane"], np.nan)
     for name, event in _EVENTS.items():
         if event in runs:

@@ -1,5 +1,8 @@
 """Datasets: whole or not at all, the same bytes for the same data, and a sentence when one cannot be opened."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -60,6 +63,19 @@ def test_a_truncated_dataset_is_refused(dataset, tmp_path):
     path.write_bytes(path.read_bytes()[:2000])
     with pytest.raises(ValueError, match="one.nc' is damaged or no netCDF file .* delete it and run `snakemake"):
         study.open("one", tmp_path)
+
+
+@pytest.mark.parametrize("damage", [lambda path: path.unlink(), lambda path: path.write_bytes(b"CDF")])
+def test_parts_that_cannot_be_read_are_not_gathered(dataset, tmp_path, damage):
+    parts = [tmp_path / "one.nc", tmp_path / "two.nc"]
+    for path in parts:
+        datasets.write(dataset, path)
+    damage(parts[1])
+    done = subprocess.run(
+        [sys.executable, "-m", "study.gather", tmp_path / "whole.nc", "lane", *parts], capture_output=True, text=True
+    )
+    assert done.returncode == 1 and done.stderr.startswith("study.gather: ") and done.stderr.count("\n") == 1
+    assert "two.nc" in done.stderr and not (tmp_path / "whole.nc").exists()
 
 
 def test_a_foreign_dataset_is_refused(tmp_path):

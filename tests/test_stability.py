@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import study
 from reference.amplitudes import amplitudes
 from study.effective_equation import effective_coefficient, number_of_roots
+from study.equilibrium import MAX_ITERATIONS
 from study.experiments.atlas import atlas
 from study.experiments.bifurcation import bifurcation
 from study.experiments.numerical_map import numerical_map
@@ -147,12 +148,25 @@ def test_a_motion_that_is_damped_out_of_chaos_was_not_chaotic():
         (study.Problem(lambda u: u, [1.0, 2.0], potential=lambda u: (u * u).sum() / 2, title="own"), "more than one"),
         (study.Problem(lambda u: -u, 1.0, potential=lambda u: -u * u / 2, title="own"), "has no minimum downhill"),
         (study.Problem(lambda u: 1.0 + 0 * u, 1.0, potential=lambda u: u, title="own"), "has no minimum downhill"),
+        ("duffing_chaotic", "damping or a load change its energy"),
     ],
 )
 def test_no_fate_without_a_rest(problem, sentence):
     with pytest.raises(ValueError) as caught:
         Fate.of(problem)
     assert sentence in str(caught.value)
+
+
+def test_no_fate_of_a_structure():
+    with pytest.raises(ValueError, match="has more than one unknown"):
+        study.run("fpu_chain", "rk4", dt=0.01, steps=10, observe=[Fate(0.0)])
+
+
+@pytest.mark.parametrize("observe", [["max_energy_error"], ["lyapunov_exponent"], [Fate.of("double_well")]])
+def test_no_outcome_of_what_was_not_observed(observe):
+    runs = study.run("double_well", "average_acceleration", dt=2.5, steps=10, u0=[0.5], observe=observe)
+    with pytest.raises(ValueError, match=r"have Fate.of\(problem\) and 'lyapunov_exponent' observed"):
+        outcomes(runs)
 
 
 def test_the_energy_momentum_method_converges_at_small_amplitude_too():
@@ -210,10 +224,21 @@ def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(springs, monkeypatc
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     tiles = [atlas(scheme, **arguments, tile=tile, tiles=3) for tile in range(3)]
     for tile, (part, _) in enumerate(tiles):
-        study.datasets.write(part, f"{tile}.nc")
+        study.datasets.write(part.assign_attrs(source=study.datasets.SOURCE), f"{tile}.nc")
     gather = [sys.executable, "-m", "study.gather", "gathered.nc", "scheme,amplitude", *(f"{k}.nc" for k in range(3))]
     subprocess.run(gather, check=True)
     xr.testing.assert_identical(xr.load_dataset("gathered.nc").drop_attrs(), whole.drop_attrs())
+
+
+def test_a_tile_that_is_not_there_is_refused():
+    with pytest.raises(ValueError, match="there is no tile -1 among 3"):
+        atlas("rk4", ["hardening"], GRID, 20, {"points": 3, "samples": 5}, tile=-1, tiles=3)
+
+
+def test_the_samples_of_an_orbit_that_closes_do_not_fall_into_one_place(springs):
+    _, samples = atlas("rk4", ["hardening"], GRID, 100, {"points": 7, "samples": 20}, tile=0, tiles=1)
+    for every in samples.every.values.tolist():
+        assert every >= 2 and all(every % n for n in range(2, every))
 
 
 def test_a_map_shows_the_linear_limit_at_small_amplitude(springs):
@@ -311,6 +336,15 @@ def test_a_bifurcation_diagram_tells_order_from_chaos():
     assert (regular.u > 0).all() and chaotic.u.min() < 0 < chaotic.u.max()
 
 
+def test_a_bifurcation_diagram_shows_what_was_before_a_failure():
+    ds = bifurcation("double_well", "average_acceleration", {"first": 3.0, "last": 4.0, "count": 5}, 2000, 50, 1e-10)
+    assert (ds.status == NEWTON_FAILED).all()
+    np.testing.assert_array_equal(ds.u.notnull().sum("iterate"), np.minimum(ds.failed_at_step, 50))
+    assert (ds.u.max("iterate") > 0).all() and (ds.lyapunov_exponent > 0).all()
+    alone = study.run("double_well", "average_acceleration", dt=3.0, steps=int(ds.failed_at_step[0]) - 1)
+    np.testing.assert_allclose(ds.u.isel(dt=0, iterate=-1), alone.u[-1], rtol=1e-3)
+
+
 def test_the_numerical_map_keeps_every_iterate():
     ds = numerical_map(
         "double_well", ["energy_momentum"], [1.0, 2.0], {"first": 0.5, "last": 1.2, "count": 3}, steps=20
@@ -334,6 +368,10 @@ def test_structures_end_as_their_energies_say():
     # four steps in its time scale are beyond the limit of stability of its small oscillations, 2
     assert (names[0, :, 0] == "growing").all() and (names[:, :, 1] == "accurate").all()
     assert names[1, 0, 0] == "newton_not_converged" and ds.status.sel(scheme="energy_momentum")[0, 0] == 1
+    iterations = ds.max_newton_iterations
+    assert (iterations.sel(scheme="central_difference") == 0).all()
+    assert iterations.sel(scheme="energy_momentum").values[:, 1].max() < MAX_ITERATIONS == iterations.max()
+    assert ds.apart_at_step.max() < 20 * 320 and ds.apart_at_step.min() == -1
 
 
 def test_an_excitation_scales_velocity_and_load():

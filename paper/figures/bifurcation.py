@@ -27,9 +27,9 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     axes[1].plot(dt, a_step, ".", markersize=2, color="#0072B2")
     axes[1].axhline(0, color="black", linewidth=0.6)
     axes[1].set(ylabel="exponent, a step")
-    # what the exponent alone says: the perturbation grows by e^λΔt a step
+    # what the exponent alone says: the perturbation grows by e^λΔt a step; not where the run ends before
     growth = np.log(bifurcation.order_one.item() / bifurcation.perturbation.item())
-    chaotic = a_step.values > growth / bifurcation.iterate.values[-1]
+    chaotic = (a_step.values > growth / bifurcation.steps.item()) & (bifurcation.status == 0).values
     axes[2].semilogy(
         dt[chaotic], growth / a_step.values[chaotic], ".", markersize=3, color="#E69F00", label="from the exponent"
     )

@@ -55,7 +55,8 @@ def of_stability(data: dict[str, xr.Dataset]) -> dict:
         roots.dt < roots.unique_up_to.sel(scheme="average_acceleration")
     )
     in_chaos = roots.steps_together.sel(start="last_acceleration").isel(dt=beyond)
-    a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(chaotic & (bifurcation.steps_until_apart > 0))
+    told = chaotic & ~failed & (bifurcation.steps_until_apart > 0)
+    a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(told)
     foretold = np.log(bifurcation.order_one / bifurcation.perturbation) / a_step_each / bifurcation.steps_until_apart
     longest = robustness.steps_needed.isel(periods=-1)
     of_average = longest.sel(scheme="average_acceleration", level=10)
@@ -88,6 +89,9 @@ def of_stability(data: dict[str, xr.Dataset]) -> dict:
         "foretold_from": f"{foretold.quantile(0.05).item():.1f}",
         "foretold_to": f"{foretold.quantile(0.95).item():.1f}",
         "needed_periods": f"{robustness.periods.values[-1]:,}",
+        "newton_fails_in": f"{100 * failed.values[failed.values.argmax() :].mean():.0f}",
+        # the hill is as high as the potential at √2
+        "needed_nearest_hill": f"{100 * abs(atlas.u0.sel(problem='double_well') / 2**0.5 - 1).min().item():.1g}",
         "needed_most": robustness.most_steps.item(),
         **{
             f"needed_{name}": f"{value:.0f}" if np.isfinite(value) else f"more than {robustness.most_steps.item()}"

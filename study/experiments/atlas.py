@@ -4,6 +4,7 @@ Samples of some of the runs are kept beside the maps. They come from the same ma
 as long as to run it.
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -21,6 +22,11 @@ from study.stability import OUTCOME_ATTRIBUTES, Fate, Height, outcomes
 #: The part of a period by which samples move around an orbit, as nearly as steps allow: the golden section is furthest
 #: from every fraction, so that they come to lie all around it.
 GOLDEN = (5**0.5 - 1) / 2
+
+
+def _prime(most: int) -> int:
+    """The largest prime up to a number of at least 2."""
+    return next(n for n in range(most, 1, -1) if all(n % d for d in range(2, math.isqrt(n) + 1)))
 
 
 def _single(values: np.ndarray) -> np.ndarray:
@@ -68,12 +74,21 @@ def atlas(
     portraits
         At how many amplitudes and step sizes, at most, to keep samples (``points``), and how many behind the first
         (``samples``).
+    tile
+        Which part, from 0 on.
 
     Returns
     -------
     tuple of xarray.Dataset
         The maps, and the samples.
+
+    Raises
+    ------
+    ValueError
+        If there is no such part.
     """
+    if not 0 <= tile < tiles:
+        raise ValueError(f"there is no tile {tile} among {tiles}: the first is 0, the last {tiles - 1}.")
     exact = datasets.open("reference/amplitudes").sel(problem=list(problems))
     own = np.array_split(np.arange(exact.sizes["amplitude"]), tiles)[tile]
     sampled = _sampled(own, exact.sizes["amplitude"], portraits["points"])
@@ -81,8 +96,9 @@ def atlas(
     parts = np.logspace(dt_over_period["first"], dt_over_period["last"], int(dt_over_period["count"]))
     sampled_parts = _sampled(np.arange(len(parts)), len(parts), portraits["points"])
     spacing = GOLDEN + max(0, round(periods / portraits["samples"] - GOLDEN))
+    # a prime, or samples of an orbit that closes after some steps could all fall into one place; and two at least, as
     # a sample at every single step would be another program
-    every = np.maximum(2, np.rint(spacing / parts)).astype(int)
+    every = np.array([_prime(max(2, round(spacing / part))) for part in parts])
     maps: dict[str, list] = {}
     samples: dict[str, list] = {}
     for name in problems:

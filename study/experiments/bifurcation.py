@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from study.command import main, progress
+from study.march import COMPLETED
 from study.problems import problems
 from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 
@@ -15,6 +16,8 @@ def bifurcation(
     problem: str, scheme: str, dt: dict[str, float], steps: int, shown: int, perturbation: float
 ) -> xr.Dataset:
     """The last displacements, the Lyapunov exponent, and the steps until two neighbours are apart, over step sizes.
+
+    Of a run that fails, what there was before it did.
 
     Parameters
     ----------
@@ -28,24 +31,29 @@ def bifurcation(
     progress(f"bifurcation diagram of {scheme} on {problem}")
     step_sizes = np.linspace(dt["first"], dt["last"], int(dt["count"]))
     u0 = float(problems[problem].u0)
-    one, other = (
-        run(
-            problem,
-            scheme,
-            dt=np.repeat(step_sizes, 2),
-            u0=np.tile([u0, u0 + perturbation], len(step_sizes)),
-            steps=steps,
-        )
-        .u.values.reshape(len(step_sizes), 2, -1)
-        .transpose(1, 0, 2)
+    pairs = run(
+        problem,
+        scheme,
+        dt=np.repeat(step_sizes, 2),
+        u0=np.tile([u0, u0 + perturbation], len(step_sizes)),
+        steps=steps,
     )
+    one, other = pairs.u.values.reshape(len(step_sizes), 2, -1).transpose(1, 0, 2)
     apart = np.abs(other - one) >= ORDER_ONE  # not where a run has failed and has no displacement
-    growth = run(problem, scheme, dt=step_sizes, steps=steps, observe=["lyapunov_exponent"])
+    status, failed_at_step = (pairs[name].values[::2] for name in ("status", "failed_at_step"))
+    whole = np.full(len(step_sizes), steps)
+    # in chaos another program may fail at another step than that of the pairs: so by itself
+    growth = run(problem, scheme, dt=step_sizes, steps=whole, observe=["lyapunov_exponent"])
+    lasted = np.where(growth.status == COMPLETED, whole, np.maximum(growth.failed_at_step - 1, 1))
+    growth = run(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"])
+    last = np.where(status == COMPLETED, steps, failed_at_step - 1)
+    places = last[:, None] + np.arange(1 - shown, 1)
+    shown_u = np.where(places < 0, np.nan, np.take_along_axis(one, np.maximum(places, 0), axis=1))
     return xr.Dataset(
         {
             "u": (
                 ("dt", "iterate"),
-                one[:, -shown:].astype(np.float32),
+                shown_u.astype(np.float32),
                 {"long_name": "displacement", "units": "1"},
             ),
             "lyapunov_exponent": ("dt", growth.lyapunov_exponent.values, growth.lyapunov_exponent.attrs),
@@ -59,15 +67,16 @@ def bifurcation(
             ),
             "perturbation": ((), perturbation, {"long_name": "initial distance of two runs", "units": "1"}),
             "order_one": ((), ORDER_ONE, {"long_name": "distance that counts as of order one", "units": "1"}),
-            "status": ("dt", growth.status.values, STATUS_ATTRIBUTES),
-            "failed_at_step": ("dt", growth.failed_at_step.values, FAILED_AT_STEP_ATTRIBUTES),
+            "status": ("dt", status, STATUS_ATTRIBUTES),
+            "failed_at_step": ("dt", failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
+            "steps": ((), steps, {"long_name": "steps of a run that does not fail", "units": "1"}),
         },
         coords={
             "dt": ("dt", step_sizes, {"long_name": "step size", "units": "s"}),
             "iterate": (
                 "iterate",
-                np.arange(steps + 1)[-shown:],
-                {"long_name": "steps taken", "units": "1"},
+                np.arange(1 - shown, 1),
+                {"long_name": "steps after the last one of the run", "units": "1"},
             ),
         },
         attrs={

@@ -61,7 +61,7 @@ def robustness(
                 needed,
                 {
                     "long_name": "fewest steps per period from which on all that were tried keep the energy within the "
-                    f"level at all amplitudes; NaN where {max(steps_per_period)} do not",
+                    f"level at all amplitudes of reference/amplitudes; NaN where {max(steps_per_period)} do not",
                     "units": "1",
                 },
             ),

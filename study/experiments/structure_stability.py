@@ -7,12 +7,16 @@ import numpy as np
 import xarray as xr
 
 from study.command import main, progress
+from study.equilibrium import MAX_ITERATIONS
 from study.experiments import labels
+from study.march import NEWTON_FAILED
 from study.problems import periods as time_scales
 from study.problems import problems as registry
 from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 from study.stability import OUTCOME_ATTRIBUTES, outcome_of_balance
 from study.structures import excited
+
+OBSERVED = ("lyapunov_exponent", "energy_balance", "newton_iterations")
 
 
 def structure_stability(
@@ -34,7 +38,8 @@ def structure_stability(
     names = [one["problem"] for one in lengths]
     shape = (len(names), len(schemes), len(excitations), len(steps_per_period))
     exponent, imbalance, outcome = np.empty(shape), np.empty(shape), np.empty(shape, np.int8)
-    status, failed_at_step = np.zeros(shape, np.int32), np.empty(shape, int)
+    status, failed_at_step, apart_at_step = np.zeros(shape, np.int32), np.empty(shape, int), np.empty(shape, int)
+    iterations = np.empty(shape)
     for p, one in enumerate(lengths):
         scale, problem = time_scales[one["problem"]], registry[one["problem"]]
         excited_problems = [excited(problem, factor) for factor in excitations]
@@ -43,14 +48,16 @@ def structure_stability(
             for (e, definition), (k, parts) in product(enumerate(excited_problems), enumerate(steps_per_period)):
                 steps, at = round(one["periods"] * parts), (p, s, e, k)
                 half, whole = (
-                    run(definition, scheme, dt=scale / parts, steps=n, observe=["lyapunov_exponent", "energy_balance"])
-                    for n in (steps // 2, steps)
+                    run(definition, scheme, dt=scale / parts, steps=n, observe=OBSERVED) for n in (steps // 2, steps)
                 )
                 # without the first half, in which a displacement becomes a motion of the stiffest mode
                 rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
                 exponent[at], imbalance[at] = rate * scale, whole.max_energy_imbalance
                 outcome[at] = outcome_of_balance(whole, exponent[at] * one["periods"])
                 status[at], failed_at_step[at] = whole.status, whole.failed_at_step
+                apart = whole.apart_from * parts / scale
+                apart_at_step[at] = np.rint(apart) if np.isfinite(apart) else -1
+                iterations[at] = MAX_ITERATIONS if whole.status == NEWTON_FAILED else whole.max_newton_iterations
     dims = ("problem", "scheme", "excitation", "steps_per_period")
     return xr.Dataset(
         {
@@ -67,6 +74,19 @@ def structure_stability(
                 dims,
                 imbalance,
                 {"long_name": "largest error of the balance of energies, dissipation and work", "units": "percent"},
+            ),
+            "max_newton_iterations": (
+                dims,
+                iterations,
+                {
+                    "long_name": f"most Newton iterations in one step, {MAX_ITERATIONS} where they did not converge",
+                    "units": "1",
+                },
+            ),
+            "apart_at_step": (
+                dims,
+                apart_at_step,
+                {"long_name": "step from which on a perturbation is 8.6e9 times as large, -1 if never", "units": "1"},
             ),
             "status": (dims, status, STATUS_ATTRIBUTES),
             "failed_at_step": (dims, failed_at_step, FAILED_AT_STEP_ATTRIBUTES),

@@ -151,7 +151,13 @@ def test_the_run_under_the_mouse_is_shown(browser, datasets, tmp_path):
 
     browser.execute_script(PICK, "problem", "double_well")
     browser.execute_script(PICK, "scheme", "average_acceleration")
+    browser.execute_script(PICK, "outcome", "3")
+    seen = "return Bokeh.documents[0].get_model_by_name('outcome 3').visible"
+    others = "return Bokeh.documents[0].get_model_by_name('outcome 4').visible"
+    assert browser.execute_script(seen) and not browser.execute_script(others)
+    assert browser.save_screenshot(str(tmp_path / "one_outcome.png"))
     browser.execute_script(PICK, "colour", "energy_error")
+    assert not browser.execute_script(seen)
     shown = browser.execute_script(RUN)
     assert shown["u"] == pytest.approx(_expected(portraits, "double_well", "average_acceleration", 2, 6).u, abs=0.02)
 
