@@ -224,8 +224,8 @@ def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """
     if "lane" not in runs.dims:
         raise ValueError("outcomes are told of an ensemble: give study.run an array of u0 or of dt.")
-    for name in set(_EVENTS.values()) - {"crossed_at"}:  # without a barrier nothing can be crossed
-        if name not in runs:
+    for name in _EVENTS.values():
+        if name not in runs and name != "crossed_at":  # without a barrier nothing can be crossed
             raise ValueError(f"outcomes need '{name}': have Fate.of(problem) and 'lyapunov_exponent' observed.")
     outcome, at = np.zeros(runs.sizes["lane"], np.int8), np.full(runs.sizes["lane"], np.nan)
     for name, event in _EVENTS.items():
