@@ -1,5 +1,7 @@
 """How runs of structures end over step size and excitation."""
 
+import textwrap
+
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
@@ -25,7 +27,7 @@ def draw(structures: xr.Dataset) -> Figure:
         for ax, scheme in zip(row, schemes, strict=True):
             one = structures.outcome.sel(problem=problem, scheme=scheme)
             ax.pcolormesh(np.arange(len(steps)), np.arange(len(excitations)), one, **COLOURS)
-        row[0].set_ylabel(structures.problem_title.sel(problem=problem).item().replace(" ", "\n", 1))
+        row[0].set_ylabel(textwrap.fill(structures.problem_title.sel(problem=problem).item(), 13))
     axes[0, 0].set_yticks(np.arange(len(excitations)), [f"{factor:g}" for factor in excitations])
     for ax, title in zip(axes[0], structures.scheme_title.values, strict=True):
         ax.set_title(title.replace(" ", "\n", 1), fontsize=7)
