@@ -38,8 +38,8 @@ class Tolerances(NamedTuple):
         Once a correction moves the displacement by less than this part of it. Convergence is quadratic, so the error
         that is left is of the order of the square: round-off.
     near, foretold
-        With one unknown also once a correction of less than the first part foretells that the next one would be less
-        than the second: after |d₁| and |d₂| comes about |d₂|³/|d₁|² (Deuflhard, 2004, section 2.1).
+        With one unknown also once the second correction, of less than the first part, foretells that the third would be
+        less than the second part: after |d₁| and |d₂| comes about |d₂|³/|d₁|² (Deuflhard, 2004, section 2.1).
     force, round_off
         With several unknowns the force that the last correction removed must also have been less than this part of the
         forces in the balance, unless the correction was round-off: a stiff member's force is no better known than that.
@@ -123,7 +123,7 @@ def _norm(x):
 
 
 def _goes_on(carry):
-    _, _, unfinished, iterations = carry
+    _, unfinished, iterations = carry
     return unfinished & (iterations < MAX_ITERATIONS)
 
 
@@ -137,11 +137,15 @@ def _any(flags):
 
 
 def _iterated(iterate, given, carry):
-    """``(a, moved, unfinished, iterations)`` after as many turns of ``iterate((a, moved), given)`` as it takes."""
+    """``(a, unfinished, iterations)`` after as many turns of ``a, unfinished, _ = iterate((a, 0), given)`` as it takes.
+
+    Zero foretells nothing: to hand on how far the last turn moved takes longer than it saves.
+    """
 
     def again(carry, given):
-        a, moved, _, iterations = carry
-        return *iterate((a, moved), given), iterations + 1
+        a, _, iterations = carry
+        a, unfinished, _ = iterate((a, jnp.zeros((), a.dtype)), given)
+        return a, unfinished, iterations + 1
 
     @jax.custom_batching.custom_vmap
     def to_the_end(carry, given):
@@ -161,7 +165,7 @@ def _iterated(iterate, given, carry):
 
             return jax.vmap(newest)(_goes_on(carry), each(carry, given), carry)
 
-        return lax.while_loop(lambda carry: _any(_goes_on(carry)), those_that_go_on, carry), (True,) * 4
+        return lax.while_loop(lambda carry: _any(_goes_on(carry)), those_that_go_on, carry), (True,) * 3
 
     return to_the_end(carry, given)
 
@@ -246,20 +250,20 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
         else:
             foretold = moved**3 <= tolerances.foretold * size * before**2
             unfinished &= ~((moved <= tolerances.near * size) & foretold)
-        return a, moved, unfinished
+        return a, unfinished, moved
 
     def differentiable(a):
         residual, given = _opened(lambda a: times(inertia, a) + weight * force(u + times(c_u, a)) - rhs, a)
         solution, fixed = _opened(lambda r, a: solve(internal_and_effective(a)[1], r, symmetric), a, a)
         return _root(residual, solution, a, given, fixed)
 
-    moved = jnp.zeros((), u.dtype)
-    opened, given = _opened(iterate, guess, moved)
+    nothing = jnp.zeros((), u.dtype)
+    opened, given = _opened(iterate, guess, nothing)
     given = lax.stop_gradient(given)
-    carry = lax.stop_gradient(guess), moved, jnp.ones((), bool), jnp.zeros((), int)
+    a, unfinished, iterations = lax.stop_gradient(guess), jnp.ones((), bool), jnp.zeros((), int)
     if n <= SMALL:
         # it takes one iteration to correct and one to see that it did; few steps take more, so the loop stands aside
-        once, moved, _ = opened(carry[:2], given)
-        carry = *opened((once, moved), given), jnp.full((), 2)
-    a, _, unfinished, iterations = _iterated(opened, given, carry)
+        once, _, moved = opened((a, nothing), given)
+        (a, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)
+    a, unfinished, iterations = _iterated(opened, given, (a, unfinished, iterations))
     return differentiable(a), Effort(iterations, ~unfinished)

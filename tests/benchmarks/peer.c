@@ -39,7 +39,7 @@ static inline int balance(double r, double u, double c_u, double w, double *a) {
     before = moved;
     moved = fabs(c_u * correction);
     size = fabs(u) + fabs(c_u * *a);
-    int foretold = moved <= NEAR * size && moved * moved * moved <= FORETOLD * size * before * before;
+    int foretold = iterations == 1 && moved <= NEAR * size && moved * moved * moved <= FORETOLD * size * before * before;
     unfinished = moved > TOLERANCE * size && !foretold;
     iterations++;
   } while (unfinished && iterations < MAX_ITERATIONS);
