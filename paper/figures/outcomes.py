@@ -46,13 +46,22 @@ LIMIT: dict[str, Any] = {
 }
 
 
-#: Colours of outcomes by their flags.
-COLOURS: dict[str, Any] = {
+#: Outcomes as an image, coloured by their flags: meshes, each rasterized on the whole page, would fill the memory.
+IMAGE: dict[str, Any] = {
     "cmap": ListedColormap([colour for _, colour in OUTCOMES.values()]),
     "vmin": -0.5,
     "vmax": len(OUTCOMES) - 0.5,
-    "rasterized": True,
+    "origin": "lower",
+    "aspect": "auto",
+    "interpolation": "nearest",
 }
+
+
+def _edges(axis: xr.DataArray) -> tuple[float, float]:
+    """Outer edges of the first and the last cell of an axis whose values are in geometric progression."""
+    first, last = axis.values[[0, -1]]
+    half = (last / first) ** (0.5 / (len(axis) - 1))
+    return first / half, last * half
 
 
 def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
@@ -65,10 +74,11 @@ def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
     limit
         Ω up to which the scheme is stable on the linear oscillator.
     """
-    ax.pcolormesh(one.dt_over_period, one.amplitude, one.outcome, **COLOURS)
+    ax.set(xscale="log", yscale="log", xlim=_edges(one.dt_over_period), ylim=_edges(one.amplitude))
+    # on the panel, not in its numbers, in which cells are not of one size
+    ax.imshow(one.outcome, extent=(0, 1, 0, 1), transform=ax.transAxes, **IMAGE)
     if np.isfinite(limit):
         ax.plot(limit / (one.highest_frequency * one.period), one.amplitude, **LIMIT)
-    ax.set(xscale="log", yscale="log", xlim=(0.01, 1), ylim=(one.amplitude.min(), one.amplitude.max()))
 
 
 def patches(outcomes: np.ndarray) -> list[Patch]:

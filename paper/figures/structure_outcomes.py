@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.outcomes import COLOURS, patches
+from paper.figures.outcomes import IMAGE, patches
 from paper.figures.style import PAGE, main
 
 
@@ -26,7 +26,7 @@ def draw(structures: xr.Dataset) -> Figure:
     for row, problem in zip(axes, problems, strict=True):
         for ax, scheme in zip(row, schemes, strict=True):
             one = structures.outcome.sel(problem=problem, scheme=scheme)
-            ax.pcolormesh(np.arange(len(steps)), np.arange(len(excitations)), one, **COLOURS)
+            ax.imshow(one, **IMAGE)
         row[0].set_ylabel(textwrap.fill(structures.problem_title.sel(problem=problem).item(), 13))
     axes[0, 0].set_yticks(np.arange(len(excitations)), [f"{factor:g}" for factor in excitations])
     for ax, title in zip(axes[0], structures.scheme_title.values, strict=True):

@@ -1,0 +1,28 @@
+"""Maps of how runs end, as they are drawn."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray as xr
+from matplotlib.colors import to_rgb
+
+from paper.figures.outcomes import outcome_map
+from paper.figures.style import OUTCOMES
+
+
+def test_every_cell_is_drawn_where_it_lies():
+    amplitudes, parts = np.logspace(-1.5, 1.5, 12), np.logspace(-2, 0, 8)
+    outcome = np.random.default_rng(0).integers(0, len(OUTCOMES), (12, 8))
+    ones = ("amplitude", np.ones(12))
+    one = xr.Dataset(
+        {"outcome": (("amplitude", "dt_over_period"), outcome), "highest_frequency": ones, "period": ones},
+        {"amplitude": amplitudes, "dt_over_period": parts},
+    )
+    figure, ax = plt.subplots(dpi=100)
+    outcome_map(ax, one, np.inf)
+    figure.canvas.draw()
+    drawn = np.asarray(figure.canvas.buffer_rgba())[::-1, :, :3]
+    places = np.stack(np.meshgrid(parts, amplitudes), axis=-1).reshape(-1, 2)
+    columns, rows = ax.transData.transform(places).astype(int).T
+    colours = 255 * np.array([to_rgb(colour) for _, colour in OUTCOMES.values()])
+    np.testing.assert_allclose(drawn[rows, columns], colours[outcome.ravel()], atol=1)
+    plt.close(figure)
