@@ -36,8 +36,8 @@ os.environ |= {
     "PYTHONSAFEPATH": "1",
 }
 ENVIRONMENT = "config/environment.yaml"  # for --sdm conda only
-# ensembles under many observers take two thirds of the time when XLA writes what a step computes once, and does not
-# compute it again for each of its uses; programs of structures and solvers, though, it then compiles at great length
+# the maps take a tenth less time, compiled or not, when XLA writes what a step computes once, and does not compute it
+# again for each of its uses; programs of structures and solvers, though, it then compiles at great length
 MULTI_OUTPUT_FUSION = "XLA_FLAGS=--xla_backend_extra_options=xla_cpu_use_multi_output_fusion=true"
 
 
