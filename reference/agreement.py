@@ -9,9 +9,10 @@ import xarray as xr
 
 from reference import diffrax, exact, sundials, taylor
 from reference.solution import RouteFailed, Solution, StepLimit
-from study.command import main, progress
-from study.problem import Problem
-from study.problems import printed_periods, untitled
+from study.pipeline.command import main, progress
+from study.problem.definition import Problem
+from study.problem.named import printed_periods
+from study.problem.named import problems as registry
 
 #: Route: its trajectory and its period, each a function of problem, times or estimate, and tolerance.
 ROUTES: dict[str, tuple[Callable, Callable]] = {
@@ -78,7 +79,7 @@ def agreement(problems: Sequence[str], tolerances: Sequence[float]) -> xr.Datase
 
 
 def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
-    definition, estimate = untitled(problem), printed_periods[problem]
+    definition, estimate = registry[problem], printed_periods[problem]
     shape = (len(ROUTES), len(tolerances))
     windowed = {
         name: np.full((*shape, len(WINDOWS)), np.nan)

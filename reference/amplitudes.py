@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 
 from reference import closed_form
-from study.command import main, progress
-from study.problem import Problem
-from study.problems import problems as registry
+from study.pipeline.command import main, progress
+from study.problem.definition import Problem
+from study.problem.named import problems as registry
 
 #: Decimal digits of the working: more than the sixteen that are kept, and a hundred periods a second.
 DIGITS = 20

@@ -11,9 +11,9 @@ import jax
 import mpmath
 import numpy as np
 
-from study.problem import Problem
-from study.problems import CubicSpring, TanhSpring
-from study.structures import HarmonicLoad
+from study.problem.definition import Problem
+from study.problem.loads import HarmonicLoad
+from study.problem.springs import CubicSpring, TanhSpring
 
 #: Decimal digits that are carried; the periods are good to 30.
 DIGITS = 50

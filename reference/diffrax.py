@@ -18,7 +18,7 @@ from reference.solution import (
     release,
     right_side,
 )
-from study.problem import Problem
+from study.problem.definition import Problem
 
 SMALLEST_RTOL = 1e-15
 LOOSE_RTOL = 1e-3
@@ -104,9 +104,9 @@ def trajectory(
     check_tolerance(f"diffrax {method}", rtol, SMALLEST_RTOL)
     check_trajectory(f"diffrax {method}", problem, t, unknowns=np.inf)
     times = jnp.asarray(t, float)
-    _solve(problem, times, jnp.asarray(LOOSE_RTOL), method, max_steps).ys.block_until_ready()  # compiles
+    _solve(problem.untitled(), times, jnp.asarray(LOOSE_RTOL), method, max_steps).ys.block_until_ready()  # compiles
     start = time.perf_counter()
-    solution = _solve(problem, times, jnp.asarray(rtol), method, max_steps)
+    solution = _solve(problem.untitled(), times, jnp.asarray(rtol), method, max_steps)
     _check(problem, method, solution)
     u, v = np.moveaxis(np.asarray(solution.ys), 1, 0)
     seconds = time.perf_counter() - start
@@ -129,7 +129,7 @@ def _fixed(problem: Problem, dt, t1):
 
 def classical_runge_kutta(problem: Problem, dt: float, steps: int) -> Solution:
     """Displacement and velocity after ``steps`` steps of the classical Runge-Kutta method, stepped by diffrax."""
-    arguments = problem, np.float64(dt), np.float64(dt * steps)
+    arguments = problem.untitled(), np.float64(dt), np.float64(dt * steps)
     _fixed(*arguments).ys.block_until_ready()  # compiles
     start = time.perf_counter()
     y = np.asarray(_fixed(*arguments).ys)
@@ -173,14 +173,15 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str =
         If no turning point comes within three quarters of ``estimate``.
     """
     sign = release(f"diffrax {method}", problem, estimate)
+    untitled = problem.untitled()
     # all of one type, the tolerance among them, or each call would be compiled anew
     tolerance = np.float64(rtol)
-    found = _until(problem, np.float64(0.75 * estimate), np.float64(-sign), tolerance, method)
+    found = _until(untitled, np.float64(0.75 * estimate), np.float64(-sign), tolerance, method)
     _check(problem, method, found)
     if found.result != diffrax.RESULTS.event_occurred:
         raise RouteFailed(f"diffrax {method} met no turning point of '{problem.title}' up to t = {0.75 * estimate:g}.")
     t = float(found.ts[-1])
     for _ in range(2):
-        y = _until(problem, np.float64(t), np.float64(0.0), tolerance, method).ys[-1]
+        y = _until(untitled, np.float64(t), np.float64(0.0), tolerance, method).ys[-1]
         t -= float(y[1] / right_side(t, y, problem)[1])
     return 2 * t

@@ -20,9 +20,9 @@ from numpy.typing import ArrayLike
 from reference import closed_form, taylor
 from reference.solution import RouteFailed
 from reference.symbolic import first_order, with_force_as_state
-from study.command import main, progress
-from study.problem import Problem
-from study.problems import printed_periods, problems
+from study.pipeline.command import main, progress
+from study.problem.definition import Problem
+from study.problem.named import printed_periods, problems
 
 BITS = (192, 128)
 FORMULATIONS = (first_order, with_force_as_state)

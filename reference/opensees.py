@@ -15,8 +15,9 @@ from types import ModuleType
 import numpy as np
 
 from reference.solution import Solution
-from study.problem import Problem
-from study.problems import CubicSpring, problems
+from study.problem.definition import Problem
+from study.problem.named import problems
+from study.problem.springs import CubicSpring
 
 #: Scheme: the integrator of the same name and parameters, and the solution algorithm that it takes.
 INTEGRATORS = {

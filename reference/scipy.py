@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, check_tolerance, check_trajectory
 from reference.symbolic import as_python
-from study.problem import Problem
+from study.problem.definition import Problem
 
 #: SciPy raises any smaller tolerance to this.
 SMALLEST_RTOL = 100 * np.finfo(float).eps

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from study.linear import Banded, dense, times
-from study.problem import Problem
+from study.algebra.matrices import Banded, dense, times
+from study.problem.definition import Problem
 
 #: Absolute tolerances stand this far below the relative one; displacements and velocities are of order one and more.
 ATOL_BELOW_RTOL = 1e-2

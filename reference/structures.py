@@ -4,9 +4,8 @@ import numpy as np
 import xarray as xr
 
 from reference import closed_form, diffrax, sundials
-from study.command import main, progress
-from study.problems import periods as time_scales
-from study.problems import problems
+from study.pipeline.command import main, progress
+from study.problem.named import problems, time_scales
 
 #: A stiff mode takes ten steps of a method of order eight in each of its own short periods.
 MAX_STEPS = 10_000_000

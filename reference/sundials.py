@@ -17,7 +17,7 @@ from reference.solution import (
     right_side,
 )
 from reference.symbolic import as_python
-from study.problem import Problem
+from study.problem.definition import Problem
 
 #: Below this CVODE's error test is lost in round-off; somewhat below it refuses.
 SMALLEST_RTOL = 1e-15

@@ -9,7 +9,7 @@ import numpy as np
 import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
-from study.problem import Problem
+from study.problem.definition import Problem
 
 _OPERATIONS: dict[str, Callable] = {
     "add": lambda a, b: a + b,

@@ -8,7 +8,7 @@ import numpy as np
 
 from reference.solution import RouteFailed, Solution, check_tolerance, check_trajectory, release
 from reference.symbolic import expression, first_order
-from study.problem import Problem
+from study.problem.definition import Problem
 
 DOUBLE = 53
 _EPS = np.finfo(float).eps

@@ -10,9 +10,10 @@ import xarray as xr
 from reference import diffrax, exact, scipy, sundials, taylor
 from reference.agreement import FINISHED, LOST, LOST_ABOVE, NOT_TRIED, STATUS_MEANINGS
 from reference.solution import RouteFailed, Solution
-from study.command import main, progress
-from study.problem import Problem
-from study.problems import printed_periods, untitled
+from study.pipeline.command import main, progress
+from study.problem.definition import Problem
+from study.problem.named import printed_periods
+from study.problem.named import problems as registry
 
 #: Solver: its trajectory, a function of problem, times and tolerance.
 SOLVERS: dict[str, Callable[..., Solution]] = {
@@ -106,7 +107,7 @@ def work_precision(
     status = np.full(shape, NOT_TRIED, np.int32)
     fixed = np.empty((len(problems), len(steps_per_period)))
     for p, name in enumerate(problems):
-        problem = untitled(name)
+        problem = registry[name]
         exact_period, certified = exact.period(problem, printed_periods[name])
         period = float(exact_period)
         last = np.arange(1, SAMPLES + 1) / SAMPLES - 1

@@ -1,7 +1,10 @@
 """Things that people call by name, and what to say when the name is wrong."""
 
 import difflib
+import importlib
+import pkgutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from types import ModuleType
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -67,3 +70,21 @@ class Registry(Mapping[str, T], Generic[T]):
 
     def __repr__(self) -> str:
         return f"{self.kind}s: {', '.join(self)}"
+
+
+def variables_of_modules(package: ModuleType, kind: type[T], first: Iterable[str] = ()) -> dict[str, T]:
+    """Variables of one kind in all modules of a package, by name: those of ``first``, then module by module.
+
+    Raises
+    ------
+    ValueError
+        If two modules give one name to different things.
+    """
+    found: dict[str, T] = {}
+    for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
+        if module.name.endswith(".named"):  # the registry itself
+            continue
+        for name, value in vars(importlib.import_module(module.name)).items():
+            if isinstance(value, kind) and not name.startswith("_") and found.setdefault(name, value) is not value:
+                raise ValueError(f"{module.name} gives the name '{name}' a second time; choose another name.")
+    return {name: found[name] for name in first} | found

@@ -9,7 +9,7 @@ from importlinter.cli import lint_imports
 
 import study
 from paper.published import printed_energy_errors
-from study.problems import periods
+from study.problem.named import time_scales
 
 PROJECT = Path(__file__).parent.parent
 
@@ -40,5 +40,5 @@ def test_every_scheme_explains_itself(scheme):
 
 def test_names_are_those_of_the_contract():
     assert list(study.problems)[:4] == ["hardening", "softening", "softening_large", "double_well"]
-    assert list(study.problems)[4:] == list(periods)
+    assert list(study.problems)[4:] == list(time_scales)
     assert list(study.schemes)[:7] == printed_energy_errors().scheme.values.tolist()

@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 import study
 from paper.orders import observed_order
 from study import datasets
-from study.comparison import against
-from study.equilibrium import Motion
+from study.analysis.comparison import against
+from study.equilibrium.state import Motion
 from study.experiments.accuracy import accuracy
 from study.experiments.round_off import round_off
 

@@ -7,7 +7,7 @@ import yaml
 from snakemake.utils import update_config
 
 import study
-from study.configuration import check, complete
+from study.pipeline.configuration import check, complete
 
 FOLDER = Path(__file__).parent.parent / "config"
 

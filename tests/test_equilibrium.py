@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 import study
-from study.equilibrium import MAX_ITERATIONS, acceleration, balance
-from study.problems import printed_periods
+from study.equilibrium.balance import acceleration, balance
+from study.equilibrium.newton import MAX_ITERATIONS
+from study.problem.named import printed_periods
 
 finite = st.floats(-3.0, 3.0)
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from study import linear
-from study.linear import Banded, MatrixFree
+from study.algebra import matrices as linear
+from study.algebra.matrices import Banded, MatrixFree
 
 FORMS = ["number", "diagonal", "tridiagonal", "pentadiagonal", "dense", "matrix_free"]
 HALF_BANDWIDTHS = {"tridiagonal": 1, "pentadiagonal": 2}

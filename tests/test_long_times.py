@@ -9,7 +9,7 @@ import xarray as xr
 import study
 from study.experiments import long_times as experiment
 from study.experiments.long_times import growth, long_times, summary
-from study.observers import Oscillations, _crossing
+from study.observer.crossings import Oscillations, _crossing
 
 OMEGA = 2 * np.pi
 HARMONIC = study.Problem(lambda u: OMEGA**2 * u, potential=lambda u: OMEGA**2 * u * u / 2, u0=1.0, title="harmonic")

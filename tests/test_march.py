@@ -12,8 +12,10 @@ import pytest
 import xarray as xr
 
 import study
-from study import ensemble, runs, xla
-from study.march import March, march
+from study import settings as xla
+from study.marching import ensemble
+from study.marching import run as runs
+from study.marching.march import March, march
 
 
 def test_reductions_agree_with_the_trajectory(kind):

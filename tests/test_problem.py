@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import study
-from study import tangent
-from study.equilibrium import balance
-from study.linear import Banded
+from study.algebra.matrices import Banded
+from study.equilibrium.balance import balance
+from study.problem import tangent
 
 N = 5
 ZERO = np.zeros(N)

@@ -6,7 +6,7 @@ import pytest
 import study
 from paper.published import printed_cpu_times, printed_energy_errors
 from paper.rounding import once, same, twice
-from study.problems import printed_periods
+from study.problem.named import printed_periods
 
 PRINTED = printed_energy_errors()
 #: The one cell that no rounding explains: printed 36.0, computed 35.904.

@@ -13,20 +13,21 @@ from hypothesis import strategies as st
 
 import study
 from reference.amplitudes import amplitudes
-from study.effective_equation import effective_coefficient, number_of_roots
-from study.equilibrium import MAX_ITERATIONS
+from study.analysis.effective_equation import effective_coefficient, number_of_roots
+from study.analysis.linear_theory import LinearTheory, oscillator
+from study.analysis.outcomes import OUTCOMES, outcomes
+from study.equilibrium.newton import MAX_ITERATIONS
 from study.experiments.atlas import atlas
 from study.experiments.bifurcation import bifurcation
 from study.experiments.numerical_map import numerical_map
 from study.experiments.robustness import robustness
 from study.experiments.roots import roots
 from study.experiments.structure_stability import structure_stability
-from study.linear_theory import LinearTheory, oscillator
-from study.march import COMPLETED, NEWTON_FAILED, March, march
-from study.problems import CubicSpring
-from study.schemes import Linearised
-from study.stability import OUTCOMES, Fate, outcomes
-from study.structures import excited
+from study.marching.march import COMPLETED, NEWTON_FAILED, March, march
+from study.observer.fate import Fate
+from study.problem.loads import excited
+from study.problem.springs import CubicSpring
+from study.scheme.linearised import Linearised
 
 #: More amplitudes than a tile of an ensemble has lanes.
 MANY = {"first": -1.0, "last": 1.0, "count": 150}

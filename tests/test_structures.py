@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import study
-from study import structures
-from study.march import March, march
-from study.problems import CubicSpring
+from study.marching.march import March, march
+from study.problem import chains, oscillators, trusses
+from study.problem.springs import CubicSpring
 
 N, DT, STEPS = 5, 0.05, 20
 
@@ -184,7 +184,7 @@ def small_truss(monkeypatch):
 
 def test_what_a_spinning_truss_conserves(small_truss):
     """Energy-momentum all of it; the midpoint rule the momenta."""
-    problem = structures.spinning_truss()
+    problem = trusses.spinning_truss()
     ours, midpoint = (
         study.run(problem, name, dt=0.1, steps=100, observe=["max_energy_error", "momentum_errors"])
         for name in ("energy_momentum", "implicit_midpoint")
@@ -235,13 +235,13 @@ def test_a_mean_force_of_the_whole_potential_keeps_its_energy():
 
 def test_a_soliton_keeps_its_form():
     """Until its far flank comes to the end: at t = 10 it is in the middle of forty masses."""
-    ds = study.run(structures.toda_chain(40), "rk4", dt=0.01, steps=1000, every=1000)
-    for found, exact in zip((ds.u, ds.v), structures.toda_soliton(40, 10.0), strict=True):
+    ds = study.run(chains.toda_chain(40), "rk4", dt=0.01, steps=1000, every=1000)
+    for found, exact in zip((ds.u, ds.v), chains.toda_soliton(40, 10.0), strict=True):
         np.testing.assert_allclose(found[-1], exact, rtol=0, atol=1e-6)
 
 
 def test_period_of_the_pendulum_near_its_top():
-    problem = structures.pendulum()
+    problem = oscillators.pendulum()
     speed = float(problem.v0)
     period = float(4 * mpmath.ellipk(mpmath.mpf(speed) ** 2 / 4))
     assert period == pytest.approx(33.7210, abs=5e-5)
@@ -251,7 +251,7 @@ def test_period_of_the_pendulum_near_its_top():
 
 
 def test_a_cantilever_comes_to_rest_where_its_forces_balance(small_truss):
-    light = structures.cantilever_truss()
+    light = trusses.cantilever_truss()
     heavy = study.Problem(
         potential=light.potential, u0=light.u0, v0=light.v0, damping=study.Rayleigh(4.0, 0.01), load=light.load,
         tangent=light.tangent,
@@ -263,8 +263,8 @@ def test_a_cantilever_comes_to_rest_where_its_forces_balance(small_truss):
 
 
 def test_a_quantity_of_ones_own_is_recorded():
-    first = study.Quantity(partial(structures.oscillatory_energy, 0), "i_1", "energy of the first spring", "J")
-    ds = study.run(structures.fpu_chain(), "rk4", dt=0.002, steps=10, observe=["trajectory", first])
+    first = study.Quantity(partial(chains.oscillatory_energy, 0), "i_1", "energy of the first spring", "J")
+    ds = study.run(chains.fpu_chain(), "rk4", dt=0.002, steps=10, observe=["trajectory", first])
     assert ds.i_1.dims == ("t",) and ds.i_1.attrs == {"long_name": "energy of the first spring", "units": "J"}
     assert ds.i_1[0] == pytest.approx(1.0)
     np.testing.assert_allclose(ds.i_1, (ds.v[:, 3] ** 2 + 2500 * ds.u[:, 3] ** 2) / 2, rtol=1e-12)
@@ -285,7 +285,7 @@ def test_memory_grows_with_the_unknowns_and_no_faster():
     """Numbers that the compiled march of a bar keeps for each unknown, its tridiagonal tangent among them."""
 
     def kept(n):
-        definition = March(structures.impact_bar(n), study.schemes["average_acceleration"], (), ())
+        definition = March(chains.impact_bar(n), study.schemes["average_acceleration"], (), ())
         arguments = definition, np.zeros(n), np.float64(1 / n), np.asarray(1), np.asarray(1)
         return march.lower(*arguments).compile().compiled.memory_analysis().temp_size_in_bytes / 8 / n
 

@@ -11,7 +11,7 @@ import study
 from reference import exact, scipy, work_precision
 from reference.solution import Solution
 from study import datasets
-from study.recommendation import candidates
+from study.analysis.recommendation import candidates
 
 STEPS = np.array([8, 16, 32, 64, 128])
 

@@ -6,12 +6,12 @@ import numpy as np
 import xarray as xr
 
 from study import datasets
-from study.command import main, progress
-from study.comparison import against, flagged, uncertainties
-from study.experiments import labels
-from study.observers import EnergyDrift, MaxEnergyError, NewtonIterations
-from study.problems import untitled
-from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.analysis.comparison import against, flagged, uncertainties
+from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.observer.effort import NewtonIterations
+from study.observer.energy import EnergyDrift, MaxEnergyError
+from study.pipeline import labels
+from study.pipeline.command import main, progress
 
 
 def accuracy(
@@ -24,14 +24,13 @@ def accuracy(
     measured: dict[str, np.ndarray] = {}
     attributes: dict[str, dict] = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
     for p, (problem, reference) in enumerate(references.items()):
-        definition = untitled(problem)
         compared = [against(reference, steps, max(steps_per_period)) for steps in steps_per_period]
         for s, scheme in enumerate(schemes):
             progress(f"accuracy of {scheme} on {problem}")
             for k, (steps, (dt, observers)) in enumerate(zip(steps_per_period, compared, strict=True)):
                 observe = [*observers, MaxEnergyError(), EnergyDrift(), NewtonIterations()]
                 for n, length in enumerate(periods):
-                    ds = run(definition, scheme, dt=dt, steps=steps * length, observe=observe)
+                    ds = run(problem, scheme, dt=dt, steps=steps * length, observe=observe)
                     for name, value in ds.data_vars.items():
                         measured.setdefault(str(name), np.empty(shape, value.dtype))[p, s, k, n] = value
                         attributes[str(name)] = value.attrs

@@ -11,13 +11,14 @@ import numpy as np
 import xarray as xr
 
 from study import datasets
-from study.command import main, progress
-from study.equilibrium import MAX_ITERATIONS
-from study.experiments import labels
-from study.march import NEWTON_FAILED
-from study.problems import problems as registry
-from study.runs import run
-from study.stability import OUTCOME_ATTRIBUTES, Fate, Height, outcomes
+from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcomes
+from study.equilibrium.newton import MAX_ITERATIONS
+from study.marching.march import NEWTON_FAILED
+from study.marching.run import run
+from study.observer.fate import Fate, Height
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.named import problems as registry
 
 #: The part of a period by which samples move around an orbit, as nearly as steps allow: the golden section is furthest
 #: from every fraction, so that they come to lie all around it.

@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from study.command import main, progress
-from study.march import COMPLETED
-from study.problems import problems
-from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.march import COMPLETED
+from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.pipeline.command import main, progress
+from study.problem.named import problems
 
 #: Distance at which a perturbation counts as of order one.
 ORDER_ONE = 0.1

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from study.command import main, progress
-from study.experiments import labels
-from study.observers import MaxEnergyError
-from study.problems import printed_periods
-from study.problems import problems as problems_by_name
-from study.schemes import schemes as schemes_by_name
-from study.timing import Timed
+from study.marching.timing import Timed
+from study.observer.energy import MaxEnergyError
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.named import printed_periods
+from study.problem.named import problems as problems_by_name
+from study.scheme.named import schemes as schemes_by_name
 
 BASELINE = "average_acceleration"
 

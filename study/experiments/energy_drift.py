@@ -3,10 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from study.command import main, progress
-from study.experiments import labels
-from study.problems import printed_periods
-from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.named import printed_periods
 
 
 def _steps_per_oscillation(u: np.ndarray, oscillations: int) -> float:

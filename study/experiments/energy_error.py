@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from study.command import main, progress
-from study.experiments import labels
-from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.pipeline import labels
+from study.pipeline.command import main, progress
 
 
 def energy_error(

@@ -5,12 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from study.command import main, progress
-from study.experiments import labels
-from study.problems import printed_periods
-from study.runs import run
-from study.schemes import Houbolt
-from study.schemes.houbolt import starts
+from study.marching.run import run
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.named import printed_periods
+from study.scheme.houbolt import Houbolt, starts
 
 
 def houbolt_start(problems: Sequence[str], steps_per_period: Sequence[int], periods: int) -> xr.Dataset:

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from study.command import main, progress
-from study.experiments import labels
-from study.problems import printed_periods, untitled
-from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.named import printed_periods
 
 
 def large_steps(
@@ -21,11 +21,10 @@ def large_steps(
     status, failed_at_step = np.zeros(shape, np.int32), np.empty(shape, int)
     for p, problem in enumerate(problems):
         progress(f"large steps on {problem}")
-        definition = untitled(problem)
         for s, scheme in enumerate(schemes):
             for r, part in enumerate(dt_over_period):
                 ds = run(
-                    definition,
+                    problem,
                     scheme,
                     dt=printed_periods[problem] * part,
                     steps=round(periods / part),

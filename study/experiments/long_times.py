@@ -9,14 +9,15 @@ import numpy as np
 import xarray as xr
 
 from study import datasets
-from study.command import main, progress
-from study.comparison import first_crossing
-from study.experiments import labels
-from study.problem import Problem
-from study.problems import problems
-from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
-from study.schemes import Compensated, OneStep, Scheme
-from study.schemes import schemes as registry
+from study.analysis.comparison import first_crossing
+from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.definition import Problem
+from study.problem.named import problems
+from study.scheme.base import OneStep, Scheme
+from study.scheme.compensated import Compensated
+from study.scheme.named import schemes as registry
 
 #: Arithmetic: whether in double precision, and whether displacement and velocity are summed with compensation. The last
 #: is what the others are held against.

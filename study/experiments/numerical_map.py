@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from study.command import main, progress
-from study.experiments import labels
-from study.problems import problems
-from study.runs import STATUS_ATTRIBUTES, run
+from study.marching.run import STATUS_ATTRIBUTES, run
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.named import problems
 
 
 def numerical_map(

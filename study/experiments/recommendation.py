@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 
 from study import datasets
-from study.command import main
-from study.experiments import labels
-from study.recommendation import candidates
+from study.analysis.recommendation import candidates
+from study.pipeline import labels
+from study.pipeline.command import main
 
 _NEEDS = {
     "steps_per_period": {"long_name": "steps per period that the scheme needs", "units": "1"},

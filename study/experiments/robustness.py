@@ -6,11 +6,11 @@ import numpy as np
 import xarray as xr
 
 from study import datasets
-from study.command import main, progress
-from study.experiments import labels
-from study.problems import problems as registry
-from study.runs import run
-from study.stability import LEVELS, Excursions, Fate
+from study.marching.run import run
+from study.observer.fate import LEVELS, Excursions, Fate
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.named import problems as registry
 
 
 def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray, lengths: Sequence[int]) -> np.ndarray:

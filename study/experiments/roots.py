@@ -10,15 +10,16 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
-from study.command import main, progress
-from study.effective_equation import effective_coefficient, number_of_roots, unique_up_to
-from study.equilibrium import Motion, balance, load
-from study.experiments import labels
-from study.problem import Problem
-from study.problems import problems
-from study.runs import run
-from study.schemes import Newmark
-from study.schemes import schemes as registry
+from study.analysis.effective_equation import effective_coefficient, number_of_roots, unique_up_to
+from study.equilibrium.balance import balance, load
+from study.equilibrium.state import Motion
+from study.marching.run import run
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.definition import Problem
+from study.problem.named import problems
+from study.scheme.named import schemes as registry
+from study.scheme.newmark import Newmark
 
 #: Runs that differ by so much in displacement no longer answer the same question.
 PARTED = 0.1

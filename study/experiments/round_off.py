@@ -7,13 +7,14 @@ import numpy as np
 import xarray as xr
 
 from study import datasets
-from study.command import main, progress
-from study.comparison import flagged
-from study.experiments import labels
-from study.problems import problems
-from study.runs import run
-from study.schemes import Compensated, OneStep
-from study.schemes import schemes as registry
+from study.analysis.comparison import flagged
+from study.marching.run import run
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.named import problems
+from study.scheme.base import OneStep
+from study.scheme.compensated import Compensated
+from study.scheme.named import schemes as registry
 
 #: The run ends this part of a period after a whole number of them, where displacement and velocity both tell phases.
 PHASE = Fraction(1, 8)

@@ -7,13 +7,13 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
-from study import equilibrium
-from study.command import main, progress
-from study.experiments import labels
-from study.linear_theory import OVERSHOOT_STEPS, LinearTheory, oscillator
-from study.schemes import Scheme
-from study.schemes import schemes as registry
-from study.schemes.rederived import Rederived
+from study.analysis.linear_theory import OVERSHOOT_STEPS, LinearTheory, oscillator
+from study.equilibrium import balance as equilibrium
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.scheme.base import Scheme
+from study.scheme.named import schemes as registry
+from study.scheme.rederived import Rederived
 
 #: Variables over step sizes, with what they are.
 _OVER_STEPS = {

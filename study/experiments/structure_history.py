@@ -8,14 +8,14 @@ import numpy as np
 import xarray as xr
 
 from study import datasets
-from study.command import main, progress
-from study.experiments import labels
-from study.observers import Observer, Quantity
-from study.problem import Problem
-from study.problems import periods as time_scales
-from study.problems import problems
-from study.runs import run
-from study.structures import oscillatory_energy
+from study.marching.run import run
+from study.observer.base import Observer
+from study.observer.motion import Quantity
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.chains import oscillatory_energy
+from study.problem.definition import Problem
+from study.problem.named import problems, time_scales
 
 
 def _observers(problem: str, definition: Problem) -> list[str | Observer]:

@@ -6,15 +6,15 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from study.command import main, progress
-from study.equilibrium import MAX_ITERATIONS
-from study.experiments import labels
-from study.march import NEWTON_FAILED
-from study.problems import periods as time_scales
-from study.problems import problems as registry
-from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
-from study.stability import OUTCOME_ATTRIBUTES, outcome_of_balance
-from study.structures import excited
+from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcome_of_balance
+from study.equilibrium.newton import MAX_ITERATIONS
+from study.marching.march import NEWTON_FAILED
+from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.loads import excited
+from study.problem.named import problems as registry
+from study.problem.named import time_scales
 
 OBSERVED = ("lyapunov_exponent", "energy_balance", "newton_iterations")
 
@@ -33,7 +33,7 @@ def structure_stability(
     excitations
         Factors of the initial velocity and of the load of the structure.
     steps_per_period
-        Steps in the time scale of the structure (``study.problems.periods``).
+        Steps in the time scale of the structure (``study.problem.named.time_scales``).
     """
     names = [one["problem"] for one in lengths]
     shape = (len(names), len(schemes), len(excitations), len(steps_per_period))

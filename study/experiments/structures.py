@@ -7,12 +7,14 @@ import numpy as np
 import xarray as xr
 
 from study import datasets
-from study.command import main, progress
-from study.experiments import labels
-from study.observers import EnergyBalance, MomentumErrors, NewtonIterations
-from study.problem import Problem
-from study.problems import problems
-from study.runs import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.observer.effort import NewtonIterations
+from study.observer.energy import EnergyBalance
+from study.observer.momentum import MomentumErrors
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.definition import Problem
+from study.problem.named import problems
 
 #: What a run is asked for, and the variables that only some problems have.
 OBSERVERS = ["trajectory", "energy_balance", "newton_iterations"]

@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 
 from study import datasets
-from study.command import main, progress
-from study.experiments import labels
-from study.observers import EnergyDrift
-from study.problems import untitled
-from study.schemes import schemes as schemes_by_name
-from study.timing import Timed
+from study.marching.timing import Timed
+from study.observer.energy import EnergyDrift
+from study.pipeline import labels
+from study.pipeline.command import main, progress
+from study.problem.named import problems as registry
+from study.scheme.named import schemes as schemes_by_name
 
 #: Seconds that a run that is timed takes, about: a call takes a tenth of a millisecond, which that makes small.
 LONG_ENOUGH = 0.004
@@ -38,7 +38,7 @@ def work_precision(
         period = datasets.open(f"reference/{problem}").period.item()
         # compiled side by side, as nothing else runs then, and timed one after the other
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            timed = list(pool.map(partial(Timed, untitled(problem), reductions=(EnergyDrift(),)), chosen))
+            timed = list(pool.map(partial(Timed, registry[problem], reductions=(EnergyDrift(),)), chosen))
         for k, parts in enumerate(steps_per_period):
             dt = period / parts
             steps = [int(FIRST_STEPS * max(1, LONG_ENOUGH / one.run(dt, FIRST_STEPS)[0])) for one in timed]

@@ -25,8 +25,8 @@ COMPILE_AT_MOST = 0.3
 
 _COMPILE = """
 import sys, time, jax, study
-from study.observers import MaxEnergyError
-from study.timing import Timed
+from study.observer.energy import MaxEnergyError
+from study.marching.timing import Timed
 misses = []
 jax.monitoring.register_event_listener(lambda name, **_: misses.append(1) if name.endswith("cache_misses") else None)
 jax.jit(lambda x: x + 1)(1.0)

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-from study.problems import printed_periods
+from study.problem.named import printed_periods
 
 #: Steps of a single run.
 STEPS = 100_000

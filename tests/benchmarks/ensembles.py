@@ -8,9 +8,9 @@ import peer
 from case import Case, step_size, timed
 
 import study
-from study.observers import MaxEnergyError
-from study.stability import Fate
-from study.timing import Timed
+from study.marching.timing import Timed
+from study.observer.energy import MaxEnergyError
+from study.observer.fate import Fate
 
 STEPS, LONG = 1_000, 10_000
 FEW, MANY = 1_024, 16_384

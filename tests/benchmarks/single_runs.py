@@ -8,9 +8,10 @@ from case import STEPS, Case, step_size, timed
 
 import study
 from reference import exact, opensees, taylor
-from study.observers import EnergyDrift, MaxEnergyError, Reduction
-from study.problems import printed_periods
-from study.timing import Timed
+from study.marching.timing import Timed
+from study.observer.base import Reduction
+from study.observer.energy import EnergyDrift, MaxEnergyError
+from study.problem.named import printed_periods
 
 #: Stages that one Newton iteration of a scheme solves for together.
 STAGES = {"gauss4": 2}

@@ -8,8 +8,8 @@ from case import STEPS, Case, step_size, timed
 from scipy.linalg import get_lapack_funcs, solve_banded
 
 import study
-from study import structures
-from study.timing import Timed
+from study.marching.timing import Timed
+from study.problem import chains
 
 
 def cases() -> Iterator[Case]:
@@ -31,7 +31,7 @@ def few_unknowns() -> Iterator[Case]:
         (study.problems["stiff_soft"], 0.2618),
         (study.problems["stiff_soft_sine"], 0.2618),
         (row, 0.1),
-        (structures.toda_chain(3), 0.1),
+        (chains.toda_chain(3), 0.1),
     ):
         few = Timed(problem, study.schemes["average_acceleration"], ())
         yield Case(
@@ -53,7 +53,7 @@ def _iterations(problem, dt, steps) -> tuple[Callable[[], float], int]:
 def long_bars() -> Iterator[Case]:
     """A Newton iteration on a bar against LAPACK's solution of the same system alone."""
     for n in (1_000, 10_000, 100_000, 1_000_000):
-        bar = structures.impact_bar(n)
+        bar = chains.impact_bar(n)
         ours, solved = _iterations(bar, 1 / n, max(10, 1_000_000 // n))
         bands = np.array([np.full(n, -1.0), np.full(n, 4.0), np.full(n, -1.0)])
         # LAPACK's gtsv, which pivots, once for every Newton iteration
@@ -69,7 +69,7 @@ def long_bars() -> Iterator[Case]:
 def full_tangent() -> Iterator[Case]:
     """A Newton iteration with a full tangent of a hundred unknowns against LAPACK's solution alone."""
     n = 100
-    chain = structures.toda_chain(n)
+    chain = chains.toda_chain(n)
     full = study.Problem(chain.force, chain.u0, chain.v0, tangent="dense", title="full chain")
     ours, solved = _iterations(full, 0.1, 2_000)
     matrix = np.eye(n) + 0.01 * np.random.default_rng(0).normal(size=(n, n))

@@ -6,8 +6,8 @@ import pytest
 
 import study
 from reference import opensees
-from study.problems import printed_periods
-from study.schemes.houbolt import History
+from study.problem.named import printed_periods
+from study.scheme.houbolt import History
 
 DT, STEPS = printed_periods["hardening"] / 20, 200
 

@@ -17,7 +17,8 @@ import study
 from reference import agreement, closed_form, exact, scipy, sundials, taylor
 from reference.solution import RouteFailed, StepLimit
 from reference.symbolic import as_python, expression, first_order, with_force_as_state
-from study.problems import CubicSpring, TanhSpring, printed_periods
+from study.problem.named import printed_periods
+from study.problem.springs import CubicSpring, TanhSpring
 
 CUBIC = ["hardening", "double_well"]
 ROUTES = list(agreement.ROUTES)

@@ -7,7 +7,7 @@ import reference.diffrax
 import study
 from reference import closed_form, sundials
 from reference.structures import structure
-from study.problems import periods
+from study.problem.named import time_scales
 
 RTOL = 1e-10
 TRAJECTORIES = [sundials.trajectory, reference.diffrax.trajectory]
@@ -15,7 +15,7 @@ TRAJECTORIES = [sundials.trajectory, reference.diffrax.trajectory]
 
 def test_two_solvers_agree_on_a_stiff_chain():
     problem = study.problems["fpu_chain"]
-    t = np.linspace(0, periods["fpu_chain"], 9)
+    t = np.linspace(0, time_scales["fpu_chain"], 9)
     one, other = (trajectory(problem, t, RTOL) for trajectory in TRAJECTORIES)
     np.testing.assert_allclose(one.u, other.u, atol=1e-6)
     # the stiff springs are fifty times as fast as they are long
@@ -40,7 +40,7 @@ def test_closed_forms_solve_the_equation_of_motion(name):
 
 
 def test_the_period_of_the_pendulum_is_the_printed_one():
-    problem, quarter = study.problems["pendulum"], periods["pendulum"] / 4
+    problem, quarter = study.problems["pendulum"], time_scales["pendulum"] / 4
     u, v = closed_form.structure("pendulum", problem, [quarter - 1e-3, quarter, quarter + 1e-3])
     assert v[0] > v[1] > v[2] and abs(u[1] - u.max()) < 1e-9
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import study
-from study.problems import CubicSpring
-from study.schemes.houbolt import starts
+from study.problem.springs import CubicSpring
+from study.scheme.houbolt import starts
 
 VELOCITY_VERLET = study.Composition((1.0,), of_order=2)
 

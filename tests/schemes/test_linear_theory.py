@@ -8,8 +8,8 @@ import pytest
 from jax.flatten_util import ravel_pytree
 
 import study
-from study.linear_theory import LinearTheory
-from study.schemes.rederived import Rederived
+from study.analysis.linear_theory import LinearTheory
+from study.scheme.rederived import Rederived
 
 PARTS = np.logspace(-3, 3, 121)
 STEPS = 2 * np.pi * PARTS

@@ -1,0 +1,1 @@
+"""Matrices in the least form that holds them, their products and solutions, and compensated sums."""

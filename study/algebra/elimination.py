@@ -1,0 +1,142 @@
+"""Solution of linear systems: elimination by structure, or iteration where no matrix is known."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from study.algebra.matrices import SMALL, Form, MatrixFree, form_of
+
+#: Rows of a tridiagonal elimination in one turn of its loop.
+UNROLL = 4
+
+#: Relative residual at which an iteration of a matrix-free system ends, and its length at most.
+ITERATIVE_TOLERANCE, ITERATIVE_STEPS = 1e-10, 10_000
+
+
+def eliminate(matrix, rhs):
+    """Gaussian elimination with partial pivoting, written out for a small matrix (n, n) and right sides (n, ...)."""
+    n = len(rhs)
+    rows = [[*(matrix[i, j] for j in range(n)), rhs[i]] for i in range(n)]
+    for k in range(n):
+        for i in range(k + 1, n):
+            swap = jnp.abs(rows[i][k]) > jnp.abs(rows[k][k])
+            pivot = [jnp.where(swap, lower, upper) for upper, lower in zip(rows[k], rows[i], strict=True)]
+            rest = [jnp.where(swap, upper, lower) for upper, lower in zip(rows[k], rows[i], strict=True)]
+            factor = rest[k] / pivot[k]
+            rows[k], rows[i] = pivot, [low - factor * high for low, high in zip(rest, pivot, strict=True)]
+    x: list = []
+    for k in reversed(range(n)):
+        known = sum(rows[k][n - 1 - i] * x[i] for i in range(len(x)))
+        x.append((rows[k][n] - known) / rows[k][k])
+    return jnp.stack(x[::-1])
+
+
+def _solve_tridiagonal(bands, rhs):
+    """Thomas' elimination in place, a few rows a turn, without pivoting, which M + c K does without."""
+    lower, middle, upper = bands
+    n = len(rhs)
+    rest = n % UNROLL
+
+    def down(start, size, carry):
+        upper, right, above, solved = carry
+        rows = (lax.dynamic_slice(x, (start,), (size,)) for x in (lower, middle, upper, right))
+        now = []
+        for low, diagonal, high, b in zip(*rows, strict=True):
+            pivot = 1 / (diagonal - low * above)
+            above, solved = high * pivot, (b - low * solved) * pivot
+            now.append((above, solved))
+        ratios, values = (jnp.stack(x) for x in zip(*now, strict=True))
+        place = (start,)
+        return (
+            lax.dynamic_update_slice(upper, ratios, place),
+            lax.dynamic_update_slice(right, values, place),
+            above,
+            solved,
+        )
+
+    def up(start, size, carry):
+        right, x = carry
+        rows = (lax.dynamic_slice(x, (start,), (size,)) for x in (upper, right))
+        now = []
+        for ratio, value in reversed(list(zip(*rows, strict=True))):
+            x = value - ratio * x
+            now.append(x)
+        return lax.dynamic_update_slice(right, jnp.stack(now[::-1]), (start,)), x
+
+    zero = jnp.zeros((), rhs.dtype)
+    carry = upper, rhs, zero, zero
+    if n < UNROLL:
+        upper, right, _, _ = down(0, n, carry)
+        return up(0, n, (right, zero))[0]
+    carry = lax.fori_loop(0, n // UNROLL, lambda i, c: down(i * UNROLL, UNROLL, c), carry)
+    upper, right, _, _ = down(n - rest, rest, carry) if rest else carry
+    back = up(n - rest, rest, (right, zero)) if rest else (right, zero)
+    return lax.fori_loop(0, n // UNROLL, lambda i, c: up(n - rest - (i + 1) * UNROLL, UNROLL, c), back)[0]
+
+
+def _solve_banded(bands, rhs):
+    """Thomas' elimination of k by k blocks, with pivoting within a block."""
+    k, n = len(bands) // 2, len(rhs)
+    blocks = -(-n // k)
+    spare = blocks * k - n
+    # rows of three blocks; those beyond the end are rows of the identity
+    padded = jnp.pad(bands, ((0, 0), (0, spare))).at[k, n:].set(1.0).T.reshape(blocks, k, 2 * k + 1)
+    row, place = np.arange(k)[:, None], np.arange(2 * k + 1)
+    wide = jnp.zeros((blocks, k, 3 * k)).at[:, row, row + place].set(padded)
+    low, middle, high = wide[:, :, :k], wide[:, :, k : 2 * k], wide[:, :, 2 * k :]
+
+    def down(above, row):
+        upper, right = above
+        low, middle, high, b = row
+        rhs = jnp.column_stack([high, b - low @ right])
+        solved = eliminate(middle - low @ upper, rhs) if k <= SMALL else jnp.linalg.solve(middle - low @ upper, rhs)
+        now = solved[:, :k], solved[:, k]
+        return now, now
+
+    def up(below, row):
+        upper, right = row
+        x = right - upper @ below
+        return x, x
+
+    zeros = jnp.zeros(k)
+    _, rows = lax.scan(down, (jnp.zeros((k, k)), zeros), (low, middle, high, jnp.pad(rhs, (0, spare)).reshape(-1, k)))
+    return lax.scan(up, zeros, rows, reverse=True)[1].ravel()[:n]
+
+
+def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
+    """Conjugate gradients, or GMRES where the matrix is not symmetric, with the diagonal as preconditioner."""
+    import lineax  # not before it is needed: that takes a quarter of a second
+
+    diagonal = jnp.broadcast_to(matrix.diagonal, rhs.shape)
+    size = jnp.sqrt(jnp.where(diagonal == 0, 1.0, jnp.abs(diagonal)))
+    scaled = rhs / size
+    # lineax measures entry by entry, in which a zero of the right side ends it at once: a measure of the whole instead
+    largest = jnp.abs(scaled).max()
+    largest = jnp.where(largest == 0, 1.0, largest)
+    tags = lineax.positive_semidefinite_tag if symmetric else ()
+    method = lineax.CG if symmetric else lineax.GMRES
+    solution = lineax.linear_solve(
+        lineax.FunctionLinearOperator(lambda x: matrix.product(x / size) / size, jax.eval_shape(lambda: rhs), tags),
+        scaled / largest,
+        method(rtol=0.0, atol=ITERATIVE_TOLERANCE, max_steps=ITERATIVE_STEPS),
+        throw=False,
+    ).value
+    return largest * solution / size
+
+
+def solve(matrix, rhs, symmetric: bool = True):
+    """Solution x (n,) of matrix x = rhs; ``symmetric`` matters to a matrix-free one alone."""
+    match form_of(matrix):
+        case Form.BAND if matrix.half_bandwidth == 1:
+            return _solve_tridiagonal(matrix.bands, rhs)
+        case Form.BAND if matrix.half_bandwidth > 1:
+            return _solve_banded(matrix.bands, rhs)
+        case Form.BAND:
+            return rhs / matrix.bands[0]
+        case Form.FULL:
+            return eliminate(matrix, rhs) if len(rhs) <= SMALL else jnp.linalg.solve(matrix, rhs)
+        case Form.FREE:
+            return _iterate(matrix, rhs, symmetric)
+        case _:
+            return rhs / matrix

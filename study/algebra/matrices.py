@@ -1,0 +1,178 @@
+"""Square matrices in the least form that holds them, and what the schemes do with them: products, sums, solutions.
+
+In ascending order of what they hold: a number (times the identity), a diagonal (n,), a :class:`Banded`, a matrix (n, n)
+and a :class:`MatrixFree`, of which only the products are known.
+"""
+
+from collections.abc import Callable
+from enum import IntEnum
+from functools import reduce
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+#: Systems of up to this many unknowns are eliminated without a loop: a call of LAPACK would take ten times longer.
+SMALL = 4
+
+
+class Banded(NamedTuple):
+    """A matrix with entries within k of the diagonal: bands[k + d, i] is entry (i, i + d), zero where there is none.
+
+    ``bands`` has the shape (2k + 1, n); three of them are better a tuple of (n,), which the compiler need not write to
+    memory before it solves.
+    """
+
+    bands: jax.Array | np.ndarray | tuple[jax.Array, ...]
+
+    @property
+    def half_bandwidth(self) -> int:
+        """Largest distance of an entry from the diagonal."""
+        return len(self.bands) // 2
+
+
+class MatrixFree(NamedTuple):
+    """A matrix of which the product with a vector (n,) is known, and roughly the diagonal, a number or (n,)."""
+
+    product: Callable
+    diagonal: jax.Array | float
+
+
+class Form(IntEnum):
+    """What a matrix is held as, in ascending order of what the form can hold."""
+
+    NUMBER, DIAGONAL, BAND, FULL, FREE = range(5)
+
+
+def form_of(matrix) -> Form:
+    """The form that a matrix is held in."""
+    if isinstance(matrix, Banded | MatrixFree):
+        return Form.BAND if isinstance(matrix, Banded) else Form.FREE
+    return (Form.NUMBER, Form.DIAGONAL, Form.FULL)[jnp.ndim(matrix)]
+
+
+def shifted(x, by: int):
+    """x[..., i + by], zero beyond the ends; other than a concatenation it costs no pass through memory."""
+    return lax.pad(x, jnp.zeros((), x.dtype), [(0, 0, 0)] * (x.ndim - 1) + [(-by, by, 0)])
+
+
+def _banded_times(matrix: Banded, x):
+    k, n = matrix.half_bandwidth, len(x)
+    if k <= 1:
+        return sum(band * shifted(x, d) for d, band in enumerate(matrix.bands, start=-k))
+    beside = jnp.pad(x, k)[jnp.arange(2 * k + 1)[:, None] + jnp.arange(n)[None]]
+    return jnp.sum(jnp.stack(tuple(matrix.bands)) * beside, axis=0)
+
+
+def _written_out(matrix, other):
+    """Product of a small matrix (n, n) with (n,) or (n, n): many lanes of a product as such are taken one by one."""
+    return sum(jnp.multiply.outer(matrix[:, j], other[j]) for j in range(len(other)))
+
+
+def times(matrix, x):
+    """Product of a matrix of any form with a vector (n,), or of a number with a number."""
+    match form_of(matrix):
+        case Form.BAND:
+            return _banded_times(matrix, x)
+        case Form.FULL:
+            return _written_out(matrix, x) if len(x) <= SMALL else matrix @ x
+        case Form.FREE:
+            return matrix.product(x)
+        case _:
+            return matrix * x
+
+
+def _as_band(matrix, n: int) -> Banded:
+    return matrix if isinstance(matrix, Banded) else Banded(jnp.broadcast_to(matrix, (1, n)))
+
+
+def _widened(matrix, form: Form, n: int):
+    """The same matrix in a form above a diagonal."""
+    if form_of(matrix) == form:
+        return matrix
+    if form == Form.BAND:
+        return _as_band(matrix, n)
+    if form == Form.FULL:
+        return dense(matrix, n)
+    return MatrixFree(lambda x: times(matrix, x), _diagonal(matrix))
+
+
+def _diagonal(matrix):
+    match form_of(matrix):
+        case Form.BAND:
+            return matrix.bands[matrix.half_bandwidth]
+        case Form.FULL:
+            return jnp.diag(matrix)
+        case Form.FREE:
+            return matrix.diagonal
+        case _:
+            return matrix
+
+
+def banded(matrix: np.ndarray, half_bandwidth: int) -> "Banded | np.ndarray":
+    """A matrix (n, n) as a band of this half width at least, or as it is where the band would be a quarter of it."""
+    n = len(matrix)
+    width = max(half_bandwidth, int(np.abs(np.subtract(*np.nonzero(matrix))).max(initial=0)))
+    if 4 * width > n:
+        return matrix
+    bands = [np.pad(np.diagonal(matrix, d), (max(-d, 0), max(d, 0))) for d in range(-width, width + 1)]
+    return Banded(np.stack(bands))
+
+
+def dense(matrix, n: int):
+    """The matrix (n, n) of any form but that without a matrix."""
+    match form_of(matrix):
+        case Form.BAND:
+            offsets = enumerate(matrix.bands, start=-matrix.half_bandwidth)
+            return sum(jnp.diag(band[max(-d, 0) : n - max(d, 0)], d) for d, band in offsets if abs(d) < n)
+        case Form.FULL:
+            return matrix
+        case _:
+            return jnp.diag(jnp.broadcast_to(matrix, n))
+
+
+def _sum_of_bands(one: Banded, other: Banded) -> Banded:
+    wide, narrow = sorted((one, other), key=lambda m: m.half_bandwidth, reverse=True)
+    gap = wide.half_bandwidth - narrow.half_bandwidth
+    end = gap + len(narrow.bands)
+    if isinstance(wide.bands, tuple):
+        sums = (a + b for a, b in zip(wide.bands[gap:end], narrow.bands, strict=True))
+        return Banded((*wide.bands[:gap], *sums, *wide.bands[end:]))
+    inner = wide.bands[gap:end] + jnp.stack(tuple(narrow.bands))
+    return Banded(jnp.concatenate([wide.bands[:gap], inner, wide.bands[end:]]))
+
+
+def add(*terms, n: int):
+    """Sum of matrices of any form, for n unknowns."""
+    form = max(map(form_of, terms))
+    if form > Form.DIAGONAL:
+        terms = tuple(_widened(t, form, n) for t in terms)
+    if form == Form.BAND:
+        return reduce(_sum_of_bands, terms)
+    if form == Form.FREE:
+        return MatrixFree(lambda x: sum(t.product(x) for t in terms), sum(t.diagonal for t in terms))
+    return sum(terms[1:], start=terms[0])
+
+
+def product(one, other, n: int):
+    """Product of two matrices of any form, for n unknowns."""
+    forms = form_of(one), form_of(other)
+    if max(forms) < Form.BAND:
+        return one * other
+    if Form.NUMBER in forms:
+        number, matrix = (one, other) if forms[0] == Form.NUMBER else (other, one)
+        if isinstance(matrix, MatrixFree):
+            return MatrixFree(lambda x: number * matrix.product(x), number * matrix.diagonal)
+        return jax.tree.map(lambda part: number * part, matrix)
+    if Form.FREE in forms:
+        return MatrixFree(lambda x: times(one, times(other, x)), _diagonal(one) * _diagonal(other))
+    if Form.FULL in forms:
+        return _written_out(dense(one, n), dense(other, n)) if n <= SMALL else dense(one, n) @ dense(other, n)
+    one, other = _as_band(one, n), _as_band(other, n)
+    k = one.half_bandwidth
+    bands = jnp.zeros((2 * (k + other.half_bandwidth) + 1, n))
+    for d, left in enumerate(one.bands, start=-k):
+        bands = bands.at[k + d : k + d + len(other.bands)].add(left[None] * shifted(jnp.stack(tuple(other.bands)), d))
+    return Banded(bands)

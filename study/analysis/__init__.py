@@ -1,0 +1,1 @@
+"""Linear theory, outcomes, comparison with references, and recommendation."""

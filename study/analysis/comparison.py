@@ -1,0 +1,130 @@
+"""A run held against the exact solution: its step size, its observers, and what the reference knows."""
+
+from fractions import Fraction
+
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicHermiteSpline
+
+from study.observer.base import Reduction
+from study.observer.errors import AmplitudeDecay, PeriodError, TrajectoryError
+
+#: The measures of error of the study, those of the energy in percent.
+MEASURES = (
+    "rms_trajectory_error",
+    "max_trajectory_error",
+    "period_elongation",
+    "phase_error",
+    "amplitude_decay",
+    "max_energy_error",
+    "energy_drift",
+)
+
+#: An error this many times the reference's uncertainty or less says as much of the reference as of the scheme.
+FLAGGED_WITHIN = 10
+
+
+def _at_phases(reference: xr.Dataset, steps: int) -> xr.Dataset:
+    """The reference at the phases k/steps of one period, k = 0 ... steps − 1."""
+    wanted = np.arange(steps) / steps
+    at = np.searchsorted(reference.phase.values, wanted - 1e-12)
+    if np.any(np.abs(reference.phase.values[at] - wanted) > 1e-12):
+        raise ValueError(
+            f"the reference of '{reference.problem}' has no phases of {steps} steps per period; "
+            f"add {steps} to references.steps_per_period of the configuration."
+        )
+    return reference.isel(t=at)
+
+
+def against(reference: xr.Dataset, steps: int, longest: int) -> tuple[float, tuple[Reduction, ...]]:
+    """Step size and observers for a run with ``steps`` steps per exact period.
+
+    Parameters
+    ----------
+    reference
+        ``results/reference/PROBLEM.nc``.
+    steps
+        Steps per period; the reference must hold its phases.
+    longest
+        Length to which the table of the exact solution is padded, so that one compilation serves all step sizes.
+
+    Raises
+    ------
+    ValueError
+        If the reference does not hold the phases.
+    """
+    once = _at_phases(reference, steps)
+    dt = reference.period.item() / steps
+    exact_period = Fraction(reference.period.item()) + Fraction(reference.period_remainder.item())
+    lag = float(Fraction(dt) - exact_period / steps)
+    padding = (0, longest - steps)
+    level = (reference.u.max().item() + reference.u.min().item()) / 2
+    return dt, (
+        TrajectoryError(
+            jnp.asarray(np.pad(once.u.values, padding)),
+            jnp.asarray(np.pad(once.v.values, padding)),
+            jnp.asarray(steps),
+            jnp.asarray(lag),
+        ),
+        PeriodError(
+            jnp.asarray(level),
+            jnp.asarray(first_crossing(reference, level)),
+            jnp.asarray(float(steps)),
+            jnp.asarray(dt),
+        ),
+        AmplitudeDecay(jnp.asarray(_rest(reference)), jnp.asarray(dt)),
+    )
+
+
+def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
+    """How well the reference knows the zero of every measure of error, in the units of that measure.
+
+    Trajectory: the displacement's uncertainty over the amplitude. Elongation: the period's, relative. Phase: that of
+    all periods, and of the crossing. Amplitude: the displacement's over the amplitude and the periods. Energy: how far
+    the energy of the reference, rounded to doubles, is from constant, in percent.
+    """
+    displacement = (reference.u_uncertainty / abs(reference.u).max()).item()
+    period = (reference.period_uncertainty / reference.period).item()
+    crossing = (reference.u_uncertainty / (abs(reference.v).max() * reference.period)).item()
+    amplitude = (reference.u_uncertainty / (reference.u.max() - _rest(reference))).item()
+    energy = 100 * reference.energy_drift.item()
+    known = (displacement, displacement, period, periods * period + crossing, amplitude / periods, energy, energy)
+    return dict(zip(MEASURES, known, strict=True))
+
+
+def flagged(error: np.ndarray, uncertainty, dims: tuple[str, ...]) -> tuple:
+    """Variable that tells where an error is within ten times the reference's uncertainty, or was not measured."""
+    within = np.where(np.isnan(error), 2, np.abs(error) <= FLAGGED_WITHIN * uncertainty)
+    attributes = {
+        "long_name": f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference",
+        "flag_values": np.arange(3, dtype=np.int32),
+        "flag_meanings": "above within not_measured",
+    }
+    return dims, within.astype(np.int32), attributes
+
+
+def _rest(reference: xr.Dataset) -> float:
+    """The displacement of equilibrium: where the exact motion is fastest, at the vertex of a parabola through it."""
+    i = int(np.argmax(np.abs(reference.v.values)))
+    near = slice(max(i - 1, 0), i + 2)
+    t, u, v = reference.t.values[near], reference.u.values[near], reference.v.values[near]
+    curvature, slope, _ = np.polyfit(t - t[1], v, 2)
+    return float(np.polyval(np.polyfit(t - t[1], u, 2), -slope / (2 * curvature)))
+
+
+def first_crossing(reference: xr.Dataset, level: float) -> float:
+    """When the exact solution first crosses ``level`` upwards, in periods, interpolated by a cubic.
+
+    Raises
+    ------
+    ValueError
+        If it does not.
+    """
+    u, v, phase = reference.u.values, reference.v.values, reference.phase.values
+    crossed = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))
+    if not crossed.size:
+        raise ValueError(f"the exact motion of '{reference.problem}' does not cross {level:g}.")
+    ends = slice(crossed[0], crossed[0] + 2)
+    between = CubicHermiteSpline(phase[ends], u[ends] - level, v[ends] * reference.period.item())
+    return float(between.roots(extrapolate=False)[0])

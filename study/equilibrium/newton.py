@@ -1,0 +1,122 @@
+"""The Newton-Raphson iteration."""
+
+from functools import partial
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from study.algebra.matrices import SMALL
+
+
+class Tolerances(NamedTuple):
+    """When Newton stops, by the precision of the numbers.
+
+    Parameters
+    ----------
+    displacement
+        Once a correction moves the displacement by less than this part of it. Convergence is quadratic, so the error
+        that is left is of the order of the square: round-off.
+    near, foretold
+        With one unknown also once the second correction, of less than the first part, foretells that the third would be
+        less than the second part: after |d₁| and |d₂| comes about |d₂|³/|d₁|² (Deuflhard, 2004, section 2.1).
+    force, round_off
+        With several unknowns the force that the last correction removed must also have been less than this part of the
+        forces in the balance, unless the correction was round-off: a stiff member's force is no better known than that.
+    """
+
+    displacement: float
+    near: float
+    foretold: float
+    force: float
+    round_off: float
+
+
+TOLERANCES = {
+    np.dtype("float64"): Tolerances(1e-12, near=1e-8, foretold=1e-17, force=1e-8, round_off=1e-14),
+    np.dtype("float32"): Tolerances(5e-6, near=1e-4, foretold=5e-9, force=1e-4, round_off=5e-6),
+}
+
+MAX_ITERATIONS = 50
+
+
+def norm(x):
+    """Euclidean norm."""
+    return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.sum(x * x))
+
+
+def _goes_on(carry):
+    _, unfinished, iterations = carry
+    return unfinished & (iterations < MAX_ITERATIONS)
+
+
+def _any(flags):
+    """Whether any flag of (lanes,) is set, by halves as far as that goes: XLA's own reduction takes one at a time."""
+    lanes = len(flags)
+    while lanes > 8 and lanes % 2 == 0:
+        lanes //= 2
+        flags = flags[:lanes] | flags[lanes:]
+    return jnp.any(flags)
+
+
+def iterated(iterate, given, carry):
+    """``(a, unfinished, iterations)`` after as many turns of ``a, unfinished, _ = iterate((a, 0), given)`` as it takes.
+
+    Zero foretells nothing: to hand on how far the last turn moved takes longer than it saves.
+    """
+
+    def again(carry, given):
+        a, _, iterations = carry
+        a, unfinished, _ = iterate((a, jnp.zeros((), a.dtype)), given)
+        return a, unfinished, iterations + 1
+
+    @jax.custom_batching.custom_vmap
+    def to_the_end(carry, given):
+        def loop(carry):
+            return lax.while_loop(_goes_on, partial(again, given=given), carry)
+
+        return loop(carry) if carry[0].size > SMALL else lax.cond(_goes_on(carry), loop, lambda carry: carry, carry)
+
+    @to_the_end.def_vmap
+    def in_lanes(lanes, batched, carry, given):
+        carry = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (lanes, *x.shape)), carry, batched[0])
+        each = jax.vmap(again, in_axes=(0, jax.tree.map(lambda b: 0 if b else None, batched[1])))
+
+        def those_that_go_on(carry):
+            def newest(goes_on, new, old):
+                return jax.tree.map(partial(jnp.where, goes_on), new, old)
+
+            return jax.vmap(newest)(_goes_on(carry), each(carry, given), carry)
+
+        return lax.while_loop(lambda carry: _any(_goes_on(carry)), those_that_go_on, carry), (True,) * 3
+
+    return to_the_end(carry, given)
+
+
+def opened_closure(function, *examples):
+    """The function with what it closes over as arguments, and these: (lanes of) arrays must not pass unseen."""
+    closed, structure = jax.tree.flatten(eqx.filter_closure_convert(function, *examples))
+    arrays, rest = eqx.partition(closed, eqx.is_array)
+
+    def opened(arguments, arrays):
+        return jax.tree.unflatten(structure, eqx.combine(arrays, rest))(*arguments)
+
+    return opened, arrays
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def root(residual, solution, a, given, fixed):
+    """The root a of ``residual((a,), given)``; ``solution((r, a), fixed)`` solves with the residual's slope there."""
+    return a
+
+
+@root.defjvp
+def _derivative_of_root(residual, solution, primals, tangents):
+    """Not through the iteration, but by the implicit function theorem."""
+    _, given, fixed = primals
+    a = root(residual, solution, *primals)
+    _, change = jax.jvp(lambda given: residual((a,), given), (given,), (tangents[1],))
+    return a, -solution((change, a), fixed)

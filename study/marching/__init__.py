@@ -1,0 +1,1 @@
+"""Time marching: a run, an ensemble of runs, and their timing."""

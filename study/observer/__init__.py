@@ -1,0 +1,1 @@
+"""What a run reports: one value a run (reductions), or values along time (records)."""

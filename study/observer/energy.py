@@ -1,0 +1,132 @@
+"""Errors of the energy, and of its balance."""
+
+import jax.numpy as jnp
+
+from study.algebra.matrices import times
+from study.algebra.summation import compensated_sum
+from study.equilibrium.balance import load
+from study.observer.base import Record, Reduction
+from study.problem.definition import Problem
+
+
+def relative_energy_error(problem: Problem, initial, state):
+    """Signed relative error of the energy in percent, 100 (E − E₀)/|E₀|; its size is Xie (1996), eq. (17)."""
+    reference = problem.energy(initial.u, initial.v)
+    return 100 * (problem.energy(state.u, state.v) - reference) / jnp.abs(reference)
+
+
+class MaxEnergyError(Reduction):
+    """Largest |E − E₀|/|E₀| over the run in percent, Xie (1996), eq. (17)."""
+
+    variables = {"max_energy_error": {"long_name": "largest relative error of the total energy", "units": "percent"}}
+    needs_energy = True
+
+    def start(self, problem, state):
+        return problem.energy(state.u, state.v), jnp.zeros(())
+
+    def update(self, carried, problem, state, t, effort):
+        reference, largest = carried
+        return reference, jnp.maximum(largest, jnp.abs(problem.energy(state.u, state.v) - reference))
+
+    def result(self, carried, problem, state):
+        reference, largest = carried
+        return {"max_energy_error": 100 * largest / jnp.abs(reference)}
+
+
+class MeanEnergyError(Reduction):
+    """Mean of (E − E₀)/|E₀| over all steps of the run in percent.
+
+    The oscillation of the energy about the orbit cancels in it, and a drift does not: one that is linear in time shows
+    by a half, a random walk by 1/√3 of its size at the end. The sum is compensated.
+    """
+
+    variables = {
+        "mean_energy_error": {"long_name": "mean signed relative error of the total energy", "units": "percent"}
+    }
+    needs_energy = True
+
+    def start(self, problem, state):
+        return problem.energy(state.u, state.v), jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())
+
+    def update(self, carried, problem, state, t, effort):
+        reference, steps, total, lost = carried
+        total, lost = compensated_sum(total, problem.energy(state.u, state.v) - reference, lost)
+        return reference, steps + 1, total, lost
+
+    def result(self, carried, problem, state):
+        reference, steps, total, _ = carried
+        return {"mean_energy_error": 100 * total / (steps.astype(float) * jnp.abs(reference))}
+
+
+class EnergyDrift(Reduction):
+    """Signed relative error of the energy at the end of the run in percent."""
+
+    variables = {
+        "energy_drift": {"long_name": "signed relative error of the total energy at the end", "units": "percent"}
+    }
+    needs_energy = True
+
+    def start(self, problem, state):
+        return state
+
+    def update(self, carried, problem, state, t, effort):
+        return carried
+
+    def result(self, carried, problem, state):
+        return {"energy_drift": relative_energy_error(problem, carried, state)}
+
+
+class EnergyBalance(Reduction):
+    """What kinetic and potential energy, dissipation and the work of the load leave open: the drift of a scheme.
+
+    Over a step the damping force C u̇ and the load f do the work of their mean at both ends on the way between,
+    ΔD = ½ (u₁ − u₀)ᵀ C (u̇₀ + u̇₁) and ΔW = ½ (u₁ − u₀)ᵀ (f₀ + f₁), of second order, and for the trapezoidal rule on a
+    linear structure exactly. The error is the largest |E + D − W − E₀| over what was put in, |E₀| and the largest |W|;
+    zero where nothing was put in and nothing came of it.
+
+    References
+    ----------
+    T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua and structures, Wiley, 2000,
+    section 6.2.3.
+    """
+
+    variables = {
+        "max_energy_imbalance": {
+            "long_name": "largest error of the balance of energies, dissipation and work",
+            "units": "percent",
+        },
+        "dissipated_energy": {"long_name": "energy dissipated by the damping", "units": "1"},
+        "work_of_load": {"long_name": "work done by the load", "units": "1"},
+    }
+    needs_energy = True
+
+    def start(self, problem, state):
+        energy, zero = problem.energy(state.u, state.v), jnp.zeros(())
+        return (state.u, state.v, load(problem, 0.0)), energy, (zero, zero), (zero, zero)
+
+    def update(self, carried, problem, state, t, effort):
+        (u, v, f), at_start, (dissipated, work), (imbalance, most_work) = carried
+        way, now = state.u - u, load(problem, t)
+        if problem.damping is not None:
+            dissipated += jnp.vdot(way, times(problem.damping, v + state.v)) / 2
+        if problem.load is not None:
+            work += jnp.vdot(way, f + now) / 2
+        handled = problem.energy(state.u, state.v) + dissipated
+        imbalance = jnp.maximum(imbalance, jnp.abs(handled - work - at_start))
+        most_work = jnp.maximum(most_work, jnp.abs(work))
+        return (state.u, state.v, now), at_start, (dissipated, work), (imbalance, most_work)
+
+    def result(self, carried, problem, state):
+        _, at_start, (dissipated, work), (imbalance, most_work) = carried
+        error = jnp.where(imbalance == 0, 0.0, 100 * imbalance / (jnp.abs(at_start) + most_work))
+        return dict(zip(self.variables, (error, dissipated, work), strict=True))
+
+
+class EnergyError(Record):
+    """Signed relative error of the energy along time in percent."""
+
+    variables = {"energy_error": {"long_name": "signed relative error of the total energy", "units": "percent"}}
+    needs_energy = True
+
+    def sample(self, problem, initial, state):
+        return {"energy_error": relative_energy_error(problem, initial, state)}

@@ -1,0 +1,27 @@
+"""What a run may be asked for. Each observer is small and streams: it keeps no trajectory unless it is one."""
+
+from study.observer.base import Observer
+from study.observer.crossings import Oscillations
+from study.observer.effort import NewtonIterations
+from study.observer.energy import EnergyBalance, EnergyDrift, EnergyError, MaxEnergyError, MeanEnergyError
+from study.observer.lyapunov import LyapunovExponent
+from study.observer.momentum import MomentumErrors
+from study.observer.motion import Trajectory
+from study.registry import Registry
+
+#: Every observer that can be called by name.
+observers: Registry[Observer] = Registry(
+    "observer",
+    {
+        "trajectory": Trajectory(),
+        "energy_error": EnergyError(),
+        "max_energy_error": MaxEnergyError(),
+        "mean_energy_error": MeanEnergyError(),
+        "energy_drift": EnergyDrift(),
+        "energy_balance": EnergyBalance(),
+        "momentum_errors": MomentumErrors(),
+        "oscillations": Oscillations(),
+        "newton_iterations": NewtonIterations(),
+        "lyapunov_exponent": LyapunovExponent(),
+    },
+)

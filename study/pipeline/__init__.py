@@ -1,0 +1,1 @@
+"""What connects experiments to files: options, products, commands, configuration."""

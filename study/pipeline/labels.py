@@ -1,0 +1,57 @@
+"""Coordinates that the experiments share: problems and schemes by name, with what there is to know of them."""
+
+from collections.abc import Iterable, Sequence
+
+from study import datasets
+from study.problem.named import printed_periods, problems
+from study.scheme.named import schemes
+
+
+def problem_coordinates(names: Sequence[str]) -> dict:
+    """The names of problems along ``problem``, with titles."""
+    return {
+        "problem": ("problem", list(names), {"long_name": "problem"}),
+        "problem_title": ("problem", [problems[name].title for name in names], {"long_name": "title of the problem"}),
+    }
+
+
+def scheme_coordinates(names: Sequence[str]) -> dict:
+    """The names of schemes along ``scheme``, with title, family, order, kind, forces and source."""
+    chosen = [schemes[name] for name in names]
+    return {
+        "scheme": ("scheme", list(names), {"long_name": "time integration scheme"}),
+        "scheme_title": ("scheme", [s.title for s in chosen], {"long_name": "title of the scheme"}),
+        "family": ("scheme", [s.family for s in chosen], {"long_name": "family of the scheme"}),
+        "order": ("scheme", [s.order for s in chosen], {"long_name": "order of accuracy", "units": "1"}),
+        "damped_order": (
+            "scheme",
+            [s.damped_order for s in chosen],
+            {"long_name": "order of accuracy with damping or a load", "units": "1"},
+        ),
+        "explicit": ("scheme", [int(s.explicit) for s in chosen], {"long_name": "1 where explicit", "units": "1"}),
+        "evaluations": (
+            "scheme",
+            [s.evaluations for s in chosen],
+            {"long_name": "forces that a step evaluates beside those of Newton's iterations", "units": "1"},
+        ),
+        "evaluations_per_iteration": (
+            "scheme",
+            [0 if s.explicit else s.evaluations_per_iteration for s in chosen],
+            {"long_name": "forces that one Newton iteration evaluates", "units": "1"},
+        ),
+        "scheme_source": ("scheme", [s.source for s in chosen], {"long_name": "source of the scheme"}),
+        "doi": ("scheme", [s.doi for s in chosen], {"long_name": "digital object identifier of the source"}),
+    }
+
+
+def steps_per_period_coordinate(values: Iterable[float]) -> dict:
+    """Steps per period along ``steps_per_period``."""
+    attributes = {"long_name": "steps per period", "units": "1"}
+    return {"steps_per_period": ("steps_per_period", list(values), attributes)}
+
+
+def periods(problem: str) -> dict[str, float]:
+    """The period that the paper prints and the exact one, from the reference's dataset."""
+    problems[problem]  # an unknown name is told as such, not as a dataset that is missing
+    exact = datasets.open(f"reference/{problem}").period.item()
+    return {"printed": printed_periods[problem], "exact": exact}

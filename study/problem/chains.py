@@ -1,0 +1,109 @@
+"""Chains of masses: Fermi, Pasta and Ulam's, Toda's, and a bar under impact."""
+
+import jax.numpy as jnp
+import numpy as np
+
+from study.algebra.matrices import shifted
+from study.problem.definition import Problem, StrainEnergy
+from study.problem.entry import named
+from study.problem.loads import Pulse
+
+#: ω of the stiff springs of the chain.
+FPU_FREQUENCY = 50.0
+
+
+@named(time_scale=2 * np.pi)  # of the soft springs, about
+def fpu_chain() -> Problem:
+    """The chain of Fermi, Pasta and Ulam with stiff linear and soft non-linear springs in turn.
+
+    V = ω²/2 Σ x₁ᵢ² + ¼ [(x₀₁ − x₁₁)⁴ + Σ (x₀,ᵢ₊₁ − x₁,ᵢ₊₁ − x₀ᵢ − x₁ᵢ)⁴ + (x₀₃ + x₁₃)⁴],    i = 1, 2, 3
+
+    u = (x₀₁, x₀₂, x₀₃, x₁₁, x₁₂, x₁₃), of which x₁ᵢ are elongations of the stiff springs, ω = 50. Starts with
+    x₀₁ = 1, ẋ₀₁ = 1, x₁₁ = 1/ω, ẋ₁₁ = 1 and zero elsewhere. The stiff springs exchange their oscillatory energies
+    Iᵢ = (ẋ₁ᵢ² + ω² x₁ᵢ²)/2 over times of order ω, while the sum I of them is nearly constant over very long ones.
+
+    References
+    ----------
+    E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, sections I.5.1 and XIII.
+    """
+
+    def strains(u):
+        slow, stiff = u[:3], u[3:]
+        links = slow[1:] - stiff[1:] - slow[:-1] - stiff[:-1]
+        return jnp.concatenate([stiff, (slow[0] - stiff[0])[None], links, (slow[2] + stiff[2])[None]])
+
+    def density(e):
+        return jnp.concatenate([FPU_FREQUENCY**2 * e[:3] ** 2 / 2, e[3:] ** 4 / 4])
+
+    return Problem(
+        potential=StrainEnergy(strains, density),
+        u0=[1.0, 0.0, 0.0, 1 / FPU_FREQUENCY, 0.0, 0.0],
+        v0=[1.0, 0.0, 0.0, 1.0, 0.0, 0.0],
+        title="Fermi-Pasta-Ulam chain",
+    )
+
+
+def oscillatory_energy(spring: int, u, v):
+    """Iᵢ of the stiff spring i = 0, 1, 2 of :func:`fpu_chain`."""
+    return (v[3 + spring] ** 2 + FPU_FREQUENCY**2 * u[3 + spring] ** 2) / 2
+
+
+def toda_soliton(n: int, t: float, kappa: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement and velocity (n,) of a soliton in an endless Toda chain that is at mass n/4 at t = 0.
+
+    q_j = ln cosh(x − κ) − ln cosh x,    x = κ (j − n/4) − t sinh κ
+    """
+    x = kappa * (np.arange(1, n + 1) - n / 4) - t * np.sinh(kappa)
+
+    def log_cosh(y):
+        return np.logaddexp(y, -y) - np.log(2)
+
+    return log_cosh(x - kappa) - log_cosh(x), np.sinh(kappa) * (np.tanh(x) - np.tanh(x - kappa))
+
+
+@named(time_scale=np.pi)  # the shortest period of a linear chain
+def toda_chain(n: int = 200) -> Problem:
+    """Toda's chain with fixed ends and a soliton in it: V = Σ exp(−r_j) + r_j − 1 of the elongations r_j, n masses.
+
+    The soliton of :func:`toda_soliton` with κ = 1 keeps its form until it comes to the end.
+
+    References
+    ----------
+    M. Toda, Vibration of a chain with nonlinear interaction, J. Phys. Soc. Jpn. 22, 1967, 431-436.
+    """
+    kappa = 1.0
+    u0, v0 = toda_soliton(n, 0.0, kappa)
+
+    def strains(u):
+        return jnp.pad(u, (0, 1), constant_values=-kappa) - jnp.pad(u, (1, 0), constant_values=kappa)
+
+    energy = StrainEnergy(strains, lambda r: jnp.expm1(-r) + r)
+    return Problem(potential=energy, u0=u0, v0=v0, tangent="tridiagonal", title="Toda chain")
+
+
+@named(time_scale=1.0)  # a wave crosses the bar
+def impact_bar(n: int = 200) -> Problem:
+    """An elastic bar of n finite elements that hardens, fixed at one end and struck at the other by half a sine.
+
+    V = Σ h (ε²/2 + κ ε⁴/4),    ε = Δu/h,    h = 1/n,    κ = 10
+
+    Young's modulus, density, length and cross section are one, so that slow waves cross it in unit time and large ones
+    steepen; the mass is lumped. The pulse has the amplitude ½ and takes a time of 0.2.
+
+    References
+    ----------
+    T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua and structures, Wiley, 2000, ch. 2.
+    """
+    h, hardening = 1 / n, 10.0
+
+    def strains(u):
+        return (shifted(u, 1) - u) / h
+
+    energy = StrainEnergy(strains, lambda e: h * (e * e / 2 + hardening * e**4 / 4))
+    mass = np.full(n, h)
+    mass[0] = h / 2
+    pulse = Pulse(n, amplitude=0.5, duration=0.2)
+    zero = np.zeros(n)
+    return Problem(
+        potential=energy, u0=zero, v0=zero, mass=mass, load=pulse, tangent="tridiagonal", title="bar under impact"
+    )

@@ -1,0 +1,23 @@
+"""Every problem that can be called by name.
+
+A problem is named by a variable of a module of this package: ``pendulum``, a function under
+:func:`study.problem.entry.named` in ``oscillators.py``, makes ``study.problems["pendulum"]``.
+"""
+
+from study import problem
+from study.problem.definition import Problem
+from study.problem.entry import NamedProblem
+from study.registry import Registry, variables_of_modules
+
+_ENTRIES = variables_of_modules(
+    problem, NamedProblem, first=("hardening", "softening", "softening_large", "double_well")
+)
+
+#: Made and checked when they are first asked for.
+problems: Registry[Problem] = Registry("problem", {}, made_by=_ENTRIES)
+
+#: Time by which the steps of each structure are counted.
+time_scales = {name: entry.time_scale for name, entry in _ENTRIES.items() if entry.time_scale is not None}
+
+#: Periods that Xie (1996) prints (sections 3.1, 3.2 and 4).
+printed_periods = {name: entry.printed_period for name, entry in _ENTRIES.items() if entry.printed_period is not None}

@@ -1,0 +1,83 @@
+"""The springs of Xie (1996)."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from study.problem.definition import Problem
+from study.problem.entry import named
+
+
+class CubicSpring(eqx.Module):
+    """p(u) = S1 u (1 + S2 u²), the Duffing spring of Xie (1996), eqs (2) and (4)."""
+
+    # NumPy's numbers are arguments of what is compiled, Python's are constants in it: so two springs share a program
+    S1: float = eqx.field(converter=np.float64)
+    S2: float = eqx.field(converter=np.float64)
+
+    def force(self, u):
+        """S1 u (1 + S2 u²)."""
+        return self.S1 * u * (1 + self.S2 * u * u)
+
+    def potential(self, u):
+        """½ S1 u² + ¼ S1 S2 u⁴."""
+        return 0.5 * self.S1 * u * u * (1 + 0.5 * self.S2 * u * u)
+
+
+def _log_cosh(u):
+    """Logarithm of cosh u, |u| − ln(1 + t) with t = tanh |u|, which no u overflows.
+
+    That of 1 + t is 2 artanh s = 2 (s + s³/3 + s⁵/5 + ...) with s = t/(2 + t) ≤ 1/3. So many terms leave nothing but
+    round-off, and take a seventh of the time of the compiler's own logarithm, by far the dearest part of a step.
+    """
+    t = jnp.abs(jnp.tanh(u))
+    s = t / (2 + t)
+    # in s⁴, every other term for itself: a run waits for a chain of half the length
+    z = s * s
+    even = odd = 0.0
+    for n in range(29, 0, -4):
+        even, odd = even * (z * z) + 1 / n, odd * (z * z) + 1 / (n + 2)
+    return jnp.abs(u) - 2 * s * (even + z * odd)
+
+
+class TanhSpring(eqx.Module):
+    """p(u) = S tanh u, the softening spring of Xie (1996), eqs (3) and (5)."""
+
+    S: float = eqx.field(converter=np.float64)
+
+    def force(self, u):
+        """S tanh u."""
+        return self.S * jnp.tanh(u)
+
+    def potential(self, u):
+        """S ln cosh u."""
+        return self.S * _log_cosh(u)
+
+
+def _of_spring(spring: CubicSpring | TanhSpring, u0: float, title: str) -> Problem:
+    """The free oscillation of a unit mass on the spring, released from rest at ``u0``."""
+    return Problem(force=spring.force, potential=spring.potential, u0=u0, title=title)
+
+
+@named(printed_period=0.15)
+def hardening() -> Problem:
+    """Hardening spring, section 3.1: S1 = 100, S2 = 10, u₀ = 1.5."""
+    return _of_spring(CubicSpring(100.0, 10.0), u0=1.5, title="hardening spring")
+
+
+@named(printed_period=1.14)
+def softening() -> Problem:
+    """Softening spring, section 3.2: S = 100, u₀ = 4."""
+    return _of_spring(TanhSpring(100.0), u0=4.0, title="softening spring")
+
+
+@named(printed_period=1.8)
+def softening_large() -> Problem:
+    """The softening spring at the amplitude of section 4: u₀ = 10."""
+    return _of_spring(TanhSpring(100.0), u0=10.0, title="softening spring, large amplitude")
+
+
+@named(printed_period=7.3)
+def double_well() -> Problem:
+    """Double well, section 4: S1 = −½, S2 = −1, u₀ = 0.5."""
+    return _of_spring(CubicSpring(-0.5, -1.0), u0=0.5, title="double well")

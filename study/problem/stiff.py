@@ -1,0 +1,68 @@
+"""Systems of two unknowns with a stiff mode."""
+
+import jax.numpy as jnp
+import numpy as np
+
+from study.problem.definition import Problem, StrainEnergy
+from study.problem.entry import named
+from study.problem.loads import HarmonicLoad
+
+#: Period of the motion of the support.
+SUPPORT_PERIOD = 2 * np.pi / 1.2
+
+
+@named(time_scale=SUPPORT_PERIOD)
+def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "stiff and soft springs") -> Problem:
+    """Two masses behind a support that moves, the first held by a stiff spring, the second by a soft one.
+
+    ü₂ + k₁ (u₂ − u₁) − k₂ (u₃ − u₂) = 0,    ü₃ + k₂ (u₃ − u₂) = 0,    u₁ = sin 1.2t,    u = (u₂, u₃) from rest
+
+    with k₁ = 10⁷ and k₂ = 1. The support has no mass; what it is moved by enters as the load k₁ u₁. The first mass
+    follows the support, and its spring's own mode, of period 0.002, is what a structure has in its rigid links.
+
+    References
+    ----------
+    K. J. Bathe, G. Noh, Insight into an implicit time integration scheme for structural dynamics, Comput. Struct.
+    98-99, 2012, 1-6.
+    """
+    stiffness = 1e7
+    energy = StrainEnergy(
+        strains=lambda u: jnp.stack([u[0], u[1] - u[0]]),
+        density=lambda e: jnp.stack([stiffness * e[0] ** 2 / 2, soft_energy(e[1])]),
+    )
+    load = HarmonicLoad(np.array([stiffness, 0.0]), frequency=1.2, phase=np.pi / 2)
+    return Problem(potential=energy, u0=np.zeros(2), v0=np.zeros(2), load=load, title=title)
+
+
+@named(time_scale=SUPPORT_PERIOD)
+def stiff_soft_sine() -> Problem:
+    """The system of :func:`stiff_soft` with the soft spring k₂ sin δ, δ = u₃ − u₂."""
+    return stiff_soft(lambda stretch: 1 - jnp.cos(stretch), title="stiff and sine springs")
+
+
+@named(time_scale=2 * np.pi * 3.0443 / 7.72)  # one turn
+def elastic_pendulum() -> Problem:
+    """A mass that circles about a point on a stiff elastic bar.
+
+    V = EA/(8 L³) (x² + y² − L²)²,    u = (x, y) from (L, 0) with the velocity (0, v₀)
+
+    L = 3.0443, m = 10, EA = 10¹⁰, v₀ = 7.72: a turn takes 2.48, the bar's own mode 3.5e-4.
+
+    References
+    ----------
+    D. Kuhl, M. A. Crisfield, Energy-conserving and decaying algorithms in non-linear structural dynamics, Int. J.
+    Numer. Methods Eng. 45, 1999, 569-599.
+    """
+    length, mass, rigidity = 3.0443, 10.0, 1e10
+    energy = StrainEnergy(
+        strains=lambda u: (jnp.vdot(u, u) - length**2)[None],
+        density=lambda e: rigidity / (8 * length**3) * e**2,
+    )
+    return Problem(
+        potential=energy,
+        u0=[length, 0.0],
+        v0=[0.0, 7.72],
+        mass=mass,
+        positions=np.zeros((1, 2)),
+        title="elastic pendulum",
+    )

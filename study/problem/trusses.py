@@ -1,0 +1,88 @@
+"""Plane trusses."""
+
+import jax.numpy as jnp
+import numpy as np
+
+from study.problem.definition import Problem, Rayleigh, StrainEnergy
+from study.problem.entry import named
+
+
+def _mesh(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
+    """Joints (joints, 2) of a mesh of unit cells, numbered along the short side, and bars (bars, 2)."""
+    x, y = np.meshgrid(np.arange(columns + 1.0), np.arange(rows + 1.0), indexing="ij")
+    number = np.arange(x.size).reshape(x.shape)
+    pairs = [
+        (number[:-1], number[1:]),
+        (number[:, :-1], number[:, 1:]),
+        (number[:-1, :-1], number[1:, 1:]),
+        (number[:-1, 1:], number[1:, :-1]),
+    ]
+    return np.stack([x.ravel(), y.ravel()], 1), np.concatenate([np.stack([a.ravel(), b.ravel()], 1) for a, b in pairs])
+
+
+def _bars(joints: np.ndarray, bars: np.ndarray, rigidity: float, free: np.ndarray) -> StrainEnergy:
+    """Energy EA L/2 ε² of every bar with Green's strain ε = (l² − L²)/(2L²), of the free joints' displacements."""
+    first, second = bars.T
+    edges = joints[second] - joints[first]
+    squared = (edges**2).sum(axis=1)
+
+    def strains(u):
+        moved = jnp.zeros(joints.shape).at[free].set(u.reshape(-1, 2))
+        change = moved[second] - moved[first]
+        # (l² − L²) without the difference of large numbers
+        return jnp.sum(change * (2 * edges + change), axis=1) / (2 * squared)
+
+    return StrainEnergy(strains, lambda e: rigidity * np.sqrt(squared) / 2 * e * e)
+
+
+#: Cells of the trusses along and across.
+TRUSS = (24, 5)
+
+
+@named(time_scale=2 * np.pi)  # one turn
+def spinning_truss() -> Problem:
+    """A truss of 24 by 5 cells that spins freely in its plane: 150 joints, 509 bars, 300 unknowns.
+
+    Unit cells with both diagonals, unit mass at every joint, EA = 10⁴ of every bar with Green's strain, assembled from
+    the energies of the bars by automatic differentiation. Starts undeformed with the velocity of a rigid rotation by
+    one radian in unit time. Energy, linear and angular momentum are conserved.
+
+    References
+    ----------
+    J. C. Simo, N. Tarnow, K. K. Wong, Exact energy-momentum conserving algorithms and symplectic schemes for nonlinear
+    dynamics, Comput. Methods Appl. Mech. Eng. 100, 1992, 63-116 (the method and its test by a body that spins).
+    """
+    joints, bars = _mesh(*TRUSS)
+    joints = joints - joints.mean(axis=0)
+    velocity = np.stack([-joints[:, 1], joints[:, 0]], 1)
+    return Problem(
+        potential=_bars(joints, bars, 1e4, np.arange(len(joints))),
+        u0=np.zeros(joints.size),
+        v0=velocity.ravel(),
+        tangent=2 * (TRUSS[1] + 2) + 1,
+        positions=joints,
+        title="spinning truss",
+    )
+
+
+@named(time_scale=1.0)  # of its first mode, about
+def cantilever_truss() -> Problem:
+    """The truss of :func:`spinning_truss` clamped at one end, with a load across the other that stays, and damping.
+
+    288 unknowns. Rayleigh damping C = 0.02 M + 0.0005 K; a load of 0.5 at every joint of the free end, from rest.
+    """
+    joints, bars = _mesh(*TRUSS)
+    free = np.flatnonzero(joints[:, 0] > 0)
+    load = np.zeros((len(free), 2))
+    load[joints[free, 0] == TRUSS[0], 1] = -0.5
+    flat = load.ravel()
+    zero = np.zeros(2 * len(free))
+    return Problem(
+        potential=_bars(joints, bars, 1e4, free),
+        u0=zero,
+        v0=zero,
+        damping=Rayleigh(0.02, 0.0005),
+        load=lambda t: jnp.asarray(flat),
+        tangent=2 * (TRUSS[1] + 2) + 1,
+        title="cantilever truss",
+    )

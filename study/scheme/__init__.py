@@ -1,0 +1,1 @@
+"""The time integration schemes, a file for each family."""

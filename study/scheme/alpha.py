@@ -1,0 +1,177 @@
+"""The α-methods: that of Hilber, Hughes and Taylor in the form of 1996, and the generalized-α family."""
+
+from typing import ClassVar
+
+import equinox as eqx
+
+from study.equilibrium.balance import balance, load
+from study.equilibrium.state import Motion
+from study.scheme.base import OneStep, check_range, check_ranges, start_in_balance
+
+
+class HHTAlpha(OneStep):
+    """The α-method as Xie (1996), eq. (12), has it: two internal forces are weighted.
+
+    M ü₁ + C u̇₁ + (1 + α) p(u₁) − α p(u₀) = f(t₁), with Newmark's u₁ and u̇₁.
+
+    Finite element codes commonly evaluate one force at the weighted displacement instead, p((1 + α) u₁ − α u₀), and
+    weight damping and load alike (:class:`GeneralizedAlpha`); for a linear spring the internal forces agree, for a
+    non-linear one they differ.
+
+    Second order without damping and load for γ = ½ − α, and then unconditionally stable for linear systems if
+    β = (1 − α)²/4 and −⅓ ≤ α ≤ 0. With damping or a load of first order. α = 0 is Newmark's method. Carries u, u̇ and
+    ü; one force a Newton iteration and one a step.
+
+    Parameters
+    ----------
+    alpha
+        −⅓ ≤ α ≤ 0.
+    beta, gamma
+        0 ≤ β ≤ ½, 0 ≤ γ ≤ 1.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range.
+
+    References
+    ----------
+    H. M. Hilber, T. J. R. Hughes, R. L. Taylor, Improved numerical dissipation for time integration algorithms in
+    structural dynamics, Earthquake Eng. Struct. Dyn. 5, 1977, 283-292.
+    """
+
+    alpha: float
+    beta: float
+    gamma: float
+    title: str = eqx.field(default="α-method", kw_only=True, static=True)
+
+    family: ClassVar[str] = "α-methods"
+    source: ClassVar[str] = "Hilber et al. (1977)"
+    doi: ClassVar[str] = "10.1002/eqe.4290050306"
+    explicit = False
+    evaluations = 1
+
+    def __check_init__(self):
+        check_ranges(self, alpha=(-1 / 3, 0.0), beta=(0.0, 0.5), gamma=(0.0, 1.0))
+
+    @property
+    def order(self) -> int:
+        return 2 if abs(self.gamma - (0.5 - self.alpha)) < 1e-12 else 1
+
+    @property
+    def damped_order(self) -> int:
+        # eq. (12) weights neither damping nor load
+        return self.order if self.alpha == 0 else 1
+
+    start = start_in_balance
+
+    def increment(self, problem, state, t, dt):
+        u, v, a = state
+        c_u, c_v = self.beta * dt**2, self.gamma * dt
+        du = dt * v + dt**2 * (0.5 - self.beta) * a
+        dv = dt * (1 - self.gamma) * a
+        rhs = load(problem, t + dt) + self.alpha * problem.force(u)
+        a, effort = balance(problem, rhs, u + du, v + dv, c_u, c_v, guess=a, weight=1 + self.alpha)
+        return Motion(du + c_u * a, dv + c_v * a, a), effort
+
+
+class GeneralizedAlpha(OneStep):
+    """The generalized-α method of Chung and Hulbert, of which HHT-α and WBZ-α are members.
+
+    M ü_m + C u̇_f + p(u_f) = f(t_f),    t_f = t₀ + (1 − α_f) Δt
+    x_f = (1 − α_f) x₁ + α_f x₀ for u and u̇,    ü_m = (1 − α_m) ü₁ + α_m ü₀,    u₁ and u̇₁ by Newmark's formulas
+
+    The internal force is evaluated once, at the weighted displacement, as finite element codes do. Second order for
+    γ = ½ − α_m + α_f. With β = (1 − α_m + α_f)²/4 and α_m ≤ α_f ≤ ½ unconditionally stable for linear systems, with a
+    spectral radius that falls to ρ∞ as ωΔt grows. Carries u, u̇ and the algorithmic ü; one force a Newton iteration.
+
+    Parameters
+    ----------
+    alpha_m, alpha_f
+        −1 ≤ α_m ≤ ½, 0 ≤ α_f ≤ ½.
+    beta, gamma
+        0 ≤ β ≤ 1, 0 ≤ γ ≤ 3/2.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range.
+
+    References
+    ----------
+    J. Chung, G. M. Hulbert, A time integration algorithm for structural dynamics with improved numerical dissipation:
+    the generalized-α method, J. Appl. Mech. 60, 1993, 371-375.
+    W. L. Wood, M. Bossak, O. C. Zienkiewicz, An alpha modification of Newmark's method, Int. J. Numer. Methods Eng. 15,
+    1980, 1562-1566.
+    """
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+    title: str = eqx.field(default="Generalized-α", kw_only=True, static=True)
+    source: str = eqx.field(default="Chung and Hulbert (1993)", kw_only=True, static=True)
+    doi: str = eqx.field(default="10.1115/1.2900803", kw_only=True, static=True)
+
+    family: ClassVar[str] = "α-methods"
+    explicit = False
+
+    def __check_init__(self):
+        check_ranges(self, alpha_m=(-1.0, 0.5), alpha_f=(0.0, 0.5), beta=(0.0, 1.0), gamma=(0.0, 1.5))
+
+    @classmethod
+    def optimal(cls, alpha_m: float, alpha_f: float, **labels: str) -> "GeneralizedAlpha":
+        """The method of second order that damps low frequencies least, for its two weights."""
+        shift = 0.5 - alpha_m + alpha_f
+        return cls(alpha_m, alpha_f, beta=(0.5 + shift) ** 2 / 4, gamma=shift, **labels)
+
+    @classmethod
+    def chung_hulbert(cls, rho_inf: float) -> "GeneralizedAlpha":
+        """The generalized-α method by its spectral radius ρ∞ at infinite frequency, 0 ≤ ρ∞ ≤ 1."""
+        check_range("GeneralizedAlpha.chung_hulbert", "rho_inf", rho_inf, 0.0, 1.0)
+        return cls.optimal((2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1))
+
+    @classmethod
+    def hht(cls, rho_inf: float) -> "GeneralizedAlpha":
+        """HHT-α (α_m = 0) by its spectral radius ρ∞ at infinite frequency, ½ ≤ ρ∞ ≤ 1; its α is −α_f."""
+        check_range("GeneralizedAlpha.hht", "rho_inf", rho_inf, 0.5, 1.0)
+        labels = {"title": "HHT-α, one force", "source": HHTAlpha.source, "doi": HHTAlpha.doi}
+        return cls.optimal(0.0, (1 - rho_inf) / (1 + rho_inf), **labels)
+
+    @classmethod
+    def wbz(cls, rho_inf: float) -> "GeneralizedAlpha":
+        """WBZ-α (α_f = 0) by its spectral radius ρ∞ at infinite frequency, 0 ≤ ρ∞ ≤ 1."""
+        check_range("GeneralizedAlpha.wbz", "rho_inf", rho_inf, 0.0, 1.0)
+        labels = {"title": "WBZ-α", "source": "Wood et al. (1980)", "doi": "10.1002/nme.1620151011"}
+        return cls.optimal((rho_inf - 1) / (rho_inf + 1), 0.0, **labels)
+
+    @property
+    def order(self) -> int:
+        return 2 if abs(self.gamma - (0.5 - self.alpha_m + self.alpha_f)) < 1e-12 else 1
+
+    start = start_in_balance
+
+    def increment(self, problem, state, t, dt):
+        u, v, a = state
+        part = 1 - self.alpha_f
+        # what ü_m adds to ü₁, and through it to u_f and u̇_f
+        c_a = 1 / (1 - self.alpha_m)
+        c_u, c_v = part * self.beta * dt**2 * c_a, part * self.gamma * dt * c_a
+        du = dt * v + dt**2 * (0.5 - self.beta * c_a) * a
+        dv = dt * (1 - self.gamma * c_a) * a
+        rhs = load(problem, t + part * dt)
+        a_m, effort = balance(problem, rhs, u + part * du, v + part * dv, c_u, c_v, guess=a)
+        a_new = c_a * (a_m - self.alpha_m * a)
+        return Motion(du + self.beta * dt**2 * c_a * a_m, dv + self.gamma * dt * c_a * a_m, a_new), effort
+
+
+hht_alpha = HHTAlpha(alpha=-0.1, beta=0.3025, gamma=0.6)
+
+
+hht_alpha_one_force = GeneralizedAlpha.hht(rho_inf=0.9 / 1.1)
+
+
+wbz_alpha = GeneralizedAlpha.wbz(rho_inf=0.8)
+
+
+generalized_alpha = GeneralizedAlpha.chung_hulbert(rho_inf=0.8)

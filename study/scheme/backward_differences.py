@@ -1,0 +1,97 @@
+"""Backward differences of displacement and velocity: BDF2 and Park's method."""
+
+from typing import ClassVar, NamedTuple
+
+import equinox as eqx
+import jax
+
+from study.equilibrium.balance import balance, load
+from study.equilibrium.state import Effort, Motion
+from study.scheme.base import Scheme, as_tuple, check_numbers
+from study.scheme.newmark import average_acceleration
+
+
+class Memory(NamedTuple):
+    """Motion at tₙ, and the displacements and velocities at tₙ₋₁, tₙ₋₂, ..., each of shape () or (n,)."""
+
+    u: jax.Array
+    v: jax.Array
+    a: jax.Array
+    older: tuple[tuple[jax.Array, jax.Array], ...]
+
+
+class BackwardDifferences(Scheme):
+    """Backward differences on the first-order form, with the weights d of y₁, y₀, y₋₁, ...
+
+    Δt ẏ₁ = d₀ y₁ + d₁ y₀ + d₂ y₋₁ + ...    for y = u and for y = u̇
+    M ü₁ + C u̇₁ + p(u₁) = f(t₁)
+
+    BDF2 is d = (3/2, −2, 1/2). Park's method, d = (10, −15, 6, −1)/6, is the mean of BDF2 and BDF3. Both are of second
+    order and unconditionally stable for linear systems with ρ∞ = 0. What lies before the start is found by average
+    acceleration backwards. Carries u, u̇ and ü and one (BDF2) or two (Park) older u and u̇; one force a Newton iteration.
+
+    Parameters
+    ----------
+    weights
+        d₀ > 0, d₁, ..., exact for a constant and a straight line.
+
+    Raises
+    ------
+    ValueError
+        If the weights are none of a derivative.
+
+    References
+    ----------
+    K. C. Park, An improved stiffly stable method for direct integration of nonlinear structural dynamic equations,
+    J. Appl. Mech. 42, 1975, 464-470.
+    C. W. Gear, Numerical initial value problems in ordinary differential equations, Prentice-Hall, 1971.
+    """
+
+    weights: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
+    title: str = eqx.field(default="Backward differences", kw_only=True, static=True)
+    source: str = eqx.field(default="Gear (1971)", kw_only=True, static=True)
+    doi: str = eqx.field(default="", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Multi-step and composite"
+    explicit = False
+
+    def __check_init__(self):
+        check_numbers("BackwardDifferences", "weights", self.weights)
+        if self.weights[0] <= 0 or abs(sum(self.weights)) > 1e-12 or self.order < 1:
+            raise ValueError(
+                f"BackwardDifferences(weights={self.weights}): weights must be those of a derivative, the first "
+                "greater than zero: add up to zero, and be exact for a straight line."
+            )
+
+    @property
+    def order(self) -> int:
+        def moment(power):
+            return sum(d * (1 - k) ** power for k, d in enumerate(self.weights))
+
+        # exact for powers of t up to the order, at t = 1 where ẏ = power
+        return next(p for p in range(len(self.weights) + 1) if abs(moment(p + 1) - (p + 1)) > 1e-12)
+
+    def start(self, problem, u0, v0, dt):
+        now, effort = average_acceleration.start(problem, u0, v0, dt)
+        before, older = now, []
+        for k in range(len(self.weights) - 2):
+            before, more = average_acceleration.step(problem, before, -k * dt, -dt)
+            older.append((before.u, before.v))
+            effort = effort.then(more)
+        return Memory(*now, tuple(older)), effort
+
+    def step(self, problem, state, t, dt) -> tuple[Memory, Effort]:
+        d, *rest = self.weights
+        past = ((state.u, state.v), *state.older)
+        # each derivative is worth Δt/d₀ of the new value
+        c = dt / d
+        v = -sum(w * v for w, (_, v) in zip(rest, past, strict=True)) / d
+        u = -sum(w * u for w, (u, _) in zip(rest, past, strict=True)) / d + c * v
+        a, effort = balance(problem, load(problem, t + dt), u, v, c**2, c, guess=state.a)
+        return Memory(*Motion(u + c**2 * a, v + c * a, a), past[:-1]), effort
+
+
+bdf2 = BackwardDifferences((3 / 2, -2.0, 1 / 2), title="BDF2")
+
+
+park = BackwardDifferences((10 / 6, -15 / 6, 1.0, -1 / 6), title="Park", source="Park (1975)", doi="10.1115/1.3423600")

@@ -1,0 +1,96 @@
+"""Bathe's composite method and its relatives: the trapezoidal rule, then a difference through three points."""
+
+import math
+from typing import ClassVar
+
+import equinox as eqx
+
+from study.equilibrium.balance import balance, load
+from study.equilibrium.state import Motion
+from study.scheme.base import OneStep, check_range, check_ranges, start_in_balance
+
+
+class Bathe(OneStep):
+    """The ρ∞-Bathe method: two sub-steps, to t₀ + γΔt by the trapezoidal rule and to t₁ with all three points.
+
+    u̇_γ = u̇₀ + γΔt/2 (ü₀ + ü_γ),    u_γ = u₀ + γΔt/2 (u̇₀ + u̇_γ)
+    u̇₁ = u̇₀ + Δt (q₀ ü₀ + q₁ ü_γ + q₂ ü₁),    u₁ = u₀ + Δt (q₀ u̇₀ + q₁ u̇_γ + q₂ u̇₁)
+    q₁ = (1 + ρ∞)/(2γ(ρ∞ − 1) + 4),    q₀ = (γ − 1) q₁ + ½,    q₂ = ½ − γ q₁
+    M ü + C u̇ + p(u) = f at both points
+
+    Second order, unconditionally stable for linear systems, with the spectral radius ρ∞ at infinite frequency. ρ∞ = 0
+    with γ = ½ is Bathe's method, with γ = 2 − √2 TR-BDF2, where both sub-steps have one effective stiffness; for other
+    ρ∞ that is γ = (2 − √(2 + 2ρ∞))/(1 − ρ∞). ρ∞ = 1 with γ = ½ is the trapezoidal rule twice. Carries u, u̇ and ü; two
+    Newton iterations side by side, one force each.
+
+    Parameters
+    ----------
+    gamma
+        0.01 ≤ γ ≤ 0.99.
+    rho_inf
+        0 ≤ ρ∞ ≤ 1.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range.
+
+    References
+    ----------
+    K. J. Bathe, M. M. I. Baig, On a composite implicit time integration procedure for nonlinear dynamics, Comput.
+    Struct. 83, 2005, 2513-2524.
+    G. Noh, K. J. Bathe, The Bathe time integration method with controllable spectral radius: the ρ∞-Bathe method,
+    Comput. Struct. 212, 2019, 299-310.
+    R. E. Bank et al., Transient simulation of silicon devices and circuits, IEEE Trans. Electron Devices 32, 1985,
+    1992-2007.
+    """
+
+    gamma: float = 0.5
+    rho_inf: float = 0.0
+    title: str = eqx.field(default="Bathe", kw_only=True, static=True)
+    source: str = eqx.field(default="Bathe and Baig (2005)", kw_only=True, static=True)
+    doi: str = eqx.field(default="10.1016/j.compstruc.2005.08.001", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Multi-step and composite"
+    order = 2
+    explicit = False
+
+    def __check_init__(self):
+        check_ranges(self, gamma=(0.01, 0.99), rho_inf=(0.0, 1.0))
+
+    @classmethod
+    def of_one_stiffness(cls, rho_inf: float, **labels: str) -> "Bathe":
+        """The method with that γ for which both sub-steps have the same effective stiffness, 0 ≤ ρ∞ < 1."""
+        check_range("Bathe.of_one_stiffness", "rho_inf", rho_inf, 0.0, math.nextafter(1.0, 0.0))
+        return cls((2 - math.sqrt(2 + 2 * rho_inf)) / (1 - rho_inf), rho_inf, **labels)
+
+    start = start_in_balance
+
+    def increment(self, problem, state, t, dt):
+        u, v, a = state
+        q1 = (1 + self.rho_inf) / (2 * self.gamma * (self.rho_inf - 1) + 4)
+        q0, q2 = (self.gamma - 1) * q1 + 0.5, 0.5 - self.gamma * q1
+        h, c = self.gamma * dt / 2, q2 * dt
+        # the trapezoidal rule, and the acceleration at its end
+        v_half, u_half = v + h * a, u + 2 * h * v + h**2 * a
+        a_gamma, first = balance(problem, load(problem, t + 2 * h), u_half, v_half, h**2, h, guess=a)
+        v_gamma = v_half + h * a_gamma
+        dv = dt * (q0 * a + q1 * a_gamma)
+        du = dt * (q0 * v + q1 * v_gamma) + c * (v + dv)
+        a, second = balance(problem, load(problem, t + dt), u + du, v + dv, c**2, c, guess=a_gamma)
+        return Motion(du + c**2 * a, dv + c * a, a), first.then(second)
+
+
+_noh = {"source": "Noh and Bathe (2019)", "doi": "10.1016/j.compstruc.2018.11.001"}
+
+
+_bank = {"source": "Bank et al. (1985)", "doi": "10.1109/T-ED.1985.22232"}
+
+
+bathe = Bathe()
+
+
+rho_bathe = Bathe.of_one_stiffness(0.5, title="ρ∞-Bathe", **_noh)
+
+
+tr_bdf2 = Bathe.of_one_stiffness(0.0, title="TR-BDF2", **_bank)

@@ -1,0 +1,72 @@
+"""Compensated summation: what round-off takes from each step is given back in the next."""
+
+from typing import Any, ClassVar, NamedTuple
+
+import equinox as eqx
+import jax
+
+from study.algebra.summation import compensated_sum
+from study.equilibrium.state import Effort
+from study.scheme.base import OneStep, Wrapper
+
+
+class Summed(NamedTuple):
+    """State of the scheme itself, and what its last sums lost, each of shape () or (n,)."""
+
+    inner: Any
+    lost_u: jax.Array
+    lost_v: jax.Array
+
+    @property
+    def u(self):
+        """Displacement."""
+        return self.inner.u
+
+    @property
+    def v(self):
+        """Velocity."""
+        return self.inner.v
+
+
+class Compensated(Wrapper):
+    """Another scheme with compensated summation of displacement and velocity.
+
+    y = Δu − lost,    u₁ = u₀ + y,    lost = (u₁ − u₀) − y
+
+    Parameters
+    ----------
+    scheme
+        A scheme whose step adds to displacement and velocity: all one-step schemes of the study.
+
+    Raises
+    ------
+    TypeError
+        If it is none.
+
+    References
+    ----------
+    W. Kahan, Further remarks on reducing truncation errors, Comm. ACM 8(1), 1965, 40.
+    """
+
+    scheme: OneStep
+    title: str = eqx.field(default="Compensated", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Compensated"
+    source: ClassVar[str] = "Kahan (1965)"
+    doi: ClassVar[str] = "10.1145/363707.363723"
+
+    def __check_init__(self):
+        if not isinstance(self.scheme, OneStep):
+            raise TypeError(
+                f"Compensated takes a scheme whose step adds to u and u̇, a study.OneStep, not {self.scheme!r}."
+            )
+
+    def start(self, problem, u0, v0, dt):
+        inner, effort = self.scheme.start(problem, u0, v0, dt)
+        return Summed(inner, 0 * u0, 0 * v0), effort
+
+    def step(self, problem, state, t, dt) -> tuple[Summed, Effort]:
+        increment, effort = self.scheme.increment(problem, state.inner, t, dt)
+        u, lost_u = compensated_sum(state.u, increment.u, state.lost_u)
+        v, lost_v = compensated_sum(state.v, increment.v, state.lost_v)
+        return Summed(increment._replace(u=u, v=v), lost_u, lost_v), effort

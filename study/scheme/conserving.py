@@ -1,0 +1,208 @@
+"""Implicit methods that conserve: the midpoint rule, and two that keep the energy of any potential."""
+
+from typing import ClassVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from study.equilibrium.balance import balance, load
+from study.equilibrium.state import Motion
+from study.problem.definition import StrainEnergy
+from study.scheme.base import OneStep, start_in_balance
+
+
+class ImplicitMidpoint(OneStep):
+    """The implicit midpoint rule.
+
+    M (u̇₁ − u̇₀)/Δt + C u̇_m + p(u_m) = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2,    u_m = (u₀ + u₁)/2
+
+    Second order, symplectic, conserves linear and angular momentum. For linear systems it is the trapezoidal rule:
+    unconditionally stable without damping of its own. Carries u, u̇ and a guess; one force a Newton iteration.
+
+    References
+    ----------
+    E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, section II.1.
+    J. C. Simo, N. Tarnow, K. K. Wong, Exact energy-momentum conserving algorithms and symplectic schemes for nonlinear
+    dynamics, Comput. Methods Appl. Mech. Eng. 100, 1992, 63-116.
+    """
+
+    title: str = eqx.field(default="Implicit midpoint", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Runge-Kutta and conserving"
+    source: ClassVar[str] = "Hairer et al. (2006)"
+    doi: ClassVar[str] = "10.1007/3-540-30666-8"
+    order = 2
+    explicit = False
+
+    start = start_in_balance
+
+    def increment(self, problem, state, t, dt):
+        u, v, guess = state
+        rhs = load(problem, t + dt / 2)
+        a, effort = balance(problem, rhs, u + dt / 2 * v, v, dt**2 / 4, dt / 2, guess)
+        return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
+
+
+#: What moves by less than this part of itself takes the force at its middle: dividing the change of the energy by it
+#: would lose more digits than the middle's error of third order. It is about the third root of the round-off.
+STANDSTILL = {np.dtype("float64"): 1e-5, np.dtype("float32"): 8e-3}
+
+#: And what moves by less than this: its square is no number any more, as ahead of a wave that comes.
+SMALLEST = {np.dtype("float64"): 1e-150, np.dtype("float32"): 1e-18}
+
+
+def _of_strains(potential, u0):
+    """p̄ of a strain energy, strain by strain."""
+    strains, density = potential.strains, potential.density
+    slope = jax.grad(lambda strain: jnp.sum(density(strain)))
+    before = strains(u0)
+    energy = density(before)
+
+    def mean_force(u1):
+        after = strains(u1)
+        change = after - before
+        sizes = jnp.abs(before) + jnp.abs(after)
+        moves = jnp.abs(change) > STANDSTILL[u0.dtype] * sizes + SMALLEST[u0.dtype]
+        quotient = (density(after) - energy) / jnp.where(moves, change, 1.0)
+        stress = jnp.where(moves, quotient, slope((before + after) / 2))
+        return jax.vjp(strains, (u0 + u1) / 2)[1](stress)[0]
+
+    return mean_force
+
+
+def discrete_gradient(problem, u0):
+    """Gonzalez's mean p̄ of the internal force from u₀ to u₁, with p̄ᵀ (u₁ − u₀) = V(u₁) − V(u₀), as a function of u₁."""
+    if isinstance(problem.potential, StrainEnergy):
+        return _of_strains(problem.potential, u0)
+    energy = problem.potential(u0)
+
+    def mean_force(u1):
+        middle, change = (u0 + u1) / 2, u1 - u0
+        length = jnp.vdot(change, change)
+        moves = length > STANDSTILL[u0.dtype] ** 2 * (jnp.vdot(u0, u0) + jnp.vdot(u1, u1))
+        gain = problem.potential(u1) - energy
+        if jnp.ndim(u0) == 0:
+            # p(u_m) cancels
+            return lax.cond(moves, lambda: gain / change, lambda: problem.force(middle))
+        force = problem.force(middle)
+        missing = (gain - jnp.vdot(force, change)) / jnp.where(moves, length, 1.0)
+        return force + jnp.where(moves, missing, 0.0) * change
+
+    return mean_force
+
+
+class EnergyMomentum(OneStep):
+    """The energy-momentum method by Gonzalez's discrete gradient, the midpoint rule with a force p̄ that keeps energy.
+
+    M (u̇₁ − u̇₀)/Δt + C u̇_m + p̄(u₀, u₁) = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2
+    p̄ = (∂ε/∂u)ᵀ σ̄ at u_m,    σ̄ = (w(ε(u₁)) − w(ε(u₀)))/(ε(u₁) − ε(u₀)), strain by strain, of a strain energy
+    p̄ = p(u_m) + [V(u₁) − V(u₀) − p(u_m)ᵀ (u₁ − u₀)] (u₁ − u₀)/|u₁ − u₀|² of any other potential
+
+    Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off, and with a strain
+    energy linear and angular momentum too, which the second form keeps to third order in the step only; its tangent is
+    full. For one unknown both are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo and Tarnow for a spring. For linear
+    systems it is the trapezoidal rule, unconditionally stable. Needs the problem's potential. Carries u, u̇ and a guess;
+    one force and one potential a Newton iteration, one potential a step.
+
+    References
+    ----------
+    O. Gonzalez, Time integration and discrete Hamiltonian systems, J. Nonlinear Sci. 6, 1996, 449-467.
+    J. C. Simo, N. Tarnow, The discrete energy-momentum method: conserving algorithms for nonlinear elastodynamics,
+    Z. Angew. Math. Phys. 43, 1992, 757-792.
+    """
+
+    title: str = eqx.field(default="Energy-momentum", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Runge-Kutta and conserving"
+    source: ClassVar[str] = "Gonzalez (1996)"
+    doi: ClassVar[str] = "10.1007/BF02440162"
+    order = 2
+    explicit = False
+    evaluations = 1
+    evaluations_per_iteration = 2
+
+    def start(self, problem, u0, v0, dt):
+        if problem.potential is None:
+            raise ValueError(f"'{self.title}' needs the potential of '{problem.title}': give Problem(potential=...).")
+        if problem.tangent not in (None, "dense") and not isinstance(problem.potential, StrainEnergy):
+            raise ValueError(
+                f"'{self.title}' makes the tangent of '{problem.title}' full: give it a StrainEnergy as potential, or "
+                "tangent='dense'."
+            )
+        return start_in_balance(self, problem, u0, v0, dt)
+
+    def increment(self, problem, state, t, dt):
+        u, v, guess = state
+        rhs = load(problem, t + dt / 2)
+        mean_force = discrete_gradient(problem, u)
+        a, effort = balance(problem, rhs, u + dt * v, v, dt**2 / 2, dt / 2, guess, force=mean_force, symmetric=False)
+        return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
+
+
+class AverageVectorField(OneStep):
+    """The average vector field method: the midpoint rule with the mean of the force along the step.
+
+    M (u̇₁ − u̇₀)/Δt + C u̇_m + ∫₀¹ p((1 − s) u₀ + s u₁) ds = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2
+
+    The integral is taken by Gauss quadrature, which keeps the energy exactly where p is a polynomial of a degree up to
+    2 points − 1, and nearly elsewhere. Second order. For linear systems it is the trapezoidal rule, unconditionally
+    stable. Needs no potential. Carries u, u̇ and a guess; ``points`` forces a Newton iteration.
+
+    Parameters
+    ----------
+    points
+        Points of the quadrature, at least one, which is the midpoint rule.
+
+    Raises
+    ------
+    ValueError
+        If there are no points.
+
+    References
+    ----------
+    G. R. W. Quispel, D. I. McLaren, A new class of energy-preserving numerical integration methods, J. Phys. A 41,
+    2008, 045206.
+    """
+
+    points: int = eqx.field(default=3, static=True)
+    title: str = eqx.field(default="Average vector field", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Runge-Kutta and conserving"
+    source: ClassVar[str] = "Quispel and McLaren (2008)"
+    doi: ClassVar[str] = "10.1088/1751-8113/41/4/045206"
+    order = 2
+    explicit = False
+
+    def __check_init__(self):
+        if isinstance(self.points, bool) or not isinstance(self.points, int) or self.points < 1:
+            raise ValueError(f"AverageVectorField(points={self.points}): points must be a whole number of at least 1.")
+
+    @property
+    def evaluations_per_iteration(self) -> int:
+        return self.points
+
+    start = start_in_balance
+
+    def increment(self, problem, state, t, dt):
+        u, v, guess = state
+        nodes, weights = np.polynomial.legendre.leggauss(self.points)
+
+        def mean_force(u1):
+            between = [problem.force(u + (1 + s) / 2 * (u1 - u)) for s in nodes.tolist()]
+            return sum(w / 2 * force for w, force in zip(weights.tolist(), between, strict=True))
+
+        rhs = load(problem, t + dt / 2)
+        a, effort = balance(problem, rhs, u + dt * v, v, dt**2 / 2, dt / 2, guess, force=mean_force)
+        return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
+
+
+implicit_midpoint = ImplicitMidpoint()
+
+
+energy_momentum = EnergyMomentum()
+
+
+average_vector_field = AverageVectorField()

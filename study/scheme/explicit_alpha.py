@@ -1,0 +1,88 @@
+"""Explicit generalized-α methods: those of Chung and Lee, and of Hulbert and Chung."""
+
+import math
+from typing import ClassVar
+
+import equinox as eqx
+
+from study.equilibrium.balance import acceleration
+from study.equilibrium.state import Effort, Motion
+from study.scheme.base import OneStep, check_range, check_ranges, start_in_balance
+
+
+class ExplicitAlpha(OneStep):
+    """The explicit generalized-α method of Hulbert and Chung: balance at the start of the step, with its velocity.
+
+    M [(1 − α_m) ü₁ + α_m ü₀] + C u̇₀ + p(u₀) = f(t₀)
+    u₁ = u₀ + Δt u̇₀ + Δt² (½ − β) ü₀ + Δt² β ü₁,    u̇₁ = u̇₀ + Δt (1 − γ) ü₀ + Δt γ ü₁
+
+    Second order for γ = 3/2 − α_m, stable without damping for ωΔt ≤ √(2(1 − 2α_m)/(2β − γ)). In terms of the spectral
+    radius ρ_b where the main roots meet, at ωΔt = (1 + ρ_b) √(2 − ρ_b), α_m = (2ρ_b − 1)/(1 + ρ_b) and
+    β = (5 − 3ρ_b)/((1 + ρ_b)² (2 − ρ_b)). α_m = 0 and 1 ≤ β ≤ 28/27 is the method of Chung and Lee, which does not damp
+    for β = 1; its other end is ρ_b = ½. Carries u, u̇ and the algorithmic ü; one force a step, and no solution but
+    with M.
+
+    Parameters
+    ----------
+    alpha_m, beta, gamma
+        −1 ≤ α_m ≤ ½, 0 ≤ β ≤ 5, 0 ≤ γ ≤ 5/2.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range.
+
+    References
+    ----------
+    G. M. Hulbert, J. Chung, Explicit time integration algorithms for structural dynamics with optimal numerical
+    dissipation, Comput. Methods Appl. Mech. Eng. 137, 1996, 175-188.
+    J. Chung, J. M. Lee, A new family of explicit time integration methods for linear and non-linear structural
+    dynamics, Int. J. Numer. Methods Eng. 37, 1994, 3961-3976.
+    """
+
+    alpha_m: float
+    beta: float
+    gamma: float
+    title: str = eqx.field(default="Hulbert-Chung", kw_only=True, static=True)
+    source: str = eqx.field(default="Hulbert and Chung (1996)", kw_only=True, static=True)
+    doi: str = eqx.field(default="10.1016/S0045-7825(96)01036-5", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Explicit with dissipation"
+    explicit = True
+    evaluations = 1
+
+    def __check_init__(self):
+        check_ranges(self, alpha_m=(-1.0, 0.5), beta=(0.0, 5.0), gamma=(0.0, 2.5))
+
+    @classmethod
+    def hulbert_chung(cls, rho_b: float) -> "ExplicitAlpha":
+        """The method by its spectral radius ρ_b at the bifurcation of the roots, 0 ≤ ρ_b ≤ 1."""
+        check_range("ExplicitAlpha.hulbert_chung", "rho_b", rho_b, 0.0, 1.0)
+        alpha_m = (2 * rho_b - 1) / (1 + rho_b)
+        return cls(alpha_m, beta=(5 - 3 * rho_b) / ((1 + rho_b) ** 2 * (2 - rho_b)), gamma=1.5 - alpha_m)
+
+    @classmethod
+    def chung_lee(cls, beta: float) -> "ExplicitAlpha":
+        """The method of Chung and Lee, 1 ≤ β ≤ 28/27."""
+        check_range("ExplicitAlpha.chung_lee", "beta", beta, 1.0, 28 / 27)
+        labels = {"title": "Chung-Lee", "source": "Chung and Lee (1994)", "doi": "10.1002/nme.1620372303"}
+        return cls(0.0, beta, gamma=1.5, **labels)
+
+    @property
+    def order(self) -> int:
+        return 2 if math.isclose(self.gamma, 1.5 - self.alpha_m) else 1
+
+    start = start_in_balance
+
+    def increment(self, problem, state, t, dt):
+        u, v, a = state
+        a_new = (acceleration(problem, t, u, v) - self.alpha_m * a) / (1 - self.alpha_m)
+        du = dt * v + dt**2 * ((0.5 - self.beta) * a + self.beta * a_new)
+        dv = dt * ((1 - self.gamma) * a + self.gamma * a_new)
+        return Motion(du, dv, a_new), Effort()
+
+
+chung_lee = ExplicitAlpha.chung_lee(beta=28 / 27)
+
+
+hulbert_chung = ExplicitAlpha.hulbert_chung(rho_b=0.8)

@@ -1,0 +1,79 @@
+"""Extrapolation of velocity Verlet to step size zero."""
+
+from fractions import Fraction
+from typing import ClassVar
+
+import equinox as eqx
+
+from study.equilibrium.balance import acceleration
+from study.equilibrium.state import Effort, Motion
+from study.scheme.base import OneStep, as_tuple, check_numbers, start_in_balance
+from study.scheme.splitting import Composition
+
+
+class Extrapolation(OneStep):
+    """One step of Δt by velocity Verlet in n₁, n₂, ..., n_k sub-steps, extrapolated to infinitely many of them.
+
+    y₁ = Σ_j w_j y₁(n_j),    w_j = Π_{i≠j} n_j²/(n_j² − n_i²)    for y = u and for y = u̇
+
+    As Verlet's method is symmetric its error is a series in (Δt/n)², of which k terms are removed but the last: order
+    2k, with damping and load too. The k sequences do not depend on each other, so that a processor runs them side by
+    side. Not symplectic; n = 1, 2, ..., 6 is stable without damping for ωΔt ≤ 3.141, and again
+    beyond a narrow window at π. Carries u, u̇ and ü; n₁ + ... + n_k + 1 forces a step.
+
+    Parameters
+    ----------
+    sequence
+        n₁ < n₂ < ... < n_k.
+
+    Raises
+    ------
+    ValueError
+        If the numbers do not rise from at least one.
+
+    References
+    ----------
+    W. B. Gragg, On extrapolation algorithms for ordinary initial value problems, SIAM J. Numer. Anal. 2, 1965, 384-403.
+    E. Hairer, S. P. Nørsett, G. Wanner, Solving ordinary differential equations I, 2nd ed., Springer, 1993, sections
+    II.9 and II.14.
+    """
+
+    sequence: tuple[int, ...] = eqx.field(static=True, converter=as_tuple)
+    title: str = eqx.field(default="Extrapolation", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Runge-Kutta and conserving"
+    source: ClassVar[str] = "Gragg (1965)"
+    doi: ClassVar[str] = "10.1137/0702030"
+    explicit = True
+
+    def __check_init__(self):
+        check_numbers("Extrapolation", "sequence", self.sequence)
+        rising = all(a < b for a, b in zip((0, *self.sequence), self.sequence, strict=False))
+        if not rising or not all(isinstance(n, int) for n in self.sequence):
+            raise ValueError(
+                f"Extrapolation(sequence={self.sequence}): sequence must be whole numbers that rise from at least 1."
+            )
+
+    @property
+    def order(self) -> int:
+        return 2 * len(self.sequence)
+
+    @property
+    def evaluations(self) -> int:
+        return sum(self.sequence) + 1
+
+    start = start_in_balance
+
+    def increment(self, problem, state, t, dt):
+        du = dv = 0.0
+        squares = [Fraction(n) ** 2 for n in self.sequence]
+        for n, square in zip(self.sequence, squares, strict=True):
+            weight = Fraction(1)
+            for other in squares:
+                weight *= square / (square - other) if other != square else 1
+            verlet, _ = Composition((1 / n,) * n, of_order=2).increment(problem, state, t, dt)
+            du, dv = du + float(weight) * verlet.u, dv + float(weight) * verlet.v
+        return Motion(du, dv, acceleration(problem, t + dt, state.u + du, state.v + dv)), Effort()
+
+
+extrapolation12 = Extrapolation((1, 2, 3, 4, 5, 6), title="Extrapolation, order 12")

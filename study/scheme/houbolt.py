@@ -1,0 +1,144 @@
+"""Houbolt's three-step method and the ways to start it."""
+
+from typing import ClassVar, NamedTuple
+
+import equinox as eqx
+import jax
+from jax import lax
+
+from study.equilibrium.balance import acceleration, balance, initial_acceleration, load
+from study.equilibrium.state import Effort, Phase
+from study.problem.definition import Problem
+from study.registry import did_you_mean
+from study.scheme.base import Scheme
+from study.scheme.newmark import Newmark, central_difference
+from study.scheme.runge_kutta import RungeKutta4
+
+
+class History(NamedTuple):
+    """Motion at tₙ and the displacements at tₙ₋₁ and tₙ₋₂, each of shape () or (n,)."""
+
+    u: jax.Array
+    v: jax.Array
+    a: jax.Array
+    u_1: jax.Array
+    u_2: jax.Array
+
+
+def _linear_acceleration(problem: Problem, u0, v0, dt):
+    """Houbolt's own: fictitious points that satisfy his central formulas for u̇₀ and ü₀.
+
+    ü₀ = (u₁ − 2u₀ + u₋₁)/Δt² and u̇₀ = (2u₁ + 3u₀ − 6u₋₁ + u₋₂)/(6Δt). Together with eq. (11b) at t₁ they make the
+    first step exactly the linear acceleration method, which is how u₁ is found here.
+    """
+    scheme = Newmark(beta=1 / 6, gamma=0.5)
+    state, _ = scheme.start(problem, u0, v0, dt)
+    first, effort = scheme.step(problem, state, 0.0, dt)
+    u_1 = dt**2 * state.a - first.u + 2 * u0
+    u_2 = 6 * dt * v0 - 2 * first.u - 3 * u0 + 6 * u_1
+    return u_1, u_2, effort
+
+
+def _central_difference(problem: Problem, u0, v0, dt):
+    """Fictitious points that make the first two steps those of central difference."""
+    state, _ = central_difference.start(problem, u0, v0, dt)
+    first, _ = central_difference.step(problem, state, 0.0, dt)
+    second, _ = central_difference.step(problem, first, dt, dt)
+    u1, u2 = first.u, second.u
+    # eqs (11) solved for the older points: u₋₁ and u₋₂ depend on the acceleration, and so does the damped velocity
+    a2 = acceleration(problem, 2 * dt, u2, (7 * u2 - 8 * u1 + u0) / (6 * dt), c_v=dt / 3)
+    u_1 = 2 * u2 - 5 * u1 + 4 * u0 - dt**2 * a2
+    a1 = acceleration(problem, dt, u1, (7 * u1 - 8 * u0 + u_1) / (6 * dt), c_v=dt / 3)
+    u_2 = 2 * u1 - 5 * u0 + 4 * u_1 - dt**2 * a1
+    return u_1, u_2, Effort()
+
+
+def _taylor(problem: Problem, u0, v0, dt):
+    """The second order Taylor polynomial at −Δt and −2Δt."""
+    a0 = acceleration(problem, 0.0, u0, v0)
+    return u0 - dt * v0 + dt**2 / 2 * a0, u0 - 2 * dt * v0 + 2 * dt**2 * a0, Effort()
+
+
+def _exact(problem: Problem, u0, v0, dt):
+    """The solution itself at −Δt and −2Δt, by 2 × 1024 backward Runge-Kutta steps: round-off for any sensible Δt."""
+    substeps = 1024
+    h = -dt / substeps
+
+    def back(i, phase):
+        return RungeKutta4().step(problem, phase, i.astype(float) * h, h)[0]
+
+    once = lax.fori_loop(0, substeps, back, Phase(u0, v0))
+    twice = lax.fori_loop(substeps, 2 * substeps, back, once)
+    return once.u, twice.u, Effort()
+
+
+#: How the two displacements before t = 0 can be found.
+starts = {
+    "linear_acceleration": _linear_acceleration,
+    "central_difference": _central_difference,
+    "taylor": _taylor,
+    "exact": _exact,
+}
+
+
+class Houbolt(Scheme):
+    """The Houbolt method, Xie (1996), eqs (7) and (11): backward differences through four points.
+
+    u̇₁ = (11u₁ − 18u₀ + 9u₋₁ − 2u₋₂) / (6Δt)
+    ü₁ = (2u₁ − 5u₀ + 4u₋₁ − u₋₂) / Δt²
+    M ü₁ + C u̇₁ + p(u₁) = f(t₁)
+
+    Second order, unconditionally stable for linear systems, with a damping that no parameter controls. In terms of
+    the acceleration, u₁ = ũ + Δt²/2 ü₁ and u̇₁ = ṽ + 11Δt/12 ü₁. Carries u, u̇, ü and two older u; one force a Newton
+    iteration.
+
+    Parameters
+    ----------
+    start_by
+        How u₋₁ and u₋₂ are found: ``linear_acceleration`` (Houbolt's fictitious points), ``central_difference``,
+        ``taylor`` or ``exact``.
+
+    Raises
+    ------
+    ValueError
+        If there is no such start.
+
+    References
+    ----------
+    J. C. Houbolt, A recurrence matrix solution for the dynamic response of elastic aircraft, J. Aeronaut. Sci. 17,
+    1950, 540-550.
+    """
+
+    start_by: str = eqx.field(default="linear_acceleration", static=True)
+    title: str = eqx.field(default="Houbolt", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Multi-step and composite"
+    source: ClassVar[str] = "Houbolt (1950)"
+    doi: ClassVar[str] = "10.2514/8.1722"
+    order = 2
+    explicit = False
+
+    def __check_init__(self):
+        if not isinstance(self.start_by, str) or self.start_by not in starts:
+            raise ValueError(
+                f"Houbolt(start_by={self.start_by!r}): no such start; {did_you_mean(str(self.start_by), starts)}"
+            )
+
+    @property
+    def needs_mass(self) -> bool:
+        return self.start_by != "linear_acceleration"
+
+    def start(self, problem, u0, v0, dt):
+        u_1, u_2, effort = starts[self.start_by](problem, u0, v0, dt)
+        return History(u0, v0, initial_acceleration(problem, u0, v0), u_1, u_2), effort
+
+    def step(self, problem, state, t, dt):
+        u, _, a, u_1, u_2 = state
+        c_u, c_v = dt**2 / 2, 11 * dt / 12
+        u_predicted = (5 * u - 4 * u_1 + u_2) / 2
+        v_predicted = (11 * u_predicted - 18 * u + 9 * u_1 - 2 * u_2) / (6 * dt)
+        a, effort = balance(problem, load(problem, t + dt), u_predicted, v_predicted, c_u, c_v, guess=a)
+        return History(u_predicted + c_u * a, v_predicted + c_v * a, a, u, u_1), effort
+
+
+houbolt = Houbolt()

@@ -1,0 +1,27 @@
+"""Every scheme that can be called by name.
+
+A scheme is named by a variable of a module of this package: ``bdf2 = BackwardDifferences(...)`` in
+``backward_differences.py`` makes ``study.schemes["bdf2"]``.
+"""
+
+from study import scheme
+from study.registry import Registry, variables_of_modules
+from study.scheme.base import Scheme
+
+#: The schemes of Xie (1996) in the order of its tables.
+OF_1996 = (
+    "average_acceleration",
+    "central_difference",
+    "newmark_dissipative",
+    "wilson_theta",
+    "houbolt",
+    "hht_alpha",
+    "rk4",
+)
+
+#: Those of 1996 first, the others module by module.
+schemes: Registry[Scheme] = Registry(
+    "scheme",
+    variables_of_modules(scheme, Scheme, first=OF_1996),
+    aliases={"velocity_verlet": "central_difference"},
+)

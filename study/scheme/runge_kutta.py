@@ -1,0 +1,205 @@
+"""Runge-Kutta methods: the classical one, Nyström's, and that of Gauss."""
+
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from study.algebra.matrices import Banded, MatrixFree, product
+from study.equilibrium.balance import acceleration, balance, initial_acceleration
+from study.equilibrium.state import Effort, Phase
+from study.problem.definition import Problem
+from study.scheme.base import OneStep
+
+
+class RungeKutta4(OneStep):
+    """The classical fourth order Runge-Kutta method on u̇ = v, v̇ = M⁻¹ (f − C v − p(u)), Xie (1996), eqs (13) to (16).
+
+    y₁ = y₀ + k₁/6 + k₂/3 + k₃/3 + k₄/6,    y = (u, v)
+    k₁ = Δt F(t, y₀), k₂ = Δt F(t + Δt/2, y₀ + k₁/2), k₃ = Δt F(t + Δt/2, y₀ + k₂/2), k₄ = Δt F(t + Δt, y₀ + k₃)
+
+    Fourth order, stable for an undamped linear oscillator up to ωΔt = 2√2. Carries u and u̇; four forces a step.
+
+    References
+    ----------
+    W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialgleichungen, Z. Math. Phys. 46, 1901,
+    435-453.
+    """
+
+    title: str = eqx.field(default="Runge-Kutta", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Runge-Kutta and conserving"
+    source: ClassVar[str] = "Kutta (1901)"
+    doi: ClassVar[str] = ""
+    order = 4
+    explicit = True
+    evaluations = 4
+
+    def start(self, problem, u0, v0, dt):
+        return Phase(u0, v0), Effort()
+
+    def increment(self, problem, state, t, dt):
+        def k(c, du, dv):
+            u, v = state.u + du, state.v + dv
+            return dt * v, dt * acceleration(problem, t + c * dt, u, v)
+
+        u1, v1 = k(0.0, 0.0, 0.0)
+        u2, v2 = k(0.5, u1 / 2, v1 / 2)
+        u3, v3 = k(0.5, u2 / 2, v2 / 2)
+        u4, v4 = k(1.0, u3, v3)
+        return Phase((u1 + u4) / 6 + (u2 + u3) / 3, (v1 + v4) / 6 + (v2 + v3) / 3), Effort()
+
+
+class Nystrom4(OneStep):
+    """Nyström's method of fourth order for ü = F(t, u, u̇) = M⁻¹ (f − C u̇ − p(u)).
+
+    k₁ = F(t₀, u₀, u̇₀),    k₂ = F(t₀ + Δt/2, u₀ + Δt/2 u̇₀ + Δt²/8 k₁, u̇₀ + Δt/2 k₁)
+    k₃ = F(t₀ + Δt/2, u₀ + Δt/2 u̇₀ + Δt²/8 k₁, u̇₀ + Δt/2 k₂),    k₄ = F(t₁, u₀ + Δt u̇₀ + Δt²/2 k₃, u̇₀ + Δt k₃)
+    u₁ = u₀ + Δt u̇₀ + Δt²/6 (k₁ + k₂ + k₃),    u̇₁ = u̇₀ + Δt/6 (k₁ + 2k₂ + 2k₃ + k₄)
+
+    Without damping k₃ = k₂. Fourth order, stable without damping for ωΔt ≤ 2.586. Carries u and u̇; three forces a
+    step (k₂ and k₃ share theirs).
+
+    References
+    ----------
+    E. J. Nyström, Über die numerische Integration von Differentialgleichungen, Acta Soc. Sci. Fenn. 50(13), 1925, 1-54.
+    """
+
+    title: str = eqx.field(default="Nyström", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Runge-Kutta and conserving"
+    source: ClassVar[str] = "Nyström (1925)"
+    doi: ClassVar[str] = ""
+    order = 4
+    explicit = True
+    evaluations = 3
+
+    def start(self, problem, u0, v0, dt):
+        return Phase(u0, v0), Effort()
+
+    def increment(self, problem, state, t, dt):
+        u, v = state
+        half = dt / 2
+        k1 = acceleration(problem, t, u, v)
+        u_half = u + half * v + half**2 / 2 * k1
+        k2 = acceleration(problem, t + half, u_half, v + half * k1)
+        k3 = k2 if problem.damping is None else acceleration(problem, t + half, u_half, v + half * k2)
+        k4 = acceleration(problem, t + dt, u + dt * v + dt * half * k3, v + dt * k3)
+        return Phase(dt * v + dt**2 / 6 * (k1 + k2 + k3), dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4)), Effort()
+
+
+class Stages(NamedTuple):
+    """Displacement and velocity, each of shape () or (n,), and the accelerations (2, ...) of the last stages."""
+
+    u: jax.Array
+    v: jax.Array
+    a: jax.Array
+
+
+class _Twice(NamedTuple):
+    """Two stages of a problem as one of twice its unknowns, the stages of an unknown side by side."""
+
+    force: Callable
+    mass: Any
+    damping: Any
+    tangent: str | int | None
+
+
+def _twice(problem: Problem, u) -> _Twice:
+    def force(stages):
+        first, second = stages.reshape(*u.shape, 2).T
+        return jnp.stack([problem.force(first), problem.force(second)]).T.ravel()
+
+    def doubled(matrix):
+        if matrix is None or (isinstance(matrix, np.ndarray | jax.Array) and matrix.ndim == 0):
+            return matrix
+        if isinstance(matrix, Banded):
+            bands = jnp.repeat(jnp.stack(tuple(matrix.bands)), 2, axis=1)
+            return Banded(jnp.zeros((2 * len(bands) - 1, 2 * u.size)).at[::2].set(bands))
+        if isinstance(matrix, MatrixFree):
+            twice = jax.vmap(matrix.product, in_axes=1, out_axes=1)
+            return MatrixFree(
+                lambda x: twice(x.reshape(-1, 2)).ravel(), jnp.repeat(jnp.broadcast_to(matrix.diagonal, u.shape), 2)
+            )
+        return jnp.repeat(matrix, 2) if jnp.ndim(matrix) == 1 else jnp.kron(matrix, jnp.eye(2))
+
+    structure = 2 * problem.tangent if isinstance(problem.tangent, int) else "dense" if u.ndim == 0 else problem.tangent
+    return _Twice(force, doubled(problem.mass), doubled(problem.damping), structure)
+
+
+def _of_stages(weights: np.ndarray, problem: Problem, size: int):
+    """The weights of the stages for every unknown: (2n, 2n), or the band of it where the tangent is no matrix."""
+    if problem.tangent in (None, "dense"):
+        return np.kron(np.eye(size), weights)
+    (first, high), (low, second) = weights
+    return Banded(np.tile([[0.0, low], [first, second], [high, 0.0]], size))
+
+
+#: Weights of the two-stage Gauss method: stage velocities from stage accelerations.
+_GAUSS = np.array([[1 / 4, 1 / 4 - np.sqrt(3) / 6], [1 / 4 + np.sqrt(3) / 6, 1 / 4]])
+
+_GAUSS_TIMES = _GAUSS.sum(axis=1)
+
+
+class Gauss4(OneStep):
+    """The Gauss method of two stages on the second-order form.
+
+    M ü_i + C u̇_i + p(u_i) = f(t₀ + c_iΔt),    c_i = ½ ∓ √3/6
+    u̇_i = u̇₀ + Δt Σ_j A_ij ü_j,    u_i = u₀ + c_iΔt u̇₀ + Δt² Σ_j (A²)_ij ü_j
+    u̇₁ = u̇₀ + Δt (ü₁ + ü₂)/2,    u₁ = u₀ + Δt u̇₀ + Δt² Σ_i ½(1 − c_i) ü_i
+
+    Both stages are found together. Fourth order, symplectic, unconditionally stable for linear systems without damping
+    of its own. Carries u, u̇ and both stage accelerations as a guess; two forces a Newton iteration, and one solution
+    for 2n unknowns.
+
+    References
+    ----------
+    E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, section II.1.
+    J. C. Butcher, Implicit Runge-Kutta processes, Math. Comput. 18, 1964, 50-64.
+    """
+
+    title: str = eqx.field(default="Gauss, order 4", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Runge-Kutta and conserving"
+    source: ClassVar[str] = "Butcher (1964)"
+    doi: ClassVar[str] = "10.1090/S0025-5718-1964-0159424-9"
+    order = 4
+    explicit = False
+    evaluations_per_iteration = 2
+
+    def start(self, problem, u0, v0, dt):
+        a0 = initial_acceleration(problem, u0, v0)
+        return Stages(u0, v0, jnp.stack([a0, a0])), Effort()
+
+    def increment(self, problem, state, t, dt):
+        u, v, guess = state
+        stages = _twice(problem, u)
+
+        def side_by_side(first, second):
+            return jnp.stack([first, second], axis=-1).ravel()
+
+        first, second = _GAUSS_TIMES.tolist()
+        rhs = 0.0
+        if problem.load is not None:
+            rhs = side_by_side(problem.load(t + first * dt), problem.load(t + second * dt))
+        u_stages, v_stages = side_by_side(u + first * dt * v, u + second * dt * v), side_by_side(v, v)
+        c_u, c_v = (
+            product(power, _of_stages(weights, problem, u.size), 2 * u.size)
+            for power, weights in ((dt**2, _GAUSS @ _GAUSS), (dt, _GAUSS))
+        )
+        a, effort = balance(stages, rhs, u_stages, v_stages, c_u, c_v, side_by_side(*guess), symmetric=False)
+        first, second = a = a.reshape(*u.shape, 2).T
+        before, after = ((1 - _GAUSS_TIMES) / 2).tolist()
+        return Stages(dt * v + dt**2 * (before * first + after * second), dt / 2 * (first + second), a), effort
+
+
+rk4 = RungeKutta4()
+
+
+nystrom4 = Nystrom4()
+
+
+gauss4 = Gauss4()

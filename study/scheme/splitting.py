@@ -1,0 +1,217 @@
+"""Splitting into kicks and drifts: symplectic Euler, McLachlan's method, and compositions of velocity Verlet."""
+
+from collections.abc import Sequence
+from itertools import accumulate
+from typing import ClassVar
+
+import equinox as eqx
+
+from study.equilibrium.balance import acceleration
+from study.equilibrium.state import Effort, Motion, Phase
+from study.scheme.base import OneStep, as_tuple, check_numbers, start_in_balance
+
+
+def _check_weights(scheme: str, name: str, weights: Sequence[float]) -> None:
+    check_numbers(scheme, name, weights)
+    if abs(sum(weights) - 1) > 1e-12:
+        raise ValueError(f"{scheme}({name}={weights}): {name} must be numbers that add up to one.")
+
+
+def _check_order(scheme: str, order: int) -> None:
+    if isinstance(order, bool) or not isinstance(order, int) or order < 1:
+        raise ValueError(f"{scheme}(of_order={order!r}): of_order must be a whole number of at least 1.")
+
+
+class Splitting(OneStep):
+    """Drifts d₀, ..., d_s with kicks k₁, ..., k_s between them.
+
+    u ← u + d₀Δt u̇,    then for i = 1, ..., s
+    u̇ ← u̇ + k_iΔt a,    M a + C (u̇ + k_iΔt/2 a) + p(u) = f(t_i),    u ← u + d_iΔt u̇
+
+    at the time t_i that the drifts before have reached. Symplectic without damping. d = (0, 1), k = (1) is the
+    symplectic Euler method, of first order and stable for ωΔt ≤ 2. McLachlan's method of order four has five kicks and
+    is stable for ωΔt ≤ 2.921; it holds for ü that does not depend on u̇, so with damping it is of second order only.
+    Carries u and u̇; s forces a step.
+
+    Parameters
+    ----------
+    drifts, kicks
+        d and k, each with a sum of one, d with one number more.
+    of_order
+        Order of accuracy without damping.
+
+    Raises
+    ------
+    ValueError
+        If the weights do not add up to one, or do not alternate.
+
+    References
+    ----------
+    R. I. McLachlan, On the numerical integration of ordinary differential equations by symmetric composition methods,
+    SIAM J. Sci. Comput. 16, 1995, 151-168.
+    E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, section VI.3.
+    """
+
+    drifts: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
+    kicks: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
+    of_order: int = eqx.field(static=True)
+    title: str = eqx.field(default="Splitting", kw_only=True, static=True)
+    source: str = eqx.field(default="Hairer et al. (2006)", kw_only=True, static=True)
+    doi: str = eqx.field(default="10.1007/3-540-30666-8", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Splitting"
+    explicit = True
+
+    def __check_init__(self):
+        _check_weights("Splitting", "drifts", self.drifts)
+        _check_weights("Splitting", "kicks", self.kicks)
+        _check_order("Splitting", self.of_order)
+        if len(self.drifts) != len(self.kicks) + 1:
+            raise ValueError(
+                f"Splitting needs one drift more than kicks, not {len(self.drifts)} for {len(self.kicks)}."
+            )
+
+    @property
+    def order(self) -> int:
+        return self.of_order
+
+    @property
+    def damped_order(self) -> int:
+        return min(self.of_order, 2)
+
+    @property
+    def evaluations(self) -> int:
+        return len(self.kicks)
+
+    def start(self, problem, u0, v0, dt):
+        return Phase(u0, v0), Effort()
+
+    def increment(self, problem, state, t, dt):
+        u, v = state
+        first, *rest = self.drifts
+        du, dv = first * dt * v, 0.0
+        for part, kick, drift in zip(accumulate(self.drifts), self.kicks, rest, strict=False):
+            h = kick * dt
+            dv = dv + h * acceleration(problem, t + part * dt, u + du, v + dv, c_v=h / 2)
+            du = du + drift * dt * (v + dv)
+        return Phase(du, dv), Effort()
+
+
+class Composition(OneStep):
+    """Velocity Verlet steps of lengths w₁Δt, w₂Δt, ..., w_sΔt, of which some go backwards.
+
+    With h = w_iΔt in turn:
+    u̇ ← u̇ + h/2 ü,    u ← u + h u̇,    M ü + C (u̇ + h/2 ü) + p(u) = f(t),    u̇ ← u̇ + h/2 ü
+
+    w = (1) is velocity Verlet itself, which is central difference (registered once, as that): second order, stable for
+    ωΔt ≤ 2. As it is symmetric, weights that cancel its errors of third order, of fifth, ... make methods of order 4
+    (Yoshida, three steps, stable for ωΔt ≤ 1.573), 6 (Yoshida, seven, 2.269) and 8 (Kahan and Li, seventeen, 3.096, and
+    again beyond a narrow window at π), with damping and load too; symplectic without damping. Carries u, u̇ and ü;
+    s forces a step.
+
+    Parameters
+    ----------
+    weights
+        w, with a sum of one, the same from both ends.
+    of_order
+        Order of accuracy.
+
+    Raises
+    ------
+    ValueError
+        If the weights do not add up to one, or are not symmetric.
+
+    References
+    ----------
+    H. Yoshida, Construction of higher order symplectic integrators, Phys. Lett. A 150, 1990, 262-268.
+    W. Kahan, R.-C. Li, Composition constants for raising the orders of unconventional schemes for ordinary differential
+    equations, Math. Comput. 66, 1997, 1089-1099.
+    L. Verlet, Computer "experiments" on classical fluids, Phys. Rev. 159, 1967, 98-103.
+    """
+
+    weights: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
+    of_order: int = eqx.field(static=True)
+    title: str = eqx.field(default="Composition", kw_only=True, static=True)
+    source: str = eqx.field(default="Yoshida (1990)", kw_only=True, static=True)
+    doi: str = eqx.field(default="10.1016/0375-9601(90)90092-3", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Splitting"
+    explicit = True
+
+    def __check_init__(self):
+        _check_weights("Composition", "weights", self.weights)
+        _check_order("Composition", self.of_order)
+        if self.weights != self.weights[::-1]:
+            raise ValueError(f"Composition(weights={self.weights}): weights must be the same from both ends.")
+
+    @property
+    def order(self) -> int:
+        return self.of_order
+
+    @property
+    def evaluations(self) -> int:
+        return len(self.weights)
+
+    start = start_in_balance
+
+    def increment(self, problem, state, t, dt):
+        u, v, a = state
+        du = dv = 0.0
+        for part, weight in zip(accumulate(self.weights), self.weights, strict=True):
+            h = weight * dt
+            dv = dv + h / 2 * a
+            du = du + h * (v + dv)
+            a = acceleration(problem, t + part * dt, u + du, v + dv, c_v=h / 2)
+            dv = dv + h / 2 * a
+        return Motion(du, dv, a), Effort()
+
+
+def _mirrored(*half: float) -> tuple[float, ...]:
+    """Symmetric weights from the outer ones to the middle, which is what is left of one."""
+    return *half, 1 - 2 * sum(half), *half[::-1]
+
+
+_mclachlan = {"source": "McLachlan (1995)", "doi": "10.1137/0916010"}
+
+
+_outer, _inner = 0.40518861839525227722, -0.28714404081652408900
+
+
+symplectic_euler = Splitting((0.0, 1.0), (1.0,), of_order=1, title="Symplectic Euler")
+
+
+mclachlan4 = Splitting(
+    (_outer, _inner, *(0.5 - _outer - _inner,) * 2, _inner, _outer),
+    _mirrored(-3 / 73, 17 / 59),
+    of_order=4,
+    title="McLachlan, order 4",
+    **_mclachlan,
+)
+
+
+yoshida4 = Composition(_mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, title="Yoshida, order 4")
+
+
+yoshida6 = Composition(
+    _mirrored(0.78451361047755726382, 0.23557321335935813368, -1.17767998417887100695),
+    of_order=6,
+    title="Yoshida, order 6",
+)
+
+
+kahan_li8 = Composition(
+    _mirrored(
+        0.13020248308889008088,
+        0.56116298177510838456,
+        -0.38947496264484728641,
+        0.15884190655515560090,
+        -0.39590389413323757734,
+        0.18453964097831570709,
+        0.25837438768632204729,
+        0.29501172360931029887,
+    ),
+    of_order=8,
+    title="Kahan-Li, order 8",
+    source="Kahan and Li (1997)",
+    doi="10.1090/S0025-5718-97-00873-9",
+)

@@ -1,0 +1,81 @@
+"""Wilson's θ-method."""
+
+import math
+from typing import ClassVar
+
+import equinox as eqx
+
+from study.equilibrium.balance import balance, load
+from study.equilibrium.state import Motion
+from study.scheme.base import OneStep, check_ranges, start_in_balance
+
+
+class WilsonTheta(OneStep):
+    """The Wilson-θ method, Xie (1996), eqs (8) to (10): balance beyond the step, acceleration interpolated back.
+
+    With τ = θΔt,
+
+    u_θ = u₀ + τ u̇₀ + τ² (½ − β) ü₀ + τ² β ü_θ,    u̇_θ = u̇₀ + τ (1 − γ) ü₀ + τ γ ü_θ
+    M ü_θ + C u̇_θ + p(u_θ) = f(t₀ + τ)
+    ü₁ = (1 − 1/θ) ü₀ + ü_θ / θ,    then u₁ and u̇₁ by Newmark's formulas.
+
+    Second order. θ = 1 is Newmark's method (linear acceleration for β = 1/6); with β = 1/6 and γ = ½ unconditionally
+    stable for linear systems if θ ≥ 1.366. Carries u, u̇ and ü; one force a Newton iteration.
+
+    Parameters
+    ----------
+    theta
+        θ ≥ 1.
+    beta, gamma
+        0 ≤ β ≤ ½, 0 ≤ γ ≤ 1.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range.
+
+    References
+    ----------
+    E. L. Wilson, I. Farhoomand, K. J. Bathe, Nonlinear dynamic analysis of complex structures, Earthquake Eng.
+    Struct. Dyn. 1, 1973, 241-252.
+    """
+
+    theta: float = 1.4
+    beta: float = 1 / 6
+    gamma: float = 0.5
+    title: str = eqx.field(default="Wilson-θ", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Newmark and Wilson"
+    source: ClassVar[str] = "Wilson et al. (1973)"
+    doi: ClassVar[str] = "10.1002/eqe.4290010305"
+    explicit = False
+
+    def __check_init__(self):
+        check_ranges(self, theta=(1.0, float("inf")), beta=(0.0, 0.5), gamma=(0.0, 1.0))
+
+    @property
+    def order(self) -> int:
+        return 2 if self.gamma == 0.5 else 1
+
+    @property
+    def needs_mass(self) -> bool:
+        # the limit of unconditional stability with β = 1/6 and γ = ½
+        return self.theta < (1 + math.sqrt(3)) / 2
+
+    start = start_in_balance
+
+    def increment(self, problem, state, t, dt):
+        u, v, a = state
+        tau = self.theta * dt
+        u_predicted = u + tau * v + tau**2 * (0.5 - self.beta) * a
+        v_predicted = v + tau * (1 - self.gamma) * a
+        a_theta, effort = balance(
+            problem, load(problem, t + tau), u_predicted, v_predicted, self.beta * tau**2, self.gamma * tau, guess=a
+        )
+        a_new = (1 - 1 / self.theta) * a + a_theta / self.theta
+        du = dt * v + dt**2 * ((0.5 - self.beta) * a + self.beta * a_new)
+        dv = dt * ((1 - self.gamma) * a + self.gamma * a_new)
+        return Motion(du, dv, a_new), effort
+
+
+wilson_theta = WilsonTheta(theta=1.4)
