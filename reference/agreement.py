@@ -6,10 +6,13 @@ from functools import partial
 import jax
 import numpy as np
 import xarray as xr
+from typing_extensions import TypedDict
 
 from reference import diffrax, exact, sundials, taylor
 from reference.solution import RouteFailed, Solution, StepLimit
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import FallingTolerances, section
 from study.problem.definition import Problem
 from study.problem.named import printed_periods
 from study.problem.named import problems as registry
@@ -66,6 +69,17 @@ def _attempt(ask: Callable, *arguments):
         return None, STEP_LIMIT if isinstance(failure, StepLimit) else FAILED
 
 
+@section
+class _Agreement(TypedDict):
+    tolerances: FallingTolerances
+
+
+@experiment(
+    "reference_agreement",
+    section="agreement",
+    model=_Agreement,
+    options=lambda c: {"problems": c["references"]["problems"], **c["agreement"]},
+)
 def agreement(problems: Sequence[str], tolerances: Sequence[float]) -> xr.Dataset:
     """True error of every route at every tolerance, with what it took over the longest window.
 
@@ -141,7 +155,3 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         },
         attrs={"title": "What a tolerance delivers: true errors of the reference solvers"},
     ).expand_dims("problem")
-
-
-if __name__ == "__main__":
-    main(agreement)

@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 
 from reference import closed_form
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
 from study.problem.definition import Problem
 from study.problem.named import problems as registry
 
@@ -37,6 +38,11 @@ def _orbit(problem: Problem, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return u, -np.copysign(speed, np.sin(angle))
 
 
+@experiment(
+    "reference/amplitudes",
+    section="atlas",
+    options=lambda c: {"problems": c["atlas"]["problems"], "exponents": c["atlas"]["amplitudes"]},
+)
 def amplitudes(problems: Sequence[str], exponents: dict[str, float]) -> xr.Dataset:
     """Period and orbit of every problem from rest at u₀ 10^x, for x from ``first`` to ``last``, ``count`` in number.
 
@@ -84,7 +90,3 @@ def amplitudes(problems: Sequence[str], exponents: dict[str, float]) -> xr.Datas
         },
         attrs={"title": "Exact periods of the springs over decades of amplitude"},
     )
-
-
-if __name__ == "__main__":
-    main(amplitudes)

@@ -8,19 +8,23 @@ over one period only: with the period known to more than thirty digits, a time o
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import heyoka as hy
 import jax
 import mpmath
 import numpy as np
 import xarray as xr
+from annotated_types import Ge, Le, Len
 from numpy.typing import ArrayLike
+from typing_extensions import TypedDict
 
 from reference import closed_form, taylor
 from reference.solution import RouteFailed
 from reference.symbolic import first_order, with_force_as_state
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Springs, section
 from study.problem.definition import Problem
 from study.problem.named import printed_periods, problems
 
@@ -164,6 +168,22 @@ def _uncertainty(values: np.ndarray, rates: np.ndarray, t: float, certified: flo
     return 0.5 * (np.spacing(np.max(np.abs(values))) + np.max(np.abs(rates)) * np.spacing(t)) + certified
 
 
+@section
+class _References(TypedDict):
+    problems: Springs
+    steps_per_period: Annotated[list[Annotated[int, Ge(2), Le(100_000)]], Len(1, 100)]
+
+
+@experiment(
+    "reference",
+    section="references",
+    model=_References,
+    split=lambda o: {
+        problem: {"problem": problem, "steps_per_period": o["steps_per_period"]} for problem in o["problems"]
+    },
+    # in numbers of 192 bits, four times
+    values=lambda o, c: 100 * sum(o["steps_per_period"]),
+)
 def reference(problem: str, steps_per_period: Sequence[int]) -> xr.Dataset:
     """Period and trajectory over one period, at every phase that the given numbers of steps per period meet."""
     definition = problems[problem]
@@ -217,7 +237,3 @@ def reference(problem: str, steps_per_period: Sequence[int]) -> xr.Dataset:
             "period_30_digits": mpmath.nstr(_mpf(exact_period), 30, strip_zeros=False),
         },
     )
-
-
-if __name__ == "__main__":
-    main(reference)

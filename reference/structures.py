@@ -4,7 +4,8 @@ import numpy as np
 import xarray as xr
 
 from reference import closed_form, diffrax, sundials
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
 from study.problem.named import problems, time_scales
 
 #: A stiff mode takes ten steps of a method of order eight in each of its own short periods.
@@ -16,6 +17,12 @@ def _spread(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.abs(one - other).reshape(len(one), -1).max(axis=1)
 
 
+def _jobs(o) -> dict[str, dict]:
+    shared = {key: o[key] for key in ("samples_per_period", "rtol")}
+    return {one["problem"]: {**one, **shared} for one in o["lengths"]}
+
+
+@experiment("reference", section="structures", options=lambda c: c["structures"], split=_jobs)
 def structure(problem: str, periods: float, samples_per_period: int, rtol: float) -> xr.Dataset:
     """Displacement and velocity of every unknown by the best route that there is, with the difference of the next.
 
@@ -60,7 +67,3 @@ def structure(problem: str, periods: float, samples_per_period: int, rtol: float
             "rtol": rtol,
         },
     )
-
-
-if __name__ == "__main__":
-    main(structure)

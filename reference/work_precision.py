@@ -1,16 +1,20 @@
 """The cost of general solvers beside their errors: the peers of the schemes in ``results/work_precision.nc``."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
+from typing import Annotated
 
 import jax
 import numpy as np
 import xarray as xr
+from annotated_types import Gt, Le
 
 from reference import diffrax, exact, scipy, sundials, taylor
 from reference.agreement import FINISHED, LOST, LOST_ABOVE, NOT_TRIED, STATUS_MEANINGS
 from reference.solution import RouteFailed, Solution
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Counts, FallingTolerances, Springs
 from study.problem.definition import Problem
 from study.problem.named import printed_periods
 from study.problem.named import problems as registry
@@ -85,13 +89,37 @@ def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> li
     return runs
 
 
+def _not_there(o, c) -> str | None:
+    schemes, accuracy = c["work_precision"]["schemes"], c["accuracy"]
+    for key, there in (
+        ("problems", schemes["problems"]),
+        ("steps_per_period", schemes["steps_per_period"]),
+        ("periods", accuracy["periods"]),
+    ):
+        strange = [one for one in o[key] if one not in there]
+        if strange:
+            return f"{key}: there is no {strange[0]} among {', '.join(map(str, there))}."
+    if min(o["tolerances"]) < scipy.SMALLEST_RTOL:
+        return f"tolerances: SciPy takes none below {scipy.SMALLEST_RTOL:.1e}, not {min(o['tolerances'])}."
+    if min(RUNS) not in o["periods"]:
+        return f"periods lacks {min(RUNS)}, the length of the runs that are made."
+    return None
+
+
+@experiment(
+    "work_precision/solvers",
+    check=_not_there,
+    timed=True,
+    temporary=True,
+    environment={"OMP_NUM_THREADS": "1"},
+)
 def work_precision(
-    problems: Sequence[str],
-    tolerances: Sequence[float],
-    steps_per_period: Sequence[int],
-    periods: Sequence[int],
-    repeats: int,
-    longest: float,
+    problems: Springs,
+    tolerances: FallingTolerances,
+    steps_per_period: Counts,
+    periods: Counts,
+    repeats: Count,
+    longest: Annotated[float, Gt(0), Le(3600)],
 ) -> xr.Dataset:
     """Time and evaluations of every solver at every tolerance beside its errors.
 
@@ -193,7 +221,3 @@ def work_precision(
         },
         attrs={"title": "Work and precision of general solvers"},
     )
-
-
-if __name__ == "__main__":
-    main(work_precision)

@@ -3,6 +3,9 @@
 import os
 import subprocess
 import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -89,6 +92,20 @@ def write(dataset: xr.Dataset, path: str | Path) -> None:
         unfinished.unlink(missing_ok=True)
 
 
+#: The datasets that may be opened by name; all of them outside of an experiment.
+_READABLE: ContextVar[frozenset[str] | None] = ContextVar("readable", default=None)
+
+
+@contextmanager
+def reading_only(names: Iterable[str]) -> Iterator[None]:
+    """Refuse to open any other dataset by name, so that an experiment reads what it declares."""
+    token = _READABLE.set(frozenset(names))
+    try:
+        yield
+    finally:
+        _READABLE.reset(token)
+
+
 def open(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
     """Open a dataset of the study by name, for instance ``study.open("energy_error")``.
 
@@ -99,6 +116,9 @@ def open(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
     ValueError
         If the file is damaged or was not written by this study.
     """
+    declared = _READABLE.get()
+    if declared is not None and name not in declared:
+        raise ValueError(f"the dataset '{name}' is read without being declared; add it to the reads of the experiment.")
     path = Path(folder) / f"{name}.nc"
     if not path.exists():
         present = sorted(p.relative_to(folder).with_suffix("").as_posix() for p in Path(folder).rglob("*.nc"))

@@ -1,7 +1,5 @@
 """What the paper could not measure: trajectory, phase, period and amplitude of every scheme against the truth."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
@@ -11,12 +9,25 @@ from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 from study.observer.effort import NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Counts, Schemes, Springs
 
 
-def accuracy(
-    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], periods: Sequence[int]
-) -> xr.Dataset:
+def _steps(o, c) -> int:
+    return 2 * len(o["problems"]) * len(o["schemes"]) * sum(o["steps_per_period"]) * sum(o["periods"])
+
+
+def _unknown_phases(o, c) -> str | None:
+    known = c["references"]["steps_per_period"]
+    missing = [steps for steps in o["steps_per_period"] if steps not in known]
+    return f"steps_per_period {missing[0]} is none of references.steps_per_period, {known}." if missing else None
+
+
+@experiment(
+    "accuracy", reads=lambda o: [f"reference/{name}" for name in o["problems"]], check=_unknown_phases, steps=_steps
+)
+def accuracy(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Counts) -> xr.Dataset:
     """Every measure of error of every scheme on every problem, by steps per exact period and length of the run."""
     dims = ("problem", "scheme", "steps_per_period", "periods")
     shape = tuple(map(len, (problems, schemes, steps_per_period, periods)))
@@ -57,7 +68,3 @@ def accuracy(
         },
         attrs={"title": "Accuracy of the schemes against the exact solution"},
     )
-
-
-if __name__ == "__main__":
-    main(accuracy)

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
+from typing_extensions import TypedDict
 
 from study import datasets
 from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcomes
@@ -17,7 +18,9 @@ from study.marching.march import NEWTON_FAILED
 from study.marching.run import run
 from study.observer.fate import Fate, Height
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import MULTI_OUTPUT_FUSION, experiment
+from study.pipeline.options import Count, PowersOfTen, Schemes, Springs, section
 from study.problem.named import problems as registry
 
 #: The part of a period by which samples move around an orbit, as nearly as steps allow: the golden section is furthest
@@ -55,6 +58,65 @@ def _sampled(places: np.ndarray, whole: int, points: int) -> np.ndarray:
     return places % -(-whole // points) == 0
 
 
+@section
+class _Portraits(TypedDict):
+    points: Count
+    samples: Count
+
+
+@section
+class _Atlas(TypedDict):
+    problems: Springs
+    schemes: Schemes
+    amplitudes: PowersOfTen
+    dt_over_period: PowersOfTen
+    periods: Count
+    portraits: _Portraits
+    tiles: Count
+
+
+def _jobs(o) -> dict[str, dict]:
+    """One for each scheme and tile."""
+    shared = {key: o[key] for key in ("problems", "dt_over_period", "periods", "portraits", "tiles")}
+    return {
+        f"{scheme}_{tile}": {"scheme": scheme, "tile": tile, **shared}
+        for scheme in o["schemes"]
+        for tile in range(o["tiles"])
+    }
+
+
+def _too_many(o, c) -> str | None:
+    amplitudes = c["atlas"]["amplitudes"]["count"]
+    if o["tiles"] > amplitudes:
+        return f"tiles: there are more of them, {o['tiles']}, than amplitudes, {amplitudes}."
+    if 10 ** o["dt_over_period"]["last"] > o["periods"]:
+        return f"dt_over_period: a step is longer than the {o['periods']} periods of the run."
+    return None
+
+
+def _steps(o, c) -> float:
+    first, last, count = (o["dt_over_period"][key] for key in ("first", "last", "count"))
+    a_run = np.sum(o["periods"] / np.logspace(first, last, min(count, 100))) * max(count / 100, 1)
+    return len(o["problems"]) * a_run * c["atlas"]["amplitudes"]["count"] / o["tiles"]
+
+
+@experiment(
+    "stability/atlas",
+    "stability/portraits",
+    section="atlas",
+    model=_Atlas,
+    split=_jobs,
+    along="scheme,amplitude",
+    parts=("stability/tiles", "stability/portraits"),
+    reads=lambda o: ["reference/amplitudes"],
+    check=_too_many,
+    steps=_steps,
+    values=lambda o, c: (
+        8 * len(o["problems"]) * c["atlas"]["amplitudes"]["count"] * o["dt_over_period"]["count"]
+        + 3 * len(o["problems"]) * o["portraits"]["points"] ** 2 * o["portraits"]["samples"]
+    ),
+    environment=MULTI_OUTPUT_FUSION,
+)
 def atlas(
     scheme: str,
     problems: Sequence[str],
@@ -173,7 +235,3 @@ def atlas(
             every=("dt_over_period", every[sampled_parts], {"long_name": "steps between two samples", "units": "1"})
         ),
     )
-
-
-if __name__ == "__main__":
-    main(atlas)

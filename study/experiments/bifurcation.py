@@ -5,15 +5,31 @@ import xarray as xr
 
 from study.marching.march import COMPLETED
 from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Numbers, RecordedSteps, SchemeName, Spring, Tolerance
 from study.problem.named import problems
 
 #: Distance at which a perturbation counts as of order one.
 ORDER_ONE = 0.1
 
 
+def _shown(o, c) -> str | None:
+    if o["shown"] > o["steps"]:
+        return f"shown, {o['shown']}, are more than the steps, {o['steps']}."
+    if o["dt"]["first"] <= 0:
+        return f"dt: first must be greater than zero, not {o['dt']['first']}."
+    return None
+
+
+@experiment(
+    "stability/bifurcation",
+    check=_shown,
+    steps=lambda o, c: 4 * o["dt"]["count"] * o["steps"],
+    values=lambda o, c: 6 * o["dt"]["count"] * o["steps"],
+)
 def bifurcation(
-    problem: str, scheme: str, dt: dict[str, float], steps: int, shown: int, perturbation: float
+    problem: Spring, scheme: SchemeName, dt: Numbers, steps: RecordedSteps, shown: Count, perturbation: Tolerance
 ) -> xr.Dataset:
     """The last displacements, the Lyapunov exponent, and the steps until two neighbours are apart, over step sizes.
 
@@ -85,7 +101,3 @@ def bifurcation(
             "scheme": scheme,
         },
     )
-
-
-if __name__ == "__main__":
-    main(bifurcation)

@@ -1,14 +1,14 @@
 """The last rows of Tables 1 and 2 of Xie (1996): the time of 100,000 steps at T/1000."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
 from study.marching.timing import Timed
 from study.observer.energy import MaxEnergyError
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Schemes, Springs
 from study.problem.named import printed_periods
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
@@ -16,9 +16,17 @@ from study.scheme.named import schemes as schemes_by_name
 BASELINE = "average_acceleration"
 
 
-def cpu_time(
-    problems: Sequence[str], schemes: Sequence[str], steps_per_period: int, steps: int, repeats: int
-) -> xr.Dataset:
+@experiment(
+    "cpu_time",
+    steps=lambda o, c: len(o["problems"]) * len(o["schemes"]) * o["steps"] * o["repeats"],
+    check=lambda o, c: (
+        None if BASELINE in o["schemes"] else f"schemes lacks '{BASELINE}', to which times are compared."
+    ),
+    timed=True,
+    # the time to compile is measured too, so nothing may come from an earlier process
+    environment={"JAX_ENABLE_COMPILATION_CACHE": "false"},
+)
+def cpu_time(problems: Springs, schemes: Schemes, steps_per_period: Count, steps: Count, repeats: Count) -> xr.Dataset:
     """Time of ``steps`` steps, energy observed, compilation apart.
 
     The schemes take turns, so that a slow moment of the machine meets all of them.
@@ -59,7 +67,3 @@ def cpu_time(
         },
         attrs={"title": f"Time of {steps} steps at T/{steps_per_period} with the energy observed", "steps": steps},
     )
-
-
-if __name__ == "__main__":
-    main(cpu_time)

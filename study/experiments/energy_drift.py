@@ -1,11 +1,17 @@
 """Why Runge-Kutta's error falls to 1.0 % at T/20 and rises to 8.3 % at T/25: the drift over many step sizes."""
 
+from typing import Annotated
+
 import numpy as np
 import xarray as xr
+from annotated_types import Ge, Le
+from typing_extensions import TypedDict
 
 from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, SchemeName, Spring, section
 from study.problem.named import printed_periods
 
 
@@ -21,12 +27,32 @@ def _steps_per_oscillation(u: np.ndarray, oscillations: int) -> float:
     return (crossings[-1] - crossings[0]) / oscillations
 
 
+@section
+class _Parts(TypedDict):
+    first: Annotated[float, Ge(1), Le(1e6)]
+    last: Annotated[float, Ge(1), Le(1e6)]
+    step: Annotated[float, Ge(1e-6), Le(1e6)]
+
+
+def _in_order(o, c) -> str | None:
+    first, last = (o["steps_per_period"][key] for key in ("first", "last"))
+    if first >= last:
+        return f"steps_per_period: first, {first}, must be less than last, {last}."
+    return None
+
+
+def _steps(o, c) -> float:
+    parts = o["steps_per_period"]
+    return ((parts["last"] - parts["first"]) / parts["step"] + 1) * parts["last"] * o["periods"]
+
+
+@experiment("energy_drift", check=_in_order, steps=_steps, values=lambda o, c: 3 * _steps(o, c))
 def energy_drift(
-    problem: str,
-    scheme: str,
-    steps_per_period: dict[str, float],
-    periods: int,
-    oscillations: int,
+    problem: Spring,
+    scheme: SchemeName,
+    steps_per_period: _Parts,
+    periods: Count,
+    oscillations: Count,
 ) -> xr.Dataset:
     """Signed energy error after ``periods`` periods, and how many steps an oscillation then takes.
 
@@ -74,7 +100,3 @@ def energy_drift(
             "scheme": scheme,
         },
     )
-
-
-if __name__ == "__main__":
-    main(energy_drift)

@@ -1,18 +1,21 @@
 """Tables 1 and 2 of Xie (1996): the largest energy error over 100 periods, for printed and for exact periods."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
 from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Counts, Schemes, Springs
 
 
-def energy_error(
-    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], periods: int
-) -> xr.Dataset:
+def _steps(o, c) -> int:
+    return 2 * len(o["problems"]) * len(o["schemes"]) * sum(o["steps_per_period"]) * o["periods"]
+
+
+@experiment("energy_error", reads=lambda o: [f"reference/{name}" for name in o["problems"]], steps=_steps)
+def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Largest energy error over ``periods`` periods of every scheme on every problem at every step size."""
     period_used = ["printed", "exact"]
     shape = (len(period_used), len(problems), len(steps_per_period), len(schemes))
@@ -51,7 +54,3 @@ def energy_error(
         },
         attrs={"title": "Largest energy error by problem, step size and scheme (Tables 1 and 2 of the paper)"},
     )
-
-
-if __name__ == "__main__":
-    main(energy_error)

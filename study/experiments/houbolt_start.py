@@ -1,18 +1,22 @@
 """Which start did the paper give Houbolt's method? The printed errors under every candidate."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
 from study.marching.run import run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Counts, Springs
 from study.problem.named import printed_periods
 from study.scheme.houbolt import Houbolt, starts
 
 
-def houbolt_start(problems: Sequence[str], steps_per_period: Sequence[int], periods: int) -> xr.Dataset:
+@experiment(
+    "houbolt_start",
+    steps=lambda o, c: len(starts) * len(o["problems"]) * sum(o["steps_per_period"]) * o["periods"],
+)
+def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Largest energy error of Houbolt's method over ``periods`` printed periods, by how it is started."""
     error = np.empty((len(problems), len(steps_per_period), len(starts)))
     for p, problem in enumerate(problems):
@@ -32,7 +36,3 @@ def houbolt_start(problems: Sequence[str], steps_per_period: Sequence[int], peri
         },
         attrs={"title": "Largest energy error of Houbolt's method by start, problem and step size"},
     )
-
-
-if __name__ == "__main__":
-    main(houbolt_start)

@@ -1,19 +1,28 @@
 """How large may a step be? Energy error and failure of every scheme from fine steps to one step per period."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
 from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Schemes, Sizes, Springs
 from study.problem.named import printed_periods
 
 
-def large_steps(
-    problems: Sequence[str], schemes: Sequence[str], dt_over_period: Sequence[float], periods: int
-) -> xr.Dataset:
+def _steps(o, c) -> float:
+    return len(o["problems"]) * len(o["schemes"]) * sum(o["periods"] / part for part in o["dt_over_period"])
+
+
+def _too_large(o, c) -> str | None:
+    if max(o["dt_over_period"]) > o["periods"]:
+        return f"dt_over_period: a step is longer than the {o['periods']} periods of the run."
+    return None
+
+
+@experiment("large_steps", check=_too_large, steps=_steps)
+def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, periods: Count) -> xr.Dataset:
     """Largest energy error, status and failing step over ``periods`` printed periods, by relative step size."""
     dims = ("problem", "scheme", "dt_over_period")
     shape = (len(problems), len(schemes), len(dt_over_period))
@@ -56,7 +65,3 @@ def large_steps(
         },
         attrs={"title": "Energy error and failure of the schemes at small and at large steps"},
     )
-
-
-if __name__ == "__main__":
-    main(large_steps)

@@ -1,6 +1,5 @@
 """Very long runs: what drifts, what the phase loses, and how round-off grows, in double and in single precision."""
 
-from collections.abc import Sequence
 from fractions import Fraction
 from typing import cast
 
@@ -12,7 +11,9 @@ from study import datasets
 from study.analysis.comparison import first_crossing
 from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Length, OneStepSchemes, RisingCounts, Spring
 from study.problem.definition import Problem
 from study.problem.named import problems
 from study.scheme.base import OneStep, Scheme
@@ -102,8 +103,21 @@ def growth(periods: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     return np.where(known, whole[..., 0], np.nan), np.where(known, error, np.nan)
 
 
+def _steps(o, c) -> int:
+    runs = len(o["schemes"]) * len(ARITHMETIC) * len(BITS) * o["runs"]
+    return runs * o["steps_per_period"] * sum(o["periods"])
+
+
+def _no_law(o, c) -> str | None:
+    lengths = o["periods"]
+    if sum(length >= lengths[-1] / 100 for length in lengths) < 3:
+        return "periods: a law of growth takes three lengths within the last two decades."
+    return None
+
+
+@experiment("long_times", reads=lambda o: [f"reference/{o['problem']}"], check=_no_law, steps=_steps)
 def long_times(
-    problem: str, schemes: Sequence[str], steps_per_period: int, periods: Sequence[int], runs: int
+    problem: Spring, schemes: OneStepSchemes, steps_per_period: Count, periods: RisingCounts, runs: Length
 ) -> xr.Dataset:
     """Errors of energy and phase by length of the run, how much of them is round-off, and their laws of growth.
 
@@ -211,7 +225,3 @@ def summary(observed: dict[str, np.ndarray], lengths: np.ndarray) -> xr.Dataset:
             "quantity": ("quantity", growing, {"long_name": "what grows"}),
         },
     )
-
-
-if __name__ == "__main__":
-    main(long_times)

@@ -1,19 +1,22 @@
 """Phase portraits of the numerical map: where its iterates lie from many initial states, at growing step sizes."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
 from study.marching.run import STATUS_ATTRIBUTES, run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Numbers, RecordedSteps, Schemes, Sizes, Spring
 from study.problem.named import problems
 
 
-def numerical_map(
-    problem: str, schemes: Sequence[str], dt: Sequence[float], u0: dict[str, float], steps: int
-) -> xr.Dataset:
+def _iterates(o, c) -> int:
+    return len(o["schemes"]) * len(o["dt"]) * o["u0"]["count"] * o["steps"]
+
+
+@experiment("stability/numerical_map", steps=_iterates, values=lambda o, c: 3 * _iterates(o, c))
+def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, steps: RecordedSteps) -> xr.Dataset:
     """Displacement and velocity after every step, from rest at many displacements.
 
     Parameters
@@ -53,7 +56,3 @@ def numerical_map(
         },
         attrs={"title": f"Iterates of the schemes on the {problems[problem].title}", "problem": problem},
     )
-
-
-if __name__ == "__main__":
-    main(numerical_map)

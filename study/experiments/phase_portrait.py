@@ -4,13 +4,37 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
+from typing_extensions import TypedDict
 
 from study.marching.run import run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Schemes, Size, Spring, section
 from study.problem.named import problems
 
 
+@section
+class _Portrait(TypedDict):
+    schemes: Schemes
+    dt: Size
+    duration: Size
+
+
+def _length(o, c) -> str | None:
+    if o["duration"] < o["dt"]:
+        return f"{o['problem']}: a duration of {o['duration']} is less than one step of {o['dt']}."
+    return None
+
+
+@experiment(
+    "phase_portrait",
+    model=dict[Spring, _Portrait],
+    split=lambda o: {problem: {"problem": problem, **portrait} for problem, portrait in o.items()},
+    check=_length,
+    steps=lambda o, c: len(o["schemes"]) * o["duration"] / o["dt"],
+    values=lambda o, c: 4 * len(o["schemes"]) * o["duration"] / o["dt"],
+)
 def phase_portrait(problem: str, schemes: Sequence[str], dt: float, duration: float) -> xr.Dataset:
     """Displacement, velocity and energy error of every scheme at the step size ``dt`` up to ``duration``."""
     progress(f"phase portraits of {problem}")
@@ -24,7 +48,3 @@ def phase_portrait(problem: str, schemes: Sequence[str], dt: float, duration: fl
         "problem_title": problems[problem].title,
     }
     return dataset
-
-
-if __name__ == "__main__":
-    main(phase_portrait)

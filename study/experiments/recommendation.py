@@ -1,14 +1,14 @@
 """What every scheme needs by target error and length of the run, from the work-precision dataset."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
 from study import datasets
+from study.analysis.comparison import MEASURES
 from study.analysis.recommendation import candidates
 from study.pipeline import labels
-from study.pipeline.command import main
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Counts, Names, Springs, Tolerances
 
 _NEEDS = {
     "steps_per_period": {"long_name": "steps per period that the scheme needs", "units": "1"},
@@ -17,9 +17,17 @@ _NEEDS = {
 }
 
 
-def recommendation(
-    problems: Sequence[str], measures: Sequence[str], errors: Sequence[float], periods: Sequence[int]
-) -> xr.Dataset:
+def _not_there(o, c) -> str | None:
+    work, accuracy = c["work_precision"]["schemes"], c["accuracy"]
+    for key, there in (("problems", work["problems"]), ("measures", MEASURES), ("periods", accuracy["periods"])):
+        strange = [one for one in o[key] if one not in there]
+        if strange:
+            return f"{key}: there is no {strange[0]} among {', '.join(map(str, there))}."
+    return None
+
+
+@experiment("recommendation", reads=lambda o: ["work_precision"], check=_not_there)
+def recommendation(problems: Springs, measures: Names, errors: Tolerances, periods: Counts) -> xr.Dataset:
     """What every scheme needs to keep an error, and the cheapest of them; NaN and empty where none keeps it."""
     data = datasets.open("work_precision")
     schemes = data.scheme.values.tolist()
@@ -48,7 +56,3 @@ def recommendation(
         },
         attrs={"title": "What every scheme needs to keep an error, and the cheapest of them"},
     )
-
-
-if __name__ == "__main__":
-    main(recommendation)

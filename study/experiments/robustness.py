@@ -9,7 +9,9 @@ from study import datasets
 from study.marching.run import run
 from study.observer.fate import LEVELS, Excursions, Fate
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import MULTI_OUTPUT_FUSION, experiment
+from study.pipeline.options import Counts, RisingCounts, Schemes, Springs
 from study.problem.named import problems as registry
 
 
@@ -33,9 +35,34 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
     return needed
 
 
-def robustness(
-    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], periods: Sequence[int]
-) -> xr.Dataset:
+def _steps(o, c) -> int:
+    return (
+        len(o["problems"])
+        * len(o["schemes"])
+        * sum(o["steps_per_period"])
+        * sum(o["periods"])
+        * c["atlas"]["amplitudes"]["count"]
+    )
+
+
+def _without_amplitudes(o, c) -> str | None:
+    for name in o["problems"]:
+        if name not in c["atlas"]["problems"]:
+            return f"problems: '{name}' is none of atlas.problems, whose amplitudes it takes."
+    return None
+
+
+@experiment(
+    "stability/robustness",
+    section="robustness",
+    split=lambda o: {problem: {**o, "problems": [problem]} for problem in o["problems"]},
+    along="problem",
+    reads=lambda o: ["reference/amplitudes"],
+    check=_without_amplitudes,
+    steps=_steps,
+    environment=MULTI_OUTPUT_FUSION,
+)
+def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: RisingCounts) -> xr.Dataset:
     """Fewest steps a period that keep the energy within 1, 5 and 10 percent at all amplitudes, by length of the run.
 
     The amplitudes are those of ``results/reference/amplitudes``, the period is the exact one at each amplitude.
@@ -75,7 +102,3 @@ def robustness(
         },
         attrs={"title": "Steps per period that every scheme needs at all amplitudes"},
     )
-
-
-if __name__ == "__main__":
-    main(robustness)

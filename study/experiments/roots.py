@@ -2,20 +2,23 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import cast
+from typing import Annotated, cast
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
+from annotated_types import Len
 
 from study.analysis.effective_equation import effective_coefficient, number_of_roots, unique_up_to
 from study.equilibrium.balance import balance, load
 from study.equilibrium.state import Motion
 from study.marching.run import run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Numbers, RecordedSteps, Schemes, Size, Spring, Tolerances
 from study.problem.definition import Problem
 from study.problem.named import problems
 from study.scheme.named import schemes as registry
@@ -74,14 +77,31 @@ def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequen
     return together
 
 
+def _no_equation(o, c) -> str | None:
+    for name in o["schemes"]:
+        try:
+            effective_coefficient(registry[name])
+        except ValueError as error:
+            return f"schemes: {error}"
+    if o["dt"]["first"] <= 0:
+        return f"dt: first must be greater than zero, not {o['dt']['first']}."
+    return None
+
+
+@experiment(
+    "stability/roots",
+    check=_no_equation,
+    values=lambda o, c: 3 * o["dt"]["count"] * o["steps"] + 4001 * o["dt"]["count"] * o["predictor"]["count"],
+    steps=lambda o, c: o["dt"]["count"] * o["steps"] * (1 + len(GUESSES) * len(o["tolerances"])),
+)
 def roots(
-    problem: str,
-    schemes: Sequence[str],
-    dt: dict[str, float],
-    predictor: dict[str, float],
-    paper_dt: float,
-    tolerances: Sequence[float],
-    steps: int,
+    problem: Spring,
+    schemes: Schemes,
+    dt: Numbers,
+    predictor: Numbers,
+    paper_dt: Size,
+    tolerances: Annotated[Tolerances, Len(3, 3)],
+    steps: RecordedSteps,
 ) -> xr.Dataset:
     """Number of roots over step size and predictor, Newton's choice at one step size, and how long tolerances agree.
 
@@ -157,7 +177,3 @@ def roots(
         },
         attrs={"title": f"Roots of the effective equation of the {definition.title}", "problem": problem},
     )
-
-
-if __name__ == "__main__":
-    main(roots)

@@ -1,6 +1,5 @@
 """Where refinement ends: the error at very small steps, and what compensated summation buys."""
 
-from collections.abc import Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -10,7 +9,9 @@ from study import datasets
 from study.analysis.comparison import flagged
 from study.marching.run import run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Counts, Schemes, Spring
 from study.problem.named import problems
 from study.scheme.base import OneStep
 from study.scheme.compensated import Compensated
@@ -20,7 +21,23 @@ from study.scheme.named import schemes as registry
 PHASE = Fraction(1, 8)
 
 
-def round_off(problem: str, schemes: Sequence[str], steps_per_period: Sequence[int], periods: int) -> xr.Dataset:
+def _phases(o, c) -> str | None:
+    odd = [parts for parts in o["steps_per_period"] if (parts * PHASE).denominator > 1]
+    if odd:
+        return f"steps_per_period: {odd[0]} is no multiple of {PHASE.denominator}."
+    known = c["references"]["steps_per_period"]
+    if not any(steps % PHASE.denominator == 0 for steps in known):
+        return f"references.steps_per_period has no multiple of {PHASE.denominator}, which round_off needs."
+    return None
+
+
+@experiment(
+    "round_off",
+    reads=lambda o: [f"reference/{o['problem']}"],
+    check=_phases,
+    steps=lambda o, c: 2 * len(o["schemes"]) * sum(o["steps_per_period"]) * (o["periods"] + 1),
+)
+def round_off(problem: Spring, schemes: Schemes, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """Error at the end of ``periods`` periods and an eighth, plain and compensated, by steps per period.
 
     A multi-step scheme keeps displacements and adds nothing to them; its compensated error is NaN.
@@ -81,7 +98,3 @@ def round_off(problem: str, schemes: Sequence[str], steps_per_period: Sequence[i
         },
         attrs={"title": f"Round-off at small steps on the {problems[problem].title}", "problem": problem},
     )
-
-
-if __name__ == "__main__":
-    main(round_off)

@@ -1,17 +1,29 @@
 """Regular or chaotic? How far two runs drift apart that start next to each other."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 
 from study.marching.run import run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Schemes, Size, Spring, Tolerance
 from study.problem.named import problems
 
 
-def sensitivity(problem: str, schemes: Sequence[str], dt: float, duration: float, perturbation: float) -> xr.Dataset:
+def _length(o, c) -> str | None:
+    if o["duration"] < o["dt"]:
+        return f"a duration of {o['duration']} is less than one step of {o['dt']}."
+    return None
+
+
+@experiment(
+    "sensitivity",
+    check=_length,
+    steps=lambda o, c: 2 * len(o["schemes"]) * o["duration"] / o["dt"],
+    values=lambda o, c: 4 * len(o["schemes"]) * o["duration"] / o["dt"],
+)
+def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, perturbation: Tolerance) -> xr.Dataset:
     """Distance |Δu| of two runs whose initial displacements differ by ``perturbation``, along time."""
     progress(f"sensitivity of {problem}")
     u0 = float(problems[problem].u0) + np.array([0.0, perturbation])
@@ -29,7 +41,3 @@ def sensitivity(problem: str, schemes: Sequence[str], dt: float, duration: float
         coords={"t": pairs[0].t, **labels.scheme_coordinates(schemes)},
         attrs={"title": f"Sensitivity of the schemes to the initial displacement: {problems[problem].title}"},
     )
-
-
-if __name__ == "__main__":
-    main(sensitivity)

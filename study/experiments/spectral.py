@@ -1,16 +1,20 @@
 """Linear theory of every scheme: spectral radius, period, damping, overshoot, order and stability limit."""
 
-from collections.abc import Sequence
+from typing import Annotated
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
+from annotated_types import Ge, Le, Len, Lt
+from typing_extensions import TypedDict
 
 from study.analysis.linear_theory import OVERSHOOT_STEPS, LinearTheory, oscillator
 from study.equilibrium import balance as equilibrium
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Schemes, section
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as registry
 from study.scheme.rederived import Rederived
@@ -69,7 +73,24 @@ def _of_scheme(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float)
     }
 
 
-def spectral(schemes: Sequence[str], exponents: dict[str, float], damping_ratios: Sequence[float]) -> xr.Dataset:
+@section
+class _Exponents(TypedDict):
+    first: Annotated[float, Ge(-9), Le(9)]
+    last: Annotated[float, Ge(-9), Le(9)]
+    per_decade: Annotated[int, Ge(1), Le(1000)]
+
+
+def _in_order(o, c) -> str | None:
+    first, last = (o["exponents"][key] for key in ("first", "last"))
+    return None if first < last else f"exponents: first, {first}, must be less than last, {last}."
+
+
+@experiment("spectral", check=_in_order)
+def spectral(
+    schemes: Schemes,
+    exponents: _Exponents,
+    damping_ratios: Annotated[list[Annotated[float, Ge(0), Lt(1)]], Len(1, 100)],
+) -> xr.Dataset:
     """What the amplification matrix of every scheme tells, by step size and damping of the oscillator.
 
     Parameters
@@ -112,7 +133,3 @@ def spectral(schemes: Sequence[str], exponents: dict[str, float], damping_ratios
         },
         attrs={"title": "Linear theory of the schemes, from the derivative of their steps"},
     ).transpose("scheme", "dt_over_period", "damping_ratio")
-
-
-if __name__ == "__main__":
-    main(spectral)

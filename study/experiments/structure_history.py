@@ -6,13 +6,16 @@ from functools import partial
 import jax
 import numpy as np
 import xarray as xr
+from typing_extensions import TypedDict
 
 from study import datasets
 from study.marching.run import run
 from study.observer.base import Observer
 from study.observer.motion import Quantity
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Name, Schemes, Size, Structure, section
 from study.problem.chains import oscillatory_energy
 from study.problem.definition import Problem
 from study.problem.named import problems, time_scales
@@ -32,6 +35,31 @@ def _observers(problem: str, definition: Problem) -> list[str | Observer]:
     return ["trajectory"] if from_rest else ["trajectory", "energy_error"]
 
 
+@section
+class _History(TypedDict):
+    problem: Structure
+    schemes: Schemes
+    steps_per_period: Count
+    periods: Size
+    every: Count
+
+
+def _length(o, c) -> str | None:
+    steps = round(o["periods"] * o["steps_per_period"])
+    if steps < o["every"] or steps % o["every"]:
+        return f"every, {o['every']}, does not divide the number of steps, {steps}."
+    return None
+
+
+@experiment(
+    "structure_history",
+    model=dict[Name, _History],
+    split=dict,
+    reads=lambda o: [f"reference/{o['problem']}"],
+    check=_length,
+    steps=lambda o, c: len(o["schemes"]) * o["periods"] * o["steps_per_period"],
+    values=lambda o, c: 600 * len(o["schemes"]) * o["periods"] * o["steps_per_period"] / o["every"],
+)
 def structure_history(
     problem: str, schemes: Sequence[str], steps_per_period: int, periods: float, every: int
 ) -> xr.Dataset:
@@ -67,7 +95,3 @@ def structure_history(
         "problem_title": definition.title,
     }
     return dataset
-
-
-if __name__ == "__main__":
-    main(structure_history)

@@ -1,6 +1,5 @@
 """Structures that are stiff or chaotic: how runs end, and what becomes of neighbours, at growing step sizes."""
 
-from collections.abc import Sequence
 from itertools import product
 
 import numpy as np
@@ -11,7 +10,9 @@ from study.equilibrium.newton import MAX_ITERATIONS
 from study.marching.march import NEWTON_FAILED
 from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Counts, Schemes, Sizes, StructureLengths
 from study.problem.loads import excited
 from study.problem.named import problems as registry
 from study.problem.named import time_scales
@@ -19,8 +20,21 @@ from study.problem.named import time_scales
 OBSERVED = ("lyapunov_exponent", "energy_balance", "newton_iterations")
 
 
+def _steps(o, c) -> float:
+    periods = sum(one["periods"] for one in o["lengths"])
+    return 1.5 * periods * len(o["schemes"]) * len(o["excitations"]) * sum(o["steps_per_period"])
+
+
+def _too_short(o, c) -> str | None:
+    for one in o["lengths"]:
+        if one["periods"] * min(o["steps_per_period"]) < 2:
+            return f"lengths: {one['periods']} periods of '{one['problem']}' are less than two steps."
+    return None
+
+
+@experiment("stability/structures", check=_too_short, steps=_steps)
 def structure_stability(
-    lengths: Sequence[dict], schemes: Sequence[str], excitations: Sequence[float], steps_per_period: Sequence[int]
+    lengths: StructureLengths, schemes: Schemes, excitations: Sizes, steps_per_period: Counts
 ) -> xr.Dataset:
     """Outcome, Lyapunov exponent of the numerical map and error of the balance of energies, over excitation and step.
 
@@ -104,7 +118,3 @@ def structure_stability(
         },
         attrs={"title": "How the schemes end on structures that are stiff or chaotic, over excitation and step size"},
     )
-
-
-if __name__ == "__main__":
-    main(structure_stability)

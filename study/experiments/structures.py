@@ -1,10 +1,13 @@
 """What becomes of the schemes on structures: error, balance of energy, momentum and effort, or how they fail."""
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import jax
 import numpy as np
 import xarray as xr
+from annotated_types import Ge, Le
+from typing_extensions import TypedDict
 
 from study import datasets
 from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
@@ -12,7 +15,9 @@ from study.observer.effort import NewtonIterations
 from study.observer.energy import EnergyBalance
 from study.observer.momentum import MomentumErrors
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Counts, Schemes, StructureLengths, section
 from study.problem.definition import Problem
 from study.problem.named import problems
 
@@ -68,6 +73,38 @@ def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, 
     return {name: derived.get(name, ds.get(name, np.nan)) for name in ATTRIBUTES}
 
 
+@section
+class _Structures(TypedDict):
+    lengths: StructureLengths
+    samples_per_period: Count
+    rtol: Annotated[float, Ge(1e-14), Le(1e-2)]
+    schemes: Schemes
+    steps_per_period: Counts
+
+
+def _samples(o, c) -> str | None:
+    samples = c["structures"]["samples_per_period"]
+    for steps in o["steps_per_period"]:
+        if steps % samples:
+            return f"steps_per_period: {steps} is no multiple of samples_per_period, {samples}."
+    if round(o["periods"] * samples) < 1 or abs(o["periods"] * samples - round(o["periods"] * samples)) > 1e-9:
+        return f"lengths: {o['periods']} periods of '{o['problem']}' are no whole number of samples, {samples} in each."
+    return None
+
+
+@experiment(
+    "structures",
+    model=_Structures,
+    split=lambda o: {
+        one["problem"]: {**one, "schemes": o["schemes"], "steps_per_period": o["steps_per_period"]}
+        for one in o["lengths"]
+    },
+    along="problem",
+    reads=lambda o: [f"reference/{o['problem']}"],
+    check=_samples,
+    values=lambda o, c: 600 * o["periods"] * c["structures"]["samples_per_period"],
+    steps=lambda o, c: o["periods"] * len(o["schemes"]) * sum(o["steps_per_period"]),
+)
 def structures(problem: str, schemes: Sequence[str], steps_per_period: Sequence[int], periods: float) -> xr.Dataset:
     """Every scheme on one structure, by steps per period, against the reference of ``reference/PROBLEM``.
 
@@ -120,7 +157,3 @@ def structures(problem: str, schemes: Sequence[str], steps_per_period: Sequence[
         },
         attrs={"title": "The schemes on structures: errors, balances and failures"},
     )
-
-
-if __name__ == "__main__":
-    main(structures)

@@ -1,7 +1,6 @@
 """What accuracy costs: the time, the forces and the Newton iterations of every scheme beside its errors."""
 
 import os
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
@@ -12,7 +11,9 @@ from study import datasets
 from study.marching.timing import Timed
 from study.observer.energy import EnergyDrift
 from study.pipeline import labels
-from study.pipeline.command import main, progress
+from study.pipeline.command import progress
+from study.pipeline.experiment import experiment, merged
+from study.pipeline.options import Count, Counts, Schemes, Springs
 from study.problem.named import problems as registry
 from study.scheme.named import schemes as schemes_by_name
 
@@ -22,9 +23,27 @@ LONG_ENOUGH = 0.004
 FIRST_STEPS = 10_000
 
 
-def work_precision(
-    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], repeats: int
-) -> xr.Dataset:
+def _not_there(o, c) -> str | None:
+    for key in ("problems", "schemes", "steps_per_period"):
+        there = c["accuracy"][key]
+        strange = [one for one in o[key] if one not in there]
+        if strange:
+            return f"{key}: there is no {strange[0]} among accuracy.{key}, {', '.join(map(str, there))}."
+    return None
+
+
+merged("work_precision", of=("work_precision/schemes", "work_precision/solvers"))
+
+
+@experiment(
+    "work_precision/schemes",
+    reads=lambda o: ["accuracy", *(f"reference/{name}" for name in o["problems"])],
+    check=_not_there,
+    timed=True,
+    temporary=True,
+    environment={"OMP_NUM_THREADS": "1"},
+)
+def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Counts, repeats: Count) -> xr.Dataset:
     """Cost of a step in three currencies, by steps per exact period, beside the errors of ``accuracy``.
 
     The schemes take turns, so that a slow moment of the machine meets all of them. A run that failed has no cost.
@@ -80,7 +99,3 @@ def work_precision(
     return ds.assign_coords(repeat=numbered, **labels.scheme_coordinates(schemes)).assign_attrs(
         title="Work and precision of schemes and solvers"
     )
-
-
-if __name__ == "__main__":
-    main(work_precision)

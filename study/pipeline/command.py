@@ -1,58 +1,74 @@
-"""How the pipeline calls a function that makes datasets: ``python -m MODULE OUTPUT... 'JSON OPTIONS'``."""
+"""How the pipeline runs an experiment: ``python -m study.pipeline.command MODULE DATASET OUTPUT... 'JSON OPTIONS'``."""
 
 import gc
-import inspect
+import importlib
 import json
 import sys
-from collections.abc import Callable
 
 import xarray as xr
 
+from study import datasets
 from study.datasets import check_writable, provenance, write
+from study.pipeline.experiment import DECLARED, Experiment, arguments_of
 from study.registry import did_you_mean
 
 
-def _options(function: Callable, text: str) -> dict:
-    """Options of ``function`` out of a JSON object, refused with a sentence when they do not fit."""
+def _options(experiment: Experiment, text: str) -> dict:
+    """Options of an experiment out of a JSON object, refused with a sentence when they do not fit."""
     try:
         options = json.loads(text)
     except json.JSONDecodeError as error:
         raise SystemExit(f"the options must be a JSON object: {error}.") from None
     if not isinstance(options, dict):
         raise SystemExit(f"the options must be a JSON object, not {text}.")
-    known = inspect.signature(function).parameters
+    known = arguments_of(experiment.function)
     for name in options:
         if name not in known:
             raise SystemExit(f"there is no option '{name}'; {did_you_mean(name, known)}")
-    missing = [name for name, p in known.items() if p.default is p.empty and name not in options]
+    missing = [name for name, (_, default) in known.items() if default is ... and name not in options]
     if missing:
         raise SystemExit(f"the option '{missing[0]}' is missing.")
     return options
 
 
-def main(function: Callable[..., xr.Dataset | tuple[xr.Dataset, ...]]) -> None:
-    """Make the datasets of ``function``, one for each output, and write each whole, with its provenance.
+def _declared(module: str, dataset: str) -> Experiment:
+    importlib.import_module(module)
+    declared = DECLARED.get((module, dataset))
+    if not isinstance(declared, Experiment):
+        made = [name for of, name in DECLARED if of == module]
+        raise SystemExit(f"{module} makes no dataset '{dataset}'; {did_you_mean(dataset, made)}")
+    return declared
+
+
+def main(arguments: list[str]) -> None:
+    """Make the datasets of one job, one for each output, and write each whole, with its provenance.
 
     The outputs are checked first.
     """
-    module = sys.modules[function.__module__].__spec__.name  # type: ignore[union-attr]
-    if len(sys.argv) < 3:
-        raise SystemExit(f"usage: python -m {module} OUTPUT... 'JSON OPTIONS'")
-    paths, options = [check_writable(path) for path in sys.argv[1:-1]], _options(function, sys.argv[-1])
+    if len(arguments) < 4:
+        raise SystemExit("usage: python -m study.pipeline.command MODULE DATASET OUTPUT... 'JSON OPTIONS'")
+    module, dataset, *outputs, text = arguments
+    declared = _declared(module, dataset)
+    paths, options = [check_writable(path) for path in outputs], _options(declared, text)
     # what has been imported stays: looking for garbage in it takes a sixth of the time of a job that compiles much
     gc.freeze()
     try:
-        made = function(**options)
+        with datasets.reading_only(declared.reads(options)):
+            made = declared.function(**options)
     except (KeyError, ValueError, FileNotFoundError) as error:
         raise SystemExit(f"{module}: {error}") from error
-    datasets = (made,) if isinstance(made, xr.Dataset) else made
-    if len(datasets) != len(paths):
-        raise SystemExit(f"{module} makes {len(datasets)} datasets, for which {len(paths)} outputs were given.")
-    for dataset, path in zip(datasets, paths, strict=True):
-        dataset.attrs = provenance(dataset.attrs.pop("title"), f"python -m {module}") | dataset.attrs
-        write(dataset, path)
+    results = (made,) if isinstance(made, xr.Dataset) else made
+    if len(results) != len(paths):
+        raise SystemExit(f"{module} makes {len(results)} datasets, for which {len(paths)} outputs were given.")
+    for one, path in zip(results, paths, strict=True):
+        one.attrs = provenance(one.attrs.pop("title"), f"python -m {module}") | one.attrs
+        write(one, path)
 
 
 def progress(message: str) -> None:
     """Tell the person who waits, and the log, what is being done."""
     print(message, flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,147 @@
+"""What an experiment declares: the datasets that it makes and reads, its options, and how much work they ask for.
+
+    @experiment("accuracy", reads=lambda o: [f"reference/{name}" for name in o["problems"]])
+    def accuracy(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Counts) -> xr.Dataset:
+
+is an experiment whose options are the section ``accuracy`` of the configuration and whose dataset is
+``results/accuracy.nc``. The types of the arguments bound the options (:mod:`study.pipeline.options`).
+"""
+
+import importlib
+import inspect
+import pkgutil
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+Options = dict[str, Any]
+
+#: XLA writes what a step computes once in place of computing it for each of its uses: ensembles take a tenth less time.
+#: Programs of structures and solvers it compiles at great length then.
+MULTI_OUTPUT_FUSION = {"XLA_FLAGS": "--xla_backend_extra_options=xla_cpu_use_multi_output_fusion=true"}
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A question of the study, or a reference solution.
+
+    Attributes
+    ----------
+    makes
+        The datasets, by their names in the results.
+    function
+        Makes them, one or a tuple, of its options.
+    section
+        Dotted key of the configuration that holds the options.
+    model
+        Type of that section, where it is not the arguments of the function; ``None`` where another experiment has it.
+    options
+        Options out of the whole configuration, where they are not the section.
+    split
+        Jobs of an experiment, by their names: the options of each. The datasets of job ``x`` are ``makes/x``.
+    along
+        Dimensions along which the jobs' datasets are put together to ``makes``; without them they stay apart.
+    parts
+        Folders of the jobs' datasets where they are kept, so that an interrupted experiment goes on with them.
+    reads
+        Names of the datasets that a job reads, by its options.
+    check
+        Sentence about options that do not fit each other or the rest of the configuration, or nothing.
+    steps, values
+        About how many steps of all runs, and how many numbers held at once, a job asks for.
+    timed
+        Whether the experiment measures times, and so has the machine to itself.
+    temporary
+        Whether the datasets are removed once others are made of them.
+    environment
+        Environment variables of the process.
+    """
+
+    makes: tuple[str, ...]
+    function: Callable
+    section: str
+    model: Any = None
+    options: Callable[[Mapping], Options] | None = None
+    split: Callable[[Options], Mapping[str, Options]] | None = None
+    along: str = ""
+    parts: tuple[str, ...] = ()
+    reads: Callable[[Options], Iterable[str]] = lambda options: ()
+    check: Callable[[Options, Mapping], str | None] = lambda options, configuration: None
+    steps: Callable[[Options, Mapping], float] = lambda options, configuration: 0
+    values: Callable[[Options, Mapping], float] = lambda options, configuration: 0
+    timed: bool = False
+    temporary: bool = False
+    environment: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def module(self) -> str:
+        """The module that declares it."""
+        return self.function.__module__
+
+    @property
+    def name(self) -> str:
+        """Name of its rule."""
+        return self.module.removeprefix("study.experiments.").replace(".", "_")
+
+    def options_of(self, configuration: Mapping) -> Options:
+        """The options out of a complete configuration."""
+        if self.options is not None:
+            return self.options(configuration)
+        for key in self.section.split("."):
+            configuration = configuration[key]
+        return dict(configuration)
+
+    def jobs(self, configuration: Mapping) -> dict[str, Options]:
+        """The options of every job, by the job's name, which is empty where there is only one."""
+        options = self.options_of(configuration)
+        return {"": options} if self.split is None else dict(self.split(options))
+
+    @property
+    def folders(self) -> tuple[str, ...]:
+        """Where the datasets of the jobs lie, one folder for each dataset."""
+        return self.parts or self.makes
+
+
+@dataclass(frozen=True, eq=False)
+class Merged:
+    """A dataset that complements several others into one."""
+
+    makes: str
+    of: tuple[str, ...]
+
+
+#: Every declaration of the modules that have been imported, by module and name.
+DECLARED: dict[tuple[str, str], Experiment | Merged] = {}
+
+
+def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Callable], Callable]:
+    """Declare the decorated function an experiment that makes datasets; see :class:`Experiment` for the rest."""
+
+    def declare(function: Callable) -> Callable:
+        one = Experiment(makes, function, section or makes[0].replace("/", "."), **declared)
+        DECLARED[one.module, makes[0]] = one
+        return function
+
+    return declare
+
+
+def merged(makes: str, of: Sequence[str]) -> None:
+    """Declare a dataset that is merged of others."""
+    DECLARED["", makes] = Merged(makes, tuple(of))
+
+
+def discover(*packages: str) -> list[Experiment | Merged]:
+    """All experiments that the modules of some packages declare."""
+    for name in packages:
+        package = importlib.import_module(name)
+        for module in pkgutil.iter_modules(package.__path__, f"{name}."):
+            importlib.import_module(module.name)
+    return list(DECLARED.values())
+
+
+def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
+    """Types and defaults of the arguments of a function, as pydantic takes fields; ``...`` is no default."""
+    parameters = inspect.signature(function, eval_str=True).parameters
+    return {
+        name: (one.annotation, ... if one.default is one.empty else one.default) for name, one in parameters.items()
+    }

@@ -1,0 +1,157 @@
+"""Types of the options of experiments, with their bounds.
+
+The arguments of an experiment carry these types; the check of the configuration and its schema follow from them. Every
+job of the pipeline imports this module, so it does not import pydantic, which reads the types and takes a quarter of a
+second.
+"""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from annotated_types import Ge, Gt, Le, Len
+from typing_extensions import TypedDict
+
+
+def section(kind: type) -> type:
+    """A section of the configuration, a TypedDict: it takes no key but its own, and no number of another type."""
+    kind.__pydantic_config__ = {"extra": "forbid", "strict": True}  # type: ignore[attr-defined]
+    return kind
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A check beyond type and bounds.
+
+    Parameters
+    ----------
+    function
+        Takes a value and the registries of names by kind, and returns the value; a ``ValueError`` refuses it.
+    early
+        Whether the check comes before those of type and bounds.
+    """
+
+    function: Callable[[Any, Mapping[str, Any]], Any]
+    early: bool = False
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Callable) -> Any:
+        """What pydantic asks an annotation for."""
+        from pydantic_core import core_schema
+
+        def check(value, info):
+            return self.function(value, info.context)
+
+        schema = handler(source)
+        if self.early:
+            return core_schema.with_info_before_validator_function(check, schema)
+        return core_schema.with_info_after_validator_function(check, schema)
+
+
+def _distinct(values: list, registries: Mapping[str, Any]) -> list:
+    for value in values:
+        if values.count(value) > 1:
+            raise ValueError(f"{value!r} stands there twice")
+    return values
+
+
+def _listed(kind: str) -> Checked:
+    """A name of the registry of this kind."""
+
+    def check(name: str, registries: Mapping[str, Any]) -> str:
+        try:
+            return registries[kind].resolve(name)
+        except KeyError as error:
+            raise ValueError(str(error.args[0]).rstrip(".")) from None
+
+    return Checked(check)
+
+
+def _plain(name: str, registries: Mapping[str, Any]) -> str:
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise ValueError(f"{name!r} must be a name of small letters, digits and underscores")
+    return name
+
+
+def _in_order(span: dict, registries: Mapping[str, Any]) -> dict:
+    if not span["first"] < span["last"]:
+        raise ValueError(f"first, {span['first']}, must be less than last, {span['last']}")
+    return span
+
+
+def _falling(values: list, registries: Mapping[str, Any]) -> list:
+    if values != sorted(values, reverse=True):
+        raise ValueError(f"must fall, not {values}")
+    return values
+
+
+def _rising(values: list, registries: Mapping[str, Any]) -> list:
+    if values != sorted(values):
+        raise ValueError(f"must rise, not {values}")
+    return values
+
+
+_SEVERAL = (Len(1, 1000), Checked(_distinct))
+
+#: A number of steps, periods or repeats.
+Count = Annotated[int, Ge(1), Le(10_000_000)]
+#: Steps of a run whose every step is stored.
+RecordedSteps = Annotated[int, Ge(1), Le(1_000_000)]
+#: The length of an axis of a dataset.
+Length = Annotated[int, Ge(2), Le(10_000)]
+#: A time, a step size or a displacement greater than zero.
+Size = Annotated[float, Ge(1e-9), Le(1e9)]
+#: A relative tolerance, error or perturbation.
+Tolerance = Annotated[float, Ge(1e-16), Le(1)]
+Counts = Annotated[list[Count], *_SEVERAL]
+RisingCounts = Annotated[list[Count], *_SEVERAL, Checked(_rising)]
+Sizes = Annotated[list[Size], *_SEVERAL]
+Tolerances = Annotated[list[Tolerance], *_SEVERAL]
+FallingTolerances = Annotated[list[Tolerance], *_SEVERAL, Checked(_falling)]
+
+#: A name that files can have, and several names.
+Name = Annotated[str, Checked(_plain)]
+Names = Annotated[list[Name], *_SEVERAL]
+#: A free oscillator of Xie (1996), a structure with a time scale, and a scheme, each by name.
+Spring = Annotated[str, _listed("spring")]
+Structure = Annotated[str, _listed("structure")]
+SchemeName = Annotated[str, _listed("scheme")]
+#: A scheme whose displacement and velocity are sums, which can be compensated.
+OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
+Springs = Annotated[list[Spring], *_SEVERAL]
+Schemes = Annotated[list[SchemeName], *_SEVERAL]
+OneStepSchemes = Annotated[list[OneStepName], *_SEVERAL]
+
+
+@section
+class _Numbers(TypedDict):
+    first: Annotated[float, Ge(-1e6), Le(1e6)]
+    last: Annotated[float, Ge(-1e6), Le(1e6)]
+    count: Length
+
+
+@section
+class _PowersOfTen(TypedDict):
+    first: Annotated[float, Ge(-9), Le(9)]
+    last: Annotated[float, Ge(-9), Le(9)]
+    count: Length
+
+
+#: So many numbers from ``first`` to ``last``; of the powers of ten ``first`` and ``last`` are the exponents.
+Numbers = Annotated[_Numbers, Checked(_in_order)]
+PowersOfTen = Annotated[_PowersOfTen, Checked(_in_order)]
+
+
+@section
+class StructureLength(TypedDict):
+    """How long a structure is run, in its time scale."""
+
+    problem: Structure
+    periods: Annotated[float, Gt(0), Le(1e6)]
+
+
+def _each_once(lengths: list, registries: Mapping[str, Any]) -> list:
+    return _distinct([one["problem"] for one in lengths], registries) and lengths
+
+
+StructureLengths = Annotated[list[StructureLength], Len(1, 1000), Checked(_each_once)]

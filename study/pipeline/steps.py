@@ -1,0 +1,117 @@
+"""The steps of the pipeline: what each makes of what by which command, derived from what experiments declare."""
+
+import json
+import shlex
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from study.pipeline.experiment import Experiment, Merged, Options
+from study.pipeline.sources import Sources, modules_of_schemes, schemes_in
+
+
+@dataclass(frozen=True)
+class Job:
+    """One command of a step, and the files that it needs."""
+
+    command: str
+    inputs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """Jobs of one kind, which become one rule.
+
+    Attributes
+    ----------
+    name, message
+        What the rule is called, and what it says when it starts.
+    outputs
+        Files that it makes, with the place of ``{job}`` where there are several jobs.
+    jobs
+        The jobs by name, which is empty where there is only one.
+    temporary
+        Whether the outputs are removed once they have been used.
+    alone
+        Whether nothing else may run beside it, as it measures times.
+    captions, category
+        Of what the report of the pipeline shows: by job, and under which heading.
+    """
+
+    name: str
+    message: str
+    outputs: tuple[str, ...]
+    jobs: Mapping[str, Job]
+    temporary: bool = False
+    alone: bool = False
+    captions: Mapping[str, str] = field(default_factory=dict)
+    category: str = ""
+
+
+def dataset(name: str) -> str:
+    """The file of a dataset."""
+    return f"results/{name}.nc"
+
+
+def command(module: str, *arguments: Any, environment: Mapping[str, str] | None = None) -> str:
+    """A command that runs a module."""
+    settings = [f"{name}={value}" for name, value in (environment or {}).items()]
+    return (
+        shlex.join(["env", *settings] if settings else [])
+        + " " * bool(settings)
+        + shlex.join(["python", "-m", module, *map(str, arguments)])
+    )
+
+
+def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
+    """The step of an experiment."""
+    folders = one.folders if one.along else one.makes
+    outputs = tuple(dataset(f"{name}/{{job}}" if one.split else name) for name in folders)
+
+    def job(name: str, options: Options) -> Job:
+        made = [output.replace("{job}", name) for output in outputs]
+        modules = [one.module, "study.pipeline.command", *modules_of_schemes(schemes_in(options))]
+        text = command(
+            "study.pipeline.command", one.module, one.makes[0], *made, json.dumps(options), environment=one.environment
+        )
+        return Job(text, (*map(dataset, one.reads(options)), *map(str, sources.of(*modules))))
+
+    return Step(
+        name=one.name,
+        message=one.name.replace("_", " "),
+        outputs=outputs,
+        jobs={name: job(name, options) for name, options in one.jobs(configuration).items()},
+        temporary=one.temporary or bool(one.along and not one.parts),
+        alone=one.timed,
+    )
+
+
+def _gathered(name: str, dimensions: str, parts: Iterable[str], sources: Sources) -> Step:
+    """The step that puts datasets together."""
+    files = [dataset(part) for part in parts]
+    return Step(
+        name=f"gathered_{name.replace('/', '_')}",
+        message=f"{name}: the datasets of {len(files)} jobs together",
+        outputs=(dataset(name),),
+        jobs={
+            "": Job(
+                command("study.pipeline.gather", dataset(name), dimensions, *files),
+                (*files, *map(str, sources.of("study.pipeline.gather"))),
+            )
+        },
+    )
+
+
+def steps_of(experiments: Iterable[Experiment | Merged], configuration: Mapping, sources: Sources) -> list[Step]:
+    """The steps of all experiments, each followed by what puts the datasets of its jobs together."""
+    steps: list[Step] = []
+    for one in experiments:
+        if isinstance(one, Merged):
+            steps.append(_gathered(one.makes, "none", one.of, sources))
+            continue
+        steps.append(_made_by(one, configuration, sources))
+        if one.along:
+            for name, folder in zip(one.makes, one.folders, strict=True):
+                parts = [f"{folder}/{job}" for job in one.jobs(configuration)]
+                steps.append(_gathered(name, one.along, parts, sources))
+    return steps
