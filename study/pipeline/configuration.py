@@ -3,19 +3,21 @@
 ``python -m study.pipeline.configuration`` prints the JSON schema.
 """
 
+import json
 from collections.abc import Iterable, Mapping
-from typing import Any
+from functools import cache
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 
-from study.pipeline.experiment import Experiment, Merged, arguments_of
+from study.pipeline.experiment import Experiment, Merged, arguments_of, discover
 from study.problem.named import printed_periods, problems, time_scales
 from study.registry import Registry, did_you_mean
 from study.scheme.base import OneStep
 from study.scheme.named import schemes
 
-#: Steps that the runs of a configuration may add up to: about a hundred times those of the full study, or a week.
-MOST_STEPS = 1e14
+#: Steps that the runs of a configuration may add up to: about ten times those of the full study, or a day on two cores.
+MOST_STEPS = 1e13
 #: Numbers that a job may hold at once: less than two gigabytes.
 MOST_VALUES = 2e8
 _STRICT = ConfigDict(extra="forbid", strict=True)
@@ -38,7 +40,8 @@ def complete(configuration: Any) -> Any:
     }
 
 
-def model_of(experiments: Iterable[Experiment | Merged]) -> type[BaseModel]:
+@cache
+def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
     """The model of the whole configuration, in which every section is that of an experiment."""
     tree: dict[str, Any] = {}
     for one in experiments:
@@ -58,27 +61,53 @@ def _nested(name: str, tree: dict[str, Any]) -> type[BaseModel]:
     return create_model(name, __config__=_STRICT, **fields)
 
 
-def _sentence(error: Any, configuration: Any) -> str:
-    """The first mistake that pydantic found, with the key and what would be right."""
-    place = ".".join(str(part) for part in error["loc"])
-    if error["type"] == "extra_forbidden":
-        *above, key = error["loc"]
-        return f"{'.'.join(map(str, above)) or 'the configuration'} has no key {key!r}; {error['known']}"
-    if error["type"] == "missing":
-        return f"the configuration lacks '{place}'."
-    if error["type"] == "value_error":
-        return f"{place}: {error['ctx']['error']}."
-    received = "" if isinstance(error["input"], dict | list) else f", not {error['input']!r}"
-    message = error["msg"].removeprefix("Input should be ").removeprefix("a valid ")
-    return f"{place} must be {message}{received}."
+#: What pydantic calls a type, and what a reader does.
+_TYPES = {
+    "int_type": "a whole number",
+    "float_type": "a number",
+    "string_type": "a text",
+    "list_type": "a list",
+    "dict_type": "a mapping of keys",
+    "model_type": "a mapping of keys",
+}
 
 
-def _known_keys(model: Any, above: Iterable[Any]) -> list[str]:
-    for key in above:
-        fields = getattr(model, "model_fields", None)
-        model = fields[key].annotation if fields and key in fields else None
-    fields = getattr(model, "model_fields", None) or getattr(model, "__annotations__", {})
-    return list(fields)
+def _sentence(mistake: Any, model: type[BaseModel]) -> str:
+    """One mistake that pydantic found, with the key and what would be right."""
+    location = [part for part in mistake["loc"] if part != "[key]"]
+    place, received = ".".join(map(str, location)), mistake["input"]
+    match mistake["type"]:
+        case "extra_forbidden":
+            *above, key = location
+            section = ".".join(map(str, above)) or "the configuration"
+            return f"{section} has no key {key!r}; {did_you_mean(str(key), _keys_of(model, above))}"
+        case "missing":
+            return f"the configuration lacks '{place}'."
+        case "value_error":
+            reason = str(mistake["ctx"]["error"])
+            return f"{place}: {reason}{'' if reason.endswith(('.', '?')) else '.'}"
+        case kind if kind in _TYPES:
+            wanted = _TYPES[kind]
+        case _:
+            wanted = mistake["msg"].removeprefix("Input should be ")
+    return f"{place} must be {wanted}{'' if isinstance(received, dict | list) else f', not {received!r}'}."
+
+
+def _keys_of(kind: Any, location: Iterable[Any]) -> list[str]:
+    """The keys of the section at a place of the configuration."""
+    for key in location:
+        kind = _plain(kind)
+        if get_origin(kind) in (list, dict):
+            kind = get_args(kind)[-1]
+        else:
+            kind = kind.model_fields[key].annotation if hasattr(kind, "model_fields") else get_type_hints(kind)[key]
+    kind = _plain(kind)
+    return list(kind.model_fields if hasattr(kind, "model_fields") else get_type_hints(kind))
+
+
+def _plain(kind: Any) -> Any:
+    """A type without its annotations."""
+    return get_args(kind)[0] if get_origin(kind) is Annotated else kind
 
 
 def check_form(model: type[BaseModel], configuration: Any) -> None:
@@ -97,12 +126,9 @@ def check_form(model: type[BaseModel], configuration: Any) -> None:
     try:
         model.model_validate(configuration, context=REGISTRIES)
     except ValidationError as mistakes:
-        # an unknown key tells most: where one is misspelt, another is missing
-        first = min(mistakes.errors(), key=lambda one: one["type"] != "extra_forbidden")
-        if first["type"] == "extra_forbidden":
-            *above, key = first["loc"]
-            first = dict(first) | {"known": did_you_mean(str(key), _known_keys(model, above))}  # type: ignore[assignment]
-        raise ValueError(_sentence(first, configuration)) from None
+        # where a key is misspelt another is missing, which tells less
+        first = min(mistakes.errors(), key=lambda mistake: mistake["type"] != "extra_forbidden")
+        raise ValueError(_sentence(first, model)) from None
 
 
 def _strange_keys(section: Any, place: str):
@@ -125,7 +151,7 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
     ValueError
         With one sentence that names the key or the dataset, and says what would be right.
     """
-    declared = list(experiments)
+    declared = tuple(experiments)
     whole = complete(configuration)
     check_form(model_of(declared), whole)
     steps, made = 0.0, set(datasets_of(declared, whole))
@@ -135,7 +161,7 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
         for options in one.jobs(whole).values():
             reason = one.check(options, whole)
             if reason is not None:
-                raise ValueError(f"{one.section}: {reason}")
+                raise ValueError(f"{one.section}.{reason}")
             for name in one.reads(options):
                 if name not in made:
                     raise ValueError(f"{one.section} reads '{name}', a dataset that this configuration does not make.")
@@ -147,7 +173,7 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
                 )
     if steps > MOST_STEPS:
         raise ValueError(
-            f"the configuration asks for {steps:.1e} steps in all, and more than {MOST_STEPS:.0e} would take weeks: "
+            f"the configuration asks for {steps:.1e} steps in all, and more than {MOST_STEPS:.0e} would take days: "
             "ask for fewer or shorter runs."
         )
     return whole
@@ -164,3 +190,12 @@ def datasets_of(experiments: Iterable[Experiment | Merged], configuration: Mappi
         else:
             names += [f"{name}/{job}" for job in one.jobs(configuration) for name in one.makes]
     return names
+
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of the configuration of the study and its references."""
+    return model_of(tuple(discover("reference", "study.experiments"))).model_json_schema()
+
+
+if __name__ == "__main__":
+    print(json.dumps(schema(), indent=1))

@@ -1,0 +1,206 @@
+"""The configuration is refused with one sentence that names the key, before any work."""
+
+import copy
+import json
+import math
+from pathlib import Path
+
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from snakemake.utils import update_config
+
+import study
+from study.pipeline import configuration
+from study.pipeline.experiment import discover
+from study.pipeline.sources import Sources
+from study.pipeline.steps import steps_of
+
+PROJECT = Path(__file__).parents[2]
+EXPERIMENTS = discover("reference", "study.experiments")
+SOURCES = Sources(PROJECT, "study", "reference", "paper")
+
+
+def _shipped(name: str) -> dict:
+    """A configuration laid over that of the study, as Snakemake does."""
+    settings = yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())
+    update_config(settings, yaml.safe_load((PROJECT / "config" / name).read_text()))
+    return settings
+
+
+SHIPPED = {name: _shipped(name) for name in ("study.yaml", "full.yaml")}
+
+
+@pytest.fixture(params=SHIPPED)
+def config(request) -> dict:
+    """The configurations that are shipped."""
+    return copy.deepcopy(SHIPPED[request.param])
+
+
+def _check(config):
+    return configuration.check(EXPERIMENTS, config)
+
+
+def test_what_is_shipped_is_accepted(config):
+    assert _check(config)["energy_error"] == config["energy_error"]
+
+
+def test_all_schemes_are_written_out(config):
+    config["accuracy"]["schemes"] = "all"
+    assert _check(config)["accuracy"]["schemes"] == list(study.schemes)
+
+
+def test_the_schema_knows_every_section():
+    schema = configuration.schema()
+    assert set(schema["required"]) == set(SHIPPED["study.yaml"]) and schema["additionalProperties"] is False
+    json.dumps(schema)
+
+
+def test_every_dataset_is_made_once(config):
+    names = configuration.datasets_of(EXPERIMENTS, _check(config))
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("whole", [{}, [], None, "x", 3, [{}]])
+def test_what_is_no_configuration_is_told(whole):
+    with pytest.raises(ValueError, match="^the configuration (must be a mapping|lacks 'references')"):
+        _check(whole)
+
+
+@pytest.mark.parametrize(
+    "change, sentence",
+    [
+        (lambda c: c.update(enery_error={}), "the configuration has no key 'enery_error'; did you mean 'energy_error'"),
+        (lambda c: c.update({True: 1}), "the key True of the configuration is no text"),
+        (lambda c: c["phase_portrait"].update({1: {}}), "the key phase_portrait.1 of the configuration is no text"),
+        (lambda c: c["cpu_time"].update(repeat=3), "cpu_time has no key 'repeat'; did you mean 'repeats'?"),
+        (lambda c: c["cpu_time"].update(repeats="many"), "cpu_time.repeats must be a whole number, not 'many'."),
+        (lambda c: c["cpu_time"].update(repeats=15.0), "cpu_time.repeats must be a whole number, not 15.0."),
+        (lambda c: c["cpu_time"].update(repeats=True), "cpu_time.repeats must be a whole number, not True."),
+        (lambda c: c["atlas"].update(portraits=None), "atlas.portraits must be a mapping of keys, not None."),
+        (lambda c: c["energy_error"].update(periods=0), "energy_error.periods must be greater than or equal to 1"),
+        (lambda c: c["energy_error"].pop("periods") and None, "the configuration lacks 'energy_error.periods'."),
+        (lambda c: c["sensitivity"].update(dt=math.nan), "sensitivity.dt must be less than or equal to 1000000000,"),
+        (lambda c: c["sensitivity"].update(dt=0), "sensitivity.dt must be greater than or equal to"),
+        (lambda c: c["sensitivity"].update(dt=1e6), "sensitivity.a duration of"),
+        (lambda c: c["phase_portrait"]["hardening"].update(dt=75), "phase_portrait.hardening: a duration of 15.0 is"),
+        (lambda c: c["energy_drift"]["steps_per_period"].update(first=50), "first, 50, must be less than last, 40."),
+        (lambda c: c["large_steps"].update(dt_over_period=[0.1, 300.0]), "large_steps.dt_over_period: a step is"),
+        (lambda c: c["cpu_time"].update(schemes=["rk4"]), "cpu_time.schemes lacks 'average_acceleration', to which"),
+        (
+            lambda c: c["structures"]["lengths"].append({"problem": "fpu_chian", "periods": 1}),
+            "there is no structure 'fpu_chian'; did you mean 'fpu_chain'?",
+        ),
+        (
+            lambda c: c["structures"]["lengths"].append({"problem": "fpu_chain", "period": 1}),
+            "has no key 'period'; did you mean 'periods'?",
+        ),
+        (lambda c: c["structures"]["lengths"].append(c["structures"]["lengths"][0]), "stands there twice."),
+        (lambda c: c["structures"]["lengths"][0].update(periods=0.001), "are no whole number of samples, 20 in each."),
+        (lambda c: c["structures"].update(steps_per_period=[25]), "25 is no multiple of samples_per_period, 20."),
+        (lambda c: c["large_steps"].update(problems=["pendulum"]), "large_steps.problems.0: there is no spring"),
+        (lambda c: c["atlas"].update(tiles=1000), "atlas.tiles: there are more of them, 1000, than amplitudes"),
+        (lambda c: c["atlas"]["dt_over_period"].update(last=5), "atlas.dt_over_period: a step is longer than the"),
+        (lambda c: c["atlas"]["amplitudes"].update(first=2), "atlas.amplitudes: first, 2.0, must be less than last,"),
+        (lambda c: c["atlas"]["amplitudes"].update(count=63 * 10**12), "atlas.amplitudes.count must be less than or"),
+        (lambda c: c["atlas"]["amplitudes"].update(first=-400), "atlas.amplitudes.first must be greater than or equal"),
+        (lambda c: c["robustness"]["problems"].append("softening_large"), "'softening_large' is none of"),
+        (lambda c: c["robustness"].update(periods=[100, 10]), "robustness.periods: must rise, not [100, 10]."),
+        (lambda c: c["stability"]["bifurcation"].update(shown=10**5), "stability.bifurcation.shown, 100000, are"),
+        (lambda c: c["stability"]["roots"]["schemes"].append("bathe"), "a step of 'Bathe' is not one effective"),
+        (lambda c: c["stability"]["roots"]["schemes"].append("bathed"), "there is no scheme 'bathed'; did you mean"),
+        (lambda c: c["stability"]["roots"].update(steps=4 * 10**14), "stability.roots.steps must be less than or"),
+        (lambda c: c["stability"]["numerical_map"].update(steps=10**6, dt=[1, 2, 3]), "numbers at once, and the"),
+        (lambda c: c["energy_drift"]["steps_per_period"].update(step=1e-12), "step must be greater than or equal to"),
+        (lambda c: c["energy_drift"]["steps_per_period"].update(step=1e-5), "energy_drift asks for 3.6e+10 numbers"),
+        (lambda c: c["phase_portrait"]["double_well"].update(dt=2.5e-7), "phase_portrait asks for"),
+        (lambda c: c["spectral"]["exponents"].update(first=-3000), "spectral.exponents.first must be greater than"),
+        (lambda c: c["spectral"].update(damping_ratios=[1.0]), "spectral.damping_ratios.0 must be less than 1, not"),
+        (lambda c: c["long_times"].update(periods=[10**7], runs=9000), "a law of growth takes three lengths"),
+        (lambda c: c["long_times"].update(periods=[10**6, 10**7 - 1, 10**7], runs=9000), "steps in all, and more"),
+        (lambda c: c["long_times"].update(periods=[10, 3, 30]), "long_times.periods: must rise, not [10, 3, 30]."),
+        (lambda c: c["long_times"].update(schemes=["park"]), "there is no one-step scheme 'park'"),
+        (lambda c: c["references"].update(problems=["hardening"]), "reads 'reference/softening', a dataset that this"),
+        (lambda c: c["references"].update(problems=["hard"]), "references.problems.0: there is no spring 'hard';"),
+        (lambda c: c["references"].update(steps_per_period=[8]), "is none of references.steps_per_period, [8]."),
+        (lambda c: c["work_precision"]["solvers"].update(problems=["double_well"] * 2), "'double_well' stands there"),
+        (lambda c: c["work_precision"]["schemes"].update(steps_per_period=[9]), "steps_per_period: there is no"),
+        (lambda c: c["work_precision"]["solvers"].update(tolerances=[1e-14]), "SciPy takes none below 2.2e-14, not"),
+        (lambda c: c["work_precision"]["solvers"].update(periods=[1]), "work_precision.solvers.periods lacks 100,"),
+        (lambda c: c["work_precision"]["solvers"].update(longest=0), "solvers.longest must be greater than 0, not 0."),
+        (lambda c: c["agreement"].update(tolerances=[1e-9, 1e-4]), "agreement.tolerances: must fall, not [1e-09,"),
+        (lambda c: c["recommendation"].update(measures=["energy"]), "recommendation.measures: there is no energy"),
+        (lambda c: c["accuracy"].update(schemes="most"), "accuracy.schemes must be a list, not 'most'."),
+        (lambda c: c["structure_history"]["stiff_soft"].update(every=7), "every, 7, does not divide the number of"),
+        (lambda c: c["structure_history"].update({"../x": c["structure_history"]["stiff_soft"]}), "'../x' must be a"),
+        (lambda c: c["phase_portrait"].update(soft=c["phase_portrait"]["softening"]), "there is no spring 'soft';"),
+    ],
+)  # fmt: skip
+def test_mistakes_get_a_sentence(config, change, sentence):
+    change(config)
+    with pytest.raises(ValueError) as caught:
+        _check(config)
+    assert sentence in str(caught.value)
+
+
+#: What a slip of the pen or of mind may put into a configuration.
+_ODD = st.one_of(
+    st.sampled_from([None, True, -1, 0, 1, 7, 10**7, 10**30, 1e-12, 1e300, math.nan, math.inf, "", "all", "hardening"]),
+    st.sampled_from(["rk4", "houbolt", "bdf2", "../up", "$(touch x)", [], {}, [1, 1], [[]], ["rk4", "rk4"], {1: 2}]),
+    st.integers(-(10**6), 10**6),
+    st.floats(),
+    st.text(max_size=5),
+    st.lists(st.integers(1, 10**5), max_size=4),
+)
+
+
+def _places(section, above=()):
+    """Every place of a configuration that holds something."""
+    entries = section.items() if isinstance(section, dict) else enumerate(section) if isinstance(section, list) else ()
+    for key, value in entries:
+        yield (*above, key)
+        yield from _places(value, (*above, key))
+
+
+@st.composite
+def _mutated(draw):
+    config = copy.deepcopy(SHIPPED[draw(st.sampled_from(sorted(SHIPPED)))])
+    for _ in range(draw(st.integers(1, 3))):
+        *above, last = draw(st.sampled_from(list(_places(config))))
+        section = config
+        for key in above:
+            section = section[key]
+        match draw(st.sampled_from(["put", "put", "put", "scale", "remove", "rename", "again"])):
+            case "put":
+                section[last] = draw(_ODD)
+            case "scale" if isinstance(section[last], int | float):
+                section[last] *= draw(st.sampled_from([-1, 0.5, 2, 10, 1e4]))
+            case "remove":
+                del section[last]
+            case "rename" if isinstance(section, dict):
+                section[draw(st.one_of(st.text(max_size=8), st.integers(), st.none()))] = section.pop(last)
+            case "again" if isinstance(section, list):
+                section.append(section[last])
+        if not list(_places(config)):
+            break
+    return config
+
+
+@settings(max_examples=2000, deadline=None, suppress_health_check=list(HealthCheck))
+@given(_mutated())
+def test_any_configuration_is_accepted_or_refused_in_one_sentence(config):
+    before = copy.deepcopy(config)
+    try:
+        whole = _check(config)
+    except ValueError as error:
+        sentence = str(error)
+        assert sentence and "\n" not in sentence and sentence.endswith((".", "?")), sentence
+        return
+    finally:
+        assert repr(config) == repr(before)
+    # what is accepted can be planned, and names no file outside of the results
+    for step in steps_of(EXPERIMENTS, whole, SOURCES):
+        assert step.jobs
+        for output in step.outputs:
+            assert output.startswith("results/") and ".." not in output
