@@ -55,9 +55,12 @@ def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
 
 
 def _nested(name: str, tree: dict[str, Any]) -> type[BaseModel]:
-    fields: dict[str, Any] = {
-        key: (_nested(key, value) if isinstance(value, dict) else value, ...) for key, value in tree.items()
-    }
+    fields: dict[str, Any] = {}
+    for key, value in tree.items():
+        section = _nested(key, value) if isinstance(value, dict) else value
+        known = getattr(section, "model_fields", None)
+        whole_by_default = known is not None and not any(one.is_required() for one in known.values())
+        fields[key] = (section, {} if whole_by_default else ...)
     return create_model(name, __config__=_STRICT, **fields)
 
 

@@ -32,7 +32,7 @@ class Experiment:
     function
         Makes them, one or a tuple, of its options.
     section
-        Dotted key of the configuration that holds the options.
+        Dotted key of the configuration that holds the options; it may be absent where all of them have defaults.
     model
         Type of that section, where it is not the arguments of the function; ``None`` where another experiment has it.
     options
@@ -84,12 +84,17 @@ class Experiment:
         return self.module.removeprefix("study.experiments.").replace(".", "_")
 
     def options_of(self, configuration: Mapping) -> Options:
-        """The options out of a complete configuration."""
+        """The options out of a complete configuration; what it leaves out has the defaults of the function."""
         if self.options is not None:
             return self.options(configuration)
         for key in self.section.split("."):
-            configuration = configuration[key]
-        return dict(configuration)
+            configuration = configuration.get(key, {})
+        return (self.defaults if self.model is None else {}) | dict(configuration)
+
+    @property
+    def defaults(self) -> Options:
+        """The arguments of the function that have defaults, with these."""
+        return {name: default for name, (_, default) in arguments_of(self.function).items() if default is not ...}
 
     def jobs(self, configuration: Mapping) -> dict[str, Options]:
         """The options of every job, by the job's name, which is empty where there is only one."""
