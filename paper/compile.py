@@ -5,16 +5,26 @@ from pathlib import Path
 
 import typst
 
+from paper.manuscript import TEXT, check_uses, made_in
+
 
 def main(results: Path, output: Path) -> None:
-    """Compile ``manuscript.typ`` with the numbers, tables and figures of a results folder.
+    """Compile ``manuscript.typ`` with the numbers, tables and figures of a folder of results.
 
-    Typst may read below its root only; as results may lie anywhere, that is the root of the file system. The fixed
-    time stamp makes the same inputs give the same bytes.
+    Typst reads only below its root. Results may lie anywhere, so the root is that of the file system. The fixed time
+    stamp makes the same inputs give the same bytes.
+
+    Raises
+    ------
+    SystemExit
+        If the text uses a number, figure or table that the results lack; the message has the line of the text.
     """
-    manuscript = Path(__file__).parent / "manuscript.typ"
+    try:
+        check_uses(TEXT.read_text(encoding="utf-8"), made_in(results))
+    except ValueError as error:
+        raise SystemExit(str(error)) from None
     typst.compile(
-        str(manuscript),
+        str(TEXT),
         output=str(output),
         root="/",
         sys_inputs={"results": str(results.resolve())},

@@ -3,27 +3,64 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from paper.published import printed_energy_errors
+from paper.published import SCHEMES
+
+#: The attribute ``source`` of every dataset of the study.
+SOURCE = "study: time integration schemes on non-linear dynamic equations"
+
+
+def _check_there(path: Path) -> None:
+    """End the program with a sentence if a file is missing or empty."""
+    if not path.is_file():
+        raise SystemExit(f"There is no file '{path}'; make it with `snakemake {path}`.")
+    if path.stat().st_size == 0:
+        raise SystemExit(f"'{path}' is empty; delete it and run `snakemake {path}`.")
 
 
 def load(path: str | Path) -> xr.Dataset:
-    """Read a dataset whole; one that is damaged ends the program with a sentence."""
+    """Read a whole dataset.
+
+    Raises
+    ------
+    SystemExit
+        If the file is missing, empty, damaged or no dataset of the study; the message is one sentence.
+    """
+    _check_there(Path(path))
     try:
-        return xr.load_dataset(path, engine="netcdf4")
+        dataset = xr.load_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, ValueError) as error:
         raise SystemExit(
             f"'{path}' is damaged or no netCDF file ({error}); delete it and run `snakemake {path}`."
         ) from None
+    if dataset.attrs.get("source") != SOURCE:
+        raise SystemExit(f"'{path}' was not written by this study; delete it and run `snakemake {path}`.")
+    return dataset
+
+
+def load_table(path: str | Path) -> pd.DataFrame:
+    """Read a CSV file as texts.
+
+    Raises
+    ------
+    SystemExit
+        If the file is missing, empty or damaged; the message is one sentence.
+    """
+    _check_there(Path(path))
+    try:
+        return pd.read_csv(path, dtype=str, keep_default_na=False)
+    except ValueError as error:
+        raise SystemExit(f"'{path}' is no CSV file ({error}); delete it and run `snakemake {path}`.") from None
 
 
 def of_the_paper(dataset: xr.Dataset) -> xr.Dataset:
-    """The part of a dataset that has the paper's own schemes, in the order of its tables."""
-    return dataset.sel(scheme=printed_energy_errors().scheme.values)
+    """The part of a dataset with the schemes of 1996, in the order of the paper's tables."""
+    return dataset.sel(scheme=SCHEMES)
 
 
 def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
-    """The parts of a dataset that have the schemes of one family each, in the order in which families appear."""
+    """The parts of a dataset with the schemes of one family each, in the order in which the families appear."""
     names = dict.fromkeys(dataset.family.values.tolist())
     return {name: dataset.isel(scheme=np.flatnonzero(dataset.family.values == name)) for name in names}

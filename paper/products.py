@@ -1,40 +1,48 @@
-"""What the paper is made of: figures, tables, numbers and claims, each declared where it is made.
+"""Figures, tables, numbers, claims and pages of the paper, each declared where it is made.
 
-A declaration names the datasets that the product reads, by the arguments that take them, the caption, and what the
-product asks of the configuration. The pipeline finds all declarations with :func:`discover`, and makes one product with
+A declaration names the datasets that the product reads, by the arguments that take them, its caption, and what it asks
+of the configuration. The pipeline finds all declarations with :func:`discover`. One figure, table or page is made with
 ``python -m paper.products MODULE NAME RESULTS OUTPUT``.
 """
 
+import functools
 import importlib
+import inspect
 import pkgutil
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-#: What is asked of the configuration, by dotted key: a list must contain these values, anything else must be the value;
-#: a function of the value returns a sentence if it will not do.
-Asked = Mapping[str, Any]
+from paper.data import load, load_table
+
+#: Requirements on the configuration by dotted key. A list must be contained in the value, and any other object must
+#: equal it. A function takes the value and returns a sentence if it is unfit, None otherwise. The key "" stands for
+#: the whole configuration. A key that leads into a list of mappings stands for the list of their values.
+Asks = Mapping[str, Any]
+#: Folders and modules of ``paper`` that hold declarations.
+PLACES = ("claims", "explorer", "figures", "manuscript", "numbers", "tables")
 
 
 @dataclass(frozen=True)
 class Product:
-    """A figure, table, set of numbers or claim.
+    """A figure, table, page, set of numbers or claim; or the text of the manuscript, which only asks.
 
     Attributes
     ----------
     kind, name, module
-        ``figure``, ``table``, ``numbers`` or ``claim``; its name; the module that declares it.
+        ``figure``, ``table``, ``page``, ``numbers``, ``claim`` or ``text``; the name of the product; the module that
+        declares it.
     function
-        Makes the product of its datasets, given by the names in ``reads``.
+        Function of the datasets in ``reads`` that returns the product.
     reads
-        Argument: the dataset that it takes, by its name in the results, or a list of them. A name with a suffix is
+        The dataset that each argument takes, by its name in the results, or a list of names. A name with a suffix is
         another file of the results.
     caption
         Sentence for the report of the pipeline.
     asks
-        What must be in the configuration for the product to be right.
+        Requirements on the configuration.
     """
 
     kind: str
@@ -43,7 +51,7 @@ class Product:
     function: Callable
     reads: Mapping[str, str | Sequence[str]]
     caption: str
-    asks: Asked
+    asks: Asks
 
     @property
     def files(self) -> list[str]:
@@ -51,83 +59,157 @@ class Product:
         names = [name for one in self.reads.values() for name in ([one] if isinstance(one, str) else one)]
         return [name if Path(name).suffix else f"{name}.nc" for name in names]
 
+    @property
+    def label(self) -> str:
+        """Kind and name, for messages."""
+        return f"{self.kind} '{self.name.rpartition(':')[2]}'"
+
 
 PRODUCTS: dict[tuple[str, str], Product] = {}
 
 
-def _declared(kind: str, name: str, caption: str, asks: Asked | None, reads: dict) -> Callable:
-    def declare(function: Callable) -> Callable:
-        module = _name_of(function)
+def declare(product: Product) -> None:
+    """Enter a product.
+
+    Raises
+    ------
+    ValueError
+        If a product of the kind has the name already.
+    """
+    known = PRODUCTS.setdefault((product.kind, product.name), product)
+    if known is not product:
+        raise ValueError(f"{product.label} is declared twice, in {known.module} and in {product.module}.")
+
+
+def _declared(kind: str, name: str, caption: str, asks: Asks | None, reads: dict) -> Callable:
+    def enter(function: Callable) -> Callable:
+        module = function.__module__
         product = Product(kind, name or module.rpartition(".")[-1], module, function, reads, caption, asks or {})
-        known = PRODUCTS.setdefault((kind, product.name), product)
-        if known.module != module:
-            raise ValueError(f"{kind} '{product.name}' is declared in {known.module} and in {module}.")
+        try:
+            inspect.signature(function).bind(**reads)
+        except TypeError as error:
+            raise ValueError(f"The datasets of {product.label} do not fit its function: {error}.") from None
+        declare(product)
         return function
 
-    return declare
+    return enter
 
 
-def _name_of(function: Callable) -> str:
-    """The module of a function."""
-    return function.__module__
-
-
-def figure(caption: str, *, name: str = "", asks: Asked | None = None, **reads: str | Sequence[str]) -> Callable:
-    """Declare a figure, of the name of its module if no other is given: a function of datasets that draws it."""
+def figure(caption: str, *, name: str = "", asks: Asks | None = None, **reads: str | Sequence[str]) -> Callable:
+    """Declare a figure, named as its module unless ``name`` is given: a function of datasets that draws it."""
     return _declared("figure", name, caption, asks, reads)
 
 
-def table(*, name: str = "", asks: Asked | None = None, **reads: str | Sequence[str]) -> Callable:
-    """Declare a table, of the name of its module if no other is given: a function of datasets that returns a frame."""
+def table(*, name: str = "", asks: Asks | None = None, **reads: str | Sequence[str]) -> Callable:
+    """Declare a table, named as its module unless ``name`` is given: a function of datasets that returns a frame."""
     return _declared("table", name, "", asks, reads)
 
 
-def numbers(*, asks: Asked | None = None, **reads: str | Sequence[str]) -> Callable:
+def page(caption: str, *, name: str = "", asks: Asks | None = None, **reads: str | Sequence[str]) -> Callable:
+    """Declare a page, named as its module unless ``name`` is given: a function of datasets that returns HTML."""
+    return _declared("page", name, caption, asks, reads)
+
+
+def numbers(*, asks: Asks | None = None, **reads: str | Sequence[str]) -> Callable:
     """Declare numbers of the text: a function of datasets that returns them by name."""
 
-    def declare(function: Callable) -> Callable:
-        return _declared("numbers", f"{_name_of(function)}:{function.__name__}", "", asks, reads)(function)
+    def enter(function: Callable) -> Callable:
+        return _declared("numbers", f"{function.__module__}:{function.__name__}", "", asks, reads)(function)
 
-    return declare
-
-
-def discover() -> list[Product]:
-    """All products of the paper, by kind and name."""
-    for folder in ("claims", "figures", "numbers", "tables"):
-        package = importlib.import_module(f"paper.{folder}")
-        for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
-            importlib.import_module(module.name)
-    return sorted(PRODUCTS.values(), key=lambda product: (product.kind, product.name))
+    return enter
 
 
-def _read(results: Path, name: str) -> Any:
-    """A dataset or another file of the results."""
-    from paper.data import load, load_table
+def discover(places: Iterable[str] = PLACES) -> list[Product]:
+    """Import the modules in some places of the paper, and return the products declared there by kind and name."""
+    for place in places:
+        package = importlib.import_module(f"paper.{place}")
+        for module in pkgutil.iter_modules(getattr(package, "__path__", []), f"{package.__name__}."):
+            if not module.name.endswith("__main__"):
+                importlib.import_module(module.name)
+    prefixes = tuple(f"paper.{place}" for place in places)
+    found = [product for product in PRODUCTS.values() if product.module.startswith(prefixes)]
+    return sorted(found, key=lambda product: (product.kind, product.name))
 
-    return load_table(results / name) if Path(name).suffix == ".csv" else load(results / f"{name}.nc")
+
+def _value(config: Any, key: str) -> Any:
+    """The value at a dotted key, or a list of values where a part of the key leads into a list of mappings."""
+    for part in filter(None, key.split(".")):
+        config = [one[part] for one in config] if isinstance(config, list) else config[part]
+    return config
 
 
-def made(product: Product, results: Path) -> Any:
-    """What the function of a product returns for the datasets in a folder of results."""
-    arguments = {
-        argument: _read(results, name) if isinstance(name, str) else [_read(results, one) for one in name]
-        for argument, name in product.reads.items()
-    }
-    return product.function(**arguments)
+def check(products: Iterable[Product], config: dict) -> None:
+    """Refuse a configuration that lacks what a product asks.
+
+    Raises
+    ------
+    ValueError
+        If a requirement is not met. The message is one sentence that names the key and the product.
+    """
+    for product in products:
+        for key, asked in product.asks.items():
+            try:
+                value = _value(config, key)
+            except (KeyError, TypeError):
+                raise ValueError(f"{key} is missing, and {product.label} needs it.") from None
+            if callable(asked):
+                sentence = asked(value)
+                if sentence:
+                    raise ValueError(sentence)
+            elif isinstance(asked, list):
+                missing = [one for one in asked if one not in value]
+                if missing:
+                    raise ValueError(f"{key} lacks {missing[0]!r}, which {product.label} needs.")
+            elif value != asked:
+                raise ValueError(f"{key} must be {asked!r} for {product.label}, not {value!r}.")
+
+
+def reader(results: Path) -> Callable[[str], Any]:
+    """A function that reads a dataset or table of the results by name, each once."""
+
+    @functools.cache
+    def read(name: str) -> Any:
+        return load_table(results / name) if Path(name).suffix else load(results / f"{name}.nc")
+
+    return read
+
+
+def made(product: Product, read: Callable[[str], Any]) -> Any:
+    """What the function of a product returns for its datasets."""
+    return product.function(
+        **{
+            argument: read(name) if isinstance(name, str) else [read(one) for one in name]
+            for argument, name in product.reads.items()
+        }
+    )
 
 
 def main(module: str, name: str, results: str, output: str) -> None:
-    """Make one figure or table and write it in all its formats, next to ``output``."""
+    """Make one figure, table or page, and write it in all its formats next to ``output``."""
     importlib.import_module(module)
-    kind = module.split(".")[1].removesuffix("s")
-    if kind == "figure":
-        from paper.figures.style import save as write
+    of_module = [product for product in PRODUCTS.values() if product.module == module and product.name == name]
+    if not of_module:
+        raise SystemExit(f"{module} declares no product '{name}'.")
+    (product,) = of_module
+    path = Path(output)
+    # by its name, so that a change of the style concerns figures only: each of their modules imports it
+    style = importlib.import_module("paper.figures.style") if product.kind == "figure" else None
+    one = made(product, reader(Path(results)))
+    if style is not None:
+        style.save(one, path)
+    elif product.kind == "table":
+        write_table(one, path)
     else:
-        from paper.tables.writing import write
-    write(made(PRODUCTS[kind, name], Path(results)), Path(output))
+        path.with_suffix(".html").write_text(one, encoding="utf-8")
+
+
+def write_table(frame: Any, output: Path) -> None:
+    """Write a frame of ready texts as CSV and as LaTeX with the rules of booktabs."""
+    frame.to_csv(output.with_suffix(".csv"), index=False)
+    output.with_suffix(".tex").write_text(frame.to_latex(index=False, escape=True))
 
 
 if __name__ == "__main__":
-    from paper import products  # the module that the declarations know, which is not this one while it runs
+    from paper import products  # declarations enter in this module, of which the running one is a copy
 
     products.main(*sys.argv[1:])

@@ -1,29 +1,21 @@
-"""``python -m paper.claims OUTPUT RESULTS NAME...`` checks every claim against the named datasets."""
+"""``python -m paper.claims RESULTS OUTPUT`` checks every claim against the datasets that it reads."""
 
 import sys
 from pathlib import Path
 
 import pandas as pd
 
-from paper.claims import comparisons, conclusions, discussion, introduction, stability, structures  # noqa: F401  (they enter theirs)
 from paper.claims.ledger import CLAIMS
-from paper.data import load, of_the_paper
-from paper.published import printed_energy_errors
+from paper.products import discover, made, reader
 
 
-def main(output: Path, results: Path, names: list[str]) -> None:
-    """Write the ledger, a line a claim, in the order of the paper."""
-    data = {name: load(results / f"{name}.nc") for name in names}
-    # the paper speaks of its own schemes; on structures they stand beside those of today
-    own = set(printed_energy_errors().scheme.values)
-    data |= {
-        name: of_the_paper(dataset)
-        for name, dataset in data.items()
-        if "scheme" in dataset.dims and own < set(dataset.scheme.values) and name != "structures"
-    }
+def main(results: Path, output: Path) -> None:
+    """Write the ledger, a line a claim, in the order of the paper's sections."""
+    discover(["claims"])
+    read = reader(results)
     rows = []
-    for number, claim in enumerate(sorted(CLAIMS, key=lambda claim: claim.section), start=1):
-        finding = claim.check(data)
+    for number, claim in enumerate(sorted(CLAIMS, key=lambda one: one.section), start=1):
+        finding = made(claim.product, read)
         rows.append(
             {
                 "number": number,
@@ -40,4 +32,4 @@ def main(output: Path, results: Path, names: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3:])
+    main(*map(Path, sys.argv[1:]))

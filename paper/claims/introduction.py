@@ -12,13 +12,23 @@ def _of_references(data: Data, variable: str) -> dict[str, float]:
     return {name: data[f"reference/{name}"][variable].item() for name in PERIODS}
 
 
-@claim("1", "The exact solutions keep their total energy.", "largest relative change of the energy along the reference")
+@claim(
+    "1",
+    "The exact solutions keep their total energy.",
+    "largest relative change of the energy along the reference",
+    reads=["reference/hardening", "reference/softening", "reference/softening_large", "reference/double_well"],
+)
 def energy_is_kept(data):
     worst = max(_of_references(data, "energy_drift").values())
     return Finding(f"{worst:.0e}", worst < 1e-12)
 
 
-@claim("1", "Equations (2) and (3) have periodic solutions.", "largest distance from the start after one exact period")
+@claim(
+    "1",
+    "Equations (2) and (3) have periodic solutions.",
+    "largest distance from the start after one exact period",
+    reads=["reference/hardening", "reference/softening", "reference/softening_large", "reference/double_well"],
+)
 def solutions_are_periodic(data):
     distances = []
     for name in PERIODS:
@@ -31,6 +41,7 @@ def solutions_are_periodic(data):
     "1",
     "The period can be found analytically or by integration with very small steps.",
     "relative error of the period by CVODE, diffrax and heyoka at their tightest tolerance",
+    reads=["reference_agreement"],
 )
 def period_by_every_route(data):
     best = by_name(data["reference_agreement"].period_error.min("tolerance").max("problem"))
@@ -41,6 +52,7 @@ def period_by_every_route(data):
     "1",
     "Even on a simple unforced oscillator the Newmark method may predict chaos.",
     "growth of a perturbation of 1e-10 under average acceleration in the double well",
+    reads=["sensitivity"],
 )
 def newmark_may_be_chaotic(data):
     separation = data["sensitivity"].separation.sel(scheme="average_acceleration")
@@ -51,6 +63,7 @@ def newmark_may_be_chaotic(data):
     "2.1",
     "Newmark's method with β = 0 and γ = ½ is the method of central difference.",
     "largest residual of (uₙ₊₁ − 2uₙ + uₙ₋₁)/Δt² + p(uₙ) = 0, relative to the largest force",
+    reads=["phase_portrait/hardening"],
 )
 def newmark_beta_zero_is_central_difference(data):
     portrait = data["phase_portrait/hardening"].sel(scheme="central_difference")
@@ -66,6 +79,7 @@ def newmark_beta_zero_is_central_difference(data):
     "Houbolt's method is started as in Argyris and Mlejnek (the start is not named).",
     "error on the hardening spring at T/20 by start",
     "97.3 %",
+    reads=["houbolt_start"],
 )
 def start_of_houbolt(data):
     at = data["houbolt_start"].max_energy_error.sel(problem="hardening", steps_per_period=20)

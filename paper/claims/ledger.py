@@ -1,10 +1,16 @@
 """What a claim is, and how the datasets decide it."""
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import xarray as xr
+
+from paper.data import of_the_paper
+from paper.products import Product, declare
+from paper.published import SCHEMES
 
 Data = Mapping[str, xr.Dataset]
 
@@ -45,20 +51,92 @@ class Claim:
     statement: str
     quantity: str
     printed: str
-    check: Callable[[Data], Finding]
+    product: Product
+
+
+class Declared(dict[str, xr.Dataset]):
+    """The datasets that a claim declares, by name."""
+
+    def __init__(self, statement: str, datasets: Mapping[str, xr.Dataset]):
+        super().__init__(datasets)
+        self.statement = statement
+
+    def __missing__(self, name: str) -> xr.Dataset:
+        """Refuse any other dataset."""
+        raise ValueError(f"The claim '{self.statement}' reads the dataset '{name}', which it does not declare.")
 
 
 CLAIMS: list[Claim] = []
+#: Sections with claims of ours, and the prefix of their numbers in the text. All other sections are the paper's.
+OURS = {"stability": "stability_claims", "structures": "structure_claims"}
+_SECTION_OF_THE_PAPER = re.compile(r"[1-5](\.[1-9])?")
+#: Datasets over the schemes of 1996, and of later ones if the configuration says so.
+_OVER_SCHEMES = ("cpu_time", "energy_error", "large_steps", "sensitivity", "spectral", "phase_portrait/")
 
 
-def claim(section: str, statement: str, quantity: str, printed: str = "") -> Callable:
-    """Enter the decorated check into the ledger."""
+def claim(
+    section: str,
+    statement: str,
+    quantity: str,
+    printed: str = "",
+    *,
+    reads: Sequence[str],
+    asks: Mapping[str, Any] | None = None,
+) -> Callable:
+    """Enter the decorated check into the ledger.
+
+    The check takes the datasets that it reads by name. Those of a claim of the paper are cut to the paper's schemes,
+    and the configuration must have them all; those of our claims are whole.
+
+    Parameters
+    ----------
+    section
+        Number of a section of the paper, or a name in ``OURS``.
+    statement, quantity, printed
+        The claim in our words, the quantity that decides it, and the printed value.
+    reads
+        Names of the datasets that the check reads.
+    asks
+        Requirements on the configuration, as :data:`paper.products.Asks`.
+
+    Raises
+    ------
+    ValueError
+        If the section is neither the paper's nor one of ours.
+    """
+    from_the_paper = _SECTION_OF_THE_PAPER.fullmatch(section) is not None
+    if not from_the_paper and section not in OURS:
+        raise ValueError(
+            f"The claim '{statement}' is in section '{section}', which is neither numbered as the paper's nor one of "
+            f"{', '.join(OURS)}."
+        )
 
     def enter(check: Callable[[Data], Finding]) -> Callable[[Data], Finding]:
-        CLAIMS.append(Claim(section, statement, quantity, printed, check))
+        def decided(**datasets: xr.Dataset) -> Finding:
+            seen = {name: _cut(dataset) if from_the_paper else dataset for name, dataset in datasets.items()}
+            return check(Declared(statement, seen))
+
+        own = {f"{name.replace('/', '.')}.schemes": SCHEMES for name in reads if name.startswith(_OVER_SCHEMES)}
+        product = Product(
+            kind="claim",
+            name=f"{check.__module__}:{check.__name__}",
+            module=check.__module__,
+            function=decided,
+            reads={name: name for name in reads},
+            caption=statement,
+            asks=(own if from_the_paper else {}) | dict(asks or {}),
+        )
+        declare(product)
+        CLAIMS.append(Claim(section, statement, quantity, printed, product))
         return check
 
     return enter
+
+
+def _cut(dataset: xr.Dataset) -> xr.Dataset:
+    """A dataset with all schemes of the paper cut to them; any other dataset as it is."""
+    has_all = "scheme" in dataset.dims and set(SCHEMES) <= set(dataset.scheme.values)
+    return of_the_paper(dataset) if has_all else dataset
 
 
 def errors(data: Data, problem: str) -> xr.DataArray:

@@ -13,6 +13,7 @@ DAMPED = ["newmark_dissipative", "wilson_theta", "houbolt", "hht_alpha"]
     "stability",
     "Δt < T/20 is reasonable for average acceleration, at every amplitude and for long.",
     "steps a period that keep the energy within 10 % over the longest runs at all amplitudes, by problem",
+    reads=["stability/robustness"],
 )
 def a_twentieth_at_every_amplitude(data):
     robustness = data["stability/robustness"]
@@ -30,6 +31,7 @@ def a_twentieth_at_every_amplitude(data):
     "stability",
     "In the double well at Δt = 2.5 average acceleration is chaotic.",
     "Lyapunov exponent of its map, a step, and steps until a perturbation of 1e-10 is of order one",
+    reads=["stability/bifurcation"],
 )
 def chaos_of_average_acceleration(data):
     at = data["stability/bifurcation"].sel(dt=2.5, method="nearest")
@@ -41,6 +43,7 @@ def chaos_of_average_acceleration(data):
     "stability",
     "Where the effective equation of a step has several roots, Newton's choice among them decides.",
     "spread of the displacements that Newton finds from different starts at the step size of the paper, by scheme",
+    reads=["stability/roots"],
 )
 def several_roots(data):
     roots = data["stability/roots"]
@@ -54,6 +57,7 @@ def several_roots(data):
     "stability",
     "Numerical damping keeps the schemes of the paper from chaos.",
     "part of their runs that end chaotic on the maps at amplitudes like those of 1996, in percent",
+    reads=["stability/atlas"],
 )
 def damping_against_chaos(data):
     near = near_1996(data["stability/atlas"]).sel(scheme=DAMPED)

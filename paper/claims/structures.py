@@ -42,6 +42,7 @@ def _share(runs: xr.DataArray, schemes: list[str]) -> dict[str, float]:
     "structures",
     "Average acceleration and central difference are the ones to take.",
     "share of all runs on structures that keep the balance of energies within 10 %, of the paper's schemes, in percent",
+    reads=["structures"],
 )
 def faithful_on_structures(data):
     share = _share(kept(data), printed_energy_errors().scheme.values.tolist())
@@ -61,6 +62,7 @@ def faithful_on_structures(data):
     "structures",
     "Newmark (γ = 0.6), Houbolt and Wilson damp too strongly.",
     "largest error of the balance of energies on the Fermi-Pasta-Ulam chain at the finest step, in percent",
+    reads=["structures"],
 )
 def damping_on_the_chain(data):
     chain = data["structures"].max_energy_imbalance.sel(problem="fpu_chain", scheme=DISSIPATIVE)
@@ -72,6 +74,7 @@ def damping_on_the_chain(data):
     "structures",
     "Average acceleration oscillates spuriously where a mode is too stiff for the step.",
     "alternating part of the velocity of the mass on the stiff spring, T/20, late in the run",
+    reads=["structure_history/stiff_soft"],
 )
 def spurious_oscillation(data):
     history = data["structure_history/stiff_soft"]
@@ -88,6 +91,7 @@ def spurious_oscillation(data):
     "structures",
     "Where stiff modes turn, trapezoidal and midpoint rule blow up or lose Newton; energy-momentum does neither.",
     "runs on those of such structures that took part that fail or leave the balance of energies by more than 10 %",
+    reads=["structures"],
 )
 def conserving_on_stiff_structures(data):
     runs = kept(data, TURNING)
@@ -104,6 +108,7 @@ def conserving_on_stiff_structures(data):
     "structures",
     "Explicit schemes are of no use where a mode is stiff, however slow the motion.",
     "runs on stiff structures that fail or leave the balance of energies by more than 10 %, in percent",
+    reads=["structures"],
 )
 def explicit_on_stiff_structures(data):
     runs = kept(data, STIFF)
@@ -120,6 +125,7 @@ def explicit_on_stiff_structures(data):
     "structures",
     "Δt < T/20 is reasonable for average acceleration.",
     "error of the displacement at 20 steps in the time scale of the motion, by structure, in percent",
+    reads=["structures"],
 )
 def a_twentieth_on_structures(data):
     runs = data["structures"].sel(scheme="average_acceleration", steps_per_period=20)

@@ -1,1 +1,1 @@
-"""A script per figure: ``python -m paper.figures.NAME OUTPUT DATASET...`` writes OUTPUT as PDF, PNG and SVG."""
+"""One module per figure, or per figures of one kind; each declares what it reads with :func:`paper.products.figure`."""

@@ -6,7 +6,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import of_the_paper
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 MEASURES = {
     "max_trajectory_error": "largest error of $u$",
@@ -17,6 +18,7 @@ MEASURES = {
 PROBLEMS = ("hardening", "softening")
 
 
+@figure("Every measure of error against the step size.", accuracy="accuracy")
 def draw(accuracy: xr.Dataset) -> Figure:
     """A row a problem, a column a measure, over 100 periods; what is flagged as the reference's own is left out."""
     accuracy = of_the_paper(accuracy).sel(periods=100)
@@ -36,7 +38,3 @@ def draw(accuracy: xr.Dataset) -> Figure:
     handles, names = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=4)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -5,10 +5,12 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import of_the_paper
-from paper.figures.outcomes import PAPER_CASES, legend, outcome_map
-from paper.figures.style import PAGE, main
+from paper.figures.outcome_map import PAPER_CASES, legend, outcome_map
+from paper.figures.style import PAGE
+from paper.products import figure
 
 
+@figure("How runs end over step size and amplitude, 1996.", atlas="stability/atlas", spectral="spectral")
 def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """One row a scheme of 1996, one column a problem."""
     atlas = of_the_paper(atlas)
@@ -35,7 +37,3 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     figure.supylabel("initial displacement over that of 1996", fontsize=8)
     legend(figure, atlas.outcome.values)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -5,14 +5,16 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.outcomes import legend, outcome_map
-from paper.figures.style import PAGE, main
+from paper.figures.outcome_map import legend, outcome_map
+from paper.figures.style import PAGE
+from paper.products import figure
 from paper.published import printed_energy_errors
 
 #: Schemes side by side.
 COLUMNS = 3
 
 
+@figure("How runs end over step size and amplitude, schemes of today.", atlas="stability/atlas", spectral="spectral")
 def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """A block a scheme: hardening spring, softening spring, double well from left to right."""
     atlas = atlas.drop_sel(scheme=printed_energy_errors().scheme.values, errors="ignore")
@@ -37,7 +39,3 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
         panels[0].set_yticks([0.1, 1, 10], ["0.1", "1", "10"] if index % COLUMNS == 0 else [""] * 3, fontsize=5)
     legend(figure, atlas.outcome.values, cases=False)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

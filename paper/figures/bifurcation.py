@@ -5,9 +5,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, main
+from paper.figures.style import PAGE, letter
+from paper.products import figure
 
 
+@figure("Order and chaos of average acceleration.", bifurcation="stability/bifurcation")
 def draw(bifurcation: xr.Dataset) -> Figure:
     """Iterates, Lyapunov exponent, and steps until a perturbation is of order one, over the step size."""
     figure, axes = plt.subplots(3, 1, figsize=(PAGE, 0.8 * PAGE), sharex=True, height_ratios=[1.6, 1, 1])
@@ -46,7 +48,3 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     ):
         letter(ax, index, title)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

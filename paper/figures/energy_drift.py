@@ -4,13 +4,15 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, main
+from paper.figures.style import PAGE
+from paper.products import figure
 from paper.published import printed_energy_errors
 
 #: The step sizes that the paper sets against each other, and where their labels go.
 _MARKED = {20: (21.5, -70), 25: (26.5, -40)}
 
 
+@figure("Runge-Kutta caught by resonances.", drift="energy_drift")
 def draw(drift: xr.Dataset) -> Figure:
     """Above the signed drift, below how many steps one of the last oscillations takes, over the step size."""
     figure, (above, below) = plt.subplots(2, 1, figsize=(PAGE, 0.55 * PAGE), sharex=True)
@@ -32,7 +34,3 @@ def draw(drift: xr.Dataset) -> Figure:
     below.set_yticks(range(8, 42, 4))
     below.legend()
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

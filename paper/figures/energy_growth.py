@@ -5,13 +5,18 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 #: Errors in percent below this are drawn at it.
 FLOOR = 1e-13
 
 
-def draw(*histories: xr.Dataset) -> Figure:
+@figure(
+    "Energy error where stiff modes are not resolved.",
+    histories=["structure_history/stiff_bar", "structure_history/stiff_truss"],
+)
+def draw(histories: list[xr.Dataset]) -> Figure:
     """One panel a structure; a cross where a run ends early."""
     figure, axes = plt.subplots(1, len(histories), figsize=(PAGE, 0.4 * PAGE), sharey=True)
     for index, (ax, history) in enumerate(zip(axes, histories, strict=True)):
@@ -26,9 +31,5 @@ def draw(*histories: xr.Dataset) -> Figure:
         letter(ax, index, history.problem_title)
     axes[0].set_ylabel("energy error (%)")
     handles, titles = axes[0].get_legend_handles_labels()
-    figure.legend(handles, titles, loc="outside lower center", ncols=len(titles))
+    figure.legend(handles, titles, loc="outside lower center", ncols=min(len(titles), 5))
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -4,7 +4,8 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 
 def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
@@ -12,7 +13,8 @@ def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
     return abs(error).isel(t=slice(1, None)).coarsen(t=steps, boundary="trim").max()
 
 
-def draw(*portraits: xr.Dataset) -> Figure:
+@figure("Energy error against time.", portraits=["phase_portrait/hardening", "phase_portrait/softening"])
+def draw(portraits: list[xr.Dataset]) -> Figure:
     """One panel a problem: the largest |E − E₀|/E₀ in each stretch of 20 steps, on a logarithmic scale."""
     figure, axes = plt.subplots(1, len(portraits), figsize=(PAGE, 0.4 * PAGE), sharey=True)
     for index, (ax, portrait) in enumerate(zip(axes, portraits, strict=True)):
@@ -26,7 +28,3 @@ def draw(*portraits: xr.Dataset) -> Figure:
     handles, names = axes[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=4)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -3,13 +3,15 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import a_panel_for_each_family, looks, main
+from paper.figures.style import a_panel_for_each_family, legend_beside, looks
+from paper.products import figure
 
 PROBLEM, PERIODS = "hardening", 100
 #: Larger errors say only that the phase is lost.
 TOP = 3
 
 
+@figure("Speed against error for every scheme.", data="work_precision")
 def draw(data: xr.Dataset) -> Figure:
     """Error of the displacement against time; the classical Runge-Kutta method and heyoka in grey in every panel."""
     data = data.sel(problem=PROBLEM, periods=PERIODS)
@@ -25,13 +27,9 @@ def draw(data: xr.Dataset) -> Figure:
             known = run.max_trajectory_error.where((run.max_trajectory_error < TOP) & (run.max_trajectory_error > 0))
             ax.plot(run.time_per_run, known, label=run.scheme_title.item(), markevery=2, **look)
         ax.set(xscale="log", yscale="log", ylim=(1e-12, TOP))
-        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=3)
+        legend_beside(ax)
     for ax in figure.axes[-2:]:
         ax.set_xlabel("time of 100 periods (s)")
     for ax in figure.axes[::2]:
         ax.set_ylabel("error of $u$")
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -4,11 +4,17 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 SCHEME = "hht_alpha"
 
 
+@figure(
+    "The α-method growing without bound.",
+    portrait="phase_portrait/softening_large",
+    reference="reference/softening_large",
+)
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     """Displacement and phase portrait of the α-method over the exact ones in grey; energy of every scheme."""
     figure, (history, plane, energy) = plt.subplots(1, 3, figsize=(PAGE, 0.32 * PAGE))
@@ -30,7 +36,3 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     energy.legend(loc="upper left", bbox_to_anchor=(1, 1))
     letter(energy, 2, "all schemes")
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from paper.data import of_the_paper
-from paper.figures.style import PAGE, letter, main
+from paper.figures.style import PAGE, letter
+from paper.products import figure
 
 #: Classes of the outcome: the better the lighter.
 CLASSES = {
@@ -35,6 +36,7 @@ def classify(run: xr.Dataset) -> np.ndarray:
     return np.where(run.status == 0, completed, _FAILED + run.status)
 
 
+@figure("Where a step is small enough.", large_steps="large_steps")
 def draw(large_steps: xr.Dataset) -> Figure:
     """One panel a problem, one row a scheme of 1996."""
     large_steps = of_the_paper(large_steps)
@@ -61,7 +63,3 @@ def draw(large_steps: xr.Dataset) -> Figure:
     handles = [Patch(facecolor=colour, edgecolor="0.5", label=name) for name, colour in CLASSES.items()]
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

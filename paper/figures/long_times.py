@@ -5,7 +5,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 #: Units of each quantity, and the exponents of its round-off by Brouwer's law and with a drift.
 _UNITS = {"energy": "percent", "phase": "periods"}
@@ -22,6 +23,7 @@ def _guide(ax: Axes, round_off: xr.DataArray, beside: float, law: tuple[float, s
     ax.annotate(label, (x[-1], end), xytext=(4, 0), textcoords="offset points", color="0.4", va="center", fontsize=7)
 
 
+@figure("Energy and phase over very long times, and round-off.", long_times="long_times")
 def draw(long_times: xr.Dataset) -> Figure:
     """Above the errors in double precision and the round-off in them, below the round-off in single precision."""
     figure, axes = plt.subplots(2, 2, figsize=(PAGE, 0.72 * PAGE), sharex=True)
@@ -51,7 +53,3 @@ def draw(long_times: xr.Dataset) -> Figure:
         below.set_xlabel("periods")
     figure.legend(loc="outside lower center", ncols=4)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

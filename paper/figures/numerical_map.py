@@ -4,9 +4,11 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, main
+from paper.figures.style import PAGE
+from paper.products import figure
 
 
+@figure("Phase portraits of the numerical map.", numerical_map="stability/numerical_map")
 def draw(numerical_map: xr.Dataset) -> Figure:
     """One row a scheme, one column a step size, one colour an initial displacement."""
     schemes, steps = numerical_map.scheme.values, numerical_map.dt.values
@@ -31,7 +33,3 @@ def draw(numerical_map: xr.Dataset) -> Figure:
     for ax in axes[-1]:
         ax.set_xlabel("displacement")
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

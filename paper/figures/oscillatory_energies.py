@@ -4,7 +4,8 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 SPRINGS = (1, 2, 3)
 
@@ -18,6 +19,11 @@ def total(history: xr.Dataset) -> xr.DataArray:
     )
 
 
+@figure(
+    "Energies of the stiff springs of the Fermi-Pasta-Ulam chain.",
+    exchange="structure_history/energy_exchange",
+    long_times="structure_history/long_times",
+)
 def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
     """One panel a scheme with the energies of the springs and their sum, and one with the sums over long times."""
     names = exchange.scheme.values
@@ -49,7 +55,3 @@ def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
     ax.legend(ncols=4, loc="upper right")
     letter(ax, len(names), "over long times")
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

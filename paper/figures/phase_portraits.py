@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, main
+from paper.figures.style import PAGE, letter
+from paper.products import figure
 
 _REACH = 4.0
 _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 1}
@@ -29,6 +30,24 @@ def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     return low - margin, high + margin
 
 
+@figure(
+    "Phase portraits of the hardening spring at T/20.",
+    name="hardening",
+    portrait="phase_portrait/hardening",
+    reference="reference/hardening",
+)
+@figure(
+    "Phase portraits of the softening spring at T/20.",
+    name="softening",
+    portrait="phase_portrait/softening",
+    reference="reference/softening",
+)
+@figure(
+    "Phase portraits of the double well at Δt = 2.5.",
+    name="double_well",
+    portrait="phase_portrait/double_well",
+    reference="reference/double_well",
+)
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     """Panel (a) exact, then a scheme each, coloured by elapsed time over the exact orbit in grey."""
     rows = math.ceil((1 + portrait.sizes["scheme"]) / 4)
@@ -56,7 +75,3 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     figure.supylabel("velocity $\\dot u$ (1/s)", fontsize=8)
     figure.colorbar(points, ax=panels, label="elapsed periods", pad=0.01, aspect=40)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -5,10 +5,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 from paper.published import printed_energy_errors
 
 
+@figure("How the printed numbers were rounded.", energy_error="energy_error")
 def draw(energy_error: xr.Dataset) -> Figure:
     """One panel for the step sizes of the printed periods, one for those of the exact periods."""
     figure, axes = plt.subplots(1, 2, figsize=(PAGE, 0.42 * PAGE), sharex=True)
@@ -31,7 +33,3 @@ def draw(energy_error: xr.Dataset) -> Figure:
     handles, names = axes[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=4)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

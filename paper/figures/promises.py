@@ -6,7 +6,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import families
-from paper.figures.style import PAGE, letter, main
+from paper.figures.style import PAGE, letter
+from paper.products import figure
 
 #: Steps per period and periods of the runs that are shown.
 STEPS, PERIODS = 64, 3
@@ -26,6 +27,7 @@ def _points(ax, values, rows, label, **look) -> None:
                linewidths=0.8, label=label)  # fmt: skip
 
 
+@figure("Linear theory beside what the springs show.", spectral="spectral", accuracy="accuracy")
 def draw(spectral: xr.Dataset, accuracy: xr.Dataset) -> Figure:
     """Sizes of elongation (left) and of loss of amplitude (right) at one step size, over a logarithmic axis."""
     schemes = [name for part in families(accuracy).values() for name in part.scheme.values]
@@ -52,7 +54,3 @@ def draw(spectral: xr.Dataset, accuracy: xr.Dataset) -> Figure:
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

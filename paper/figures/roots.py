@@ -5,9 +5,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 
+@figure("Roots of the effective equation, and Newton's choice.", roots="stability/roots")
 def draw(roots: xr.Dataset) -> Figure:
     """Where there are three roots, what Newton makes of them, and how long two tolerances agree."""
     figure, axes = plt.subplots(1, 3, figsize=(PAGE, 0.36 * PAGE))
@@ -46,7 +48,3 @@ def draw(roots: xr.Dataset) -> Figure:
     ):
         letter(ax, index, title)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -4,9 +4,11 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, looks, main
+from paper.figures.style import PAGE, looks
+from paper.products import figure
 
 
+@figure("Round-off, and what compensated summation buys.", round_off="round_off")
 def draw(round_off: xr.Dataset) -> Figure:
     """Error over steps per period, filled markers for plain and open ones for compensated sums."""
     figure, ax = plt.subplots(figsize=(0.8 * PAGE, 0.35 * PAGE))
@@ -20,7 +22,3 @@ def draw(round_off: xr.Dataset) -> Figure:
     ax.set(xscale="log", yscale="log", xlabel="steps per period", ylabel="error after 10⅛ periods")
     figure.legend(loc="outside right center")
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

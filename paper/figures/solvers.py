@@ -4,7 +4,8 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, SOLVERS, letter, looks, main
+from paper.figures.style import PAGE, SOLVERS, letter, looks
+from paper.products import figure
 
 #: Larger errors say only that the solution is lost.
 TOP = 3
@@ -12,6 +13,7 @@ TOP = 3
 SCHEMES = {"central_difference": "0.7", "rk4": "0.4"}
 
 
+@figure("General solvers beside schemes at fixed steps.", data="work_precision")
 def draw(data: xr.Dataset) -> Figure:
     """Error of the displacement over a hundred periods against time (above) and evaluations (below)."""
     data = data.sel(periods=100)
@@ -38,7 +40,3 @@ def draw(data: xr.Dataset) -> Figure:
     handles, names = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=5)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -3,12 +3,14 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import a_panel_for_each_family, looks, main
+from paper.figures.style import a_panel_for_each_family, legend_beside, looks, thinned
+from paper.products import figure
 
 #: Below this step size all spectral radii are one to the eye.
 FROM = 0.02
 
 
+@figure("Spectral radius of every scheme.", spectral="spectral")
 def draw(spectral: xr.Dataset) -> Figure:
     """ρ against Δt/T; the curves of explicit schemes leave the panel where they lose their stability."""
     data = spectral.sel(damping_ratio=0.0, dt_over_period=slice(FROM, None))
@@ -21,16 +23,12 @@ def draw(spectral: xr.Dataset) -> Figure:
                 run.dt_over_period,
                 run.spectral_radius,
                 label=run.scheme_title.item(),
-                **look | {"marker": None, "linewidth": 2.6 - 0.28 * thickness},
+                **look | {"marker": None, "linewidth": thinned(2.6, 0.28, thickness)},
             )
         ax.set(xscale="log", xlim=(FROM, 1e3), ylim=(0, 1.25))
-        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=3)
+        legend_beside(ax)
     for ax in figure.axes[-2:]:
         ax.set_xlabel("step size over period")
     for ax in figure.axes[::2]:
         ax.set_ylabel("spectral radius")
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -4,9 +4,11 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 
+@figure("A mass on a stiff spring, its velocity.", history="structure_history/stiff_soft")
 def draw(history: xr.Dataset) -> Figure:
     """One panel a scheme, over the reference at the same instants."""
     rows = -(-history.sizes["scheme"] // 2)
@@ -27,7 +29,3 @@ def draw(history: xr.Dataset) -> Figure:
         ax.set_ylabel("velocity of the\nfirst mass")
     axes[0, 0].legend(loc="upper right")
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -7,10 +7,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.outcomes import IMAGE, patches
-from paper.figures.style import PAGE, main
+from paper.figures.outcome_map import IMAGE, patches
+from paper.figures.style import PAGE
+from paper.products import figure
 
 
+@figure("How runs of structures end over step size and excitation.", structures="stability/structures")
 def draw(structures: xr.Dataset) -> Figure:
     """One row a structure, one column a scheme; a cell is a run."""
     problems, schemes = structures.problem.values, structures.scheme.values
@@ -36,7 +38,3 @@ def draw(structures: xr.Dataset) -> Figure:
         ax.set_xlabel("steps")
     figure.legend(handles=patches(structures.outcome.values), loc="outside lower center", ncols=6)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -5,12 +5,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 #: Exponents up to which a panel has a linear scale.
 LINEAR = 2.0
 
 
+@figure("Lyapunov exponents of the schemes on structures.", structures="stability/structures")
 def draw(structures: xr.Dataset) -> Figure:
     """One panel a structure."""
     structures = structures.sel(excitation=1)
@@ -41,7 +43,3 @@ def draw(structures: xr.Dataset) -> Figure:
         row[0].set_ylabel("exponent in a time scale")
     figure.legend(loc="outside lower center", ncols=6)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

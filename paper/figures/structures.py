@@ -4,7 +4,8 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 #: As many as a panel can hold, one of every kind.
 SHOWN = [
@@ -21,6 +22,7 @@ COLUMNS = 3
 BEYOND = 100
 
 
+@figure("Error of the displacement of structures.", structures="structures")
 def draw(structures: xr.Dataset) -> Figure:
     """One panel a structure; a run that failed leaves a gap."""
     shown = structures.sel(scheme=[name for name in SHOWN if name in structures.scheme.values])
@@ -52,7 +54,3 @@ def draw(structures: xr.Dataset) -> Figure:
     handles, titles = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, titles, loc="outside lower center", ncols=4)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -1,8 +1,6 @@
 """What the figures have in common: size, type, colours that survive greyscale, and how they are saved."""
 
 import os
-import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib
@@ -11,11 +9,10 @@ matplotlib.use("agg")
 
 import matplotlib.pyplot as plt
 import xarray as xr
-from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from paper.data import families, load
+from paper.data import families
 
 #: Width in inches of the page of the manuscript.
 PAGE = 7.1
@@ -32,7 +29,7 @@ SOLVERS = {
 
 #: How a run can end, by the names in the maps of stability: what it is called, and a colour, the darker the worse, so
 #: that the order is seen in greyscale too.
-OUTCOMES = {
+OUTCOME_STYLES = {
     "accurate": ("accurate", "#ffffff"),
     "bounded": ("bounded", "#d0e1f2"),
     "damped_to_rest": ("damped to rest", "#8fc1e0"),
@@ -43,12 +40,12 @@ OUTCOMES = {
     "not_finite": ("not finite", "#000000"),
 }
 
-# Okabe and Ito's palette without its yellow; line styles and markers tell the curves apart without any colour.
-_LOOKS = (
-    cycler(color=["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"])
-    + cycler(linestyle=["-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)), (0, (1, 1))])
-    + cycler(marker=["o", "s", "v", "^", "D", "P", "X"])
-)
+# Okabe and Ito's palette without its yellow; line styles and markers distinguish the curves without any colour.
+_COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"]
+_LINES = ["-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)), (0, (1, 1))]
+_MARKERS = ["o", "s", "v", "^", "D", "P", "X"]
+#: Entries of a legend of full size beside a panel.
+_ENTRIES = 7
 
 plt.rcParams.update(
     {
@@ -75,17 +72,33 @@ plt.rcParams.update(
 
 
 def looks(schemes: xr.DataArray) -> dict[str, dict]:
-    """One look (colour, line style, marker) for each scheme, the same in every figure that shows the same schemes.
+    """One look (colour, line style, marker) for each scheme, the same in every figure of the same schemes.
 
-    Raises
-    ------
-    ValueError
-        If there are more schemes than a panel can hold.
+    The eighth curve takes the colour of the first with the next line style and another marker, and so on.
     """
-    names = schemes.values.tolist()
-    if len(names) > len(_LOOKS):
-        raise ValueError(f"{len(names)} curves are more than a reader can tell apart; a panel holds {len(_LOOKS)}.")
-    return dict(zip(names, _LOOKS, strict=False))
+    return {name: _look(index) for index, name in enumerate(schemes.values.tolist())}
+
+
+def _look(index: int) -> dict:
+    number = len(_COLOURS)
+    turn = index // number
+    return {
+        "color": _COLOURS[index % number],
+        "linestyle": _LINES[(index + turn) % number],
+        "marker": _MARKERS[(index + 3 * turn + turn // number) % number],
+    }
+
+
+def thinned(widest: float, by: float, index: int) -> float:
+    """Width of a curve that is drawn over ``index`` thicker ones, so that coinciding curves are all visible."""
+    return max(widest - by * index, 0.5)
+
+
+def legend_beside(axes: Axes) -> None:
+    """A legend to the right of a panel, in smaller type if it has more than seven entries."""
+    entries = len(axes.get_legend_handles_labels()[0])
+    size = plt.rcParams["legend.fontsize"] * min(1.0, _ENTRIES / max(entries, 1))
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=3, fontsize=size)
 
 
 def a_panel_for_each_family(dataset: xr.Dataset, height: float, **shared) -> tuple[Figure, dict[Axes, xr.Dataset]]:
@@ -102,14 +115,13 @@ def a_panel_for_each_family(dataset: xr.Dataset, height: float, **shared) -> tup
 
 
 def letter(axes: Axes, index: int, title: str) -> None:
-    """Title of a panel: (a), (b), ... and what it shows."""
-    axes.set_title(f"({chr(ord('a') + index)}) {title}")
+    """Title of a panel: (a), (b), ..., (z), (aa), ... and what it shows."""
+    turn, place = divmod(index, 26)
+    axes.set_title(f"({chr(ord('a') + place) * (turn + 1)}) {title}")
 
 
-def main(draw: Callable[..., Figure]) -> None:
-    """Draw the datasets named on the command line and save the figure three times, the same bytes for the same data."""
-    output, *paths = map(Path, sys.argv[1:])
-    figure = draw(*map(load, paths))
+def save(figure: Figure, output: Path) -> None:
+    """Save a figure as PDF, PNG and SVG next to ``output``, the same bytes for the same data."""
     # one layout for all three, which takes as long as drawing
     figure.draw_without_rendering()
     figure.set_layout_engine("none")

@@ -4,9 +4,11 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, SOLVERS, letter, looks, main
+from paper.figures.style import PAGE, SOLVERS, letter, looks
+from paper.products import figure
 
 
+@figure("What a tolerance delivers.", agreement="reference_agreement")
 def draw(agreement: xr.Dataset) -> Figure:
     """One panel a problem: the largest error of the displacement over a hundred periods, over the tolerance."""
     figure, axes = plt.subplots(1, agreement.sizes["problem"], figsize=(PAGE, 0.4 * PAGE), sharex=True, sharey=True)
@@ -24,7 +26,3 @@ def draw(agreement: xr.Dataset) -> Figure:
     handles, names = axes[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=4)
     return figure
-
-
-if __name__ == "__main__":
-    main(draw)

@@ -6,7 +6,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import of_the_paper
-from paper.figures.style import PAGE, letter, looks, main
+from paper.figures.style import PAGE, letter, looks
+from paper.products import figure
 
 PERIODS = 100
 MEASURES = {
@@ -19,11 +20,11 @@ MEASURES = {
 FLOOR = 1e-14
 
 
-def draw(data: xr.Dataset, cost: str = "time_per_run", label: str = "time of 100 periods (s)") -> Figure:
-    """A row a problem, a column a measure of error; heyoka, the fastest of the general solvers, in grey."""
+def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
+    """A row a problem, a column a measure of error, over a cost."""
     data = of_the_paper(data).sel(periods=PERIODS)
     shape = data.sizes["problem"], len(MEASURES)
-    figure, axes = plt.subplots(*shape, figsize=(PAGE, 1.15 * PAGE), sharex="row", sharey="col")
+    figure, axes = plt.subplots(*shape, figsize=(PAGE, 1.15 * PAGE), sharex="row", sharey="col", squeeze=False)
     for row, problem in zip(axes, data.problem.values, strict=True):
         one = data.sel(problem=problem)
         for ax, (measure, title) in zip(row, MEASURES.items(), strict=True):
@@ -49,5 +50,13 @@ def draw(data: xr.Dataset, cost: str = "time_per_run", label: str = "time of 100
     return figure
 
 
-if __name__ == "__main__":
-    main(draw)
+@figure("Every measure of error against time.", data="work_precision")
+def over_time(data: xr.Dataset) -> Figure:
+    """Errors over the time of a run; heyoka, the fastest of the general solvers, in grey."""
+    return _draw(data, "time_per_run", "time of 100 periods (s)")
+
+
+@figure("Every measure of error against forces.", name="force_evaluations", data="work_precision")
+def over_forces(data: xr.Dataset) -> Figure:
+    """Errors over the forces evaluated, where a force is expensive: each Newton iteration takes one."""
+    return _draw(data, "force_evaluations", "forces in 100 periods")

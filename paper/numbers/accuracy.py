@@ -5,26 +5,29 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import of_the_paper
+from paper.products import numbers
 from paper.tables.stability import GAIN, PROBLEMS
 
 #: The error of the displacement at which the fastest are compared.
 EXACTING = 1e-10
 
 
+@numbers(agreement="reference_agreement")
 def of_agreement(agreement: xr.Dataset) -> dict:
     """What a tolerance delivers."""
     error = agreement.u_error.sel(periods=100, problem="hardening")
     # by a mapping: xarray has an argument of that name
     at_nine = error.sel({"tolerance": 1e-9}, method="nearest")
     at_periods = agreement.u_error_at_periods.sel(periods=100, problem="hardening")
-    numbers = {}
+    delivered = {}
     for route in ("cvode_adams", "cvode_bdf", "dopri8", "tsit5", "heyoka"):
-        numbers[f"delivered_{route}"] = f"{at_nine.sel(route=route).item():.0e}"
-        numbers[f"best_{route}"] = f"{error.sel(route=route).min().item():.0e}"
-        numbers[f"best_at_periods_{route}"] = f"{at_periods.sel(route=route).min().item():.0e}"
-    return numbers
+        delivered[f"delivered_{route}"] = f"{at_nine.sel(route=route).item():.0e}"
+        delivered[f"best_{route}"] = f"{error.sel(route=route).min().item():.0e}"
+        delivered[f"best_at_periods_{route}"] = f"{at_periods.sel(route=route).min().item():.0e}"
+    return delivered
 
 
+@numbers(accuracy="accuracy")
 def of_accuracy(accuracy: xr.Dataset) -> dict:
     """Errors over a hundred periods."""
     accuracy = accuracy.sel(periods=100)
@@ -62,6 +65,7 @@ def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time:
     return enough.idxmin(dimension).item(), 1e3 * enough.min().item()
 
 
+@numbers(work="work_precision", recommendation="recommendation")
 def of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
     """What an error costs, and what is the cheapest."""
     spring = work.sel(problem="hardening", periods=100)
@@ -105,6 +109,7 @@ def of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
     }
 
 
+@numbers(spectral="spectral", accuracy="accuracy")
 def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
     """Measured over linear: loss of amplitude of damped schemes, elongation of some that do not damp."""
     linear = spectral.sel(damping_ratio=0.0).interp(dt_over_period=1 / 64)
@@ -122,6 +127,7 @@ def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
     }
 
 
+@numbers(spectral="spectral", large_steps="large_steps")
 def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
     """What linear theory says of the schemes, and where it stops to hold."""
     free = spectral.sel(damping_ratio=0.0)
@@ -146,6 +152,7 @@ def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
     }
 
 
+@numbers(round_off="round_off")
 def of_round_off(round_off: xr.Dataset) -> dict:
     """Floors of the error."""
     finest = round_off.error.sel(scheme="rk4").isel(steps_per_period=slice(-5, None)).max("steps_per_period")

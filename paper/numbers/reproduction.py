@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 
+from paper.products import numbers
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
 
@@ -12,6 +13,7 @@ def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
     return (period.sel(period_used="printed") / period.sel(period_used="exact")).item()
 
 
+@numbers(energy_error="energy_error")
 def of_cells(energy_error: xr.Dataset) -> dict:
     """Our table beside the printed one, cell by cell."""
     printed = printed_energy_errors()
@@ -51,16 +53,17 @@ def _caught(drift: xr.Dataset) -> np.ndarray:
     return np.where((np.abs(count / whole - 1) < 1e-3) & (lost < trend / 2), whole, 0).astype(int)
 
 
+@numbers(drift="energy_drift")
 def of_drift(drift: xr.Dataset) -> dict:
     """Runge-Kutta caught by resonances."""
     parts, caught = drift.steps_per_period, _caught(drift)
     near_20 = parts.values[caught == 20]
-    numbers = {}
+    around = {}
     for part in (20, 20.5, 25):
         at = drift.sel(steps_per_period=part, method="nearest")
-        numbers[f"drift_{part}"] = f"{at.energy_drift.item():.2f}"
-        numbers[f"count_{part}"] = f"{at.steps_per_oscillation.item():.2f}"
-    return numbers | {
+        around[f"drift_{part}"] = f"{at.energy_drift.item():.2f}"
+        around[f"count_{part}"] = f"{at.steps_per_oscillation.item():.2f}"
+    return around | {
         "drift_runs": parts.size,
         "resonances": ", ".join(str(number) for number in sorted(set(caught) - {0})),
         "resonances_odd": int((caught % 2 == 1).sum()),
@@ -69,6 +72,7 @@ def of_drift(drift: xr.Dataset) -> dict:
     }
 
 
+@numbers(portrait="phase_portrait/softening_large")
 def of_instability(portrait: xr.Dataset) -> dict:
     """How far the energies grow."""
     growth = 1 + portrait.energy_error.max("t") / 100
@@ -76,6 +80,7 @@ def of_instability(portrait: xr.Dataset) -> dict:
     return {f"growth_{name}": f"{growth.sel(scheme=name).item():.1f}" for name in shown}
 
 
+@numbers(portrait="phase_portrait/double_well", sensitivity="sensitivity")
 def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
     """Chaos in the double well."""
     u = portrait.u.sel(scheme="average_acceleration").values
@@ -88,6 +93,7 @@ def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
     }
 
 
+@numbers(cpu_time="cpu_time")
 def of_times(cpu_time: xr.Dataset) -> dict:
     """Times of a step."""
     return {

@@ -5,9 +5,11 @@ import xarray as xr
 
 from paper.claims.ledger import by_name
 from paper.claims.stability import CHAOTIC
+from paper.products import numbers
 from paper.tables.verdicts import FAILURES, SPAN, is_outcome, near_1996
 
 
+@numbers(runs="long_times")
 def of_long_times(runs: xr.Dataset) -> dict:
     """What the schemes themselves do over the longest runs, and laws and sizes of round-off."""
     last = runs.isel(periods=-1)
@@ -17,7 +19,7 @@ def of_long_times(runs: xr.Dataset) -> dict:
     steady = single.energy_round_off.sel(step="short")
     drift = (single.energy_round_off.sel(step="any") / steady).sel(scheme="central_difference")
     bought = (steady / compensated.energy_round_off.sel(step="short")).max()
-    numbers = {
+    lasting = {
         "lasting_periods": f"{last.periods.item():,}",
         "lasting_steps": runs.steps_per_period,
         "lasting_runs": runs.runs,
@@ -33,21 +35,27 @@ def of_long_times(runs: xr.Dataset) -> dict:
     }
     for name in ("central_difference", "energy_momentum", "yoshida4"):
         of = double.sel(scheme=name, step="any")
-        numbers[f"lasting_energy_{name}"] = f"{of.max_energy_error.item():.1g}"
+        lasting[f"lasting_energy_{name}"] = f"{of.max_energy_error.item():.1g}"
         late = of.phase_error.item()
-        numbers[f"lasting_delay_{name}"] = f"{abs(late):.0f} periods {'late' if late > 0 else 'early'}"
+        lasting[f"lasting_delay_{name}"] = f"{abs(late):.0f} periods {'late' if late > 0 else 'early'}"
         for step in runs.step.values:
             one = {"scheme": name, "step": step, "arithmetic": "float32"}
             error = runs.exponent_error.sel(one | {"quantity": "energy_round_off"})
-            numbers[f"lasting_law_{step}_{name}"] = f"{law.sel(one).item():.2f} ± {error.item():.2f}"
-    return numbers
+            lasting[f"lasting_law_{step}_{name}"] = f"{law.sel(one).item():.2f} ± {error.item():.2f}"
+    return lasting
 
 
-def of_stability(data: dict[str, xr.Dataset]) -> dict:
+@numbers(
+    atlas="stability/atlas",
+    roots="stability/roots",
+    bifurcation="stability/bifurcation",
+    robustness="stability/robustness",
+    structures="stability/structures",
+)
+def of_stability(
+    atlas: xr.Dataset, roots: xr.Dataset, bifurcation: xr.Dataset, robustness: xr.Dataset, structures: xr.Dataset
+) -> dict:
     """Maps, roots, chaos, and steps that are enough."""
-    atlas, roots, bifurcation, robustness, structures = (
-        data[name] for name in ("atlas", "roots", "bifurcation", "robustness", "structures")
-    )
     chaotic, failed = bifurcation.lyapunov_exponent * bifurcation.dt > CHAOTIC, bifurcation.status != 0
     at = bifurcation.sel(dt=roots.paper_dt.item(), method="nearest")
     a_step = at.lyapunov_exponent.item() * at.dt.item()

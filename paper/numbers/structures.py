@@ -6,15 +6,30 @@ import xarray as xr
 from paper.claims.ledger import by_name
 from paper.claims.structures import TURNING, kept, sawtooth
 from paper.figures.oscillatory_energies import total
+from paper.products import numbers
 from paper.tables.structures import STEPS_PER_PERIOD
 
 
-def of_structures(structures: xr.Dataset, reference: xr.Dataset, history: dict[str, xr.Dataset]) -> dict:
+@numbers(
+    structures="structures",
+    reference="reference/elastic_pendulum",
+    stiff_soft="structure_history/stiff_soft",
+    long_times="structure_history/long_times",
+    stiff_bar="structure_history/stiff_bar",
+    stiff_truss="structure_history/stiff_truss",
+)
+def of_structures(
+    structures: xr.Dataset,
+    reference: xr.Dataset,
+    stiff_soft: xr.Dataset,
+    long_times: xr.Dataset,
+    stiff_bar: xr.Dataset,
+    stiff_truss: xr.Dataset,
+) -> dict:
     """Energies of stiff structures and of those that turn, and how well one of them is known."""
     data = {"structures": structures}
     runs = kept(data, TURNING)
     lost = by_name((~runs).sum(["problem", "steps_per_period"]))
-    stiff_soft, long_times = history["stiff_soft"], history["long_times"]
     alternating = sawtooth(stiff_soft.v.isel(component=0))
     oscillatory = total(long_times)
     change = by_name(100 * abs(oscillatory / oscillatory.isel(t=0) - 1).max("t"))
@@ -29,9 +44,8 @@ def of_structures(structures: xr.Dataset, reference: xr.Dataset, history: dict[s
         "long_sample": f"{long_times.t[1].item():.0f}",
         "long_step": f"{long_times.dt.item():.2f}",
         "structures_steps": STEPS_PER_PERIOD,
-        **{
-            f"{name}_steps": history[name].steps_per_period.item()
-            for name in ("stiff_soft", "stiff_bar", "stiff_truss")
-        },
+        "stiff_soft_steps": stiff_soft.steps_per_period.item(),
+        "stiff_bar_steps": stiff_bar.steps_per_period.item(),
+        "stiff_truss_steps": stiff_truss.steps_per_period.item(),
         **{f"sum_{name}": f"{value:.0f}" if value > 10 else f"{value:.1f}" for name, value in change.items()},
     }

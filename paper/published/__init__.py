@@ -22,3 +22,9 @@ def printed_energy_errors() -> xr.DataArray:
 def printed_cpu_times() -> xr.DataArray:
     """Last rows of Tables 1 and 2: seconds of 100,000 steps on a Pentium of 90 MHz, over problem and scheme."""
     return _printed("cpu_time.csv", ["problem", "scheme"], "cpu_seconds_100000_steps_pentium90")
+
+
+#: Schemes, problems and steps per period of Tables 1 and 2, in their order.
+SCHEMES: list[str] = printed_energy_errors().scheme.values.tolist()
+PROBLEMS: list[str] = printed_energy_errors().problem.values.tolist()
+STEPS: list[int] = printed_energy_errors().steps_per_period.values.tolist()

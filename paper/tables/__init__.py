@@ -1,1 +1,1 @@
-"""A script per table: ``python -m paper.tables.NAME OUTPUT DATASET...`` writes OUTPUT as CSV and as booktabs LaTeX."""
+"""One module per table; each declares what it reads with :func:`paper.products.table`."""

@@ -1,19 +1,23 @@
-"""The ledger of claims as a table, with the schemes under their titles."""
-
-import sys
-from pathlib import Path
+"""The ledger of claims as a table, with the titles of the schemes in place of their names."""
 
 import pandas as pd
 import xarray as xr
 
-from paper.data import load
-from paper.tables.writing import write
+from paper.products import table
 
 
-def tabulate(claims: pd.DataFrame, energy_error: xr.Dataset) -> pd.DataFrame:
-    """One row a claim."""
-    titles = zip(energy_error.scheme.values, energy_error.scheme_title.values, strict=True)
-    plain = claims.replace({name: title for name, title in titles}, regex=True)
+@table(
+    claims="claims.csv",
+    titled=["energy_error", "structures", "structure_history/stiff_soft", "stability/roots"],
+)
+def tabulate(claims: pd.DataFrame, titled: list[xr.Dataset]) -> pd.DataFrame:
+    """One row a claim; ``titled`` are the datasets whose schemes the ledger lists."""
+    titles = {
+        rf"\b{name}\b": title
+        for dataset in titled
+        for name, title in zip(dataset.scheme.values, dataset.scheme_title.values, strict=True)
+    }
+    plain = claims.replace(titles, regex=True)
     plain["ours"] = plain["ours"].str.replace(r"(?<![\w-])-(?=\d)|(?<=\de)-(?=\d)", "−", regex=True)
     reason = ("; " + plain["reason"]).where(plain["reason"] != "", "")
     return pd.DataFrame(
@@ -27,8 +31,3 @@ def tabulate(claims: pd.DataFrame, energy_error: xr.Dataset) -> pd.DataFrame:
             "Verdict": plain["verdict"] + reason,
         }
     )
-
-
-if __name__ == "__main__":
-    claims = pd.read_csv(sys.argv[2], dtype=str, keep_default_na=False)
-    write(tabulate(claims, load(sys.argv[3])), Path(sys.argv[1]))

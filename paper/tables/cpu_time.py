@@ -3,10 +3,11 @@
 import pandas as pd
 import xarray as xr
 
+from paper.products import table
 from paper.published import printed_cpu_times
-from paper.tables.writing import main
 
 
+@table(cpu_time="cpu_time")
 def tabulate(cpu_time: xr.Dataset) -> pd.DataFrame:
     """One row a problem and scheme of 1996."""
     seconds = printed_cpu_times()
@@ -29,7 +30,3 @@ def tabulate(cpu_time: xr.Dataset) -> pd.DataFrame:
                 }
             )
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

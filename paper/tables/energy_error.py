@@ -3,10 +3,11 @@
 import pandas as pd
 import xarray as xr
 
+from paper.products import table
 from paper.published import printed_energy_errors
-from paper.tables.writing import main
 
 
+@table(energy_error="energy_error")
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """Three rows a step size: printed, computed, computed with the exact period; for the schemes of 1996."""
     printed = printed_energy_errors()
@@ -27,7 +28,3 @@ def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
                     row[title] = format(values.sel(problem=problem, steps_per_period=steps, scheme=scheme).item(), form)
                 rows.append(row)
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

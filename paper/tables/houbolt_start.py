@@ -3,11 +3,12 @@
 import pandas as pd
 import xarray as xr
 
+from paper.products import table
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
-from paper.tables.writing import main
 
 
+@table(houbolt_start="houbolt_start")
 def tabulate(houbolt_start: xr.Dataset) -> pd.DataFrame:
     """One row a start."""
     error = houbolt_start.max_energy_error
@@ -25,7 +26,3 @@ def tabulate(houbolt_start: xr.Dataset) -> pd.DataFrame:
             }
         )
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -5,7 +5,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families
-from paper.tables.writing import main
+from paper.products import table
 
 #: Step sizes over period at which accuracy and overshoot are told.
 FINE, COARSE = 1 / 20, 10.0
@@ -19,6 +19,7 @@ def _number(value: float, form: str) -> str:
     return text.lstrip("-") if float(text) == 0 else text
 
 
+@table(spectral="spectral")
 def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
     """One row a scheme."""
     damped = spectral.damping_ratio.values.max()
@@ -44,7 +45,3 @@ def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
                 }
             )
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -4,11 +4,12 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families
-from paper.tables.writing import main
+from paper.products import table
 
 PROBLEM, MEASURE, PERIODS = "hardening", "max_trajectory_error", 100
 
 
+@table(recommendation="recommendation")
 def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
     """One row a scheme, a column an error; a dash where no step size of the study keeps it."""
     needs = recommendation.sel({"problem": PROBLEM, "measure": MEASURE, "periods": PERIODS})
@@ -25,7 +26,3 @@ def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
                 row[title] = f"{steps:.0f}, {1e3 * time:.2g} ms" if steps == steps else "–"
             rows.append(row)
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

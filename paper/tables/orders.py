@@ -5,7 +5,7 @@ import xarray as xr
 
 from paper.data import of_the_paper
 from paper.orders import PERIODS, observed_order
-from paper.tables.writing import main
+from paper.products import table
 
 _TITLES = {
     "max_trajectory_error": "Trajectory",
@@ -25,6 +25,7 @@ def observed(run: xr.Dataset) -> dict[str, str]:
     return named | {title: f"{order:.2f}" if order == order else "–" for title, order in orders.items()}
 
 
+@table(accuracy="accuracy")
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
     """One row a problem and scheme."""
     accuracy = of_the_paper(accuracy)
@@ -33,7 +34,3 @@ def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
         for problem in accuracy.problem.values
         for scheme in accuracy.scheme.values
     )
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -4,17 +4,14 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families
+from paper.products import table
 from paper.tables.orders import observed
-from paper.tables.writing import main
 
 PROBLEM = "softening"
 
 
+@table(accuracy="accuracy")
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
     """One row a scheme."""
     parts = families(accuracy.sel(problem=PROBLEM)).values()
     return pd.DataFrame(observed(part.sel(scheme=name)) for part in parts for name in part.scheme.values)
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -3,14 +3,15 @@
 import pandas as pd
 import xarray as xr
 
+from paper.products import table
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
-from paper.tables.writing import main
 
 _ROUNDED_TWICE = "rounded to two decimals, then to one"
 _UNEXPLAINED = "by no rounding; see the text"
 
 
+@table(energy_error="energy_error")
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """One row a cell whose value, rounded once, is not the printed one."""
     printed = printed_energy_errors()
@@ -35,7 +36,3 @@ def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
                     }
                 )
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -3,11 +3,12 @@
 import pandas as pd
 import xarray as xr
 
-from paper.tables.writing import main
+from paper.products import table
 
 MEASURE = "max_trajectory_error"
 
 
+@table(recommendation="recommendation")
 def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
     """One row a problem and error, a column a length of the run; a dash where no scheme keeps the error."""
     needs = recommendation.sel(measure=MEASURE)
@@ -24,7 +25,3 @@ def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
                 row[f"{periods} periods"] = needed
             rows.append(row)
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -3,7 +3,7 @@
 import pandas as pd
 import xarray as xr
 
-from paper.tables.writing import main
+from paper.products import table
 
 _TITLES = {
     "cvode_adams": "Adams",
@@ -15,7 +15,11 @@ _TITLES = {
 }
 
 
-def tabulate(agreement: xr.Dataset, *references: xr.Dataset) -> pd.DataFrame:
+@table(
+    agreement="reference_agreement",
+    references=["reference/hardening", "reference/softening", "reference/softening_large", "reference/double_well"],
+)
+def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFrame:
     """One row a problem: period, certificates, and the smallest trajectory error of each solver over 100 periods."""
     rows = []
     for reference in references:
@@ -32,7 +36,3 @@ def tabulate(agreement: xr.Dataset, *references: xr.Dataset) -> pd.DataFrame:
         row["Worst period"] = f"{agreement.period_error.sel(problem=reference.problem).min('tolerance').max():.0e}"
         rows.append(row)
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -4,13 +4,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.tables.writing import main
+from paper.products import table
 
 
 def _steps(value: float, most: int) -> str:
     return f"> {most}" if np.isnan(value) else f"{value:.0f}"
 
 
+@table(robustness="stability/robustness")
 def tabulate(robustness: xr.Dataset) -> pd.DataFrame:
     """One row a scheme, over the longest runs, the levels of each problem side by side."""
     most = int(robustness.most_steps)
@@ -24,7 +25,3 @@ def tabulate(robustness: xr.Dataset) -> pd.DataFrame:
                 row[f"{title.split()[0].capitalize()} {level} %"] = _steps(needed, most)
         rows.append(row)
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -3,7 +3,7 @@
 import pandas as pd
 import xarray as xr
 
-from paper.tables.writing import main
+from paper.products import table
 
 #: Column: arithmetic and step size.
 COLUMNS = {
@@ -24,6 +24,7 @@ def _cell(one: xr.Dataset) -> str:
     return f"{law.exponent.item():.2f} ± {law.exponent_error.item():.2f}, {last.energy_round_off.item():.0e}"
 
 
+@table(long_times="long_times")
 def tabulate(long_times: xr.Dataset) -> pd.DataFrame:
     """One row a scheme."""
     return pd.DataFrame(
@@ -31,7 +32,3 @@ def tabulate(long_times: xr.Dataset) -> pd.DataFrame:
         | {title: _cell(scheme.sel(arithmetic=a, step=s)) for title, (a, s) in COLUMNS.items()}
         for scheme in (long_times.sel(scheme=name) for name in long_times.scheme.values)
     )
-
-
-if __name__ == "__main__":
-    main(tabulate)

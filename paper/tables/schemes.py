@@ -3,9 +3,10 @@
 import pandas as pd
 import xarray as xr
 
-from paper.tables.writing import main
+from paper.products import table
 
 
+@table(energy_error="energy_error")
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """One row a scheme."""
     scheme = energy_error.scheme
@@ -19,7 +20,3 @@ def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
             "Source": scheme.scheme_source,
         }
     )
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -4,7 +4,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families
-from paper.tables.writing import main
+from paper.products import table
 
 
 def _forces(scheme: xr.Dataset) -> str:
@@ -14,6 +14,7 @@ def _forces(scheme: xr.Dataset) -> str:
     return " + ".join([newton] * (of_iteration > 0) + [str(fixed)] * (fixed > 0))
 
 
+@table(spectral="spectral")
 def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
     """One row a scheme."""
     rows = []
@@ -34,7 +35,3 @@ def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
                 }
             )
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

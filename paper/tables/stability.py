@@ -5,7 +5,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families
-from paper.tables.writing import main
+from paper.products import table
 
 #: The problems whose energy is positive, so that a gain of it can be told from a loss.
 PROBLEMS = ["hardening", "softening", "softening_large"]
@@ -23,6 +23,7 @@ def _first(run: xr.Dataset) -> str:
     return f"{run.dt_over_period.values[at]:g}{how}"
 
 
+@table(spectral="spectral", large_steps="large_steps")
 def tabulate(spectral: xr.Dataset, large_steps: xr.Dataset) -> pd.DataFrame:
     """One row a scheme: the linear limit of Δt/T, and the first step size that is too large on each problem."""
     limits = spectral.stability_limit.sel(damping_ratio=0.0) / (2 * np.pi)
@@ -38,7 +39,3 @@ def tabulate(spectral: xr.Dataset, large_steps: xr.Dataset) -> pd.DataFrame:
                 row[title[0].upper() + title[1:]] = _first(part.sel(scheme=name, problem=problem))
             rows.append(row)
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -4,7 +4,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.figures.structures import BEYOND, SHOWN
-from paper.tables.writing import main
+from paper.products import table
 
 STEPS_PER_PERIOD = 80
 
@@ -24,6 +24,7 @@ def _cell(run: xr.Dataset) -> str:
     return f"{_percent(100 * run.displacement_error.item())}, {_percent(run.max_energy_imbalance.item())}"
 
 
+@table(structures="structures")
 def tabulate(structures: xr.Dataset) -> pd.DataFrame:
     """One row a structure, a column a scheme."""
     at = structures.sel(steps_per_period=STEPS_PER_PERIOD)
@@ -35,7 +36,3 @@ def tabulate(structures: xr.Dataset) -> pd.DataFrame:
         row = {"Structure": title[0].upper() + title[1:], "Unknowns": f"{one.unknowns.item():.0f}"}
         rows.append(row | {one.scheme_title.sel(scheme=n).item(): _cell(one.sel(scheme=n)) for n in shown})
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

@@ -5,7 +5,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families
-from paper.tables.writing import main
+from paper.products import table
 
 #: Amplitudes over those of 1996 that are looked at, from one part to as many times.
 SPAN = 3.0
@@ -49,6 +49,7 @@ def _with_problem(values: xr.DataArray) -> str:
     return "–" if np.isinf(least) else f"{least:.2g} {values.problem.values[int(np.argmin(values.values))][0]}"
 
 
+@table(atlas="stability/atlas")
 def tabulate(atlas: xr.Dataset) -> pd.DataFrame:
     """One row a scheme."""
     near = near_1996(atlas)
@@ -65,7 +66,3 @@ def tabulate(atlas: xr.Dataset) -> pd.DataFrame:
                 }
             )
     return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    main(tabulate)

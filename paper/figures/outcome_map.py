@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
-from paper.figures.style import OUTCOMES
+from paper.figures.style import OUTCOME_STYLES
 
 
 class Case(NamedTuple):
@@ -48,9 +48,9 @@ LIMIT: dict[str, Any] = {
 
 #: Outcomes as an image, coloured by their flags: meshes, each rasterized on the whole page, would fill the memory.
 IMAGE: dict[str, Any] = {
-    "cmap": ListedColormap([colour for _, colour in OUTCOMES.values()]),
+    "cmap": ListedColormap([colour for _, colour in OUTCOME_STYLES.values()]),
     "vmin": -0.5,
-    "vmax": len(OUTCOMES) - 0.5,
+    "vmax": len(OUTCOME_STYLES) - 0.5,
     "origin": "lower",
     "aspect": "auto",
     "interpolation": "nearest",
@@ -83,7 +83,7 @@ def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
 
 def patches(outcomes: np.ndarray) -> list[Patch]:
     """What the colours of the outcomes mean, of those that are present."""
-    looks = list(OUTCOMES.values())
+    looks = list(OUTCOME_STYLES.values())
     return [Patch(facecolor=looks[int(k)][1], edgecolor="0.5", label=looks[int(k)][0]) for k in np.unique(outcomes)]
 
 

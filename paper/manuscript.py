@@ -1,0 +1,67 @@
+"""What the text of the manuscript uses, and what it says of the study by itself."""
+
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from paper.products import Product, declare
+
+TEXT = Path(__file__).with_name("manuscript.typ")
+
+_COMMENT = re.compile(r"^\s*//.*$", re.MULTILINE)
+#: Kind of what the text uses: how the text names it.
+_USES = {
+    "number": re.compile(r'(?<![\w."])n\.(?:at\("([^"]+)"\)|(?!at\()([A-Za-z_]\w*))'),
+    "figure": re.compile(r'\bpicture\("([^"]+)"'),
+    "table": re.compile(r'\btable-of\("([^"]+)"'),
+}
+
+
+def uses(text: str) -> dict[str, dict[str, int]]:
+    """Numbers, figures and tables that a text uses: kind, name, and the number of the first line with the name."""
+    code = _COMMENT.sub("", text)
+    found: dict[str, dict[str, int]] = {kind: {} for kind in _USES}
+    for kind, pattern in _USES.items():
+        for match in pattern.finditer(code):
+            name = next(filter(None, match.groups()))
+            found[kind].setdefault(name, code.count("\n", 0, match.start()) + 1)
+    return found
+
+
+def check_uses(text: str, there: Mapping[str, set[str]]) -> None:
+    """Refuse a text that uses what is not there.
+
+    Parameters
+    ----------
+    text
+        Source of the manuscript.
+    there
+        Names of the numbers, figures and tables, by kind.
+
+    Raises
+    ------
+    ValueError
+        If a number, figure or table is missing; the message has the line of the text.
+    """
+    for kind, names in uses(text).items():
+        for name, line in names.items():
+            if name not in there[kind]:
+                raise ValueError(f"{TEXT.name}, line {line}: there is no {kind} '{name}' in the results.")
+
+
+def made_in(results: Path) -> dict[str, set[str]]:
+    """Names of the numbers, figures and tables in a folder of results, by kind."""
+    return {
+        "number": set(json.loads((results / "numbers.json").read_text())),
+        "figure": {path.stem for path in (results / "figures").glob("*.pdf")},
+        "table": {path.stem for path in (results / "tables").glob("*.csv")},
+    }
+
+
+#: What the text says without a number from the datasets.
+_ASKS = {
+    "cpu_time.problems": ["hardening", "softening"],
+}
+
+declare(Product("text", "manuscript", __name__, uses, {}, "", _ASKS))

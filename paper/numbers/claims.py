@@ -1,0 +1,23 @@
+"""Numbers of the text: claims of each part of the ledger by their verdicts."""
+
+import pandas as pd
+
+from paper.claims.ledger import OURS, Verdict
+from paper.products import numbers
+
+
+@numbers(claims="claims.csv")
+def of_claims(claims: pd.DataFrame) -> dict:
+    """Claims of the paper, and of each section of ours."""
+    ours = claims["section"].isin(list(OURS))
+    parts = {"claims": claims[~ours]} | {prefix: claims[claims["section"] == name] for name, prefix in OURS.items()}
+    counts: dict = {}
+    for prefix, part in parts.items():
+        count = part["verdict"].value_counts()
+        counts |= {
+            prefix: len(part),
+            f"{prefix}_reproduced": int(count.get(Verdict.REPRODUCED, 0)),
+            f"{prefix}_qualified": int(count.get(Verdict.QUALIFIED, 0)),
+            f"{prefix}_not_reproduced": int(count.get(Verdict.NOT_REPRODUCED, 0)),
+        }
+    return counts
