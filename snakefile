@@ -30,7 +30,7 @@ try:
     EXPERIMENTS, PRODUCTS = discover("reference", "study.experiments"), products.discover()
     config = configuration.check(EXPERIMENTS, config)
     DATASETS = configuration.datasets_of(EXPERIMENTS, config)
-    products.check(PRODUCTS, config, DATASETS)
+    products.check(PRODUCTS, config)
     check_writable("results/any")
 except (ValueError, KeyError, SystemExit) as error:
     raise WorkflowError(str(error)) from None
@@ -88,6 +88,8 @@ def made_by(*steps):
 
 PAPER = [step_of(kind) for kind in FORMATS]
 PAPER += [step_of_all("claims", "results/claims.csv", "claim"), step_of_all("numbers", "results/numbers.json", "numbers")]
+#: Formats that the manuscript reads.
+READ_BY_TEXT = (".pdf", ".csv", ".json")
 TEXT = [str(ROOT / "paper" / name) for name in ("manuscript.typ", "references.bib")]
 MANUSCRIPT = Step(
     "manuscript",
@@ -96,7 +98,7 @@ MANUSCRIPT = Step(
     {
         "": Job(
             command("paper.compile", "results", "results/manuscript.pdf"),
-            (*made_by(*PAPER), *TEXT, *map(str, SOURCES.of("paper.compile"))),
+            (*(file for file in made_by(*PAPER) if file.endswith(READ_BY_TEXT)), *TEXT, *map(str, SOURCES.of("paper.compile"))),
         )
     },
 )

@@ -1,8 +1,9 @@
 """The steps of the pipeline: what each makes of what by which command, derived from what experiments declare."""
 
+import inspect
 import json
 import shlex
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -63,6 +64,11 @@ def command(module: str, *arguments: Any, environment: Mapping[str, str] | None 
     )
 
 
+def _first_line(function: Callable) -> str:
+    """What a function says of itself in one line."""
+    return (inspect.getdoc(function) or function.__name__).splitlines()[0].rstrip(".")
+
+
 def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
     """The step of an experiment."""
     folders = one.folders if one.along else one.makes
@@ -78,7 +84,7 @@ def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
 
     return Step(
         name=one.name,
-        message=one.name.replace("_", " "),
+        message=_first_line(one.function),
         outputs=outputs,
         jobs={name: job(name, options) for name, options in one.jobs(configuration).items()},
         temporary=one.temporary or bool(one.along and not one.parts),
@@ -91,7 +97,7 @@ def _gathered(name: str, dimensions: str, parts: Iterable[str], sources: Sources
     files = [dataset(part) for part in parts]
     return Step(
         name=f"gathered_{name.replace('/', '_')}",
-        message=f"{name}: the datasets of {len(files)} jobs together",
+        message=f"Dataset {name} of its {len(files)} parts",
         outputs=(dataset(name),),
         jobs={
             "": Job(
