@@ -10,7 +10,7 @@ from annotated_types import Ge, Le, Len, Lt
 from typing_extensions import TypedDict
 
 from study.analysis.linear_theory import OVERSHOOT_STEPS, LinearTheory, oscillator
-from study.equilibrium import balance as equilibrium
+from study.equilibrium.state import Motion
 from study.pipeline import labels
 from study.pipeline.command import progress
 from study.pipeline.experiment import experiment
@@ -51,7 +51,7 @@ def _vectors(name: str) -> int:
 
 
 def _order_rederived(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float) -> float:
-    if not isinstance(_state(scheme), equilibrium.Motion):
+    if not isinstance(_state(scheme), Motion):
         return np.nan
     return LinearTheory(Rederived(scheme), dt_over_period, damping_ratio).order()
 
