@@ -50,7 +50,8 @@ def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
             place = tree
             for key in above:
                 place = place.setdefault(key, {})
-            place[last] = one.model or create_model(last, __config__=_STRICT, **arguments_of(one.function))
+            fields: dict[str, Any] = arguments_of(one.function)
+            place[last] = one.model or create_model(last, __config__=_STRICT, **fields)
     return _nested("configuration", tree)
 
 

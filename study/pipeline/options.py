@@ -91,7 +91,8 @@ def _rising(values: list, registries: Mapping[str, Any]) -> list:
     return values
 
 
-_SEVERAL = (Len(1, 1000), Checked(_distinct))
+_FEW = Len(1, 1000)
+_DISTINCT = Checked(_distinct)
 
 #: A number of steps, periods or repeats.
 Count = Annotated[int, Ge(1), Le(10_000_000)]
@@ -103,24 +104,24 @@ Length = Annotated[int, Ge(2), Le(10_000)]
 Size = Annotated[float, Ge(1e-9), Le(1e9)]
 #: A relative tolerance, error or perturbation.
 Tolerance = Annotated[float, Ge(1e-16), Le(1)]
-Counts = Annotated[list[Count], *_SEVERAL]
-RisingCounts = Annotated[list[Count], *_SEVERAL, Checked(_rising)]
-Sizes = Annotated[list[Size], *_SEVERAL]
-Tolerances = Annotated[list[Tolerance], *_SEVERAL]
-FallingTolerances = Annotated[list[Tolerance], *_SEVERAL, Checked(_falling)]
+Counts = Annotated[list[Count], _FEW, _DISTINCT]
+RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
+Sizes = Annotated[list[Size], _FEW, _DISTINCT]
+Tolerances = Annotated[list[Tolerance], _FEW, _DISTINCT]
+FallingTolerances = Annotated[list[Tolerance], _FEW, _DISTINCT, Checked(_falling)]
 
 #: A name that files can have, and several names.
 Name = Annotated[str, Checked(_plain)]
-Names = Annotated[list[Name], *_SEVERAL]
+Names = Annotated[list[Name], _FEW, _DISTINCT]
 #: A free oscillator of Xie (1996), a structure with a time scale, and a scheme, each by name.
 Spring = Annotated[str, _listed("spring")]
 Structure = Annotated[str, _listed("structure")]
 SchemeName = Annotated[str, _listed("scheme")]
 #: A scheme whose displacement and velocity are sums, which can be compensated.
 OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
-Springs = Annotated[list[Spring], *_SEVERAL]
-Schemes = Annotated[list[SchemeName], *_SEVERAL]
-OneStepSchemes = Annotated[list[OneStepName], *_SEVERAL]
+Springs = Annotated[list[Spring], _FEW, _DISTINCT]
+Schemes = Annotated[list[SchemeName], _FEW, _DISTINCT]
+OneStepSchemes = Annotated[list[OneStepName], _FEW, _DISTINCT]
 
 
 @section
