@@ -1,40 +1,49 @@
-"""The command line of the experiments."""
+"""The command that runs an experiment."""
 
 import subprocess
 import sys
 
 import pytest
 
+from study import datasets
+from study.pipeline import command
 
-def _call(*arguments, cwd):
-    return subprocess.run(
-        [sys.executable, "-m", "study.experiments.energy_error", *arguments], cwd=cwd, capture_output=True, text=True
-    )
-
-
+MODULE = "study.experiments.energy_error"
 OPTIONS = '{"problems": ["hardening"], "schemes": ["rk4"], "steps_per_period": [15], "periods": 1}'
+OUTPUT = "results/energy_error.nc"
 
 
 @pytest.mark.parametrize(
-    "options, sentence",
+    "dataset, options, sentence",
     [
-        ("{", "the options must be a JSON object"),
-        ('{"problem": []}', "there is no option 'problem'; did you mean 'problems'?"),
-        ('{"problems": []}', "the option 'schemes' is missing."),
-        (OPTIONS, "there is no dataset 'results/reference/hardening.nc'; `snakemake results/reference/hardening.nc`"),
-        (OPTIONS.replace("hardening", "hard"), "did you mean 'hardening'?"),
+        ("energy_error", "{", "the options must be a JSON object"),
+        ("energy_error", '{"problem": []}', "there is no option 'problem'; did you mean 'problems'?"),
+        ("energy_error", '{"problems": []}', "the option 'schemes' is missing."),
+        ("energy_error", OPTIONS, "there is no dataset 'results/reference/hardening.nc'"),
+        ("energy_error", OPTIONS.replace("hardening", "hard"), "did you mean 'hardening'?"),
+        ("energy", OPTIONS, "study.experiments.energy_error makes no dataset 'energy'; did you mean 'energy_error'?"),
     ],
 )
-def test_mistakes_get_one_sentence_and_leave_no_file(options, sentence, tmp_path):
-    done = _call("results/energy_error.nc", options, cwd=tmp_path)
-    assert done.returncode == 1
-    assert sentence in done.stderr
-    assert "Traceback" not in done.stderr
-    assert not (tmp_path / "results" / "energy_error.nc").exists()
+def test_mistakes_get_one_sentence_and_leave_no_file(dataset, options, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as caught:
+        command.main([MODULE, dataset, OUTPUT, options])
+    assert sentence in str(caught.value)
+    assert not (tmp_path / OUTPUT).exists()
 
 
 def test_an_output_that_cannot_be_written_stops_before_any_work(tmp_path):
     (tmp_path / "results").write_text("a file where a folder should be")
-    done = _call("results/energy_error.nc", OPTIONS, cwd=tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-m", "study.pipeline.command", MODULE, "energy_error", OUTPUT, OPTIONS],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 1
-    assert "the results folder 'results' cannot be made" in done.stderr
+    assert done.stderr.startswith("the results folder 'results' cannot be made")
+
+
+def test_a_dataset_that_is_not_declared_is_not_read():
+    with datasets.reading_only(["reference/hardening"]), pytest.raises(ValueError, match="'accuracy' is read without"):
+        datasets.open("accuracy")

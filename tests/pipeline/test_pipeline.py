@@ -1,4 +1,4 @@
-"""The whole pipeline as `make` runs it, in a copy of the project."""
+"""The whole pipeline as `make` runs it, in a copy of the project, on a small study."""
 
 import csv
 import hashlib
@@ -14,9 +14,14 @@ import pytest
 import yaml
 
 import study
+from study.pipeline import configuration
+from study.pipeline.experiment import discover
+from study.pipeline.sources import Sources
+from study.pipeline.steps import steps_of
 
-PROJECT = Path(__file__).parent.parent
-#: Wall times differ from run to run; so does what is made of them.
+PROJECT = Path(__file__).parents[2]
+SMALL = Path("tests", "pipeline", "small.yaml")
+#: Products of measured times, which differ from run to run, and what is made of them.
 TIMED = {
     "cpu_time",
     "reference_agreement",
@@ -35,7 +40,7 @@ pytestmark = pytest.mark.slow
 
 
 def _copy(target: Path) -> Path:
-    """What is tracked and what is new, so that sources can be touched."""
+    """Copy what is tracked and what is new, so that sources can be edited."""
     listed = subprocess.run(
         ["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=PROJECT, capture_output=True, text=True
     ).stdout.split()
@@ -46,21 +51,30 @@ def _copy(target: Path) -> Path:
     return target
 
 
-_COMMAND = [sys.executable, "-m", "snakemake"]
-
-
-def _snakemake(folder: Path, *arguments: str) -> subprocess.CompletedProcess:
+def _snakemake(folder: Path, *arguments: str, overlays=(SMALL,)) -> subprocess.CompletedProcess:
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
-    return subprocess.run([*_COMMAND, *arguments], cwd=folder, capture_output=True, text=True, env=environment)
+    command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", *map(str, overlays)]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
+
+
+def _made(folder: Path, *products: str, **options) -> None:
+    """Make products below the results, or all."""
+    done = _snakemake(folder, *(f"results/{product}" for product in products), **options)
+    assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
 
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
     """A copy of the project with everything made."""
     folder = _copy(tmp_path_factory.mktemp("project"))
-    done = _snakemake(folder)
-    assert done.returncode == 0, done.stderr[-4000:]
+    _made(folder)
     return folder
+
+
+@pytest.fixture
+def copy(project, tmp_path) -> Path:
+    """Another copy, with the same results."""
+    return shutil.copytree(project, tmp_path / "copy")
 
 
 def _would_run(folder: Path) -> set[str]:
@@ -85,7 +99,7 @@ def _hashes(folder: Path) -> dict[str, str]:
 def test_everything_is_made(project):
     results = project / "results"
     assert (results / "manuscript.pdf").read_bytes().startswith(b"%PDF")
-    assert 1e6 < (results / "explorer.html").stat().st_size < 15e6
+    assert (results / "explorer.html").stat().st_size > 1e6
     for figure in ("hardening", "softening", "instability", "double_well", "energy_history", "energy_drift"):
         for suffix in (".pdf", ".png", ".svg"):
             assert (results / "figures" / f"{figure}{suffix}").stat().st_size > 5000
@@ -98,6 +112,7 @@ def test_datasets_explain_themselves(project):
     for path in (project / "results").rglob("*.nc"):
         ds = study.open(path.relative_to(project / "results").with_suffix("").as_posix(), project / "results")
         assert {"title", "source", "references", "history", "commit", "packages"} <= set(ds.attrs)
+        assert study.__version__ in ds.attrs["version"]
         for name, variable in ds.variables.items():
             assert variable.attrs.get("long_name"), (path, name)
             assert variable.dtype.kind in "UOT" or "units" in variable.attrs or "flag_values" in variable.attrs, (
@@ -122,56 +137,60 @@ def test_a_second_call_has_nothing_to_do(project):
 
 def test_one_core_gives_the_same_bytes_as_two(project, tmp_path):
     again = _copy(tmp_path)
-    # some of everything that is not timed
-    products = ["energy_error.nc", "energy_drift.nc", "round_off.nc", "figures/energy_drift.svg", "tables/schemes.csv"]
-    done = _snakemake(again, "--cores", "1", "--", *(f"results/{product}" for product in products))
+    products = {"energy_drift.nc", "sensitivity.nc", "figures/energy_drift.svg", "stability/tiles/rk4_0.nc"}
+    done = _snakemake(again, "--cores", "1", *(f"results/{product}" for product in products))
     assert done.returncode == 0, done.stderr[-4000:]
     made = _hashes(again)
-    assert set(products) <= set(made)
+    assert products <= set(made)
     assert made.items() <= _hashes(project).items()
+
+
+def _jobs_that_read(source: str) -> set[str]:
+    """Names of the datasets whose jobs depend on a source file."""
+    experiments = discover("reference", "study.experiments")
+    whole = configuration.check(experiments, yaml.safe_load((PROJECT / "config" / "study.yaml").read_text()))
+    return {
+        output.replace("{job}", name).removeprefix("results/").removesuffix(".nc")
+        for step in steps_of(experiments, whole, Sources(Path(), "study", "reference", "paper"))
+        for name, job in step.jobs.items()
+        for output in step.outputs
+        if source in job.inputs
+    }
+
+
+def test_an_edited_source_concerns_what_used_it():
+    runge_kutta, alpha = (_jobs_that_read(f"study/scheme/{name}.py") for name in ("runge_kutta", "alpha"))
+    assert {"energy_error", "energy_drift", "large_steps", "phase_portrait/hardening"} <= runge_kutta
+    assert "energy_error" in alpha and not {"energy_drift", "houbolt_start"} & alpha
+    assert not any(name.startswith("reference/") for name in runge_kutta | alpha)
+    springs = _jobs_that_read("study/problem/springs.py")
+    assert {"reference/hardening", "energy_error", "structures/stiff_soft"} <= springs
 
 
 def _edited(path: Path):
     path.write_text(path.read_text() + "\n# edited\n")
 
 
-def test_an_edited_scheme_reruns_what_used_it(project, tmp_path):
-    copy = tmp_path / "copy"
-    shutil.copytree(project, copy)
-    _edited(copy / "study" / "schemes" / "runge_kutta.py")
-    rerun = _would_run(copy)
-    assert {"energy_error", "energy_drift", "large_steps", "phase_portrait/hardening", "figures/energy_drift"} <= rerun
-    assert not any(name.startswith("reference/") for name in rerun)
-
-    shutil.rmtree(copy)
-    shutil.copytree(project, copy)
-    _edited(copy / "study" / "schemes" / "alpha.py")
-    rerun = _would_run(copy)
-    assert "energy_error" in rerun and "figures/instability" in rerun
-    assert not {"energy_drift", "houbolt_start", "figures/energy_drift"} & rerun
-    assert not any(name.startswith("reference/") for name in rerun)
+def test_an_edited_figure_script_redraws_that_figure(copy):
+    _edited(copy / "paper" / "figures" / "instability.py")
+    assert _would_run(copy) == {"figures/instability", "manuscript"}
 
 
-def test_a_failed_job_leaves_what_was_there_and_is_made_anew(project, tmp_path):
+def test_a_failed_job_leaves_what_was_there_and_is_made_anew(copy):
     """Even where its parameters changed with it, which Snakemake has taken note of by then."""
-    copy = tmp_path / "copy"
-    shutil.copytree(project, copy)
     product, module = copy / "results" / "houbolt_start.nc", copy / "study" / "experiments" / "houbolt_start.py"
     before, source = product.read_bytes(), module.read_text()
-    config = copy / "config" / "study.yaml"
-    settings = yaml.safe_load(config.read_text())
-    settings["houbolt_start"]["periods"] = 50
-    config.write_text(yaml.safe_dump(settings))
-    module.write_text("raise SystemExit('broken')\n")
-    assert _snakemake(copy, "--", "results/houbolt_start.nc").returncode != 0
+    settings = yaml.safe_load((copy / SMALL).read_text())
+    (copy / SMALL).write_text(yaml.safe_dump(settings | {"houbolt_start": {"periods": 50}}))
+    module.write_text(source.replace("error = np.empty(", "raise ValueError('broken')\n    error = np.empty("))
+    assert module.read_text() != source
+    assert _snakemake(copy, "results/houbolt_start.nc").returncode != 0
     assert product.read_bytes() == before
     module.write_text(source)
     assert "houbolt_start" in _would_run(copy)
 
 
-def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, tmp_path):
-    copy = tmp_path / "copy"
-    shutil.copytree(project, copy)
+def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
     stability = copy / "results" / "stability"
     missing = [stability / "tiles" / f"{scheme}_0.nc" for scheme in ("central_difference", "rk4")]
     for path in (*missing, stability / "atlas.nc"):
@@ -181,42 +200,33 @@ def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, tmp_path):
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
         "from snakemake.cli import main; main()"
     )
-    command = [sys.executable, "-c", code, "--cores", "1", "--", "results/stability/atlas.nc"]
+    target = "results/stability/atlas.nc"
+    command = [sys.executable, "-c", code, "--cores", "1", target, "--configfile", str(SMALL)]
     with subprocess.Popen(command, cwd=copy, stderr=subprocess.PIPE, text=True) as interrupted:
         assert any("Finished jobid" in line for line in interrupted.stderr)
         interrupted.send_signal(signal.SIGINT)
         interrupted.communicate()
     assert interrupted.returncode != 0 and sum(path.exists() for path in missing) == 1
     there = {path: path.stat().st_mtime_ns for path in (stability / "tiles").iterdir()}
-    done = _snakemake(copy, "--", "results/stability/atlas.nc")
-    assert done.returncode == 0, done.stderr[-4000:]
+    _made(copy, "stability/atlas.nc")
     assert {path: path.stat().st_mtime_ns for path in there} == there
-    whole = "stability/atlas.nc"
-    assert _hashes(copy)[whole] == _hashes(project)[whole]
-
-
-def test_an_edited_figure_script_redraws_that_figure(project, tmp_path):
-    copy = tmp_path / "copy"
-    shutil.copytree(project, copy)
-    _edited(copy / "paper" / "figures" / "instability.py")
-    assert _would_run(copy) == {"figures/instability", "manuscript"}
+    assert _hashes(copy)["stability/atlas.nc"] == _hashes(project)["stability/atlas.nc"]
 
 
 @pytest.mark.parametrize(
-    "change, sentence",
+    "text, sentence",
     [
-        (lambda c: c["cpu_time"].update(repeat=3), "cpu_time has no key 'repeat'; did you mean 'repeats'?"),
-        (lambda c: c["large_steps"].update(problems=["hard"]), "there is no problem 'hard'; did you mean 'hardening'?"),
+        ("{cpu_time: {repeat: 3}}", "cpu_time has no key 'repeat'; did you mean 'repeats'?"),
+        ("{large_steps: {problems: [hardening]}}", "large_steps.problems"),  # the manuscript asks for all springs
+        ("[1, 2]", "the configuration"),
     ],
 )
-def test_a_wrong_configuration_stops_before_any_work(project, tmp_path, change, sentence):
-    config = yaml.safe_load((project / "config" / "study.yaml").read_text())
-    change(config)
-    (tmp_path / "wrong.yaml").write_text(yaml.safe_dump(config))
+def test_a_wrong_configuration_stops_before_any_work(project, tmp_path, text, sentence):
+    (tmp_path / "wrong.yaml").write_text(text)
     before = _hashes(project)
-    done = _snakemake(project, "--configfile", str(tmp_path / "wrong.yaml"))
+    done = _snakemake(project, overlays=[SMALL, tmp_path / "wrong.yaml"])
     assert done.returncode != 0
-    assert sentence in done.stdout + done.stderr
+    assert sentence in done.stdout + done.stderr and "Traceback" not in done.stderr
     assert _hashes(project) == before
 
 
@@ -224,3 +234,115 @@ def test_a_wrong_configuration_stops_before_any_work(project, tmp_path, change, 
 def test_the_tools_of_snakemake_work(project, arguments):
     done = _snakemake(project, *arguments)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+
+
+#: One file for each kind of thing that a reader may add.
+ADDED = {
+    "study/scheme/mine.py": '''"""A scheme of one's own."""
+
+from study.scheme.newmark import Newmark
+
+mine = Newmark(beta=0.26, gamma=0.52, title="Mine")
+''',
+    "study/experiments/last_displacement.py": '''"""Displacement after a number of steps."""
+
+import xarray as xr
+
+from study.marching.run import run
+from study.pipeline.experiment import experiment
+from study.pipeline.options import Count, Spring
+
+
+@experiment("last_displacement", reads=lambda options: ["reference/hardening"])
+def last_displacement(problem: Spring = "hardening", steps: Count = 100) -> xr.Dataset:
+    """Displacement of a scheme of one's own after a number of steps."""
+    end = run(problem, "mine", dt=0.001, steps=steps, every=steps).isel(t=-1)
+    return xr.Dataset({"u": ((), end.u.item(), end.u.attrs)}, attrs={"title": "Last displacement"})
+''',
+    "paper/figures/last.py": '''"""The last displacement."""
+
+import matplotlib.pyplot as plt
+
+from paper.products import figure
+
+
+@figure("The last displacement.", asks={"energy_error.periods": 100}, last="last_displacement")
+def draw(last):
+    """One point."""
+    picture, axes = plt.subplots()
+    axes.plot(0, last.u, "o")
+    return picture
+''',
+    "paper/tables/last.py": '''"""The last displacement."""
+
+import pandas as pd
+
+from paper.products import table
+
+
+@table(last="last_displacement")
+def tabulate(last):
+    """One row."""
+    return pd.DataFrame({"u": [f"{last.u.item():.3f}"]})
+''',
+    "paper/claims/last.py": '''"""A claim of one's own."""
+
+from paper.claims.ledger import Finding, claim
+
+
+@claim("structures", "The last displacement is finite.", "its size", reads=["last_displacement"])
+def is_finite(data):
+    """Whether it is."""
+    size = abs(data["last_displacement"].u.item())
+    return Finding(f"{size:.2f}", size < 10)
+''',
+    "paper/numbers/last.py": '''"""A number of one's own."""
+
+from paper.products import numbers
+
+
+@numbers(last="last_displacement")
+def of_last(last):
+    """The last displacement."""
+    return {"last_displacement": f"{last.u.item():.2f}"}
+''',
+}
+
+
+def test_what_is_added_in_one_file_is_made(copy):
+    for name, text in ADDED.items():
+        (copy / name).write_text(text)
+    (copy / SMALL).write_text((copy / SMALL).read_text() + "\nlast_displacement: {steps: 50}\n")
+    _made(copy, "last_displacement.nc", "figures/last.png", "tables/last.csv", "claims.csv", "numbers.json")
+    results = copy / "results"
+    assert 0 < abs(study.open("last_displacement", results).u.item()) < 1.5
+    assert "The last displacement is finite." in (results / "claims.csv").read_text()
+    assert "last_displacement" in json.loads((results / "numbers.json").read_text())
+
+
+def test_an_undeclared_read_fails_before_any_run(copy):
+    text = ADDED["study/experiments/last_displacement.py"].replace('["reference/hardening"]', "[]")
+    text = text.replace(
+        "    end = run(", '    from study import datasets\n\n    datasets.open("spectral")\n    end = run('
+    )
+    (copy / "study/experiments/last_displacement.py").write_text(text)
+    done = _snakemake(copy, "results/last_displacement.nc")
+    assert done.returncode != 0
+    log = (copy / "results" / "logs" / "last_displacement.log").read_text()
+    assert "the dataset 'spectral' is read without being declared" in log
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"phase_portrait": {"hardening": {"dt": 0.011, "duration": 0.5}}, "sensitivity": {"duration": 5.0}},
+        {"spectral": {"damping_ratios": [0.0, 0.3], "exponents": {"first": -2, "per_decade": 15}}},
+        {
+            "stability": {"bifurcation": {"shown": 7, "steps": 40}, "numerical_map": {"dt": [2]}},
+            "cpu_time": {"repeats": 1},
+        },
+    ],
+)
+def test_what_is_accepted_runs_to_the_end(copy, changes):
+    (copy / "changes.yaml").write_text(yaml.safe_dump(changes))
+    _made(copy, overlays=[SMALL, "changes.yaml"])
