@@ -1,4 +1,4 @@
-"""Coordinates that the experiments share: problems and schemes by name, with what there is to know of them."""
+"""Coordinates that experiments share: names of problems and schemes, with their properties."""
 
 from collections.abc import Iterable, Sequence
 
@@ -8,7 +8,7 @@ from study.scheme.named import schemes
 
 
 def problem_coordinates(names: Sequence[str]) -> dict:
-    """The names of problems along ``problem``, with titles."""
+    """Names of problems along ``problem``, with their titles."""
     return {
         "problem": ("problem", list(names), {"long_name": "problem"}),
         "problem_title": ("problem", [problems[name].title for name in names], {"long_name": "title of the problem"}),
@@ -16,7 +16,7 @@ def problem_coordinates(names: Sequence[str]) -> dict:
 
 
 def scheme_coordinates(names: Sequence[str]) -> dict:
-    """The names of schemes along ``scheme``, with title, family, order, kind, forces and source."""
+    """Names of schemes along ``scheme``, with title, family, order, kind, number of forces and source."""
     chosen = [schemes[name] for name in names]
     return {
         "scheme": ("scheme", list(names), {"long_name": "time integration scheme"}),
@@ -51,7 +51,7 @@ def steps_per_period_coordinate(values: Iterable[float]) -> dict:
 
 
 def periods(problem: str) -> dict[str, float]:
-    """The period that the paper prints and the exact one, from the reference's dataset."""
-    problems[problem]  # an unknown name is told as such, not as a dataset that is missing
+    """The printed period of a problem and the exact one, which the dataset of its reference holds."""
+    problems.resolve(problem)  # an unknown name is a clearer message than a missing dataset
     exact = datasets.open(f"reference/{problem}").period.item()
     return {"printed": printed_periods[problem], "exact": exact}
