@@ -1,10 +1,13 @@
 """From the problems to the manuscript: references, experiments, figures, tables, ledger of claims, PDF.
 
-Every experiment, figure, table and claim declares where it stands what it reads and what it asks of the configuration;
-the rules follow from these declarations.
+Every experiment, figure, table and claim declares in its own file what it reads, how it is called and what it asks of
+the configuration. Two commands turn these declarations into a plan of steps, and every step becomes a rule.
 """
 
+import hashlib
+import json
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -18,90 +21,49 @@ configfile: f"{workflow.basedir}/config/study.yaml"
 
 
 PROJECT = workflow.basedir
-sys.path.insert(0, PROJECT)
-from paper import products
-from study.datasets import check_writable
-from study.pipeline import configuration
-from study.pipeline.experiment import discover
-from study.pipeline.sources import Sources
-from study.pipeline.steps import Job, Step, command, dataset, steps_of
-
-try:
-    EXPERIMENTS, PRODUCTS = discover("reference", "study.experiments"), products.discover()
-    config = configuration.check(EXPERIMENTS, config)
-    DATASETS = configuration.datasets_of(EXPERIMENTS, config)
-    products.check(PRODUCTS, config)
-    check_writable("results/any")
-except (ValueError, KeyError, SystemExit) as error:
-    raise WorkflowError(str(error)) from None
-
+ROOT = os.path.relpath(PROJECT)  # relative, so that a project that is moved stays made
 # the commands run with this Python and find the project wherever the results are made
 os.environ |= {
     "PATH": os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]),
     "PYTHONPATH": PROJECT,
     "PYTHONSAFEPATH": "1",
 }
-ROOT = Path(os.path.relpath(PROJECT))  # relative, so that a project that is moved stays made
-SOURCES = Sources(ROOT, "study", "reference", "paper")
-FORMATS = {"figure": ("pdf", "png", "svg"), "table": ("csv", "tex"), "page": ("html",)}
-FOLDERS = {"figure": "results/figures/", "table": "results/tables/", "page": "results/"}
-CATEGORIES = {"figure": "Figures", "table": "", "page": "Maps of stability"}
 
 
-def files_of(product):
-    """The files that a product is made of."""
-    printed = sorted((ROOT / "paper" / "published").glob("*.csv"))
-    paths = SOURCES.of(product.module, "paper.products")
-    printed = printed if ROOT / "paper" / "published" / "__init__.py" in paths else []
-    return (*(f"results/{name}" for name in product.files), *map(str, paths), *map(str, printed))
+def said(*module, given=None):
+    """What a module prints; a mistake that it tells ends the workflow with its sentence."""
+    done = subprocess.run([sys.executable, "-m", *module], input=given, capture_output=True, text=True)
+    if done.returncode:
+        raise WorkflowError(done.stderr.strip())
+    return done.stdout
 
 
-def step_of(kind):
-    """The step that makes all figures, tables or pages."""
-    chosen = [one for one in PRODUCTS if one.kind == kind]
-    return Step(
-        name=kind,
-        message=kind,
-        outputs=tuple(f"{FOLDERS[kind]}{{job}}.{form}" for form in FORMATS[kind]),
-        jobs={
-            one.name: Job(
-                command("paper.products", one.module, one.name, "results", f"{FOLDERS[kind]}{one.name}.{FORMATS[kind][0]}"),
-                files_of(one),
-            )
-            for one in chosen
-        },
-        captions={one.name: one.caption for one in chosen},
-        category=CATEGORIES[kind],
-    )
+def planned():
+    """The plan of datasets and that of the paper, which are kept until a source or the configuration changes."""
+    text = json.dumps(config)
+    sources = sorted(path for room in ("study", "reference", "paper") for path in Path(PROJECT, room).rglob("*.py"))
+    key = hashlib.sha256("\0".join([sys.version, PROJECT, ROOT, text]).encode())
+    for path in sources:
+        key.update(str(path).encode() + path.read_bytes())
+    kept = Path(".snakemake", "plans", f"{key.hexdigest()}.json")
+    if not kept.exists():
+        data = said("study.pipeline.plan", ROOT, text)
+        paper = said("paper.plan", ROOT, given=data)
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        unfinished = kept.with_suffix(f".{os.getpid()}")
+        unfinished.write_text(json.dumps([json.loads(data), json.loads(paper)]))
+        unfinished.replace(kept)
+    return json.loads(kept.read_text())
 
 
-def step_of_all(name, output, kind):
-    """The step that makes one file of everything of a kind."""
-    files = dict.fromkeys(file for one in PRODUCTS if one.kind == kind for file in files_of(one))
-    return Step(name, name, (output,), {"": Job(command(f"paper.{name}", "results", output), tuple(files))})
-
-
-def made_by(*steps):
-    """All files that steps make."""
-    return [output.replace("{job}", job) for step in steps for output in step.outputs for job in step.jobs]
-
-
-PAPER = [step_of(kind) for kind in FORMATS]
-PAPER += [step_of_all("claims", "results/claims.csv", "claim"), step_of_all("numbers", "results/numbers.json", "numbers")]
-#: Formats that the manuscript reads.
-READ_BY_TEXT = (".pdf", ".csv", ".json")
-TEXT = [str(ROOT / "paper" / name) for name in ("manuscript.typ", "references.bib")]
-MANUSCRIPT = Step(
-    "manuscript",
-    "manuscript",
-    ("results/manuscript.pdf",),
-    {
-        "": Job(
-            command("paper.compile", "results", "results/manuscript.pdf"),
-            (*(file for file in made_by(*PAPER) if file.endswith(READ_BY_TEXT)), *TEXT, *map(str, SOURCES.of("paper.compile"))),
-        )
-    },
-)
+DATA, PAPER = planned()
+try:
+    Path("results").mkdir(exist_ok=True)
+    writable = os.access("results", os.W_OK)
+except OSError:
+    writable = False
+if not writable:
+    raise WorkflowError(f"the folder '{Path('results').absolute()}' cannot be made or written; run where it can.")
 
 
 onerror:
@@ -117,42 +79,42 @@ onerror:
 rule all:
     default_target: True
     input:
-        "results/manuscript.pdf",
-        made_by(*PAPER),
-        [dataset(name) for name in DATASETS],
+        PAPER["products"],
+        [f"results/{name}.nc" for name in DATA["datasets"]],
     message:
         "everything is made; see results/manuscript.pdf and results/explorer.html"
 
 
-for step in [*steps_of(EXPERIMENTS, config, SOURCES), *PAPER, MANUSCRIPT]:
+for step in [*DATA["steps"], *PAPER["steps"]]:
     # an output is an update: when a job fails, what was there before stays
-    kept = temp if step.temporary else update
-    *others, last = (kept(output) for output in step.outputs)
-    if step.category:
-        last = report(last, caption="paper/figures/caption.rst", category=step.category)
-    suffix = "_{job}" if any("{job}" in output for output in step.outputs) else ""
+    kept = temp if step.get("temporary") else update
+    *others, last = (kept(output) for output in step["outputs"])
+    if step.get("category"):
+        last = report(last, caption="paper/figures/caption.rst", category=step["category"])
+    several = any("{job}" in output for output in step["outputs"])
+    name = step["name"] + ("_{job}" if several else "")
 
     rule:
         name:
-            step.name
+            step["name"]
         input:
-            lambda wildcards, jobs=step.jobs: jobs[wildcards.get("job", "")].inputs,
+            lambda wildcards, jobs=step["jobs"]: jobs[wildcards.get("job", "")]["inputs"],
         output:
             *others,
             last,
         params:
-            command=lambda wildcards, jobs=step.jobs: jobs[wildcards.get("job", "")].command,
-            caption=lambda wildcards, captions=step.captions: captions.get(wildcards.get("job", ""), ""),
+            command=lambda wildcards, jobs=step["jobs"]: jobs[wildcards.get("job", "")]["command"],
+            caption=lambda wildcards, captions=step.get("captions", {}): captions.get(wildcards.get("job", ""), ""),
         log:
-            f"results/logs/{step.name}{suffix}.log",
+            f"results/logs/{name}.log",
         benchmark:
-            f"results/benchmarks/{step.name}{suffix}.tsv"
+            f"results/benchmarks/{name}.tsv"
         conda:
             "config/environment.yaml"  # for --sdm conda only
         wildcard_constraints:
-            job="|".join(step.jobs),
-        threads: workflow.cores if step.alone else 1
+            job="|".join(step["jobs"]),
+        threads: workflow.cores if step.get("alone") else 1
         message:
-            f"{step.message} {{wildcards.job}}" if suffix else step.message
+            step["message"] + (": {wildcards.job}" if several else "")
         shell:
             "{params.command} > {log} 2>&1"

@@ -1,0 +1,137 @@
+"""The part of the pipeline that makes figures, tables and text, as JSON: ``python -m paper.plan ROOT < PLAN``.
+
+It reads the plan of the datasets, as ``study.pipeline.plan`` prints it, and prints the steps of the paper.
+"""
+
+import json
+import shlex
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import grimp
+
+from paper.products import Product, check, discover
+
+#: Folder and formats of each kind of product that is a file of its own, and its heading in the report of the pipeline.
+FILES = {
+    "figure": ("results/figures", ("pdf", "png", "svg"), "Figures"),
+    "table": ("results/tables", ("csv", "tex"), ""),
+    "page": ("results", ("html",), "Maps of stability"),
+}
+#: Files that hold all products of a kind.
+WHOLES = {"claim": ("claims", "results/claims.csv"), "numbers": ("numbers", "results/numbers.json")}
+#: Formats that the manuscript includes, and its own sources.
+INCLUDED, TEXT = (".pdf", ".csv", ".json"), ("manuscript.typ", "references.bib")
+MANUSCRIPT = "results/manuscript.pdf"
+
+
+class _Sources:
+    """The files of modules of the paper and of all modules that these import."""
+
+    def __init__(self, root: Path):
+        self._root, self._graph = root, grimp.build_graph("paper", cache_dir=None)
+
+    def of(self, *modules: str) -> list[str]:
+        found = set(modules).union(*map(self._graph.find_upstream_modules, modules))
+        paths = [self._root.joinpath(*name.split(".")) for name in sorted(found)]
+        files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
+        # the numbers that were printed in 1996 are a source too
+        printed = (self._root / "paper" / "published").glob("*.csv") if "paper.published" in found else []
+        return [str(path) for path in [*files, *sorted(printed)]]
+
+
+def _step(name: str, message: str, outputs: Iterable[str], jobs: dict[str, dict], **more: Any) -> dict[str, Any]:
+    return {"name": name, "message": message, "outputs": list(outputs), "jobs": jobs, **more}
+
+
+def _job(arguments: Iterable[str], inputs: Iterable[str]) -> dict[str, Any]:
+    return {"command": shlex.join(["python", "-m", *arguments]), "inputs": list(dict.fromkeys(inputs))}
+
+
+def _of_each(kind: str, products: list[Product], sources: _Sources) -> dict[str, Any]:
+    """The step that makes every figure, table or page, a job each."""
+    folder, formats, category = FILES[kind]
+    chosen = [one for one in products if one.kind == kind]
+
+    def job(one: Product) -> dict[str, Any]:
+        arguments = ("paper.products", one.module, one.name, "results", f"{folder}/{one.name}.{formats[0]}")
+        return _job(arguments, [*_data(one), *sources.of(one.module, "paper.products")])
+
+    return _step(
+        kind,
+        kind.capitalize(),
+        [f"{folder}/{{job}}.{form}" for form in formats],
+        {one.name: job(one) for one in chosen},
+        captions={one.name: one.caption for one in chosen},
+        category=category,
+    )
+
+
+def _of_all(kind: str, products: list[Product], sources: _Sources) -> dict[str, Any]:
+    """The step that makes one file of all claims or numbers."""
+    name, output = WHOLES[kind]
+    chosen = [one for one in products if one.kind == kind]
+    files = [file for one in chosen for file in _data(one)]
+    modules = sources.of(f"paper.{name}.__main__", *(one.module for one in chosen))
+    return _step(name, name.capitalize(), [output], {"": _job((f"paper.{name}", "results", output), [*files, *modules])})
+
+
+def _data(product: Product) -> list[str]:
+    return [f"results/{file}" for file in product.files]
+
+
+def _made_by(steps: Iterable[dict[str, Any]]) -> list[str]:
+    return [output.replace("{job}", job) for step in steps for output in step["outputs"] for job in step["jobs"]]
+
+
+def steps_of(products: list[Product], root: Path) -> list[dict[str, Any]]:
+    """The steps that make all products and the manuscript."""
+    sources = _Sources(root)
+    steps = [_of_each(kind, products, sources) for kind in FILES]
+    steps += [_of_all(kind, products, sources) for kind in WHOLES]
+    included = [file for file in _made_by(steps) if file.endswith(INCLUDED)]
+    inputs = [*included, *(str(root / "paper" / name) for name in TEXT), *sources.of("paper.compile")]
+    job = _job(("paper.compile", "results", MANUSCRIPT), inputs)
+    return [*steps, _step("manuscript", "Manuscript", [MANUSCRIPT], {"": job})]
+
+
+def check_datasets(products: Iterable[Product], datasets: Iterable[str]) -> None:
+    """Refuse a product that reads a dataset which the configuration does not make.
+
+    Raises
+    ------
+    ValueError
+        With one sentence that names both.
+    """
+    known = set(datasets)
+    for one in products:
+        for file in one.files:
+            if file.endswith(".nc") and file.removesuffix(".nc") not in known:
+                raise ValueError(
+                    f"the {one.kind} '{one.name}' reads '{file.removesuffix('.nc')}', a dataset that this configuration "
+                    "does not make."
+                )
+
+
+def main(root: str) -> None:
+    """Print the steps, or end with one sentence that says what the paper lacks.
+
+    Raises
+    ------
+    SystemExit
+        If the paper asks of the configuration what is not there.
+    """
+    plan, products = json.load(sys.stdin), discover()
+    try:
+        check_datasets(products, plan["datasets"])
+        check(products, plan["configuration"])
+    except ValueError as error:
+        raise SystemExit(str(error)) from None
+    steps = steps_of(products, Path(root))
+    print(json.dumps({"products": _made_by(steps), "steps": steps}))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
