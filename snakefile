@@ -34,7 +34,8 @@ def said(*module, given=None):
     """What a module prints; a mistake that it tells ends the workflow with its sentence."""
     done = subprocess.run([sys.executable, "-m", *module], input=given, capture_output=True, text=True)
     if done.returncode:
-        raise WorkflowError(done.stderr.strip())
+        lines = done.stderr.strip().splitlines()
+        raise WorkflowError("\n".join(lines) if "Traceback" in done.stderr else lines[-1])
     return done.stdout
 
 
