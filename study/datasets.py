@@ -3,10 +3,13 @@
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from study.registry import did_you_mean
@@ -50,6 +53,23 @@ def provenance(title: str, made_by: str) -> dict[str, str]:
         "commit": commit,
         "packages": ", ".join(f"{name} {version(name)}" for name in _PACKAGES),
         "python": ".".join(map(str, sys.version_info[:2])),
+    }
+
+
+def flags(long_name: str, meanings: Sequence[str], dtype: type[np.integer]) -> dict[str, Any]:
+    """Attributes of a variable whose values are places in ``meanings``, as the CF conventions have them.
+
+    Parameters
+    ----------
+    meanings
+        One word each, without spaces.
+    dtype
+        Type of the values of the variable, which CF asks of ``flag_values`` too.
+    """
+    return {
+        "long_name": long_name,
+        "flag_values": np.arange(len(meanings), dtype=dtype),
+        "flag_meanings": " ".join(meanings),
     }
 
 

@@ -23,7 +23,8 @@ from study.experiments.numerical_map import numerical_map
 from study.experiments.robustness import robustness
 from study.experiments.roots import roots
 from study.experiments.structure_stability import structure_stability
-from study.marching.march import COMPLETED, NEWTON_FAILED, March, march
+from study.marching.march import March, march
+from study.marching.result import COMPLETED, NEWTON_FAILED
 from study.observer.fate import Fate
 from study.problem.loads import excited
 from study.problem.springs import CubicSpring

@@ -7,7 +7,9 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
+from study.datasets import flags
 from study.observer.base import Reduction
+from study.observer.crossings import crosses_upwards
 from study.observer.errors import AmplitudeDecay, PeriodError, TrajectoryError
 
 #: The measures of error of the study, those of the energy in percent.
@@ -96,12 +98,8 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
 def flagged(error: np.ndarray, uncertainty, dims: tuple[str, ...]) -> tuple:
     """Variable that tells where an error is within ten times the reference's uncertainty, or was not measured."""
     within = np.where(np.isnan(error), 2, np.abs(error) <= FLAGGED_WITHIN * uncertainty)
-    attributes = {
-        "long_name": f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference",
-        "flag_values": np.arange(3, dtype=np.int32),
-        "flag_meanings": "above within not_measured",
-    }
-    return dims, within.astype(np.int32), attributes
+    question = f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference"
+    return dims, within.astype(np.int32), flags(question, ("above", "within", "not_measured"), np.int32)
 
 
 def _rest(reference: xr.Dataset) -> float:
@@ -122,7 +120,7 @@ def first_crossing(reference: xr.Dataset, level: float) -> float:
         If it does not.
     """
     u, v, phase = reference.u.values, reference.v.values, reference.phase.values
-    crossed = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))
+    crossed = np.flatnonzero(crosses_upwards(u[:-1], u[1:], level))
     if not crossed.size:
         raise ValueError(f"the exact motion of '{reference.problem}' does not cross {level:g}.")
     ends = slice(crossed[0], crossed[0] + 2)

@@ -3,7 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from study.marching.march import NEWTON_FAILED, NOT_FINITE
+from study.datasets import flags
+from study.marching.result import NEWTON_FAILED, NOT_FINITE
 from study.observer.fate import ACCURATE, GROWN
 from study.observer.lyapunov import APART
 
@@ -19,11 +20,7 @@ OUTCOMES = (
     "not_finite",
 )
 
-OUTCOME_ATTRIBUTES = {
-    "long_name": "how the run ended",
-    "flag_values": np.arange(len(OUTCOMES), dtype=np.int8),
-    "flag_meanings": " ".join(OUTCOMES),
-}
+OUTCOME_ATTRIBUTES = flags("how the run ended", OUTCOMES, np.int8)
 
 #: What of it an event tells, the worse ones last.
 _EVENTS = {

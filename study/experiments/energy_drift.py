@@ -3,7 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
+from study.marching.run import run
+from study.observer.crossings import crosses_upwards
 from study.pipeline import labels
 from study.pipeline.command import main, progress
 from study.problem.named import printed_periods
@@ -14,7 +16,7 @@ def _steps_per_oscillation(u: np.ndarray, oscillations: int) -> float:
 
     NaN where the motion does not cross zero often enough.
     """
-    before = np.flatnonzero((u[:-1] < 0) & (u[1:] >= 0))[-oscillations - 1 :]
+    before = np.flatnonzero(crosses_upwards(u[:-1], u[1:], 0))[-oscillations - 1 :]
     if len(before) < oscillations + 1:
         return np.nan
     crossings = before + u[before] / (u[before] - u[before + 1])

@@ -10,7 +10,8 @@ import xarray as xr
 
 from study import datasets
 from study.analysis.comparison import first_crossing
-from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
+from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import main, progress
 from study.problem.definition import Problem

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from study.marching.run import STATUS_ATTRIBUTES, run
+from study.marching.result import STATUS_ATTRIBUTES
+from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import main, progress
 from study.problem.named import problems
