@@ -1,8 +1,8 @@
 """Linear theory of a scheme, derived from its code.
 
 On the linear oscillator ü + 2ξω u̇ + ω² u = 0, a step is a linear map of the scheme's state. Its matrix, the
-amplification matrix, is the derivative of the step by automatic differentiation, so no formula stands in the code twice.
-Here ω = 1, so Ω = ωΔt = 2π Δt/T is the step size.
+amplification matrix, is the derivative of the step by automatic differentiation, so no formula stands in the code
+twice. Here ω = 1, so Ω = ωΔt = 2π Δt/T is the step size.
 
 References
 ----------
@@ -249,7 +249,7 @@ def _eigenvalues(matrices: np.ndarray) -> np.ndarray:
 
 
 def _followed(roots: np.ndarray, exponent: complex, omega: np.ndarray) -> np.ndarray:
-    """Logarithm of the root that tends to exp(exponent · Ω) for Ω → 0, followed over step sizes; NaN once it is real."""
+    """Logarithm of the root that tends to exp(exponent · Ω) for Ω → 0, followed over step sizes; NaN once real."""
     result = np.full(len(omega), complex(np.nan, np.nan))
     last, slope = (0.0, 0j), exponent
     for i, (candidates, step) in enumerate(zip(roots, omega, strict=True)):

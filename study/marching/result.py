@@ -7,7 +7,7 @@ import jax
 import numpy as np
 import xarray as xr
 
-from study.datasets import flags
+from study.datasets import VERSION, flags
 from study.observer.base import Observer
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
@@ -91,5 +91,10 @@ def labelled(
     return xr.Dataset(
         data,
         coordinates,
-        {"title": f"{scheme.title} on the {problem.title}", "problem": problem.title, "scheme": scheme.title},
+        {
+            "title": f"{scheme.title} on the {problem.title}",
+            "problem": problem.title,
+            "scheme": scheme.title,
+            "version": VERSION,
+        },
     )
