@@ -4,15 +4,17 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from study import datasets
 from study.analysis.recommendation import recommend
 from study.marching.run import run
 from study.observer.named import observers
 from study.problem.named import problems
+from study.registry import Registry, UnknownName
 from study.scheme.named import schemes
 
-_REGISTRIES = {"problems": problems, "schemes": schemes, "observers": observers}
+_REGISTRIES: dict[str, Registry[Any]] = {"problems": problems, "schemes": schemes, "observers": observers}
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -105,7 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = parser.parse_args(arguments)
     try:
         chosen.function(chosen)
-    except (KeyError, TypeError, ValueError, OSError) as error:
+    except (UnknownName, ValueError, OSError) as error:
         mistake = str(error)
     except SystemExit as error:  # a file that cannot be written
         mistake = str(error)

@@ -37,14 +37,16 @@ def _installed(package: str) -> str | None:
         return None
 
 
-def _of_checkout() -> str:
-    """Version that the ``pyproject.toml`` of a checkout gives."""
+def _version() -> str:
+    """Version of this package: of the checkout if there is one, whose installation may be older, or as installed."""
     pyproject = Path(__file__).parent.parent / "pyproject.toml"
-    return tomllib.loads(pyproject.read_text())["project"]["version"]
+    if pyproject.exists():
+        return tomllib.loads(pyproject.read_text())["project"]["version"]
+    return version("time-integration-study")
 
 
 #: Version of this package, which only ``pyproject.toml`` spells out.
-VERSION = _installed("time-integration-study") or _of_checkout()
+VERSION = _version()
 
 
 def _git(*arguments: str) -> str:

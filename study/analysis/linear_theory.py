@@ -10,17 +10,36 @@ T. J. R. Hughes, The finite element method, Prentice-Hall, 1987, chapter 9.
 """
 
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
+from jaxtyping import Complex, Float
 
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
+
+#: A number for each step size, shape (points,).
+Points = Float[np.ndarray, "points"]
+
+#: What can be made into such an array.
+PointsLike = Float[Any, "points"]
+
+#: A complex number for each step size, shape (points,).
+ComplexPoints = Complex[np.ndarray, "points"]
+
+#: Eigenvalues for each step size, shape (points, m).
+Roots = Complex[np.ndarray, "points m"]
+
+#: A matrix for each step size, shape (points, m, m).
+Matrices = Float[np.ndarray, "points m m"]
+
+#: Values of displacement and velocity for each step size, shape (2, points).
+Pairs = Float[np.ndarray, "2 points"]
 
 #: Largest excess of a spectral radius over one that counts as round-off.
 GROWTH = 1e-8
@@ -92,9 +111,9 @@ class NumericalMotion(NamedTuple):
         Relative loss of amplitude per period, 1 − exp(−2π ξ̄/√(1 − ξ̄²)).
     """
 
-    period_elongation: np.ndarray
-    algorithmic_damping: np.ndarray
-    amplitude_decay: np.ndarray
+    period_elongation: Points
+    algorithmic_damping: Points
+    amplitude_decay: Points
 
 
 class LinearTheory:
@@ -134,7 +153,11 @@ class LinearTheory:
     stable up to ωΔt = 2.000
     """
 
-    def __init__(self, scheme: str | Scheme, dt_over_period: np.ndarray, damping_ratio: float = 0.0):
+    matrices: Matrices
+    roots: Roots
+    spectral_radius: Points
+
+    def __init__(self, scheme: str | Scheme, dt_over_period: PointsLike, damping_ratio: float = 0.0):
         scheme = schemes[scheme] if isinstance(scheme, str) else scheme
         parts = np.asarray(dt_over_period)
         if (
@@ -164,10 +187,10 @@ class LinearTheory:
         tiles = np.pad(np.asarray(dt_over_period, float), (0, -points % TILE), mode="edge").reshape(-1, TILE)
         return np.concatenate([_at_each(function, self._scheme, tile, damping) for tile in tiles])[:points]
 
-    def _radius(self, dt_over_period) -> np.ndarray:
+    def _radius(self, dt_over_period: Points) -> Points:
         return np.abs(_eigenvalues(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)
 
-    def _first_unstable(self, omega: np.ndarray) -> int | None:
+    def _first_unstable(self, omega: Points) -> int | None:
         """Index of the first unstable Ω, searched tile by tile; None if all are stable."""
         for start in range(0, len(omega), TILE):
             unstable = self._radius(omega[start : start + TILE] / (2 * np.pi)) > 1 + GROWTH
@@ -195,7 +218,7 @@ class LinearTheory:
         """ρ∞, the spectral radius for Ω → ∞."""
         return float(self._radius(np.array([INFINITE]))[0])
 
-    def overshoot(self) -> np.ndarray:
+    def overshoot(self) -> Pairs:
         """Largest |u| − 1 and |u̇|/ω − 1 in the first 64 steps from u = 1 and u̇ = 0, of shape (2, points).
 
         The exact motion has zero overshoot. NaN at unstable step sizes.
@@ -240,7 +263,7 @@ class LinearTheory:
         return float(np.polyfit(np.log(omega[fine]), np.log(error[fine]), 1)[0]) - 1
 
 
-def _eigenvalues(matrices: np.ndarray) -> np.ndarray:
+def _eigenvalues(matrices: Matrices) -> Roots:
     """Eigenvalues, of shape (points, m), infinite where a matrix overflows."""
     finite = np.isfinite(matrices).all(axis=(1, 2))
     roots = np.full(matrices.shape[:2], complex(np.inf))
@@ -248,7 +271,7 @@ def _eigenvalues(matrices: np.ndarray) -> np.ndarray:
     return roots
 
 
-def _followed(roots: np.ndarray, exponent: complex, omega: np.ndarray) -> np.ndarray:
+def _followed(roots: Roots, exponent: complex, omega: Points) -> ComplexPoints:
     """Logarithm of the root that tends to exp(exponent · Ω) for Ω → 0, followed over step sizes; NaN once real."""
     result = np.full(len(omega), complex(np.nan, np.nan))
     last, slope = (0.0, 0j), exponent

@@ -2,6 +2,7 @@
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Float, Int8
 
 from study.datasets import flags
 from study.marching.result import NEWTON_FAILED, NOT_FINITE
@@ -22,6 +23,12 @@ OUTCOMES = (
 
 OUTCOME_ATTRIBUTES = flags("how the run ended", OUTCOMES, np.int8)
 
+#: A place in ``OUTCOMES`` for each lane, shape (lanes,).
+Places = Int8[np.ndarray, "lanes"]
+
+#: A time for each lane, shape (lanes,).
+Times = Float[np.ndarray, "lanes"]
+
 #: Outcome decided by each event; later ones override.
 _EVENTS = {
     "bounded": "inaccurate_from",
@@ -32,7 +39,7 @@ _EVENTS = {
 }
 
 
-def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+def outcomes(runs: xr.Dataset) -> tuple[Places, Times]:
     """Classify how each run of an ensemble ended.
 
     Parameters

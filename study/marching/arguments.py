@@ -13,6 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from study.marching.shapes import Counts, CountsLike, Displacements, DisplacementsLike, Numbers, NumbersLike
 from study.observer.base import Observer
 from study.observer.named import observers
 from study.problem.definition import Problem
@@ -48,7 +49,7 @@ def positive_integer(name: str, value: Any) -> int:
     return int(value)
 
 
-def checked_steps(steps: Any) -> np.ndarray:
+def checked_steps(steps: CountsLike) -> Counts:
     """Number of steps, of shape () or (lanes,)."""
     if np.ndim(steps) == 0:
         return np.asarray(positive_integer("steps", steps))
@@ -74,7 +75,7 @@ def _numbers(name: str, value: Any) -> np.ndarray:
     return numbers.astype(np.float64)
 
 
-def checked_step_size(dt: Any) -> np.ndarray:
+def checked_step_size(dt: NumbersLike) -> Numbers:
     """Step size, of shape () or (lanes,)."""
     dt = _numbers("dt", dt)
     if dt.ndim > 1:
@@ -84,7 +85,7 @@ def checked_step_size(dt: Any) -> np.ndarray:
     return dt
 
 
-def checked_start(problem: Problem, u0: Any) -> np.ndarray:
+def checked_start(problem: Problem, u0: DisplacementsLike | None) -> Displacements:
     """Initial displacement, of the problem's shape or with an axis of lanes in front; the problem's own for None."""
     shape = np.shape(problem.u0)
     if u0 is None:
@@ -132,7 +133,7 @@ def _are_finite(load, times):
     return jax.lax.map(lambda t: jnp.isfinite(load(t)).all(), times)
 
 
-def number_of_lanes(problem: Problem, u0: np.ndarray, dt: np.ndarray, steps: np.ndarray) -> int:
+def number_of_lanes(problem: Problem, u0: Displacements, dt: Numbers, steps: Counts) -> int:
     """Number of lanes of an ensemble, 0 for a single run."""
     lengths = {name: len(value) for name, value in (("dt", dt), ("steps", steps)) if value.ndim}
     if u0.ndim > np.ndim(problem.u0):

@@ -14,6 +14,7 @@ from tqdm import tqdm
 
 from study.marching.march import March, march
 from study.marching.result import Result
+from study.marching.shapes import Counts, DisplacementsOfLanes, OfLanes
 
 #: Lanes of a tile; their state stays in the cache next to the core, whatever the size of the ensemble. Small ensembles
 #: are padded to a tile; otherwise XLA compiles another loop and the last bits differ.
@@ -53,7 +54,9 @@ def _in_groups(values: np.ndarray, shape: tuple[int, int, int], filler: float) -
     return room.reshape(*shape, *values.shape[1:])
 
 
-def march_ensemble(definition: March, u0: np.ndarray, dt: np.ndarray, steps: np.ndarray, every: int, samples: int):
+def march_ensemble(
+    definition: March, u0: DisplacementsOfLanes, dt: OfLanes, steps: Counts, every: int, samples: int
+) -> Result:
     """March every lane.
 
     A lane depends neither on its neighbours nor on the number of cores, to the last bit. If lanes have their own

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import jax
 import numpy as np
 import xarray as xr
 
 from study.datasets import VERSION, flags
+from study.marching.shapes import Counts, Flags, Numbers, Observed
 from study.observer.base import Observer
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
@@ -34,10 +34,10 @@ class Result(NamedTuple):
         Variables of the records, with the samples along the first axis; NaN from a failure on.
     """
 
-    status: jax.Array
-    failed_at_step: jax.Array
-    values: dict[str, jax.Array]
-    samples: dict[str, jax.Array]
+    status: Flags
+    failed_at_step: Flags
+    values: dict[str, Observed]
+    samples: dict[str, Observed]
 
 
 def labelled(
@@ -45,8 +45,8 @@ def labelled(
     problem: Problem,
     scheme: Scheme,
     observers: Sequence[Observer],
-    dt: np.ndarray,
-    steps: np.ndarray,
+    dt: Numbers,
+    steps: Counts,
     every: int,
     samples: int,
     ensemble: bool,

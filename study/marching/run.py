@@ -23,6 +23,7 @@ from study.marching.arguments import (
 from study.marching.ensemble import march_ensemble
 from study.marching.march import March, march
 from study.marching.result import Result, labelled
+from study.marching.shapes import Counts, CountsLike, Displacements, DisplacementsLike, Numbers, NumbersLike
 from study.observer.base import Observer, Record, Reduction
 from study.problem.definition import Problem
 from study.problem.named import problems
@@ -37,7 +38,7 @@ PAUSE = 2**24
 FEW = 1_000_000
 
 
-def _march_alone(definition: March, u0: np.ndarray, dt: np.ndarray, steps: int, every: int, samples: int) -> Result:
+def _march_alone(definition: March, u0: Displacements, dt: Numbers, steps: int, every: int, samples: int) -> Result:
     """March a single run; a long one pauses now and then, and shows a progress bar in a terminal."""
     pauses = range(PAUSE, steps + PAUSE, PAUSE)
     progress = None
@@ -51,7 +52,7 @@ def _march_alone(definition: March, u0: np.ndarray, dt: np.ndarray, steps: int, 
     return jax.tree.map(np.asarray, result)
 
 
-def _samples(records: Sequence[Record], steps: np.ndarray, every: int, samples: int | None) -> int:
+def _samples(records: Sequence[Record], steps: Counts, every: int, samples: int | None) -> int:
     """Number of samples to store after the first."""
     if records and steps.ndim:
         raise ValueError(
@@ -65,7 +66,7 @@ def _samples(records: Sequence[Record], steps: np.ndarray, every: int, samples: 
     return int(steps) // every if samples is None else positive_integer("samples", samples)
 
 
-def _check_memory(definition: March, u0: np.ndarray, dt: np.ndarray, samples: int) -> None:
+def _check_memory(definition: March, u0: Displacements, dt: Numbers, samples: int) -> None:
     if (samples + 1) * max(dt.size, 1) <= FEW:
         return
     progress, _ = eqx.filter_eval_shape(definition.start, u0, dt, 0)
@@ -77,10 +78,10 @@ def run(
     problem: str | Problem,
     scheme: str | Scheme,
     *,
-    dt: float | np.ndarray,
-    steps: int | np.ndarray,
+    dt: NumbersLike,
+    steps: CountsLike,
     observe: str | Observer | Sequence[str | Observer] = ("trajectory",),
-    u0: float | np.ndarray | None = None,
+    u0: DisplacementsLike | None = None,
     every: int = 1,
     samples: int | None = None,
 ) -> xr.Dataset:
