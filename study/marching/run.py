@@ -34,8 +34,8 @@ from study.scheme.named import schemes
 #: Steps between two chances to interrupt a single run: about a second.
 PAUSE = 2**24
 
-#: Samples × lanes up to which no machine lacks the memory for records.
-FEW = 1_000_000
+#: Samples × lanes × unknowns whose records fit into the memory of any machine.
+FEW = 10_000_000
 
 
 def _march_alone(definition: March, u0: Displacements, dt: Numbers, steps: int, every: int, samples: int) -> Result:
@@ -67,7 +67,8 @@ def _samples(records: Sequence[Record], steps: Counts, every: int, samples: int 
 
 
 def _check_memory(definition: March, u0: Displacements, dt: Numbers, samples: int) -> None:
-    if (samples + 1) * max(dt.size, 1) <= FEW:
+    """Refuse records that exceed the memory; their shapes are those of the first sample, which is not computed."""
+    if (samples + 1) * u0.size <= FEW:
         return
     progress, _ = eqx.filter_eval_shape(definition.start, u0, dt, 0)
     first = progress.stored.items()
