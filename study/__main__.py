@@ -1,6 +1,7 @@
 """The command line: ``study run``, ``study recommend`` and ``study list``, also as ``python -m study``."""
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -107,6 +108,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = parser.parse_args(arguments)
     try:
         chosen.function(chosen)
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader, such as head, has closed the pipe, into which exit would flush again
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return
     except (UnknownName, ValueError, OSError) as error:
         mistake = str(error)
     except SystemExit as error:  # a file that cannot be written
