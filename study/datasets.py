@@ -166,8 +166,8 @@ def open(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
     if not path.exists():
         present = sorted(p.relative_to(folder).with_suffix("").as_posix() for p in Path(folder).rglob("*.nc"))
         near = nearest(name, present)
-        question = f"Did you mean {' or '.join(map(repr, near))}? If not, " if near else ""
-        raise FileNotFoundError(f"there is no dataset '{path}'. {question}`snakemake {path}` makes those of the study.")
+        question = f"did you mean {' or '.join(map(repr, near))}? If not, " if near else ""
+        raise FileNotFoundError(f"there is no dataset '{path}'; {question}`snakemake {path}` makes those of the study.")
     return read(path)
 
 

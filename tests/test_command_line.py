@@ -61,7 +61,7 @@ def test_a_recommendation_is_printed(capsys, monkeypatch):
         ([*RUN, "--output", "{folder}/file/one.nc"], "the results folder '{folder}/file' cannot be made: File exists."),
         (
             ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
-            "there is no dataset '{folder}/work_precision.nc'. "
+            "there is no dataset '{folder}/work_precision.nc'; "
             "`snakemake {folder}/work_precision.nc` makes those of the study.",
         ),
     ],

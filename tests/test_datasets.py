@@ -53,9 +53,9 @@ def test_a_missing_dataset_says_what_to_run(dataset, tmp_path):
     with pytest.raises(FileNotFoundError, match="`snakemake .*energy_error.nc` makes"):
         study.open("energy_error", tmp_path)
     datasets.write(dataset, tmp_path / "energy_error.nc")
-    with pytest.raises(FileNotFoundError, match="work_precision.nc'. `snakemake .*work_precision.nc` makes"):
+    with pytest.raises(FileNotFoundError, match="work_precision.nc'; `snakemake .*work_precision.nc` makes"):
         study.recommend("hardening", error=0.01, folder=tmp_path)
-    with pytest.raises(FileNotFoundError, match="Did you mean 'energy_error'[?] If not, `snakemake"):
+    with pytest.raises(FileNotFoundError, match="did you mean 'energy_error'[?] If not, `snakemake"):
         study.open("energy_eror", tmp_path)
 
 
