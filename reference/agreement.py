@@ -10,6 +10,7 @@ from typing_extensions import TypedDict
 
 from reference import diffrax, exact, sundials, taylor
 from reference.solution import RouteFailed, Solution, StepLimit
+from study.datasets import flags
 from study.pipeline.command import progress
 from study.pipeline.experiment import experiment
 from study.pipeline.options import FallingTolerances, section
@@ -31,7 +32,7 @@ ROUTES: dict[str, tuple[Callable, Callable]] = {
     "heyoka": (taylor.trajectory, taylor.period),
 }
 FINISHED, STEP_LIMIT, FAILED, NOT_TRIED, LOST = range(5)
-STATUS_MEANINGS = "finished step_limit failed not_tried lost"
+STATUS_MEANINGS = ("finished", "step_limit", "failed", "not_tried", "lost")
 #: An error of so many amplitudes says that the solution has left the orbit altogether.
 LOST_ABOVE = 10
 #: How often in a period the routes are held against the truth; not only where displacement hides phase errors.
@@ -133,7 +134,6 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         "status": "how the trajectory ended",
         "period_status": "how the search for the period ended",
     }
-    flags = {"flag_values": np.arange(len(STATUS_MEANINGS.split()), dtype=np.int32), "flag_meanings": STATUS_MEANINGS}
     variables = {
         name: ((*dims, "periods"), values, {"long_name": described[name], "units": "1"})
         for name, values in windowed.items()
@@ -142,7 +142,8 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         for name, values in single.items()
     }
     return xr.Dataset(
-        variables | {name: (dims, values, {"long_name": described[name], **flags}) for name, values in ended.items()},
+        variables
+        | {name: (dims, values, flags(described[name], STATUS_MEANINGS, np.int32)) for name, values in ended.items()},
         coords={
             "problem": ((), problem, {"long_name": "problem"}),
             "route": ("route", list(ROUTES), {"long_name": "solver that was asked"}),

@@ -12,6 +12,7 @@ from annotated_types import Gt, Le
 from reference import diffrax, exact, scipy, sundials, taylor
 from reference.agreement import FINISHED, LOST, LOST_ABOVE, NOT_TRIED, STATUS_MEANINGS
 from reference.solution import RouteFailed, Solution
+from study.datasets import flags
 from study.pipeline.command import progress
 from study.pipeline.experiment import experiment
 from study.pipeline.options import Count, Counts, FallingTolerances, Springs
@@ -178,15 +179,7 @@ def work_precision(
                 np.ma.median(np.ma.masked_invalid(seconds), axis=-1).filled(np.nan),
                 {"long_name": SHARE.format("median time"), "units": "s"},
             ),
-            "solver_status": (
-                dims,
-                status,
-                {
-                    "long_name": "how the run ended",
-                    "flag_values": np.arange(len(STATUS_MEANINGS.split()), dtype=np.int32),
-                    "flag_meanings": STATUS_MEANINGS,
-                },
-            ),
+            "solver_status": (dims, status, flags("how the run ended", STATUS_MEANINGS, np.int32)),
             "diffrax_rk4_time_per_step": (
                 ("problem", "steps_per_period"),
                 fixed,

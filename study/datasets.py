@@ -1,27 +1,54 @@
-"""Datasets that explain themselves: attributes, provenance, safe writing, opening by name."""
+"""Datasets of the study: their attributes and provenance, how they are written, and how they are opened by name."""
 
 import os
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+import tomllib
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from datetime import UTC, datetime
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import xarray as xr
 
-from study.registry import did_you_mean
+from study.registry import nearest
 
-#: Where the pipeline leaves its products, in the folder in which it runs.
+#: Folder of the pipeline's products, relative to the folder in which it runs.
 RESULTS = Path("results")
+
+#: Value of the attribute ``source``, by which :func:`read` knows the datasets of this study.
 SOURCE = "study: time integration schemes on non-linear dynamic equations"
 PAPER = (
     "Y. M. Xie, An assessment of time integration schemes for non-linear dynamic equations, "
     "Journal of Sound and Vibration 192(1), 1996, 321-331, doi:10.1006/jsvi.1996.0190"
 )
+
+#: Packages whose versions a dataset records. Some are needed for references only, and may be absent.
 _PACKAGES = ("numpy", "jax", "jaxlib", "diffrax", "scikit-sundae", "xarray", "netCDF4")
+
+
+def _installed(package: str) -> str | None:
+    """Version of a package, None if it is not installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _version() -> str:
+    """Version of this package: of the checkout if there is one, whose installation may be older, or as installed."""
+    pyproject = Path(__file__).parent.parent / "pyproject.toml"
+    if pyproject.exists():
+        return tomllib.loads(pyproject.read_text())["project"]["version"]
+    return version("time-integration-study")
+
+
+#: Version of this package, which only ``pyproject.toml`` spells out.
+VERSION = _version()
 
 
 def _git(*arguments: str) -> str:
@@ -35,14 +62,14 @@ def _git(*arguments: str) -> str:
 
 
 def _made_at() -> str:
-    """When the sources were made: never the wall clock, so that the same inputs give the same bytes."""
+    """Date of the sources, never the time of the run, so that the same inputs give the same bytes."""
     if "SOURCE_DATE_EPOCH" in os.environ:
         return datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), UTC).isoformat()
     return _git("log", "-1", "--format=%cI") or "undated"
 
 
 def provenance(title: str, made_by: str) -> dict[str, str]:
-    """Global attributes of a dataset: what it is, what made it, from which sources and packages."""
+    """Global attributes of a dataset: its title, what made it, and the versions of the sources and packages."""
     commit = _git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*") or "unknown"
     return {
         "Conventions": "CF-1.11",
@@ -50,14 +77,32 @@ def provenance(title: str, made_by: str) -> dict[str, str]:
         "source": SOURCE,
         "references": PAPER,
         "history": f"{_made_at()} made by {made_by}",
+        "version": VERSION,
         "commit": commit,
-        "packages": ", ".join(f"{name} {version(name)}" for name in _PACKAGES),
+        "packages": ", ".join(f"{name} {found}" for name in _PACKAGES if (found := _installed(name))),
         "python": ".".join(map(str, sys.version_info[:2])),
     }
 
 
+def flags(long_name: str, meanings: Sequence[str], dtype: type[np.integer]) -> dict[str, Any]:
+    """Attributes of a variable whose values are places in ``meanings``, as the CF conventions have them.
+
+    Parameters
+    ----------
+    meanings
+        One word each, without spaces.
+    dtype
+        Type of the values of the variable, which CF asks of ``flag_values`` too.
+    """
+    return {
+        "long_name": long_name,
+        "flag_values": np.arange(len(meanings), dtype=dtype),
+        "flag_meanings": " ".join(meanings),
+    }
+
+
 def _encoding(dataset: xr.Dataset) -> dict:
-    """Compression for what is large; no fill value on coordinates and integers, which have no missing values."""
+    """Compression of large variables; no fill value on coordinates and integers, which have no missing values."""
     encoding: dict = {}
     for name, variable in dataset.variables.items():
         if variable.dtype.kind == "f" and name not in dataset.coords:
@@ -68,7 +113,13 @@ def _encoding(dataset: xr.Dataset) -> dict:
 
 
 def check_writable(path: str | Path) -> Path:
-    """Make the folder of ``path`` and make sure that a file can be written there."""
+    """Make the folder of a file and check that the file can be written.
+
+    Raises
+    ------
+    SystemExit
+        If it cannot; the message says why.
+    """
     path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -82,7 +133,7 @@ def check_writable(path: str | Path) -> Path:
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset whole or not at all: to a neighbour first, which then takes the name."""
+    """Write a dataset whole or not at all: to a file beside ``path``, which is renamed when it is complete."""
     path = check_writable(path)
     unfinished = path.with_name(f".{path.name}.unfinished")
     try:
@@ -109,22 +160,44 @@ def reading_only(names: Iterable[str]) -> Iterator[None]:
 def open(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
     """Open a dataset of the study by name, for instance ``study.open("energy_error")``.
 
+    Parameters
+    ----------
+    name
+        Name of the file without its ending, relative to the folder: ``"reference/hardening"``.
+    folder
+        Folder of the results.
+
     Raises
     ------
     FileNotFoundError
-        If the file is not there; the message says what to run.
+        If there is no such dataset; the message gives the nearest name and the command that makes the dataset.
     ValueError
-        If the file is damaged or was not written by this study.
+        If a path is given in place of a name, or if the file is damaged or was not written by this study.
     """
+    if Path(name).suffix == ".nc":
+        raise ValueError(
+            f"study.open takes the name of a dataset, not its file: {_call_for(Path(name), Path(folder))}."
+        )
     declared = _READABLE.get()
     if declared is not None and name not in declared:
         raise ValueError(f"the dataset '{name}' is read without being declared; add it to the reads of the experiment.")
     path = Path(folder) / f"{name}.nc"
     if not path.exists():
         present = sorted(p.relative_to(folder).with_suffix("").as_posix() for p in Path(folder).rglob("*.nc"))
-        hint = f" Among those that are there: {did_you_mean(str(name), present)}" if present else ""
-        raise FileNotFoundError(f"there is no dataset '{path}'; `snakemake {path}` makes those of the study.{hint}")
+        near = nearest(name, present)
+        question = f"did you mean {' or '.join(map(repr, near))}? If not, " if near else ""
+        raise FileNotFoundError(f"there is no dataset '{path}'; {question}`snakemake {path}` makes those of the study.")
     return read(path)
+
+
+def _call_for(file: Path, folder: Path) -> str:
+    """The call of :func:`open` for a file, given the folder that the user named."""
+    if file.parent == Path():
+        file = folder / file
+    elif not file.is_relative_to(folder):
+        folder = file.parent
+    name = file.relative_to(folder).with_suffix("").as_posix()
+    return f"study.open({name!r})" if folder == RESULTS else f"study.open({name!r}, folder={str(folder)!r})"
 
 
 def read(path: str | Path) -> xr.Dataset:

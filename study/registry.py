@@ -1,34 +1,68 @@
-"""Things that people call by name, and what to say when the name is wrong."""
+"""Registries, which hold problems, schemes and observers by name, and the messages for unknown names."""
 
 import difflib
 import importlib
 import pkgutil
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import ModuleType
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
 
+#: Largest number of names to suggest.
+_SUGGESTIONS = 5
+
+
+def _plain(word: str) -> str:
+    """The word in small letters, without anything but letters and digits."""
+    return re.sub(r"[\W_]", "", word.lower())
+
+
+def nearest(word: str, known: Iterable[str]) -> list[str]:
+    """Known names that a misspelt or shortened word may stand for, the likeliest first; none if nothing is near.
+
+    Names that contain the word come first, whatever the case and the separators; otherwise the one with the most
+    similar spelling is taken.
+    """
+    names = {str(name): _plain(name) for name in known}
+    wanted = _plain(word)
+    containing = [name for name, plain in names.items() if wanted and wanted in plain]
+    if 0 < len(containing) <= _SUGGESTIONS:
+        return containing
+    spelt = difflib.get_close_matches(wanted, names.values(), n=1, cutoff=0.5)
+    return [name for name, plain in names.items() if plain in spelt]
+
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Name the nearest known word, or all of them when none is near."""
+    """End of a sentence that suggests the nearest known names, or lists all of them if none is near."""
     known = list(known)
-    near = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
-    return f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}."
+    near = nearest(word, known)
+    return f"did you mean {' or '.join(map(repr, near))}?" if near else f"known are {', '.join(known)}."
 
 
 class UnknownName(KeyError):
-    """A name that the registry does not hold; the message names the nearest one."""
+    """A name that is not known; the message suggests the nearest one."""
 
     def __str__(self) -> str:
+        # KeyError shows its message in quotation marks
         return str(self.args[0])
 
 
 class Registry(Mapping[str, T], Generic[T]):
     """An ordered, read-only mapping from names to problems, schemes or observers.
 
-    An alias is another name of an entry: it can be looked up, and is not listed. Entries that take a while to make are
-    given by functions that make them, called when they are first asked for.
+    Parameters
+    ----------
+    kind
+        What the entries are, in one word, for messages.
+    entries
+        The entries by name.
+    aliases
+        Further names of entries, which can be looked up and are not listed.
+    made_by
+        Functions that make entries, by name, for entries that take a while to make. Each is called when its entry is
+        asked for first.
     """
 
     def __init__(
@@ -73,7 +107,7 @@ class Registry(Mapping[str, T], Generic[T]):
 
 
 def variables_of_modules(package: ModuleType, kind: type[T], first: Iterable[str] = ()) -> dict[str, T]:
-    """Variables of one kind in all modules of a package, by name: those of ``first``, then module by module.
+    """Variables of one kind in the modules of a package, by name: those of ``first``, then module by module.
 
     Raises
     ------
@@ -82,7 +116,7 @@ def variables_of_modules(package: ModuleType, kind: type[T], first: Iterable[str
     """
     found: dict[str, T] = {}
     for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
-        if module.name.endswith(".named"):  # the registry itself
+        if module.name.endswith(".named"):  # the module that makes the registry
             continue
         for name, value in vars(importlib.import_module(module.name)).items():
             if isinstance(value, kind) and not name.startswith("_") and found.setdefault(name, value) is not value:

@@ -1,13 +1,22 @@
-"""What JAX must know before it compiles anything: double precision, one native loop for a whole march, and a cache.
+"""What importing ``study`` changes in this process, and how to decline it.
 
-XLA's CPU compiler turns a loop into one native loop only while the loop's body is small, and walks it operation by
-operation (up to ten times slower) otherwise. The threshold is raised here; a call of LAPACK, as more than one unknown
-takes, is no part of such a loop. Vector registers are used in their full width, which ensembles gain from. Loops come
-from XLA's older generator: the newer one takes half as long again to compile a march, and twice as long where schemes
-iterate on several unknowns, for the same numbers at a speed within a sixth, more or less.
+``precision``
+    JAX computes in double precision (``jax_enable_x64``).
+``compiler``
+    Three options are added to ``XLA_FLAGS``, each unless the user has set it. XLA compiles a loop natively only if its
+    body is small, and otherwise walks it operation by operation, up to ten times slower; the first option raises the
+    threshold, so that a whole march is one native loop. A call of LAPACK, as for several unknowns, is no part of such a
+    loop. The second uses the full width of vector registers, which speeds up ensembles. The third selects XLA's older
+    generator of loops: the newer one takes one and a half to two times as long to compile a march, for the same numbers
+    at a speed within a sixth. XLA reads ``XLA_FLAGS`` when JAX first computes; if that is over, a warning says so.
+``cache``
+    Compiled programs are kept for the next process, unless the user has set a cache for JAX. They lie in the user's
+    cache folder, in a folder named after this machine, since another processor may lack instructions. When the folder
+    exceeds 1 GiB, the older half of its programs is removed.
 
-What has been compiled is kept for the next process, in a folder of this machine alone, as another processor may lack
-instructions. Whatever the user has set in ``XLA_FLAGS`` or as JAX's cache stands.
+The environment variable ``STUDY_SETTINGS`` names the wanted ones, for instance ``precision,cache``; ``none`` changes
+nothing, and without the variable all three are made. JAX's own switches keep working: ``with jax.enable_x64(False):
+study.run(...)`` computes in single precision.
 """
 
 import os
@@ -18,7 +27,6 @@ from pathlib import Path
 
 import jax
 import platformdirs
-from jax._src import xla_bridge
 
 _OPTION = "xla_cpu_small_while_loop_byte_threshold"
 
@@ -26,12 +34,27 @@ _THRESHOLD = 1 << 20
 
 _FLAGS = ("--xla_cpu_prefer_vector_width=512", "--xla_cpu_use_fusion_emitters=false")
 
-#: Bytes of programs in the cache, at most, when a process starts.
+#: Largest size of the cache in bytes when a process starts.
 _CACHE_SIZE = 1 << 30
 
 
+def _wanted(variable: str | None) -> tuple[str, ...]:
+    """The settings that a value of ``STUDY_SETTINGS`` names; all of them if it is not set."""
+    if not variable:
+        return tuple(_SETTINGS)
+    if variable == "none":
+        return ()
+    names = tuple(name.strip() for name in variable.split(","))
+    for name in names:
+        if name not in _SETTINGS:
+            raise ImportError(
+                f"STUDY_SETTINGS must be 'none' or name some of {', '.join(_SETTINGS)}, not '{variable}'."
+            )
+    return names
+
+
 def _with_options(flags: str) -> str:
-    """Add ours to a value of ``XLA_FLAGS``, next to backend options that are already there."""
+    """A value of ``XLA_FLAGS`` with our options added; backend options share one flag, which is extended."""
     flags = " ".join([flags, *(flag for flag in _FLAGS if flag.partition("=")[0] not in flags)])
     if _OPTION in flags:
         return flags
@@ -41,10 +64,37 @@ def _with_options(flags: str) -> str:
     return f"{flags} {extra}{option}".strip()
 
 
-def _prune(cache: Path) -> None:
-    """Remove the older half of the programs of a cache that has grown too large.
+def _has_computed() -> bool:
+    """Whether JAX has computed something in this process.
 
-    JAX's own bound looks at every file whenever it adds one, a third of a second once there are ten thousand.
+    JAX refuses to change the number of its processors from its first computation on; no other public call tells.
+    """
+    before = jax.config.jax_num_cpu_devices  # type: ignore[attr-defined]
+    try:
+        jax.config.update("jax_num_cpu_devices", 2 if before == 1 else 1)
+    except RuntimeError:
+        return True
+    jax.config.update("jax_num_cpu_devices", before)
+    return False
+
+
+def _set_compiler() -> None:
+    flags = _with_options(os.environ.get("XLA_FLAGS", ""))
+    if flags != os.environ.get("XLA_FLAGS") and _has_computed():
+        warnings.warn(
+            "JAX has computed something before study was imported, and ignores the options that make a march one "
+            f"native loop: runs take up to seven times longer. Import study first, or set XLA_FLAGS='{flags}'.",
+            RuntimeWarning,
+            stacklevel=4,  # where study is imported
+        )
+    os.environ["XLA_FLAGS"] = flags
+
+
+def _prune(cache: Path) -> None:
+    """Remove the older half of the programs in a cache that exceeds its size.
+
+    JAX's own limit is not used, because it inspects every file whenever a program is added; with ten thousand files
+    that takes a third of a second.
     """
     files = [(entry.stat().st_mtime, entry.stat().st_size, entry.path) for entry in os.scandir(cache)]
     if sum(size for _, size, _ in files) > _CACHE_SIZE:
@@ -52,31 +102,25 @@ def _prune(cache: Path) -> None:
             Path(path).unlink(missing_ok=True)
 
 
-_flags = _with_options(os.environ.get("XLA_FLAGS", ""))
-
-
-# the flags are read once, with JAX's first computation; that it is over only JAX's own module tells
-if _flags != os.environ.get("XLA_FLAGS") and xla_bridge.backends_are_initialized():
-    warnings.warn(
-        "JAX has computed something before study was imported, and ignores the options that make a march one native "
-        f"loop: runs take up to seven times longer. Import study first, or set XLA_FLAGS='{_flags}'.",
-        RuntimeWarning,
-        stacklevel=2,
-    )
-
-
-os.environ["XLA_FLAGS"] = _flags
-
-
-jax.config.update("jax_enable_x64", True)
-
-
-if jax.config.jax_compilation_cache_dir is None:  # type: ignore[attr-defined]
+def _set_cache() -> None:
+    if jax.config.jax_compilation_cache_dir is not None:  # type: ignore[attr-defined]
+        return
     cache = platformdirs.user_cache_path("time-integration-study") / platform.node()
-    # a folder that is not there yet, that another process prunes too, or that is not ours: JAX tells what it cannot use
+    # the folder may not exist yet, be pruned by another process too, or belong to somebody else; JAX reports a folder
+    # that it cannot use
     with suppress(OSError):
         _prune(cache)
     jax.config.update("jax_compilation_cache_dir", str(cache))
-    # every program: the least of them takes a tenth of a second
+    # keep every program: even the smallest takes a tenth of a second to compile
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", 0)
+
+
+_SETTINGS = {
+    "precision": lambda: jax.config.update("jax_enable_x64", True),
+    "compiler": _set_compiler,
+    "cache": _set_cache,
+}
+
+for _name in _wanted(os.environ.get("STUDY_SETTINGS")):
+    _SETTINGS[_name]()

@@ -53,8 +53,26 @@ def test_a_missing_dataset_says_what_to_run(dataset, tmp_path):
     with pytest.raises(FileNotFoundError, match="`snakemake .*energy_error.nc` makes"):
         study.open("energy_error", tmp_path)
     datasets.write(dataset, tmp_path / "energy_error.nc")
-    with pytest.raises(FileNotFoundError, match="did you mean 'energy_error'"):
+    with pytest.raises(FileNotFoundError, match="work_precision.nc'; `snakemake .*work_precision.nc` makes"):
+        study.recommend("hardening", error=0.01, folder=tmp_path)
+    with pytest.raises(FileNotFoundError, match="did you mean 'energy_error'[?] If not, `snakemake"):
         study.open("energy_eror", tmp_path)
+
+
+@pytest.mark.parametrize(
+    "file, folder, call",
+    [
+        ("results/accuracy.nc", "results", "study.open('accuracy')"),
+        ("accuracy.nc", "results", "study.open('accuracy')"),
+        ("results/reference/softening.nc", "results", "study.open('reference/softening')"),
+        ("elsewhere/accuracy.nc", "results", "study.open('accuracy', folder='elsewhere')"),
+        ("accuracy.nc", "elsewhere", "study.open('accuracy', folder='elsewhere')"),
+    ],
+)
+def test_a_path_in_place_of_a_name_is_told_the_right_call(file, folder, call):
+    with pytest.raises(ValueError) as caught:
+        study.open(file, folder)
+    assert str(caught.value) == f"study.open takes the name of a dataset, not its file: {call}."
 
 
 def test_a_truncated_dataset_is_refused(dataset, tmp_path):

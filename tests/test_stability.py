@@ -23,7 +23,8 @@ from study.experiments.numerical_map import numerical_map
 from study.experiments.robustness import robustness
 from study.experiments.roots import roots
 from study.experiments.structure_stability import structure_stability
-from study.marching.march import COMPLETED, NEWTON_FAILED, March, march
+from study.marching.march import March, march
+from study.marching.result import COMPLETED, NEWTON_FAILED
 from study.observer.fate import Fate
 from study.problem.loads import excited
 from study.problem.springs import CubicSpring
@@ -166,7 +167,7 @@ def test_no_fate_of_a_structure():
 @pytest.mark.parametrize("observe", [["max_energy_error"], ["lyapunov_exponent"], [Fate.of("double_well")]])
 def test_no_outcome_of_what_was_not_observed(observe):
     runs = study.run("double_well", "average_acceleration", dt=2.5, steps=10, u0=[0.5], observe=observe)
-    with pytest.raises(ValueError, match=r"have Fate.of\(problem\) and 'lyapunov_exponent' observed"):
+    with pytest.raises(ValueError, match=r"observe study.Fate.of\(problem\) and 'lyapunov_exponent'"):
         outcomes(runs)
 
 

@@ -41,7 +41,7 @@ def data(monkeypatch):
             "measure": ["max_trajectory_error", "max_energy_error"],
         },
     )
-    monkeypatch.setattr(datasets, "open", lambda name: ds)
+    monkeypatch.setattr(datasets, "open", lambda name, folder: ds)
     return ds
 
 
@@ -65,7 +65,7 @@ def test_nothing_is_extrapolated(data):
     assert study.recommend("spring", error=1e-5, periods=10).index.tolist() == ["high"]
     assert study.recommend("spring", error=100.0, periods=10).steps_per_period.tolist() == [8.0, 8.0]
     with pytest.raises(
-        ValueError, match=r"no scheme keeps max_trajectory_error to 1e-09 over 10 .* the least there is 3.7e-07"
+        ValueError, match=r"no scheme keeps max_trajectory_error to 1e-09 over 10 .* the smallest error is 3.7e-07"
     ):
         study.recommend("spring", error=1e-9, periods=10)
     assert candidates(data, "spring", 1e-9, "max_trajectory_error", 10).empty

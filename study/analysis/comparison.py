@@ -1,4 +1,4 @@
-"""A run held against the exact solution: its step size, its observers, and what the reference knows."""
+"""Comparison of runs with the exact solution: step sizes, observers, and the uncertainty of the reference."""
 
 from fractions import Fraction
 
@@ -7,10 +7,12 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
+from study.datasets import flags
 from study.observer.base import Reduction
+from study.observer.crossings import crosses_upwards
 from study.observer.errors import AmplitudeDecay, PeriodError, TrajectoryError
 
-#: The measures of error of the study, those of the energy in percent.
+#: Measures of error; those of the energy are in percent, the others are fractions.
 MEASURES = (
     "rms_trajectory_error",
     "max_trajectory_error",
@@ -21,12 +23,12 @@ MEASURES = (
     "energy_drift",
 )
 
-#: An error this many times the reference's uncertainty or less says as much of the reference as of the scheme.
+#: Errors up to this multiple of the reference's uncertainty may be errors of the reference.
 FLAGGED_WITHIN = 10
 
 
 def _at_phases(reference: xr.Dataset, steps: int) -> xr.Dataset:
-    """The reference at the phases k/steps of one period, k = 0 ... steps − 1."""
+    """The reference at the phases k/steps of one period, for k = 0, ..., steps − 1."""
     wanted = np.arange(steps) / steps
     at = np.searchsorted(reference.phase.values, wanted - 1e-12)
     if np.any(np.abs(reference.phase.values[at] - wanted) > 1e-12):
@@ -38,21 +40,26 @@ def _at_phases(reference: xr.Dataset, steps: int) -> xr.Dataset:
 
 
 def against(reference: xr.Dataset, steps: int, longest: int) -> tuple[float, tuple[Reduction, ...]]:
-    """Step size and observers for a run with ``steps`` steps per exact period.
+    """Step size and observers that compare a run of ``steps`` steps per exact period with the reference.
 
     Parameters
     ----------
     reference
-        ``results/reference/PROBLEM.nc``.
+        Dataset ``reference/PROBLEM``.
     steps
-        Steps per period; the reference must hold its phases.
+        Steps per exact period; the reference must hold these phases.
     longest
         Length to which the table of the exact solution is padded, so that one compilation serves all step sizes.
+
+    Returns
+    -------
+    dt, observers
+        Step size, and the observers of trajectory, period and amplitude.
 
     Raises
     ------
     ValueError
-        If the reference does not hold the phases.
+        If the reference does not hold the phases, or its motion never crosses the mean of its extremes upwards.
     """
     once = _at_phases(reference, steps)
     dt = reference.period.item() / steps
@@ -78,11 +85,13 @@ def against(reference: xr.Dataset, steps: int, longest: int) -> tuple[float, tup
 
 
 def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
-    """How well the reference knows the zero of every measure of error, in the units of that measure.
+    """Uncertainty of the reference for every measure of error, in the units of that measure.
 
-    Trajectory: the displacement's uncertainty over the amplitude. Elongation: the period's, relative. Phase: that of
-    all periods, and of the crossing. Amplitude: the displacement's over the amplitude and the periods. Energy: how far
-    the energy of the reference, rounded to doubles, is from constant, in percent.
+    - trajectory: uncertainty of the displacement, relative to its maximum;
+    - elongation: relative uncertainty of the period;
+    - phase: that of all periods, and that of the time of a crossing;
+    - amplitude: uncertainty of the displacement, relative to the amplitude, per period;
+    - energy: variation of the energy of the reference, rounded to doubles.
     """
     displacement = (reference.u_uncertainty / abs(reference.u).max()).item()
     period = (reference.period_uncertainty / reference.period).item()
@@ -94,18 +103,14 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
 
 
 def flagged(error: np.ndarray, uncertainty, dims: tuple[str, ...]) -> tuple:
-    """Variable that tells where an error is within ten times the reference's uncertainty, or was not measured."""
+    """Variable with flags: whether an error is within ten times the uncertainty, or was not measured (NaN)."""
     within = np.where(np.isnan(error), 2, np.abs(error) <= FLAGGED_WITHIN * uncertainty)
-    attributes = {
-        "long_name": f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference",
-        "flag_values": np.arange(3, dtype=np.int32),
-        "flag_meanings": "above within not_measured",
-    }
-    return dims, within.astype(np.int32), attributes
+    question = f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference"
+    return dims, within.astype(np.int32), flags(question, ("above", "within", "not_measured"), np.int32)
 
 
 def _rest(reference: xr.Dataset) -> float:
-    """The displacement of equilibrium: where the exact motion is fastest, at the vertex of a parabola through it."""
+    """Displacement of equilibrium, where the exact velocity is largest, by parabolas through three points."""
     i = int(np.argmax(np.abs(reference.v.values)))
     near = slice(max(i - 1, 0), i + 2)
     t, u, v = reference.t.values[near], reference.u.values[near], reference.v.values[near]
@@ -114,15 +119,15 @@ def _rest(reference: xr.Dataset) -> float:
 
 
 def first_crossing(reference: xr.Dataset, level: float) -> float:
-    """When the exact solution first crosses ``level`` upwards, in periods, interpolated by a cubic.
+    """Time in periods at which the exact solution first crosses ``level`` upwards, interpolated by Hermite's cubic.
 
     Raises
     ------
     ValueError
-        If it does not.
+        If the solution does not cross it.
     """
     u, v, phase = reference.u.values, reference.v.values, reference.phase.values
-    crossed = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))
+    crossed = np.flatnonzero(crosses_upwards(u[:-1], u[1:], level))
     if not crossed.size:
         raise ValueError(f"the exact motion of '{reference.problem}' does not cross {level:g}.")
     ends = slice(crossed[0], crossed[0] + 2)

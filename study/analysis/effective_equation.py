@@ -1,4 +1,4 @@
-"""The effective equation u + κΔt² p(u) = ũ that a step of many implicit schemes solves, and how many roots it has."""
+"""The effective equation u + κΔt² p(u) = ũ that a step of many implicit schemes solves, and the number of its roots."""
 
 import jax
 import numpy as np
@@ -10,15 +10,15 @@ from study.scheme.houbolt import Houbolt
 from study.scheme.newmark import Newmark
 from study.scheme.wilson import WilsonTheta
 
-#: Displacements among which a change of sign is looked for.
+#: Number of displacements between which changes of sign are counted.
 SEARCHED = 4001
 
-#: How far they are looked for at most.
+#: Bound on their size.
 FARTHEST = 1e6
 
 
 def effective_coefficient(scheme: Scheme) -> float:
-    """κ of u + κΔt² p(u) = ũ, the effective equation of a step without mass matrix, damping and load.
+    """Coefficient κ of the effective equation u + κΔt² p(u) = ũ for a unit mass without damping and load.
 
     Raises
     ------
@@ -38,10 +38,25 @@ def effective_coefficient(scheme: Scheme) -> float:
 
 
 def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.ndarray) -> np.ndarray:
-    """How many u there are with u + c p(u) = ũ, (coefficients, predictors), from changes of sign."""
+    """Number of roots u of u + c p(u) = ũ, from changes of sign.
+
+    Parameters
+    ----------
+    problem
+        A problem with one unknown.
+    coefficient
+        c = κΔt², of shape (coefficients,).
+    predictor
+        ũ, of shape (predictors,).
+
+    Returns
+    -------
+    numpy.ndarray
+        Number of roots, of shape (coefficients, predictors).
+    """
     force = jax.jit(jax.vmap(problem.force))
     far = 2 * np.abs(predictor).max()
-    # beyond every root the left side is larger than any predictor, and grows without a change of sign
+    # beyond all roots the left side exceeds every predictor and grows; double the range until its ends do so
     while far < FARTHEST:
         ends = far * np.array([[-1.0, 1.0], [-2.0, 2.0]])
         left = ends + coefficient[:, None, None] * np.asarray(jax.vmap(force)(ends))
@@ -56,6 +71,6 @@ def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.nda
 
 
 def unique_up_to(problem: Problem, scheme: Scheme, u: np.ndarray) -> float:
-    """Δt = 1/√(κ max(−p′)) up to which the equation has one root, with p′ among the displacements ``u``."""
+    """Largest Δt with one root for every ũ, 1/√(κ max(−p′)) over the displacements ``u``; infinite if p′ ≥ 0."""
     softest = -np.asarray(jax.vmap(jax.grad(problem.force))(u)).min()
     return float(1 / np.sqrt(effective_coefficient(scheme) * softest)) if softest > 0 else np.inf

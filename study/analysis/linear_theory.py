@@ -1,54 +1,81 @@
-"""Linear theory out of the code itself: everything follows from the derivative of a scheme's step.
+"""Linear theory of a scheme, derived from its code.
 
-On ü + 2ξω u̇ + ω² u = 0 a step is a linear map of the scheme's state, its amplification matrix, and no formula of it is
-typed twice. Here ω = 1, so that Ω = ωΔt = 2π Δt/T is the step size.
+On the linear oscillator ü + 2ξω u̇ + ω² u = 0, a step is a linear map of the scheme's state. Its matrix, the
+amplification matrix, is the derivative of the step by automatic differentiation, so no formula stands in the code
+twice. Here ω = 1, so Ω = ωΔt = 2π Δt/T is the step size.
+
+References
+----------
+T. J. R. Hughes, The finite element method, Prentice-Hall, 1987, chapter 9.
 """
 
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
+from jaxtyping import Complex, Float
 
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
 
-#: A spectral radius above one by more than this is growth and no round-off.
+#: A number for each step size, shape (points,).
+Points = Float[np.ndarray, "points"]
+
+#: What can be made into such an array.
+PointsLike = Float[Any, "points"]
+
+#: A complex number for each step size, shape (points,).
+ComplexPoints = Complex[np.ndarray, "points"]
+
+#: Eigenvalues for each step size, shape (points, m).
+Roots = Complex[np.ndarray, "points m"]
+
+#: A matrix for each step size, shape (points, m, m).
+Matrices = Float[np.ndarray, "points m m"]
+
+#: Values of displacement and velocity for each step size, shape (2, points).
+Pairs = Float[np.ndarray, "2 points"]
+
+#: Largest excess of a spectral radius over one that counts as round-off.
 GROWTH = 1e-8
 
-#: Errors of roots below this are not fitted.
+#: Smallest error of the roots that enters the fit of the order.
 ROUND_OFF = 1e-11
 
-#: How many steps of a run are looked at for overshoot.
+#: Number of steps in which overshoot is measured.
 OVERSHOOT_STEPS = 64
 
-#: Step size over period that stands for infinity.
+#: Δt/T that stands for infinity.
 INFINITE = 1e12
 
-#: Ω at which a limit of stability is looked for: densely where explicit schemes end, since symmetric compositions have
-#: narrow windows of instability near multiples of π, and up to what stands for all.
+#: Values of Ω searched for the stability limit: densely where explicit schemes have theirs, because symmetric
+#: compositions have narrow windows of instability near multiples of π, then coarsely up to 10⁴.
 SEARCHED = np.concatenate([np.linspace(3e-4, 12, 40_000), np.geomspace(12.01, 1e4, 2_000)])
 
-#: Step sizes that are looked at together.
+#: Number of step sizes that one call computes.
 TILE = 1024
 
-#: How often the interval of a limit is narrowed, and into how many parts.
+#: Number of refinements of a stability limit, and the parts into which each divides the interval.
 REFINEMENTS, PARTS = 2, 1_000
 
 
 def oscillator(damping_ratio=0.0) -> Problem:
-    """The linear oscillator with ω = 1."""
+    """The linear oscillator ü + 2ξ u̇ + u = 0, with ω = 1."""
     return Problem(force=lambda u: u, potential=lambda u: u * u / 2, u0=1.0, damping=2 * damping_ratio)
 
 
 def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
-    """Derivative of one step with respect to the scheme's whole state, (m, m); multi-step schemes in companion form."""
+    """Derivative of one step with respect to the scheme's whole state, of shape (m, m).
+
+    Multi-step schemes, whose state holds their history, appear in companion form.
+    """
     problem, dt = oscillator(damping_ratio), 2 * jnp.pi * dt_over_period
-    # any state would do; this one moves in a long step and in a short one, as discrete gradients need
+    # the map is linear, so any state serves; discrete gradients need one that moves in short and in long steps
     state, _ = scheme.start(problem, jnp.ones(()), jnp.ones(()), dt)
     flat, unflatten = ravel_pytree(state)
 
@@ -59,7 +86,7 @@ def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.A
 
 
 def _initial_state(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
-    """The whole state, flat, from u = 1 and u̇ = 0."""
+    """The scheme's whole state at u = 1 and u̇ = 0, as a vector."""
     state, _ = scheme.start(oscillator(damping_ratio), jnp.ones(()), jnp.zeros(()), 2 * jnp.pi * dt_over_period)
     return ravel_pytree(state)[0]
 
@@ -69,39 +96,46 @@ def _at_each(function, scheme: Scheme, dt_over_period: np.ndarray, damping_ratio
     return jax.vmap(partial(function, scheme, damping_ratio=damping_ratio))(dt_over_period)
 
 
-class Motion(NamedTuple):
-    """What the principal roots λ = exp(ω̄Δt (−ξ̄ ± i √(1 − ξ̄²))) say of the numerical motion, each over step sizes.
+class NumericalMotion(NamedTuple):
+    """Period and damping that follow from the principal roots λ = exp(ω̄Δt (−ξ̄ ± i √(1 − ξ̄²))), each of shape (points,).
 
-    ``period_elongation`` is that of the damped period, ``algorithmic_damping`` the ratio ξ̄ with the oscillator's own in
-    it, and ``amplitude_decay`` the loss a period, 1 − exp(−2π ξ̄/√(1 − ξ̄²)). NaN from where the roots are real on, and
-    nothing swings.
+    All are NaN from the step size on at which the principal roots become real, where nothing oscillates.
+
+    Attributes
+    ----------
+    period_elongation
+        Relative elongation of the damped period.
+    algorithmic_damping
+        Damping ratio ξ̄; it includes that of the oscillator.
+    amplitude_decay
+        Relative loss of amplitude per period, 1 − exp(−2π ξ̄/√(1 − ξ̄²)).
     """
 
-    period_elongation: np.ndarray
-    algorithmic_damping: np.ndarray
-    amplitude_decay: np.ndarray
+    period_elongation: Points
+    algorithmic_damping: Points
+    amplitude_decay: Points
 
 
 class LinearTheory:
-    """A scheme on the linear oscillator at given step sizes.
+    """Linear theory of a scheme at given step sizes.
 
     Parameters
     ----------
     scheme
-        A scheme, or the name of one.
+        A name in ``study.schemes``, or your own scheme.
     dt_over_period
-        Step sizes over the undamped period, ascending from a fine one, of shape (points,).
+        Step sizes over the undamped period, Δt/T, ascending from a fine one, of shape (points,).
     damping_ratio
         ξ of the oscillator, 0 ≤ ξ < 1.
 
     Attributes
     ----------
     matrices
-        Amplification matrices (points, m, m).
+        Amplification matrices, of shape (points, m, m).
     roots
-        Their eigenvalues (points, m).
+        Their eigenvalues λ, of shape (points, m).
     spectral_radius
-        ρ = max |λ|, (points,).
+        ρ = max |λ|, of shape (points,).
 
     Raises
     ------
@@ -109,9 +143,21 @@ class LinearTheory:
         If there is no such scheme.
     ValueError
         If the step sizes are not positive and ascending, or the damping ratio is out of its range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import study
+    >>> theory = study.LinearTheory("central_difference", np.logspace(-3, 3, 61))
+    >>> print(f"stable up to ωΔt = {theory.stability_limit():.3f}")
+    stable up to ωΔt = 2.000
     """
 
-    def __init__(self, scheme: str | Scheme, dt_over_period: np.ndarray, damping_ratio: float = 0.0):
+    matrices: Matrices
+    roots: Roots
+    spectral_radius: Points
+
+    def __init__(self, scheme: str | Scheme, dt_over_period: PointsLike, damping_ratio: float = 0.0):
         scheme = schemes[scheme] if isinstance(scheme, str) else scheme
         parts = np.asarray(dt_over_period)
         if (
@@ -132,20 +178,20 @@ class LinearTheory:
         self.spectral_radius = np.abs(self.roots).max(axis=-1)
 
     def _of_each(self, function, dt_over_period) -> np.ndarray:
-        """The function at every step size, in tiles of one length: one program serves grids of all lengths.
+        """The function at every step size, in tiles of one length, so that one program serves grids of every length.
 
-        It serves all damping ratios too: without damping its terms are zeros, and add nothing.
+        The program serves all damping ratios too: the terms of zero damping are zeros and change no bit.
         """
         damping = jnp.asarray(float(self._damping_ratio))
         points = len(dt_over_period)
         tiles = np.pad(np.asarray(dt_over_period, float), (0, -points % TILE), mode="edge").reshape(-1, TILE)
         return np.concatenate([_at_each(function, self._scheme, tile, damping) for tile in tiles])[:points]
 
-    def _radius(self, dt_over_period) -> np.ndarray:
+    def _radius(self, dt_over_period: Points) -> Points:
         return np.abs(_eigenvalues(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)
 
-    def _first_unstable(self, omega: np.ndarray) -> int | None:
-        """Where Ω is first unstable, looked for tile by tile."""
+    def _first_unstable(self, omega: Points) -> int | None:
+        """Index of the first unstable Ω, searched tile by tile; None if all are stable."""
         for start in range(0, len(omega), TILE):
             unstable = self._radius(omega[start : start + TILE] / (2 * np.pi)) > 1 + GROWTH
             if unstable.any():
@@ -153,9 +199,9 @@ class LinearTheory:
         return None
 
     def stability_limit(self) -> float:
-        """Ω_crit, up to which the spectral radius is at most one; infinite where it is up to Ω = 10⁴.
+        """Ω_crit, up to which the spectral radius is at most one; infinite if it is so up to Ω = 10⁴.
 
-        It does not depend on the step sizes of this object. Windows of instability narrower than 3e-4 can be missed.
+        The search has its own step sizes. It can miss windows of instability that are narrower than 3e-4.
         """
         omega = SEARCHED
         for _ in range(REFINEMENTS + 1):
@@ -172,10 +218,10 @@ class LinearTheory:
         """ρ∞, the spectral radius for Ω → ∞."""
         return float(self._radius(np.array([INFINITE]))[0])
 
-    def overshoot(self) -> np.ndarray:
-        """Largest |u| − 1 and |u̇|/ω − 1 in the first steps from u = 1 and u̇ = 0, (2, points); NaN where unstable.
+    def overshoot(self) -> Pairs:
+        """Largest |u| − 1 and |u̇|/ω − 1 in the first 64 steps from u = 1 and u̇ = 0, of shape (2, points).
 
-        Zero is no overshoot: the exact motion has none.
+        The exact motion has zero overshoot. NaN at unstable step sizes.
         """
         state = self._of_each(_initial_state, self._dt_over_period)
         largest = np.ones((2, len(state)))
@@ -187,25 +233,26 @@ class LinearTheory:
 
     @property
     def _exponent(self) -> complex:
-        """The exact motion is exp(exponent Ω)."""
+        """−ξ + i √(1 − ξ²): the exact motion is exp(exponent · Ω)."""
         return -self._damping_ratio + 1j * np.sqrt(1 - self._damping_ratio**2)
 
     def _principal_logarithm(self) -> np.ndarray:
         return _followed(self.roots, self._exponent, 2 * np.pi * self._dt_over_period)
 
-    def motion(self) -> Motion:
-        """Period and damping of the motion that the principal roots describe."""
+    def motion(self) -> NumericalMotion:
+        """Period and damping of the numerical motion."""
         logarithm = self._principal_logarithm()
-        return Motion(
+        return NumericalMotion(
             period_elongation=self._exponent.imag * 2 * np.pi * self._dt_over_period / logarithm.imag - 1,
             algorithmic_damping=-logarithm.real / np.abs(logarithm),
             amplitude_decay=-np.expm1(2 * np.pi * logarithm.real / logarithm.imag),
         )
 
     def order(self) -> float:
-        """Order with which the principal roots approach exp(Ω (−ξ ± i √(1 − ξ²))), less one for the number of steps.
+        """Order of accuracy: that with which the principal roots approach exp(Ω (−ξ ± i √(1 − ξ²))), less one.
 
-        Fitted over an octave of the finest step sizes whose error is above round-off; NaN with fewer than three there.
+        It is fitted to the octave that begins with the finest step size whose error is above round-off. NaN if that
+        octave has fewer than three step sizes.
         """
         omega = 2 * np.pi * self._dt_over_period
         error = np.abs(np.exp(self._principal_logarithm()) - np.exp(self._exponent * omega))
@@ -216,16 +263,16 @@ class LinearTheory:
         return float(np.polyfit(np.log(omega[fine]), np.log(error[fine]), 1)[0]) - 1
 
 
-def _eigenvalues(matrices: np.ndarray) -> np.ndarray:
-    """Eigenvalues (points, m), infinite where a matrix is beyond all numbers."""
+def _eigenvalues(matrices: Matrices) -> Roots:
+    """Eigenvalues, of shape (points, m), infinite where a matrix overflows."""
     finite = np.isfinite(matrices).all(axis=(1, 2))
     roots = np.full(matrices.shape[:2], complex(np.inf))
     roots[finite] = np.linalg.eigvals(matrices[finite])
     return roots
 
 
-def _followed(roots: np.ndarray, exponent: complex, omega: np.ndarray) -> np.ndarray:
-    """Logarithms of the root that is exp(exponent Ω) for Ω → 0, followed over step sizes; NaN once it is real."""
+def _followed(roots: Roots, exponent: complex, omega: Points) -> ComplexPoints:
+    """Logarithm of the root that tends to exp(exponent · Ω) for Ω → 0, followed over step sizes; NaN once real."""
     result = np.full(len(omega), complex(np.nan, np.nan))
     last, slope = (0.0, 0j), exponent
     for i, (candidates, step) in enumerate(zip(roots, omega, strict=True)):
@@ -233,7 +280,7 @@ def _followed(roots: np.ndarray, exponent: complex, omega: np.ndarray) -> np.nda
         root = candidates[np.argmin(np.abs(candidates - np.exp(expected)))]
         if abs(root.imag) <= 1e-9 * abs(root):
             break
-        # the branch of the logarithm that is nearest: a step may be longer than half a period
+        # the nearest branch of the logarithm, since a step may be longer than half a period
         turns = np.round((expected - np.log(root)).imag / (2 * np.pi))
         result[i] = np.log(root) + 2j * np.pi * turns
         slope = (result[i] - last[1]) / (step - last[0])

@@ -1,13 +1,15 @@
-"""What becomes of a run at a step size that may be too large."""
+"""How runs end at step sizes that may be too large."""
 
 import numpy as np
 import xarray as xr
+from jaxtyping import Float, Int8
 
-from study.marching.march import NEWTON_FAILED, NOT_FINITE
+from study.datasets import flags
+from study.marching.result import NEWTON_FAILED, NOT_FINITE
 from study.observer.fate import ACCURATE, GROWN
 from study.observer.lyapunov import APART
 
-#: How a run can end, from the best to the worst.
+#: How a run can end, from best to worst.
 OUTCOMES = (
     "accurate",
     "bounded",
@@ -19,13 +21,15 @@ OUTCOMES = (
     "not_finite",
 )
 
-OUTCOME_ATTRIBUTES = {
-    "long_name": "how the run ended",
-    "flag_values": np.arange(len(OUTCOMES), dtype=np.int8),
-    "flag_meanings": " ".join(OUTCOMES),
-}
+OUTCOME_ATTRIBUTES = flags("how the run ended", OUTCOMES, np.int8)
 
-#: What of it an event tells, the worse ones last.
+#: A place in ``OUTCOMES`` for each lane, shape (lanes,).
+Places = Int8[np.ndarray, "lanes"]
+
+#: A time for each lane, shape (lanes,).
+Times = Float[np.ndarray, "lanes"]
+
+#: Outcome decided by each event; later ones override.
 _EVENTS = {
     "bounded": "inaccurate_from",
     "damped_to_rest": "at_rest_from",
@@ -35,24 +39,31 @@ _EVENTS = {
 }
 
 
-def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """How each lane ended, as a place in ``OUTCOMES``, and when that began, NaN for accurate ones, both (lanes,).
+def outcomes(runs: xr.Dataset) -> tuple[Places, Times]:
+    """Classify how each run of an ensemble ended.
 
     Parameters
     ----------
     runs
-        What ``study.run`` made of an ensemble under :class:`Fate` and :class:`study.observers.LyapunovExponent`.
+        Ensemble from :func:`study.run`, observed by ``Fate.of(problem)`` and ``"lyapunov_exponent"``.
+
+    Returns
+    -------
+    outcome
+        Places in ``study.OUTCOMES``, of shape (lanes,).
+    began
+        Times at which the outcomes began, of shape (lanes,); NaN for accurate and for failed runs.
 
     Raises
     ------
     ValueError
-        If it is no ensemble, or was observed otherwise.
+        If the dataset is no ensemble or lacks these observers.
     """
     if "lane" not in runs.dims:
-        raise ValueError("outcomes are told of an ensemble: give study.run an array of u0 or of dt.")
+        raise ValueError("outcomes need an ensemble: give study.run an array of u0 or of dt.")
     for name in _EVENTS.values():
-        if name not in runs and name != "crossed_at":  # without a barrier nothing can be crossed
-            raise ValueError(f"outcomes need '{name}': have Fate.of(problem) and 'lyapunov_exponent' observed.")
+        if name not in runs and name != "crossed_at":  # which only problems with a barrier have
+            raise ValueError(f"outcomes need '{name}': observe study.Fate.of(problem) and 'lyapunov_exponent'.")
     outcome, at = np.zeros(runs.sizes["lane"], np.int8), np.full(runs.sizes["lane"], np.nan)
     for name, event in _EVENTS.items():
         if event in runs:
@@ -65,18 +76,17 @@ def outcomes(runs: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 
 def outcome_of_balance(run: xr.Dataset, growth: float) -> int:
-    """How a run under load and damping ended, as a place in ``OUTCOMES``, by what the balance of its energies tells.
+    """Classify how a run under load and damping ended, as a place in ``OUTCOMES``, by its balance of energies.
 
-    Accurate is a balance within 1 % of what was put in, growing one beyond a hundred times that. No rest is known, and
-    no wells.
+    An imbalance of at most 1 % of the energy put in is accurate, one of more than a hundred times that energy growing.
+    A run is chaotic if a perturbation grows from round-off to the size of the motion. Rest and wells do not count.
 
     Parameters
     ----------
     run
-        What ``study.run`` made under :class:`study.observers.EnergyBalance`.
+        Single run from :func:`study.run`, observed by ``"energy_balance"``.
     growth
-        Logarithm of how much a perturbation grows over the run. It is chaotic beyond that of
-        :class:`study.observers.LyapunovExponent`.
+        Natural logarithm of the factor by which a perturbation grows over the run.
     """
     if run.status in (NEWTON_FAILED, NOT_FINITE):
         return OUTCOMES.index("newton_not_converged" if run.status == NEWTON_FAILED else "not_finite")

@@ -1,19 +1,21 @@
-"""``study.recommend``: the cheapest scheme for an error that may be made."""
+"""``study.recommend``: the cheapest scheme for an allowed error."""
+
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from study import datasets
-from study.registry import did_you_mean
+from study.registry import UnknownName, did_you_mean
 
 
 def _needed_steps(steps: np.ndarray, error: np.ndarray, allowed: float) -> float:
-    """Fewest steps per period from which on the error stays below what is allowed; NaN where the data show none.
+    """Fewest steps per period from which on the error stays within the allowed one; NaN if the data reach none.
 
-    Between two step sizes the error is a power of the step, log-linear.
+    Between two step sizes, the logarithm of the error is interpolated linearly in that of the step.
     """
-    above = np.flatnonzero(~(error <= allowed))  # NaN, a run that failed, is above
+    above = np.flatnonzero(~(error <= allowed))  # a failed run, NaN, counts as above
     if not above.size:
         return steps[0]
     last = above[-1]
@@ -26,7 +28,7 @@ def _needed_steps(steps: np.ndarray, error: np.ndarray, allowed: float) -> float
 
 
 def _over_periods(errors: xr.DataArray, periods: float) -> xr.DataArray:
-    """Errors after ``periods`` periods, log-linear between the lengths that were run."""
+    """Errors after ``periods`` periods; between measured lengths, logarithms are interpolated linearly."""
     lengths = errors.periods.values
     if periods in lengths:
         return errors.sel(periods=periods)
@@ -37,12 +39,12 @@ def _over_periods(errors: xr.DataArray, periods: float) -> xr.DataArray:
 
 
 def _scale(error: xr.DataArray) -> float:
-    """What the unit of a measure makes of a fraction."""
+    """Size of a fraction of one in the units of the error."""
     return 100.0 if error.units == "percent" else 1.0
 
 
 def _sizes(data: xr.Dataset, measure: str) -> xr.DataArray:
-    """Sizes of the errors; what is flagged as within ten times the reference's uncertainty counts as that."""
+    """Sizes of the errors; those within ten times the uncertainty of the reference count as that large."""
     size = abs(data[measure])
     return size.where(
         data.flagged.sel(measure=measure) != 1, np.maximum(size, 10 * data.uncertainty.sel(measure=measure))
@@ -50,7 +52,7 @@ def _sizes(data: xr.Dataset, measure: str) -> xr.DataArray:
 
 
 def candidates(data: xr.Dataset, problem: str, error: float, measure: str, periods: float) -> pd.DataFrame:
-    """What :func:`recommend` returns, or no rows where no scheme keeps the error."""
+    """The table that :func:`recommend` returns, without rows if no scheme keeps the error."""
     one = data.sel(problem=problem)
     allowed = error * _scale(one[measure])
     sizes = _over_periods(_sizes(one, measure), periods).transpose("scheme", "steps_per_period").values
@@ -79,38 +81,43 @@ def recommend(
     error: float,
     measure: str = "max_trajectory_error",
     periods: float = 100,
+    folder: str | Path = datasets.RESULTS,
 ) -> pd.DataFrame:
-    """Every scheme that keeps an error, the cheapest first, with the steps per period that it needs.
+    """List the schemes that keep an error within a bound, the cheapest first.
 
-    The work-precision dataset is interpolated in the step size and in the length of the run, and never extrapolated:
-    a scheme that does not get there with the finest step of the dataset is left out, and one that does already with
+    The dataset ``work_precision`` is interpolated in the step size and in the length of the run, and never
+    extrapolated: a scheme that misses the bound at the finest step of the dataset is left out, and one that keeps it at
     the coarsest is listed with that.
 
     Parameters
     ----------
     problem
-        Name of a problem of the dataset.
+        Name of a problem in the dataset.
     error
-        Largest error that may be made, as a fraction, also where the dataset has percent: 0.01 is one percent.
+        Largest allowed error as a fraction, also for measures in percent: 0.01 is one percent.
     measure
         Measure of error, a variable of the dataset.
     periods
         Length of the run in periods.
+    folder
+        Folder of the results.
 
     Returns
     -------
     pandas.DataFrame
-        By ``scheme``: ``steps_per_period``, ``time`` of its steps in seconds (a call takes a tenth of a millisecond
-        more) and ``force_evaluations`` in it.
+        By ``scheme``: ``steps_per_period``, ``time`` of all steps in seconds (a call of :func:`study.run` adds about a
+        millisecond) and ``force_evaluations`` in them.
 
     Raises
     ------
+    FileNotFoundError
+        If the dataset does not exist; the message gives the command that makes it.
     KeyError
-        If there is no such problem or measure.
+        If the dataset has no such problem or measure.
     TypeError
-        If an argument is no name, or no number.
+        If an argument is no name or no number.
     ValueError
-        If the error or the length of the run is beyond what was measured; the message says what was.
+        If error or length are out of the measured range, which the message states.
 
     Examples
     --------
@@ -125,11 +132,11 @@ def recommend(
             raise TypeError(f"{name} must be a number, not {number!r}.")
     if not isinstance(problem, str):
         raise TypeError("problem must be the name of a problem of the work-precision data.")
-    data = datasets.open("work_precision")
+    data = datasets.open("work_precision", folder)
     for name, known in ((problem, data.problem.values), (measure, data.measure.values)):
         if name not in known:
             kind = "problem" if name == problem else "measure of error"
-            raise KeyError(f"the work-precision data have no {kind} {name!r}; {did_you_mean(str(name), known)}")
+            raise UnknownName(f"the work-precision data have no {kind} {name!r}; {did_you_mean(str(name), known)}")
     lengths = data.periods.values
     if not lengths.min() <= periods <= lengths.max():
         raise ValueError(f"periods must be within what was run, {lengths.min()} to {lengths.max()}, not {periods}.")
@@ -142,7 +149,7 @@ def recommend(
             raise ValueError(f"{measure} is not measured over {periods} periods, which are too short for it.")
         raise ValueError(
             f"no scheme keeps {measure} to {error:g} over {periods:g} periods of '{problem}' with up to "
-            f"{data.steps_per_period.values[-1]} steps per period; the least there is "
+            f"{data.steps_per_period.values[-1]} steps per period; the smallest error is "
             f"{np.nanmin(finest) / _scale(data[measure]):.1e}."
         )
     return table

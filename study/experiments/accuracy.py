@@ -5,7 +5,8 @@ import xarray as xr
 
 from study import datasets
 from study.analysis.comparison import against, flagged, uncertainties
-from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
+from study.marching.run import run
 from study.observer.effort import NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.pipeline import labels

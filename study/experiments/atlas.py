@@ -14,7 +14,7 @@ from typing_extensions import TypedDict
 from study import datasets
 from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcomes
 from study.equilibrium.newton import MAX_ITERATIONS
-from study.marching.march import NEWTON_FAILED
+from study.marching.result import NEWTON_FAILED
 from study.marching.run import run
 from study.observer.fate import Fate, Height
 from study.pipeline import labels

@@ -3,8 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from study.marching.march import COMPLETED
-from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
+from study.marching.run import run
 from study.pipeline.command import progress
 from study.pipeline.experiment import experiment
 from study.pipeline.options import Count, Numbers, RecordedSteps, SchemeName, Spring, Tolerance

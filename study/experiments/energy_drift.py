@@ -7,7 +7,9 @@ import xarray as xr
 from annotated_types import Ge, Le
 from typing_extensions import TypedDict
 
-from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
+from study.marching.run import run
+from study.observer.crossings import crosses_upwards
 from study.pipeline import labels
 from study.pipeline.command import progress
 from study.pipeline.experiment import experiment
@@ -20,7 +22,7 @@ def _steps_per_oscillation(u: np.ndarray, oscillations: int) -> float:
 
     NaN where the motion does not cross zero often enough.
     """
-    before = np.flatnonzero((u[:-1] < 0) & (u[1:] >= 0))[-oscillations - 1 :]
+    before = np.flatnonzero(crosses_upwards(u[:-1], u[1:], 0))[-oscillations - 1 :]
     if len(before) < oscillations + 1:
         return np.nan
     crossings = before + u[before] / (u[before] - u[before + 1])

@@ -3,7 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
+from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import progress
 from study.pipeline.experiment import experiment

@@ -7,8 +7,8 @@ import xarray as xr
 
 from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcome_of_balance
 from study.equilibrium.newton import MAX_ITERATIONS
-from study.marching.march import NEWTON_FAILED
-from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, NEWTON_FAILED, STATUS_ATTRIBUTES
+from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import progress
 from study.pipeline.experiment import experiment

@@ -10,7 +10,8 @@ from annotated_types import Ge, Le
 from typing_extensions import TypedDict
 
 from study import datasets
-from study.marching.run import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES, run
+from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
+from study.marching.run import run
 from study.observer.effort import NewtonIterations
 from study.observer.energy import EnergyBalance
 from study.observer.momentum import MomentumErrors

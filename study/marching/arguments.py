@@ -1,12 +1,19 @@
-"""The arguments of a run, checked before its first step."""
+"""Checks of the arguments of a run, before its first step.
 
-from typing import TypeVar
+Each function returns its argument in the form that the march takes, or raises an error whose one sentence names the
+argument, what it should be and what it is.
+"""
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from study.marching.shapes import Counts, CountsLike, Displacements, DisplacementsLike, Numbers, NumbersLike
 from study.observer.base import Observer
 from study.observer.named import observers
 from study.problem.definition import Problem
@@ -15,24 +22,26 @@ from study.scheme.base import Scheme
 
 T = TypeVar("T")
 
-#: Times of a run at which the load is looked at before it starts: at most, at least, and numbers in all.
+#: Sampling of the load before a run: maximum, minimum, cap on samples × unknowns.
 MOST_LOOKS, FEWEST_LOOKS, LOOKED_AT = 1001, 65, 10_000_000
 
 
 def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
+    """The entry of that name, or the thing itself if it is of the kind."""
     if isinstance(thing, str):
         return registry[thing]
     if not isinstance(thing, kind):
-        raise TypeError(f"{thing!r} is no {registry.kind}: give a name or a {kind.__module__}.{kind.__name__}.")
+        raise TypeError(f"{thing!r} is no {registry.kind}: give a name or a study.{kind.__name__}.")
     return thing
 
 
 def _most_steps() -> int:
-    """What a step counter holds twice, in double or in single precision."""
+    """Half of the largest integer, which in single precision has 32 bits: march and observers add to step counts."""
     return jnp.iinfo(jnp.result_type(int)).max // 2
 
 
-def positive_integer(name, value):
+def positive_integer(name: str, value: Any) -> int:
+    """A whole number of at least 1."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
         raise ValueError(f"{name} must be a whole number of at least 1, not {value!r}.")
     if value > _most_steps():
@@ -40,7 +49,8 @@ def positive_integer(name, value):
     return int(value)
 
 
-def checked_steps(steps):
+def checked_steps(steps: CountsLike) -> Counts:
+    """Number of steps, of shape () or (lanes,)."""
     if np.ndim(steps) == 0:
         return np.asarray(positive_integer("steps", steps))
     counts = np.asarray(steps)
@@ -53,19 +63,20 @@ def checked_steps(steps):
     return counts.astype(int)
 
 
-def _numbers(name, value):
+def _numbers(name: str, value: Any) -> np.ndarray:
     try:
-        numbers = np.asarray(value, dtype=np.float64)
-        if np.asarray(value).dtype.kind == "b":
-            raise ValueError
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be a number or an array of numbers, not {value!r}.") from None
+        numbers = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        numbers = np.asarray(None)
+    if numbers.dtype.kind not in "fiu":
+        raise ValueError(f"{name} must be a number or an array of numbers, not {value!r}.")
     if numbers.size == 0:
         raise ValueError(f"{name} is empty; an ensemble needs at least one lane.")
-    return numbers
+    return numbers.astype(np.float64)
 
 
-def checked_step_size(dt):
+def checked_step_size(dt: NumbersLike) -> Numbers:
+    """Step size, of shape () or (lanes,)."""
     dt = _numbers("dt", dt)
     if dt.ndim > 1:
         raise ValueError(f"dt must be a number or one per lane (lanes,), not an array of shape {dt.shape}.")
@@ -74,7 +85,8 @@ def checked_step_size(dt):
     return dt
 
 
-def checked_start(problem, u0):
+def checked_start(problem: Problem, u0: DisplacementsLike | None) -> Displacements:
+    """Initial displacement, of the problem's shape or with an axis of lanes in front; the problem's own for None."""
     shape = np.shape(problem.u0)
     if u0 is None:
         return np.asarray(problem.u0)
@@ -89,17 +101,16 @@ def checked_start(problem, u0):
     return u0
 
 
-def checked_observers(problem, observe) -> tuple[Observer, ...]:
+def checked_observers(problem: Problem, observe: str | Observer | Sequence[str | Observer]) -> tuple[Observer, ...]:
+    """Observers that the problem can have; a name or an observer stands for a list of one."""
     if observe is None:
         raise TypeError(f"observe must be a list of observers; {did_you_mean('', observers)}")
-    chosen = [resolve(o, observers, Observer) for o in ([observe] if isinstance(observe, str) else observe)]
+    listed = [observe] if isinstance(observe, str | Observer) else observe
+    chosen = tuple(resolve(o, observers, Observer) for o in listed)  # type: ignore[type-abstract]
     for observer in chosen:
-        if argument := observer.lacking(problem):
-            raise ValueError(
-                f"{', '.join(observer.variables)} of '{problem.title}' needs Problem({argument}=...), "
-                "which it was made without."
-            )
-    return tuple(chosen)
+        if refusal := observer.refusal(problem):
+            raise ValueError(refusal)
+    return chosen
 
 
 def check_fit(problem: Problem, scheme: Scheme, duration: float) -> None:
@@ -122,11 +133,34 @@ def _are_finite(load, times):
     return jax.lax.map(lambda t: jnp.isfinite(load(t)).all(), times)
 
 
-def number_of_lanes(problem: Problem, u0: np.ndarray, **of_lanes: np.ndarray) -> int:
-    """How many lanes an ensemble has, 0 where it is a single run."""
-    lengths = {name: len(value) for name, value in of_lanes.items() if value.ndim}
-    lengths |= {"u0": len(u0)} if u0.ndim > np.ndim(problem.u0) else {}
+def number_of_lanes(problem: Problem, u0: Displacements, dt: Numbers, steps: Counts) -> int:
+    """Number of lanes of an ensemble, 0 for a single run."""
+    lengths = {name: len(value) for name, value in (("dt", dt), ("steps", steps)) if value.ndim}
+    if u0.ndim > np.ndim(problem.u0):
+        lengths["u0"] = len(u0)
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{name} {length}" for name, length in lengths.items())
-        raise ValueError(f"what differs from lane to lane must have one length to make an ensemble, not {told}.")
+        received = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise ValueError(f"the lanes of an ensemble need arrays of one length, not {received}.")
     return max(lengths.values(), default=0)
+
+
+def check_memory(records: Mapping[str, int], samples: int) -> None:
+    """Refuse records that are larger than the memory of this machine.
+
+    Parameters
+    ----------
+    records
+        Bytes of one sample of all lanes, by variable.
+    samples
+        Number of samples.
+    """
+    try:
+        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError):  # this system does not tell
+        return
+    needed = samples * sum(records.values())
+    if needed > memory:
+        raise ValueError(
+            f"{samples} samples of {', '.join(map(repr, records))} need {needed / 2**30:.0f} GiB, and this machine has "
+            f"{memory / 2**30:.0f} GiB of memory: store fewer with every=, or observe single values instead."
+        )

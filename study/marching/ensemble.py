@@ -12,21 +12,23 @@ import numpy as np
 from jax import lax
 from tqdm import tqdm
 
-from study.marching.march import March, Outcome, march
+from study.marching.march import March, march
+from study.marching.result import Result
+from study.marching.shapes import Counts, DisplacementsOfLanes, OfLanes
 
-#: Lanes of a tile: their state stays in the cache next to the core, whatever the size of the ensemble. Also a small
-#: one fills a whole tile, or its loops would be compiled otherwise and its results differ in the last bits.
+#: Lanes of a tile; their state stays in the cache next to the core, whatever the size of the ensemble. Small ensembles
+#: are padded to a tile; otherwise XLA compiles another loop and the last bits differ.
 TILE = 64
 
-#: Tiles that are marched in one call, at most.
+#: Maximum number of tiles that one call marches.
 GROUP = 64
 
-#: Lane-steps of a group between two chances to be interrupted: less than a second.
+#: Lane-steps of a group between two chances to interrupt it: less than a second.
 PAUSE = 2**26
 
 
 def cores() -> int:
-    """Cores that a run may use: what ``OMP_NUM_THREADS`` grants (Snakemake sets it for its jobs), or all."""
+    """Cores that a run may use: ``OMP_NUM_THREADS`` if set (Snakemake sets it for its jobs), otherwise all of them."""
     granted = os.environ.get("OMP_NUM_THREADS", "")
     if granted.isdigit() and int(granted):
         return int(granted)
@@ -35,7 +37,7 @@ def cores() -> int:
 
 @eqx.filter_jit
 def _march_group(definition: March, u0, dt, own, until, every, samples: int, each_step: bool, progress=None):
-    """One tile after the other, to step ``until``; ``own`` are the steps of each lane, or nothing."""
+    """March tile by tile to step ``until``; ``own`` holds the number of steps of each lane, or is None."""
 
     def tile(lanes):
         u0, dt, own, progress = lanes
@@ -46,38 +48,45 @@ def _march_group(definition: March, u0, dt, own, until, every, samples: int, eac
 
 
 def _in_groups(values: np.ndarray, shape: tuple[int, int, int], filler: float) -> np.ndarray:
-    """Values of lanes by group, tile and lane of the tile, the places left over filled up."""
+    """Values of the lanes, of shape (groups, tiles, lanes of a tile, ...); empty places hold ``filler``."""
     room = np.full((np.prod(shape), *values.shape[1:]), filler, values.dtype)
     room[: len(values)] = values
     return room.reshape(*shape, *values.shape[1:])
 
 
-def march_ensemble(definition: March, u0: np.ndarray, dt: np.ndarray, steps: np.ndarray, every: int, samples: int):
-    """March every lane; the :class:`Outcome` as NumPy arrays with the lanes first and the samples behind them.
+def march_ensemble(
+    definition: March, u0: DisplacementsOfLanes, dt: OfLanes, steps: Counts, every: int, samples: int
+) -> Result:
+    """March every lane.
 
-    A lane depends neither on its neighbours nor on the number of cores, to the bit; with step counts of their own, by
-    which lanes are sorted so that the long ones share their tiles, to round-off. A tile takes as many Newton iterations
-    as the slowest of its lanes, and ends when its last lane does.
+    A lane depends neither on its neighbours nor on the number of cores, to the last bit. If lanes have their own
+    numbers of steps, they are sorted by them, so that long lanes share tiles; then this holds to round-off. A tile
+    takes as many Newton iterations as its slowest lane, and ends with its last lane.
 
     Parameters
     ----------
     u0, dt
-        Of every lane, (lanes, ...) and (lanes,).
+        Initial displacements and step sizes, (lanes, ...) and (lanes,).
     steps
         One number, or one per lane.
     every, samples
-        As in :func:`study.march.march`.
+        As in :func:`study.marching.march.march`.
+
+    Returns
+    -------
+    Result
+        NumPy arrays with the lanes along the first axis and the samples along the second.
     """
     lanes = len(dt)
     on_cpu = jax.default_backend() == "cpu"
     tile = TILE if on_cpu else lanes
     workers = cores() if on_cpu else 1
-    # a power of two, so that few sizes have to be compiled
+    # powers of two keep the number of compiled sizes small
     group = min(GROUP, 2 ** math.ceil(math.log2(-(-lanes // (tile * workers)))))
     shape = (-(-lanes // (tile * group)), group, tile)
     order = np.argsort(steps, kind="stable") if steps.ndim else np.arange(lanes)
     last = int(steps.max())
-    # a lane that starts from NaN has failed before its first step, and costs none
+    # lanes that fill up a tile start from NaN: they fail before their first step and cost nothing
     groups = (
         _in_groups(u0[order], shape, np.nan),
         _in_groups(dt[order], shape, 1.0),
@@ -85,21 +94,21 @@ def march_ensemble(definition: March, u0: np.ndarray, dt: np.ndarray, steps: np.
     )
     stopped = threading.Event()
 
-    @jax.enable_x64(jax.enable_x64.value)  # which another thread does not know of its own
+    @jax.enable_x64(jax.enable_x64.value)  # a new thread does not inherit the precision of this one
     def run(one):
-        _, _, own = one
+        u0, dt, own = one
         end, progress, until = last if own is None else int(own.max()), None, 0
         while until < end and not stopped.is_set():
             until = min(until + max(1, PAUSE // (group * tile)), end)
             numbers = np.asarray(until), np.asarray(every)
-            progress, outcome = _march_group(definition, *one, *numbers, samples, every == 1, progress)
-            jax.block_until_ready(outcome)
-        return jax.tree.map(np.asarray, outcome)
+            progress, result = _march_group(definition, u0, dt, own, *numbers, samples, every == 1, progress)
+            jax.block_until_ready(result)
+        return jax.tree.map(np.asarray, result)
 
-    silent = None if shape[0] > workers else True  # None: unless nobody watches
+    silent = None if shape[0] > workers else True  # None shows the bar in a terminal only
     with ThreadPoolExecutor(min(workers, shape[0])) as pool:
         try:
-            outcomes = list(tqdm(pool.map(run, zip(*groups, strict=True)), total=shape[0], disable=silent, leave=False))
+            results = list(tqdm(pool.map(run, zip(*groups, strict=True)), total=shape[0], disable=silent, leave=False))
         except BaseException:
             stopped.set()
             pool.shutdown(cancel_futures=True)
@@ -107,13 +116,13 @@ def march_ensemble(definition: March, u0: np.ndarray, dt: np.ndarray, steps: np.
     back = np.argsort(order)
 
     def gathered(parts, lane_axis=1):
-        """The parts of all groups along the lanes in their first order; the places left over are dropped."""
+        """Join the parts of all groups along the lanes, in their original order and without the padding."""
         whole = np.moveaxis(np.stack(parts), lane_axis + 1, 2)
         return whole.reshape(-1, *whole.shape[3:])[:lanes][back]
 
-    return Outcome(
-        gathered([o.status for o in outcomes]),
-        gathered([o.failed_at_step for o in outcomes]),
-        {name: gathered([o.values[name] for o in outcomes]) for name in outcomes[0].values},
-        {name: gathered([o.samples[name] for o in outcomes], lane_axis=2) for name in outcomes[0].samples},
+    return Result(
+        gathered([r.status for r in results]),
+        gathered([r.failed_at_step for r in results]),
+        {name: gathered([r.values[name] for r in results]) for name in results[0].values},
+        {name: gathered([r.samples[name] for r in results], lane_axis=2) for name in results[0].samples},
     )

@@ -10,28 +10,38 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from study.marching.result import COMPLETED, NEWTON_FAILED, NOT_FINITE, Result
 from study.observer.base import Record, Reduction
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
 
-COMPLETED, NEWTON_FAILED, NOT_FINITE = 0, 1, 2
-
-STATUS_MEANINGS = "completed newton_not_converged not_finite"
-
-#: Steps of a single run with one unknown in one turn of the loop. Within a turn values pass from step to step in
-#: registers, between turns through memory, which at ten nanoseconds a step is felt, and with two unknowns no more.
+#: Steps per turn of the loop, for a single run with one unknown. Within a turn, values pass from step to step in
+#: registers; between turns they pass through memory. That matters at ten nanoseconds a step, and no longer with two
+#: unknowns.
 BLOCK = 3
 
-#: Steps of a tile between two looks at whether any of its lanes goes on.
+#: Steps of a tile between two checks whether any of its lanes goes on.
 PATIENCE = 64
 
 
 class Progress(NamedTuple):
-    """How far a run has come, and all that it takes to go on.
+    """How far a run has come, with everything needed to continue it.
 
-    ``failure`` is 0 as long as the run goes on; after a failure at step k it is k + 1 where the state is not finite,
-    and −(k + 1) where Newton did not converge. ``stored`` has the samples along its first axis. All but ``step``
-    have an axis of lanes where there are lanes.
+    With lanes, every array except ``step`` has an axis of lanes; it is the first axis, and the second of ``stored``.
+
+    Attributes
+    ----------
+    step
+        Number of steps taken.
+    failure
+        0 while the run goes on. After a failure at step k: k + 1 if the state was not finite, −(k + 1) if Newton's
+        iteration did not converge.
+    state
+        State of the scheme.
+    carried
+        What each reduction carries.
+    stored
+        Variables of the records, with the samples along the first axis.
     """
 
     step: jax.Array
@@ -41,25 +51,13 @@ class Progress(NamedTuple):
     stored: dict[str, jax.Array]
 
 
-class Outcome(NamedTuple):
-    """What a run gives back.
-
-    ``status`` and ``failed_at_step`` (−1 where nothing failed) always; ``values`` holds the variables of the
-    reductions, which mean nothing where a run failed, and ``samples`` those of the records with the samples along the
-    first axis, NaN from a failure on.
-    """
-
-    status: jax.Array
-    failed_at_step: jax.Array
-    values: dict[str, jax.Array]
-    samples: dict[str, jax.Array]
-
-
 class March(eqx.Module):
-    """A scheme on a problem under observation, as pure functions of its progress.
+    """A scheme on a problem with its observers, as pure functions of :class:`Progress`.
 
-    With ``lanes`` all of them take and give arrays with an axis of lanes in front: many runs that share each turn of
-    the loop, and none of which depends on its neighbours.
+    The problem drops its title, so that problems that differ in the title alone share a compiled program.
+
+    With ``lanes``, the functions take and return arrays with an axis of lanes. The lanes share each turn of the loop,
+    and none depends on its neighbours.
     """
 
     problem: Problem = eqx.field(converter=Problem.untitled)
@@ -69,11 +67,11 @@ class March(eqx.Module):
     lanes: bool = eqx.field(static=True, default=False)
 
     def _each(self, function):
-        """The function of one run, for every lane where there are lanes."""
+        """A function of one run, mapped over the lanes if there are any."""
         return jax.vmap(function) if self.lanes else function
 
     def _failure(self, state, effort, step):
-        """What a failure at this step is recorded as, 0 where there is none."""
+        """``Progress.failure`` after this step."""
         finite = jnp.all(jnp.isfinite(state.u)) & jnp.all(jnp.isfinite(state.v))
         return jnp.where(finite, jnp.where(effort.converged, 0, -(step + 1)), step + 1)
 
@@ -82,7 +80,7 @@ class March(eqx.Module):
         return {name: jnp.where(failure == 0, jnp.asarray(value, float), jnp.nan) for name, value in values.items()}
 
     def start(self, u0, dt, samples: int) -> tuple[Progress, Any]:
-        """Progress at t = 0 with room for ``samples`` samples behind the first, and the initial state."""
+        """Progress at t = 0, with room for the first sample and ``samples`` more, and the initial state."""
 
         def one(u0, dt):
             state, effort = self.scheme.start(self.problem, u0, jnp.asarray(self.problem.v0), dt)
@@ -95,10 +93,10 @@ class March(eqx.Module):
         return Progress(jnp.zeros((), int), failure, state, carried, stored), state
 
     def _step(self, progress: Progress, dt, steps=None) -> Progress:
-        """One step of every run, or with ``steps`` of every lane that has not taken its own."""
+        """One step of every run, or with ``steps`` of the lanes that have not yet taken that many."""
 
         def one(step, state, carried, dt):
-            # time is a product, not a running sum, whose round-off would grow with the number of steps
+            # the round-off of a running sum would grow with the number of steps; that of a product does not
             state, effort = self.scheme.step(self.problem, state, step.astype(dt.dtype) * dt, dt)
             now = (step + 1).astype(dt.dtype) * dt
             carried = tuple(
@@ -110,8 +108,8 @@ class March(eqx.Module):
         state, carried, failure = self._each(partial(one, progress.step))(progress.state, progress.carried, dt)
         failure = jnp.where(progress.failure == 0, failure, progress.failure)
         if self.lanes:
-            # a lane that has failed goes on as NaN, on which Newton's iteration ends at once; the steps to come carry
-            # it from one number of the state to all
+            # A failed lane is set to NaN, which ends Newton's iteration at once. One leaf of the state is enough: the
+            # next steps spread it.
             *leaves, last = jax.tree.leaves(state)
             state = jax.tree.unflatten(jax.tree.structure(state), [*leaves, _where(failure == 0, last, jnp.nan)])
         now = Progress(progress.step + 1, failure, state, carried, progress.stored)
@@ -121,12 +119,12 @@ class March(eqx.Module):
         return jax.tree.map(partial(_where, goes_on), now, progress)._replace(step=now.step)
 
     def _advance(self, progress: Progress, step: Callable[[Progress], Progress], until) -> Progress:
-        """Up to step ``until``, or until every run has failed."""
+        """March to step ``until``, or until every run has failed."""
 
         def goes_on(p, ahead=1):
             return (p.step + ahead <= until) & jnp.any(p.failure == 0)
 
-        step = jax.jit(step)  # traced once, however often it is repeated
+        step = jax.jit(step)  # traces the step once for all its uses below
 
         def block(p):
             for _ in range(BLOCK):
@@ -144,18 +142,18 @@ class March(eqx.Module):
         return lax.while_loop(goes_on, step, progress)
 
     def proceed(self, progress: Progress, initial, dt, until, every, each_step: bool, steps=None) -> Progress:
-        """March to step ``until``, with a sample at every ``every`` steps where something is recorded.
+        """March to step ``until``, and store a sample every ``every`` steps if there are records.
 
         Parameters
         ----------
         progress, initial
-            As :meth:`start` gave them, or with the progress of an earlier call.
+            As :meth:`start` returned them; later calls take the progress of the call before.
         until
-            Where to pause, or end.
+            Step at which to pause or end.
         every, each_step
-            Samples are this many steps apart, and whether that is one.
+            Steps between two samples, and whether that is one.
         steps
-            Where each lane ends, if not all at ``until``; nothing can be recorded then.
+            Last step of each lane, if the lanes do not all end at ``until``. Records are not allowed then.
         """
 
         def step(p):
@@ -163,7 +161,7 @@ class March(eqx.Module):
 
         def store(p):
             sample = self._each(self._sample)(initial, p.state, p.failure)
-            # before the next sample is due its place holds the last state, so that a pause does no harm
+            # Until the next sample is due, its place holds the last state. So a run can pause between two samples.
             place = (p.step + every - 1) // every if not each_step else p.step
             return p._replace(stored={name: p.stored[name].at[place].set(value) for name, value in sample.items()})
 
@@ -173,14 +171,14 @@ class March(eqx.Module):
             )
 
         if not self.records:
-            # all lanes together while none has ended, then those that go on
+            # first all lanes together, until the shortest ends; then only those that go on
             together = until if steps is None else jnp.minimum(steps.min(), until)
             progress = self._advance(progress, step, together)
             return progress if steps is None else self._advance(progress, lambda p: self._step(p, dt, steps), until)
         return lax.while_loop(lambda p: (p.step < until) & jnp.any(p.failure == 0), next_sample, progress)
 
-    def outcome(self, progress: Progress) -> Outcome:
-        """What is known so far; complete at the last step."""
+    def result(self, progress: Progress) -> Result:
+        """Result of the steps so far."""
 
         def one(state, carried):
             return {
@@ -192,7 +190,7 @@ class March(eqx.Module):
         failure = progress.failure
         failed = jnp.where(failure < 0, NEWTON_FAILED, NOT_FINITE)
         values = self._each(one)(progress.state, progress.carried)
-        return Outcome(jnp.where(failure == 0, COMPLETED, failed), jnp.abs(failure) - 1, values, progress.stored)
+        return Result(jnp.where(failure == 0, COMPLETED, failed), jnp.abs(failure) - 1, values, progress.stored)
 
 
 def _where(condition, value, other):
@@ -211,18 +209,25 @@ def march(
     each_step: bool = False,
     steps=None,
     progress: tuple[Progress, Any] | None = None,
-) -> tuple[tuple[Progress, Any], Outcome]:
-    """March from the start, or from an earlier progress, to step ``until``: the progress, and the outcome so far.
+) -> tuple[tuple[Progress, Any], Result]:
+    """March to step ``until``, from the start or from an earlier progress.
 
     Parameters
     ----------
     u0, dt
-        Initial displacement and step size, of each lane where there are lanes.
+        Initial displacement and step size; with lanes, one per lane.
     until, every, each_step, steps
-        As in :meth:`March.proceed`. All but ``each_step`` may be traced: one compilation serves all.
+        As in :meth:`March.proceed`. Only a new ``each_step`` compiles anew.
     samples
-        How many samples the run has behind the first.
+        Number of samples after the first. Every new number compiles anew.
+    progress
+        First item that an earlier call returned.
+
+    Returns
+    -------
+    tuple
+        The progress and the initial state, to continue from; and the :class:`Result` so far.
     """
     now, initial = definition.start(u0, dt, samples) if progress is None else progress
     now = definition.proceed(now, initial, dt, until, every, each_step, steps)
-    return (now, initial), definition.outcome(now)
+    return (now, initial), definition.result(now)

@@ -1,7 +1,9 @@
-"""``study.run``: one scheme on one problem, or an ensemble of them, as a labelled dataset."""
+"""``study.run``: one scheme on one problem, or an ensemble of such runs, as a labelled dataset."""
 
+import math
 from collections.abc import Sequence
 
+import equinox as eqx
 import jax
 import numpy as np
 import xarray as xr
@@ -9,6 +11,7 @@ from tqdm import tqdm
 
 from study.marching.arguments import (
     check_fit,
+    check_memory,
     checked_observers,
     checked_start,
     checked_step_size,
@@ -18,7 +21,9 @@ from study.marching.arguments import (
     resolve,
 )
 from study.marching.ensemble import march_ensemble
-from study.marching.march import COMPLETED, STATUS_MEANINGS, March, Outcome, march
+from study.marching.march import March, march
+from study.marching.result import Result, labelled
+from study.marching.shapes import Counts, CountsLike, Displacements, DisplacementsLike, Numbers, NumbersLike
 from study.observer.base import Observer, Record, Reduction
 from study.problem.definition import Problem
 from study.problem.named import problems
@@ -29,37 +34,55 @@ from study.scheme.named import schemes
 #: Steps between two chances to interrupt a single run: about a second.
 PAUSE = 2**24
 
-STATUS_ATTRIBUTES = {
-    "long_name": "how the run ended",
-    "flag_values": np.arange(3, dtype=np.int32),
-    "flag_meanings": STATUS_MEANINGS,
-}
-
-FAILED_AT_STEP_ATTRIBUTES = {"long_name": "step at which the run failed, -1 where it did not", "units": "1"}
+#: Samples × lanes × unknowns whose records fit into the memory of any machine.
+FEW = 10_000_000
 
 
-def _march_alone(definition: March, u0: np.ndarray, dt: np.ndarray, steps: int, every: int, samples: int) -> Outcome:
-    """One run, a long one with a bar of its progress where somebody watches, and a pause now and then."""
+def _march_alone(definition: March, u0: Displacements, dt: Numbers, steps: int, every: int, samples: int) -> Result:
+    """March a single run; a long one pauses now and then, and shows a progress bar in a terminal."""
     pauses = range(PAUSE, steps + PAUSE, PAUSE)
     progress = None
-    # a loop of its own for every step is worth compiling only with one unknown, whose steps are the shorter
+    # a loop of its own for every=1 is worth compiling only for one unknown, whose steps are short
     each_step = every == 1 and not u0.ndim
     for pause in tqdm(pauses, disable=True if len(pauses) < 2 else None, leave=False):
         until = np.asarray(min(pause, steps))
-        progress, outcome = march(definition, u0, dt, until, np.asarray(every), samples, each_step, progress=progress)
-        if outcome.status:  # waits for the result, so that Ctrl-C is heard between two pauses
+        progress, result = march(definition, u0, dt, until, np.asarray(every), samples, each_step, progress=progress)
+        if result.status:  # waits for the result, so that Ctrl-C is heard between two pauses
             break
-    return outcome
+    return jax.tree.map(np.asarray, result)
+
+
+def _samples(records: Sequence[Record], steps: Counts, every: int, samples: int | None) -> int:
+    """Number of samples to store after the first."""
+    if records and steps.ndim:
+        raise ValueError(
+            f"'{next(iter(records[0].variables))}' is recorded along time, which takes one number of steps for all "
+            "lanes; give steps as a number, or observe what has one value a run."
+        )
+    if samples is None and np.any(steps % every):
+        raise ValueError(f"every must divide the number of steps; {every} does not divide {steps[()]}.")
+    if not records:
+        return 0
+    return int(steps) // every if samples is None else positive_integer("samples", samples)
+
+
+def _check_memory(definition: March, u0: Displacements, dt: Numbers, samples: int) -> None:
+    """Refuse records that exceed the memory; their shapes are those of the first sample, which is not computed."""
+    if (samples + 1) * u0.size <= FEW:
+        return
+    progress, _ = eqx.filter_eval_shape(definition.start, u0, dt, 0)
+    first = progress.stored.items()
+    check_memory({name: math.prod(one.shape) * one.dtype.itemsize for name, one in first}, samples + 1)
 
 
 def run(
     problem: str | Problem,
     scheme: str | Scheme,
     *,
-    dt: float | np.ndarray,
-    steps: int | np.ndarray,
-    observe: Sequence[str | Observer] = ("trajectory",),
-    u0: float | np.ndarray | None = None,
+    dt: NumbersLike,
+    steps: CountsLike,
+    observe: str | Observer | Sequence[str | Observer] = ("trajectory",),
+    u0: DisplacementsLike | None = None,
     every: int = 1,
     samples: int | None = None,
 ) -> xr.Dataset:
@@ -68,34 +91,36 @@ def run(
     Parameters
     ----------
     problem, scheme
-        Names out of ``study.problems`` and ``study.schemes``, or objects of your own.
+        Names in ``study.problems`` and ``study.schemes``, or your own :class:`study.Problem` and
+        :class:`study.Scheme`.
     dt
-        Step size; an array (lanes,) makes an ensemble.
+        Step size Δt; an array (lanes,) makes an ensemble.
     steps
-        Number of steps; an array (lanes,) makes an ensemble, in which nothing can be recorded along time.
+        Number of steps; an array (lanes,) makes an ensemble, which cannot record along time.
     observe
-        Names out of ``study.observers``, or observers of your own.
+        Names in ``study.observers``, or your own :class:`study.Reduction` and :class:`study.Record`.
     u0
-        Initial displacement in place of the problem's; an array (lanes, ...) makes an ensemble.
+        Initial displacement, in place of the problem's; an array (lanes, ...) makes an ensemble.
     every
-        Store what is recorded along time at every so many steps; without ``samples`` it must divide ``steps``.
+        Steps between two samples of a record; it must divide ``steps`` unless ``samples`` is given.
     samples
-        How many samples to store behind the first, in place of those of the whole run; NaN where the run has ended.
-        Every new number is compiled anew, which a new number of steps alone is not.
+        Number of samples to store after the first; those after the end of the run are NaN. Every new number compiles
+        anew, whereas a new number of steps does not: give it if you run many lengths.
 
     Returns
     -------
     xarray.Dataset
-        The observed variables with ``status`` and ``failed_at_step``, along ``t`` (elapsed time) where recorded and
-        along ``lane`` in an ensemble. Lanes with step sizes of their own have the dimension ``sample`` and the
-        coordinate ``t`` over (lane, sample). Where a run failed there is NaN.
+        The observed variables, ``status`` and ``failed_at_step``. Records lie along ``t``, the elapsed time; the runs
+        of an ensemble along ``lane``. If lanes have their own step sizes, records lie along ``sample`` and ``t`` is a
+        coordinate over (lane, sample). Values of a failed run are NaN, and its samples from the failure on.
 
     Raises
     ------
     KeyError
         If there is no such problem, scheme or observer.
-    ValueError, TypeError
-        If an argument is out of range or has the wrong shape; the message tells which and what would be right.
+    TypeError, ValueError
+        If an argument has the wrong type or shape or is out of range, if scheme or observer do not fit the problem, or
+        if the records exceed the memory.
 
     Examples
     --------
@@ -104,70 +129,24 @@ def run(
     >>> print(f"{ds.max_energy_error.item():.1f} {ds.max_energy_error.units}")
     4.1 percent
     """
-    definition, method = resolve(problem, problems, Problem), resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
-    step_size, start = checked_step_size(dt), checked_start(definition, u0)
+    equation = resolve(problem, problems, Problem)
+    method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
+    step_size, start = checked_step_size(dt), checked_start(equation, u0)
     count, every = checked_steps(steps), positive_integer("every", every)
-    chosen = checked_observers(definition, observe)
-    check_fit(definition, method, float(np.max(step_size * count)))
-    marched = Linearised(method) if any(o.needs_neighbour for o in chosen) else method
+    chosen = checked_observers(equation, observe)
     reductions = tuple(o for o in chosen if isinstance(o, Reduction))
     records = tuple(o for o in chosen if isinstance(o, Record))
-    if records and count.ndim:
-        raise ValueError(
-            f"'{next(iter(records[0].variables))}' is recorded along time, which takes one number of steps for all "
-            "lanes; give steps as a number, or observe what has one value a run."
-        )
-    if samples is None and np.any(count % every):
-        raise ValueError(f"every must divide the number of steps; {every} does not divide {count[()]}.")
-    if not records:
-        room = 0
-    elif samples is None:
-        room = int(count) // every
-    else:
-        room = positive_integer("samples", samples)
-    lanes = number_of_lanes(definition, start, dt=step_size, steps=count)
+    room = _samples(records, count, every, samples)
+    lanes = number_of_lanes(equation, start, step_size, count)
+    marched = Linearised(method) if any(o.needs_neighbour for o in chosen) else method
+    definition = March(equation, marched, reductions, records, bool(lanes))
     if lanes:
-        start = np.broadcast_to(start, (lanes, *np.shape(definition.u0)))
-        dts = np.broadcast_to(step_size, lanes)
-        outcome = march_ensemble(March(definition, marched, reductions, records, True), start, dts, count, every, room)
+        start = np.broadcast_to(start, (lanes, *np.shape(equation.u0)))
+    dts = np.broadcast_to(step_size, lanes) if lanes else step_size
+    _check_memory(definition, start, dts, room)
+    check_fit(equation, method, float(np.max(step_size * count)))
+    if lanes:
+        result = march_ensemble(definition, start, dts, count, every, room)
     else:
-        alone = March(definition, marched, reductions, records)
-        outcome = jax.tree.map(np.asarray, _march_alone(alone, start, step_size, int(count), every, room))
-    going_on = np.arange(room + 1) * every <= count
-    if not np.all(going_on):
-        # where the next sample is due stands the end of the run
-        along = bool(lanes)
-        cut = {
-            name: np.where(going_on.reshape((1,) * along + (-1,) + (1,) * (values.ndim - along - 1)), values, np.nan)
-            for name, values in outcome.samples.items()
-        }
-        outcome = outcome._replace(samples=cut)
-    return _labelled(definition, method, outcome, chosen, step_size, every, room, bool(lanes))
-
-
-def _labelled(problem, scheme, outcome, chosen, dt, every, samples, ensemble) -> xr.Dataset:
-    attributes = {name: a for observer in chosen for name, a in observer.variables.items()}
-    lane = ("lane",) if ensemble else ()
-    component = ("component",) if np.ndim(problem.u0) else ()
-    along = "sample" if dt.ndim else "t"
-    data = {
-        "status": (lane, np.asarray(outcome.status, dtype=np.int32), STATUS_ATTRIBUTES),
-        "failed_at_step": (lane, np.asarray(outcome.failed_at_step), FAILED_AT_STEP_ATTRIBUTES),
-    }
-    for name, value in outcome.values.items():
-        dims = (*lane, *component[: np.ndim(value) - len(lane)])
-        failed = np.reshape(outcome.status != COMPLETED, (-1,) * len(lane) + (1,) * (len(dims) - len(lane)))
-        # whole numbers become floats here, where double precision holds them all
-        data[name] = (dims, np.where(failed, np.nan, value), attributes[name])
-    for name, value in outcome.samples.items():
-        extra = component[: np.ndim(value) - len(lane) - 1]
-        data[name] = ((*lane, along, *extra), np.asarray(value), attributes[name])
-    coordinates = {}
-    if samples:
-        t = np.multiply.outer(dt, np.arange(samples + 1) * every)
-        coordinates["t"] = ((*lane, "sample") if dt.ndim else "t", t, {"long_name": "elapsed time", "units": "s"})
-    return xr.Dataset(
-        data,
-        coordinates,
-        {"title": f"{scheme.title} on the {problem.title}", "problem": problem.title, "scheme": scheme.title},
-    )
+        result = _march_alone(definition, start, dts, int(count), every, room)
+    return labelled(result, equation, method, chosen, step_size, count, every, room, bool(lanes))

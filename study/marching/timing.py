@@ -1,23 +1,24 @@
-"""How long a run takes, compilation apart."""
+"""The time of a run, without its compilation."""
 
 import time
 
 import jax
 import numpy as np
 
-from study.marching.march import COMPLETED, March, march
+from study.marching.march import March, march
+from study.marching.result import COMPLETED
 from study.observer.base import Reduction
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
 
 
 class Timed:
-    """A compiled run, warmed up, whose step size and number of steps can be chosen.
+    """A compiled run, warmed up, for any step size and number of steps.
 
     Attributes
     ----------
     compile_time
-        Seconds to trace and compile it, or to load it where JAX's cache is enabled and holds it.
+        Seconds to trace and compile the run, or to load it if JAX's cache holds it.
     """
 
     def __init__(self, problem: Problem, scheme: Scheme, reductions: tuple[Reduction, ...]):
@@ -31,9 +32,9 @@ class Timed:
         return self._march, self._u0, np.asarray(dt), np.asarray(steps), np.asarray(1)
 
     def run(self, dt: float, steps: int) -> tuple[float, bool]:
-        """Seconds of one run, and whether it completed."""
+        """Seconds that one run takes, and whether it completed."""
         arguments = self._arguments(dt, steps)
         start = time.perf_counter()
-        _, outcome = self._compiled(*arguments)
-        jax.block_until_ready(outcome)
-        return time.perf_counter() - start, bool(outcome.status == COMPLETED)
+        _, result = self._compiled(*arguments)
+        jax.block_until_ready(result)
+        return time.perf_counter() - start, bool(result.status == COMPLETED)

@@ -1,1 +1,1 @@
-"""What a run reports: one value a run (reductions), or values along time (records)."""
+"""Observers: what a run reports, as one value a run (reductions) or as values along time (records)."""

@@ -1,4 +1,4 @@
-"""What an observer is."""
+"""The interface of observers."""
 
 import abc
 from typing import Any, ClassVar
@@ -10,44 +10,49 @@ from study.problem.definition import Problem
 
 
 class Observer(eqx.Module):
-    """Something to know of a run: a :class:`Reduction` gives one value a run, a :class:`Record` one value a sample."""
+    """A quantity to observe during a run: a :class:`Reduction` or a :class:`Record`."""
 
-    #: Attributes of the variables that the observer gives, by the variables' names.
+    #: Attributes of the variables that the observer returns, by name: ``long_name`` and ``units``.
     variables: ClassVar[dict[str, dict[str, str]]]
-    #: Whether the problem must have a potential, or positions.
+    #: Whether the problem must have a potential.
     needs_energy: ClassVar[bool] = False
+    #: Whether the problem must have positions.
     needs_positions: ClassVar[bool] = False
-    #: Whether the run must have a neighbour along (:class:`study.schemes.Linearised`).
+    #: Whether the run must carry a neighbour of the motion (:class:`study.scheme.linearised.Linearised`).
     needs_neighbour: ClassVar[bool] = False
 
-    def lacking(self, problem: Problem) -> str | None:
-        """The argument of :class:`Problem` that the observer needs and the problem was made without."""
-        if self.needs_energy and problem.potential is None:
-            return "potential"
-        if self.needs_positions and problem.positions is None:
-            return "positions"
+    def refusal(self, problem: Problem) -> str | None:
+        """Why the problem cannot be observed, in one sentence; None if it can."""
+        for needed, argument in ((self.needs_energy, "potential"), (self.needs_positions, "positions")):
+            if needed and getattr(problem, argument) is None:
+                names = ", ".join(self.variables)
+                return f"{names} of '{problem.title}' needs Problem({argument}=...), which it was made without."
         return None
 
 
 class Reduction(Observer):
-    """A value that is updated with every step."""
+    """One value a run, updated with every step.
+
+    The three methods are pure functions that JAX compiles into the march. A state has at least the fields ``u`` and
+    ``v``, each of shape () or (n,).
+    """
 
     @abc.abstractmethod
-    def start(self, problem: Problem, state) -> Any:
-        """What is carried along, at t = 0."""
+    def start(self, problem: Problem, state: Any) -> Any:
+        """What the reduction carries, at t = 0: any arrays, whose shapes and types stay the same."""
 
     @abc.abstractmethod
-    def update(self, carried, problem: Problem, state, t, effort: Effort) -> Any:
-        """What is carried along, one step later, at the time ``t``."""
+    def update(self, carried: Any, problem: Problem, state: Any, t: Any, effort: Effort) -> Any:
+        """What the reduction carries after a step that ended at the time ``t`` and took that effort."""
 
     @abc.abstractmethod
-    def result(self, carried, problem: Problem, state) -> dict[str, Any]:
-        """The values of ``variables`` at the end of the run, where ``state`` is the last one."""
+    def result(self, carried: Any, problem: Problem, state: Any) -> dict[str, Any]:
+        """Values of ``variables`` at the end of the run, where ``state`` is the last one."""
 
 
 class Record(Observer):
     """Values that are stored along time."""
 
     @abc.abstractmethod
-    def sample(self, problem: Problem, initial, state) -> dict[str, Any]:
-        """The values of ``variables`` at one time."""
+    def sample(self, problem: Problem, initial: Any, state: Any) -> dict[str, Any]:
+        """Values of ``variables`` for one state, given the initial one as well."""

@@ -8,11 +8,17 @@ import jax.numpy as jnp
 from study.observer.base import Reduction
 
 
-def _crossing(before, after, dt, level):
-    """Where in 0 < s ≤ 1 a step comes up to a level, for each unknown.
+def crosses_upwards(before, after, level):
+    """Whether u comes from below a level up to it or beyond, for each unknown."""
+    return (before < level) & (after >= level)
 
-    The inverse of the displacement is the cubic that has the step's displacements and, by the velocities, its slopes,
-    which are kept within what leaves it monotonic (Fritsch and Carlson, 1980): s is of fourth order in the step.
+
+def _crossing(before, after, dt, level):
+    """Part 0 < s ≤ 1 of a step after which u reaches the level, for each unknown.
+
+    Time as a function of u is interpolated by the cubic with the times and slopes 1/u̇ at both ends of the step. The
+    slopes are limited so that the cubic is monotonic (Fritsch and Carlson, 1980). The error of s is of fourth order in
+    the step.
     """
     (u0, v0), (u1, v1) = before, after
     way = jnp.where(u1 > u0, u1 - u0, 1.0)
@@ -22,17 +28,24 @@ def _crossing(before, after, dt, level):
 
 
 class Oscillations(Reduction):
-    """Upward crossings of a level by each unknown: how many, when the last came, and their mean period.
+    """Upward crossings of a level by each unknown: their number, the last one, and their mean period.
 
-    The crossing i comes at the time (k_i + s_i) Δt, with the step k_i as a whole number and the part s_i of a step by
-    a cubic that displacements and velocities at both ends define; the mean period is ((k_n − k_1) + (s_n − s_1))
-    Δt/(n − 1). What interpolation leaves does not grow with the length of the run, nor does single precision lose the
-    count of the steps.
+    Crossing i comes at the time (k_i + s_i) Δt, where k_i is a whole number of steps and 0 < s_i ≤ 1 a part of one,
+    interpolated by a cubic with the displacements and velocities at both ends of the step. The mean period is
+
+        T = ((k_n − k_1) + (s_n − s_1)) Δt / (n − 1),
+
+    NaN with fewer than two crossings. The error of interpolation does not grow with the length of the run. Counting
+    whole steps apart from parts of a step keeps the digits of long runs, also in single precision.
 
     Parameters
     ----------
     level
-        The displacement that is crossed.
+        Displacement that is crossed.
+
+    References
+    ----------
+    F. N. Fritsch, R. E. Carlson, Monotone piecewise cubic interpolation, SIAM J. Numer. Anal. 17, 1980, 238-246.
     """
 
     level: float = 0.0
@@ -52,15 +65,15 @@ class Oscillations(Reduction):
     def update(self, carried, problem, state, t, effort):
         (step, dt), before, crossings, first, last = carried
         dt, now = jnp.where(step == 0, t, dt), (state.u, state.v)
-        crossed = (before[0] < self.level) & (state.u >= self.level)
-        # interpolated at the end of the run only
+        crossed = crosses_upwards(before[0], state.u, self.level)
+        # keep both ends of the step; only the first and the last crossing are interpolated, after the run
         last = jax.tree.map(partial(jnp.where, crossed), (step, before, now), last)
         first = jax.tree.map(partial(jnp.where, crossings == 0), last, first)
         return (step + 1, dt), now, crossings + crossed.astype(int), first, last
 
     def result(self, carried, problem, state):
-        (_, dt), _, crossings, (first, *start), (last, *end) = carried
-        since_first, part = _crossing(*start, dt, self.level), _crossing(*end, dt, self.level)
-        steps = (last - first).astype(float) + (part - since_first)
+        (_, dt), _, crossings, (first, *first_ends), (last, *last_ends) = carried
+        parts = [_crossing(before, after, dt, self.level) for before, after in (first_ends, last_ends)]
+        steps = (last - first).astype(float) + (parts[1] - parts[0])
         period = jnp.where(crossings > 1, dt * steps / (crossings - 1).astype(float), jnp.nan)
-        return dict(zip(self.variables, (crossings, last, part, period), strict=True))
+        return dict(zip(self.variables, (crossings, last, parts[1], period), strict=True))

@@ -1,4 +1,4 @@
-"""Effort of a run."""
+"""The effort of a run."""
 
 import jax.numpy as jnp
 
@@ -6,7 +6,7 @@ from study.observer.base import Reduction
 
 
 class NewtonIterations(Reduction):
-    """How many Newton iterations a run took, in all and at most in one step."""
+    """Newton iterations of a run: their sum, and the largest number in one step."""
 
     variables = {
         "newton_iterations": {"long_name": "Newton iterations in all steps", "units": "1"},

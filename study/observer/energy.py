@@ -1,4 +1,4 @@
-"""Errors of the energy, and of its balance."""
+"""Errors of the energy, and of the balance of energies."""
 
 import jax.numpy as jnp
 
@@ -34,10 +34,10 @@ class MaxEnergyError(Reduction):
 
 
 class MeanEnergyError(Reduction):
-    """Mean of (E − E₀)/|E₀| over all steps of the run in percent.
+    """Mean of (E − E₀)/|E₀| over all steps of the run in percent, by a compensated sum.
 
-    The oscillation of the energy about the orbit cancels in it, and a drift does not: one that is linear in time shows
-    by a half, a random walk by 1/√3 of its size at the end. The sum is compensated.
+    Oscillations of the energy along the orbit cancel in the mean; drifts do not. The mean of a drift linear in time is
+    half of its final value, and that of a random walk has 1/√3 of its final standard deviation.
     """
 
     variables = {
@@ -77,12 +77,14 @@ class EnergyDrift(Reduction):
 
 
 class EnergyBalance(Reduction):
-    """What kinetic and potential energy, dissipation and the work of the load leave open: the drift of a scheme.
+    """Largest error of the balance E + D − W = E₀ of energy E, dissipation D and work of the load W.
 
-    Over a step the damping force C u̇ and the load f do the work of their mean at both ends on the way between,
-    ΔD = ½ (u₁ − u₀)ᵀ C (u̇₀ + u̇₁) and ΔW = ½ (u₁ − u₀)ᵀ (f₀ + f₁), of second order, and for the trapezoidal rule on a
-    linear structure exactly. The error is the largest |E + D − W − E₀| over what was put in, |E₀| and the largest |W|;
-    zero where nothing was put in and nothing came of it.
+    The error is the largest |E + D − W − E₀| relative to |E₀| + max |W|, in percent; it is zero if all of them are. The
+    work over a step follows from the mean of the forces at both ends,
+
+        ΔD = ½ (u₁ − u₀)ᵀ C (u̇₀ + u̇₁),    ΔW = ½ (u₁ − u₀)ᵀ (f₀ + f₁),
+
+    which is of second order, and exact for the trapezoidal rule on a linear structure.
 
     References
     ----------

@@ -1,6 +1,6 @@
-"""Observers that hold a run against the exact solution, without storing either trajectory.
+"""Errors of a run against the exact solution, observed without storing either trajectory.
 
-They need a reference, so they are made by :func:`against` and not called by name.
+These observers need a reference. They are made by :func:`study.analysis.comparison.against` and have no names.
 """
 
 import jax
@@ -9,14 +9,18 @@ from jax import lax
 
 from study.equilibrium.balance import acceleration
 from study.observer.base import Reduction
+from study.observer.crossings import crosses_upwards
 from study.problem.definition import Problem
 
-#: Halvings that find a root between two steps to round-off.
+#: Bisections that locate a root within a step to round-off.
 HALVINGS = 53
 
 
 def _between(start, end, dt, of_v: bool = False):
-    """Coefficients in 0 ≤ s ≤ 1, lowest first, of the quintic with u, u̇ and ü of two steps, or of its velocity."""
+    """Coefficients in 0 ≤ s ≤ 1, lowest first, of the quintic through u, u̇ and ü at both ends of a step.
+
+    With ``of_v``, those of its derivative to s.
+    """
     (u0, v0, a0), (u1, v1, a1) = start, end
     v0, v1, a0, a1 = dt * v0, dt * v1, dt**2 * a0, dt**2 * a1
     rise = u1 - u0 - v0 - a0 / 2
@@ -33,6 +37,7 @@ def _between(start, end, dt, of_v: bool = False):
 
 
 def _value(coefficients, s):
+    """Value of a polynomial, by Horner's rule."""
     result = jnp.zeros_like(s)
     for coefficient in reversed(coefficients):
         result = result * s + coefficient
@@ -40,7 +45,7 @@ def _value(coefficients, s):
 
 
 def _root(coefficients):
-    """Where in 0 ≤ s ≤ 1 the polynomial changes its sign, as its ends do, by bisection: no slope can mislead it."""
+    """Root in 0 ≤ s ≤ 1 of a polynomial whose ends differ in sign, by bisection, which cannot leave the step."""
     sign = jnp.sign(_value(coefficients, jnp.ones_like(coefficients[0])))
 
     def halve(_, bracket):
@@ -54,21 +59,21 @@ def _root(coefficients):
 
 
 def _kinematics(problem: Problem, state):
-    """Displacement, velocity and the acceleration that the free motion has there."""
+    """Displacement, velocity, and the acceleration of the free motion for both."""
     return state.u, state.v, acceleration(problem, 0.0, state.u, state.v)
 
 
 class TrajectoryError(Reduction):
-    """Root mean square and maximum of u − u_exact, relative to the largest |u_exact|.
+    """Root mean square and maximum of |u − u_exact| over all steps, relative to the largest |u_exact|.
 
     Attributes
     ----------
     u, v
-        Exact displacement and velocity at the ``steps`` phases of one period, padded to any length.
+        Exact displacement and velocity at the ``steps`` phases of one period, padded at the end to any length.
     steps
         Steps per period.
     lag
-        Δt less the exact period over ``steps``: what rounding Δt adds to the time of every step.
+        Δt less the exact period divided by ``steps``: the rounding error of Δt, which shifts the time of every step.
     """
 
     u: jax.Array
@@ -102,19 +107,19 @@ class TrajectoryError(Reduction):
 
 
 class PeriodError(Reduction):
-    """Period elongation and phase error from upward crossings of a level, interpolated between steps.
+    """Period elongation and phase error from upward crossings of a level, interpolated within steps.
 
-    Between two steps the displacement is the quintic that has their displacements, velocities and accelerations, as
-    exact as a scheme of fifth order. The elongation is the mean of all observed periods over the exact one, less one;
-    the phase error is how many periods late the last crossing comes. NaN for a motion that does not cross any more,
-    and the elongation for one that has crossed once.
+    Within a step, the displacement is interpolated by the quintic with displacement, velocity and acceleration at both
+    ends, which is exact enough for schemes up to fifth order. The elongation is T̄/T − 1, with T̄ the mean time between
+    crossings and T the exact period. The phase error is the delay of the last crossing in exact periods. Both are NaN
+    once the motion has stopped crossing the level; the elongation is NaN with fewer than two crossings.
 
     Attributes
     ----------
     level
-        The displacement that is crossed.
+        Displacement that is crossed.
     crossing
-        When the exact solution crosses it first, in periods.
+        Time of the exact solution's first crossing, in periods.
     steps
         Steps per period.
     dt
@@ -137,7 +142,7 @@ class PeriodError(Reduction):
     def update(self, carried, problem, state, t, effort):
         step, before, crossings, first, last = carried
         now = _kinematics(problem, state)
-        crossed = (before[0] < self.level) & (now[0] >= self.level)
+        crossed = crosses_upwards(before[0], now[0], self.level)
 
         def part():
             displacement, *rest = _between(before, now, self.dt)
@@ -156,7 +161,7 @@ class PeriodError(Reduction):
         step, *_, crossings, first, last = carried
         between = crossings.astype(float) - 1
         mean_period = jnp.where(crossings > 1, (last - first) / between, self.steps)
-        # a motion whose last crossing is long past has come to rest elsewhere, and has no phase
+        # a motion that has not crossed for one and a half periods has come to rest elsewhere, and has no phase
         swings = (crossings > 0) & (step.astype(float) - last < 1.5 * mean_period)
         return {
             "period_elongation": jnp.where(swings & (crossings > 1), mean_period / self.steps - 1, jnp.nan),
@@ -165,14 +170,14 @@ class PeriodError(Reduction):
 
 
 class AmplitudeDecay(Reduction):
-    """Relative loss of amplitude per period, from the first to the last maximum after the start.
+    """Relative loss of amplitude per period, 1 − (A_n/A_1)^(1/(n − 1)), over the n maxima after the start.
 
     The maxima are those of the quintics of :class:`PeriodError`. NaN with fewer than two.
 
     Attributes
     ----------
     rest
-        The displacement of equilibrium, from which amplitudes are counted.
+        Displacement of equilibrium, from which the amplitudes A are measured.
     dt
         Step size.
     """

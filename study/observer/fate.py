@@ -1,4 +1,4 @@
-"""What becomes of the energy of a run, and of its place."""
+"""The fate of a run: whether its energy stays accurate, decays or grows, and whether it crosses a barrier."""
 
 from typing import NamedTuple
 
@@ -12,21 +12,32 @@ from study.observer.base import Record, Reduction
 from study.problem.definition import Problem
 from study.problem.named import problems
 
-#: Within this part of its height above rest the energy is accurate; below this part of it a run is at rest.
+#: Largest |H − H₀|/H₀ of an accurate run, and largest H/H₀ of one at rest.
 ACCURATE = AT_REST = 0.01
 
-#: An energy of so many times its height has grown.
+#: Smallest H/H₀ of a run that has grown.
 GROWN = 100.0
 
-#: A minimum of the potential so many times as far as the start is none.
+#: Minima farther than this multiple of |u₀| are rejected.
 FARTHEST = 1e6
 
-#: Errors of the energy in percent by which steps are called fine enough.
+#: Errors of the energy in percent that :class:`Excursions` observes.
 LEVELS = (1, 5, 10)
 
 
+def _refusal(problem: Problem) -> str | None:
+    """Why the problem has no fate, in one sentence; None if it has."""
+    if np.ndim(problem.u0):
+        return f"the fate of '{problem.title}' is undefined: it has more than one unknown."
+    if problem.damping is not None or problem.load is not None:
+        return f"the fate of '{problem.title}' is undefined: damping or a load change its energy."
+    if problem.potential is None:
+        return f"the fate of '{problem.title}' needs Problem(potential=...), which it was made without."
+    return None
+
+
 class _Events(NamedTuple):
-    """When what can happen to a run did, infinite where it did not."""
+    """Times of the events, infinite for those that did not happen."""
 
     inaccurate: jax.Array
     at_rest: jax.Array
@@ -35,18 +46,24 @@ class _Events(NamedTuple):
 
 
 class Fate(Reduction):
-    """What becomes of the energy, and of the place of a run.
+    """Times at which a run becomes inaccurate, comes to rest, grows or crosses a barrier; infinite for never.
 
-    The height of the energy is H = E − E_rest. An inaccurate run has |H − H₀| > 0.01 H₀; one at rest stays below
-    0.01 H₀ from then on; one that has grown stays above a hundred times H₀, or the barrier's height if that is more.
-    A run that starts at rest has no H₀, and an error that is not a number.
+    All follow from the height H = E − E_rest of the energy above that of the rest position:
+
+    - inaccurate from the first time with |H − H₀| > 0.01 H₀;
+    - at rest from the time from which on H < 0.01 H₀ until the end of the run;
+    - grown from the time from which on H > 100 max(H₀, H_barrier) until the end of the run;
+    - crossed at the first time on the other side of u = 0, if H₀ < H_barrier.
+
+    The problem must have one unknown, a potential, and neither damping nor load, which change the energy. For a run
+    that starts at rest, H₀ = 0 and the error is NaN.
 
     Parameters
     ----------
     rest
-        E_rest, the potential energy of the rest that the run swings about.
+        E_rest, the potential energy of the rest position about which the run oscillates.
     barrier
-        Potential energy at u = 0 where that is a barrier between two wells, which no run from below it should cross.
+        Potential energy at u = 0 if that is a barrier between two wells. No run that starts below it should cross it.
     """
 
     rest: float = eqx.field(converter=np.float64)
@@ -66,22 +83,20 @@ class Fate(Reduction):
 
     @classmethod
     def of(cls, problem: str | Problem) -> "Fate":
-        """For a problem with one unknown: the rest downhill of u₀, and the barrier at u = 0 if there is one.
+        """The fate of a problem: the rest is the minimum of the potential downhill of u₀, the barrier a hill at u = 0.
 
         Raises
         ------
+        KeyError
+            If there is no problem of that name.
         ValueError
-            If the problem has several unknowns, damping or a load, which change its energy, no potential, or a
-            potential without a minimum downhill of u₀.
+            If the problem has several unknowns, damping, a load or no potential, or if the potential has no minimum
+            downhill of u₀.
         """
         problem = problems[problem] if isinstance(problem, str) else problem
-        if np.ndim(problem.u0):
-            raise ValueError(f"the fate of '{problem.title}' is not told: it has more than one unknown.")
-        if problem.damping is not None or problem.load is not None:
-            raise ValueError(f"the fate of '{problem.title}' is not told: damping or a load change its energy.")
-        if problem.potential is None:
-            raise ValueError(f"the fate of '{problem.title}' needs Problem(potential=...), which it was made without.")
-        potential = jax.jit(problem.potential)
+        if refusal := _refusal(problem):
+            raise ValueError(refusal)
+        potential = jax.jit(problem.potential)  # type: ignore[arg-type]  # which _refusal has checked
         u0 = float(problem.u0)
         try:
             found = optimize.minimize_scalar(potential, bracket=(u0, 0.99 * u0 if u0 else 0.01), tol=1e-12)
@@ -92,9 +107,10 @@ class Fate(Reduction):
         barrier, start = potential(0.0), potential(u0)
         return cls(found.fun, barrier if barrier - found.fun > AT_REST * (start - found.fun) else None)
 
+    def refusal(self, problem):
+        return _refusal(problem)
+
     def start(self, problem, state):
-        if jnp.ndim(state.u):
-            raise ValueError(f"the fate of '{problem.title}' is not told: it has more than one unknown.")
         never = jnp.full((), jnp.inf)
         height = problem.energy(state.u, state.v) - self.rest
         side, crossed = (None, None) if self.barrier is None else (state.u, never)
@@ -102,7 +118,7 @@ class Fate(Reduction):
 
     def update(self, carried, problem, state, t, effort):
         (height, side), error, iterations, first = carried
-        # over that at the start: as XLA repeats no division, the energy is not made again for every event
+        # H/H₀ rather than H: XLA does not repeat a division, and so computes the energy once for all events
         now = (problem.energy(state.u, state.v) - self.rest) / height
         change = jnp.abs(now - 1)
 
@@ -112,14 +128,15 @@ class Fate(Reduction):
         def since(event, before):
             return jnp.where(event, jnp.minimum(before, t), jnp.inf)
 
-        much, crossed = 1.0, None
+        highest: float | jax.Array = 1.0
+        crossed = None
         if self.barrier is not None:
-            much = jnp.maximum(1.0, (self.barrier - self.rest) / height)
+            highest = jnp.maximum(1.0, (self.barrier - self.rest) / height)
             crossed = first_time((state.u * side < 0) & (height + self.rest < self.barrier), first.crossed)
         events = _Events(
             inaccurate=first_time(change > ACCURATE, first.inaccurate),
             at_rest=since(now < AT_REST, first.at_rest),
-            grown=since(now > GROWN * much, first.grown),
+            grown=since(now > GROWN * highest, first.grown),
             crossed=crossed,
         )
         iterations = jnp.maximum(iterations, effort.iterations)
@@ -132,7 +149,7 @@ class Fate(Reduction):
 
 
 class Excursions(Reduction):
-    """When the error of the energy over its height above rest first went beyond 1, 5 and 10 percent.
+    """Times at which |H − H₀|/H₀ first exceeds 1, 5 and 10 percent, infinite for never.
 
     Parameters
     ----------
@@ -167,7 +184,7 @@ class Excursions(Reduction):
 
 
 class Height(Record):
-    """Height of the energy above rest along time, over that at the start.
+    """H/H₀ along time, with the height H = E − E_rest of the energy above that of the rest position.
 
     Parameters
     ----------

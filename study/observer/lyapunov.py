@@ -4,16 +4,16 @@ import jax.numpy as jnp
 
 from study.observer.base import Reduction
 
-#: A perturbation that has grown by so many powers of two was of round-off and is of the size of the motion.
+#: log₂ of the growth that lifts round-off to the size of the motion.
 APART = 33
 
 
 class LyapunovExponent(Reduction):
-    """Largest Lyapunov exponent of the numerical map over the run, and when neighbours are far apart.
+    """Largest Lyapunov exponent of the numerical map, and the time from which on neighbours are far apart.
 
-    λ = ln |δ(t)|/t with the distance δ of displacement and velocity of :class:`study.schemes.Linearised`, whose
-    displacement is of length one at the start. A regular motion has λ of the order of ln t/t. Neighbours are far apart
-    where a component of δ is 2³³ times as large, 8.6e9.
+    λ = ln |δ(t)|/t, where δ is the distance in displacement and velocity that
+    :class:`study.scheme.linearised.Linearised` carries; at the start, its displacement has length one. For regular
+    motions λ is of the order of ln t/t. Neighbours are far apart if a component of δ has grown to 2³³ = 8.6e9.
     """
 
     variables = {

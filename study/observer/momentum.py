@@ -7,7 +7,7 @@ from study.problem.definition import Problem
 
 
 def _momenta(problem: Problem, state):
-    """Linear and angular momentum of every point, (points, directions) and (points, 3)."""
+    """Linear and angular momentum of every point, of shape (points, directions) and (points, 3)."""
     points, directions = jnp.shape(problem.positions)
     p = problem.momentum(state.v).reshape(points, directions)
     x = problem.positions + state.u.reshape(points, directions)
@@ -16,9 +16,9 @@ def _momenta(problem: Problem, state):
 
 
 class MomentumErrors(Reduction):
-    """Largest change of linear and of angular momentum, over the largest sum of the points' own.
+    """Largest change of total linear and angular momentum, each relative to the largest sum over points of |momentum|.
 
-    NaN where no point has any.
+    NaN if no point has any.
     """
 
     variables = {
@@ -47,5 +47,5 @@ class MomentumErrors(Reduction):
 
 
 def _sizes(momenta):
-    """Sum of the points' own."""
+    """Sum over points of |momentum|."""
     return jnp.linalg.norm(momenta, axis=1).sum()

@@ -1,4 +1,4 @@
-"""The motion along time, and quantities of it."""
+"""The motion along time, and quantities that follow from it."""
 
 from collections.abc import Callable
 
@@ -20,14 +20,14 @@ class Trajectory(Record):
 
 
 class Quantity(Record):
-    """A number of your own along time, a function of u and u̇.
+    """Your own quantity along time, a function of u and u̇.
 
     Parameters
     ----------
     function
-        Takes u and u̇, each of shape () or (n,), and returns a number.
+        Function of u and u̇, each of shape () or (n,), that returns a number. It must be written with ``jax.numpy``.
     name, long_name, units
-        What the dataset calls it.
+        Name and attributes of the variable in the dataset.
     """
 
     function: Callable

@@ -1,4 +1,4 @@
-"""What a run may be asked for. Each observer is small and streams: it keeps no trajectory unless it is one."""
+"""The observers that have names. None but ``trajectory`` stores the motion."""
 
 from study.observer.base import Observer
 from study.observer.crossings import Oscillations
@@ -9,7 +9,7 @@ from study.observer.momentum import MomentumErrors
 from study.observer.motion import Trajectory
 from study.registry import Registry
 
-#: Every observer that can be called by name.
+#: Observers by name.
 observers: Registry[Observer] = Registry(
     "observer",
     {

@@ -152,7 +152,7 @@ def observers() -> Iterator[Case]:
 
     # a neighbour along is a march of its own
     every_one = [
-        o for o in study.observers.values() if not o.lacking(study.problems["hardening"]) and not o.needs_neighbour
+        o for o in study.observers.values() if not o.refusal(study.problems["hardening"]) and not o.needs_neighbour
     ]
     reductions = tuple(o for o in every_one if isinstance(o, Reduction))
     everything = {"observe": every_one, "every": 10}

@@ -1,0 +1,36 @@
+"""Shapes of arrays with an axis of lanes, for annotations; nothing checks them at run time."""
+
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int, Shaped
+
+#: What can be made into a number or one per lane, shape () or (lanes,).
+NumbersLike = Float[Any, "*lanes"]
+
+#: What can be made into a count or one per lane, shape () or (lanes,).
+CountsLike = Int[Any, "*lanes"]
+
+#: What can be made into a displacement or one per lane, shape () or (n,), with the axis of lanes in front.
+DisplacementsLike = Float[Any, "*lanes_and_n"]
+
+#: A number or one per lane, shape () or (lanes,).
+Numbers = Float[np.ndarray, "*lanes"]
+
+#: A count or one per lane, shape () or (lanes,).
+Counts = Int[np.ndarray, "*lanes"]
+
+#: A displacement or one per lane, shape () or (n,), with the axis of lanes in front.
+Displacements = Float[np.ndarray, "*lanes_and_n"]
+
+#: Step sizes of all lanes of an ensemble, shape (lanes,).
+OfLanes = Float[np.ndarray, "lanes"]
+
+#: Displacements of all lanes of an ensemble, shape (lanes,) or (lanes, n).
+DisplacementsOfLanes = Float[np.ndarray, "lanes *n"]
+
+#: Status or step of a run, of each lane if there are lanes, shape () or (lanes,).
+Flags = Int[Any, "*lanes"]
+
+#: What an observer returned, of each lane if there are lanes.
+Observed = Shaped[Any, "..."]

@@ -1,0 +1,82 @@
+"""The command ``study``: what it prints and writes, and one sentence with exit code 2 for a mistake."""
+
+import subprocess
+import sys
+
+import pytest
+import xarray as xr
+
+import study
+from study.__main__ import main
+
+RUN = ["run", "hardening", "rk4", "--dt", "0.0075", "--steps", "20"]
+
+
+def test_a_run_is_printed(capsys):
+    main([*RUN, "--observe", "max_energy_error", "energy_drift"])
+    printed = capsys.readouterr().out
+    expected = study.run("hardening", "rk4", dt=0.0075, steps=20, observe=["max_energy_error", "energy_drift"])
+    assert printed == f"{expected}\n"
+
+
+def test_a_run_is_written(tmp_path, capsys):
+    main([*RUN, "--every", "5", "--output", str(tmp_path / "made" / "one.nc")])
+    assert capsys.readouterr().out == ""
+    back = study.open("one", tmp_path / "made")
+    assert back.sizes["t"] == 5 and back.attrs["history"].endswith("made by study run")
+    xr.testing.assert_equal(back, study.run("hardening", "rk4", dt=0.0075, steps=20, every=5))
+
+
+def test_names_are_listed(capsys):
+    main(["list", "schemes"])
+    assert capsys.readouterr().out.split() == list(study.schemes)
+    main(["list"])
+    printed = capsys.readouterr().out
+    for heading, registry in (("problems", study.problems), ("schemes", study.schemes), ("observers", study.observers)):
+        assert f"{heading}:\n  " in printed
+        assert all(f"\n  {name}\n" in printed for name in registry)
+
+
+def test_a_recommendation_is_printed(capsys, monkeypatch):
+    asked = {}
+
+    def recommend(problem, **options):
+        asked.update(options, problem=problem)
+        return study.run("hardening", "rk4", dt=0.1, steps=2).u.to_dataframe()
+
+    monkeypatch.setattr("study.__main__.recommend", recommend)
+    main(["recommend", "softening", "--error", "0.01", "--periods", "30", "--folder", "elsewhere"])
+    assert "1.500000" in capsys.readouterr().out
+    assert asked["problem"] == "softening" and asked["error"] == 0.01 and asked["periods"] == 30
+    assert asked["measure"] == "max_trajectory_error" and str(asked["folder"]) == "elsewhere"
+
+
+@pytest.mark.parametrize(
+    "words, sentence",
+    [
+        ([*RUN[:2], "newmark", *RUN[3:]], "there is no scheme 'newmark'; did you mean 'newmark_dissipative'?"),
+        ([*RUN[:4], "-1", *RUN[5:]], "dt must be finite and greater than zero, not -1.0."),
+        ([*RUN, "--every", "3"], "every must divide the number of steps; 3 does not divide 20."),
+        ([*RUN, "--output", "{folder}"], "'{folder}' is a folder; the dataset needs the name."),
+        ([*RUN, "--output", "{folder}/file/one.nc"], "the results folder '{folder}/file' cannot be made: File exists."),
+        (
+            ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
+            "there is no dataset '{folder}/work_precision.nc'; "
+            "`snakemake {folder}/work_precision.nc` makes those of the study.",
+        ),
+    ],
+)
+def test_a_mistake_ends_with_one_sentence(words, sentence, tmp_path, capsys):
+    (tmp_path / "file").touch()
+    with pytest.raises(SystemExit) as caught:
+        main([word.format(folder=tmp_path) for word in words])
+    assert caught.value.code == 2
+    assert capsys.readouterr().err == f"study: {sentence.format(folder=tmp_path)}\n"
+
+
+def test_the_package_is_a_command():
+    done = subprocess.run([sys.executable, "-m", "study", "run", "hardening"], capture_output=True, text=True)
+    assert done.returncode == 2 and "the following arguments are required: SCHEME, --dt, --steps" in done.stderr
+    assert "Traceback" not in done.stderr
+    done = subprocess.run([sys.executable, "-m", "study", "--version"], capture_output=True, text=True)
+    assert done.stdout == f"study {study.__version__}\n"

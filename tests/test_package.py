@@ -1,0 +1,123 @@
+"""``import study`` as a user meets it: its names, its help, its version, and what it changes in the process."""
+
+import inspect
+import os
+import pydoc
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import ClassVar
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from study import datasets
+
+PROJECT = Path(__file__).parent.parent
+
+
+def test_the_help_is_short_and_starts_with_run():
+    text = pydoc.plain(pydoc.render_doc(study))
+    assert len(text.splitlines()) <= 150
+    assert text.split("DESCRIPTION")[1].lstrip().startswith("``run``")
+
+
+def test_the_help_names_all_that_is_public():
+    public = {n for n, value in vars(study).items() if not n.startswith("_") and not inspect.ismodule(value)}
+    named = set(re.findall(r"``(\w+)``", study.__doc__))
+    assert named - public == {"study", "dt", "u0", "steps", "u", "v"}
+    assert public <= named
+
+
+def test_a_scheme_of_ones_own_needs_no_other_import():
+    """The implicit Euler method, from its formula to linear theory."""
+
+    class ImplicitEuler(study.Scheme):
+        title: str = "Implicit Euler"
+        family: ClassVar[str] = "own"
+        source: ClassVar[str] = "Euler (1768)"
+        doi: ClassVar[str] = ""
+        order: ClassVar[int] = 1
+        explicit: ClassVar[bool] = False
+
+        def start(self, problem, u0, v0, dt):
+            return study.Motion(u0, v0, study.acceleration(problem, 0.0, u0, v0)), study.Effort()
+
+        def step(self, problem, state, t, dt):
+            u, v = state.u + dt * state.v, state.v
+            a, effort = study.balance(problem, study.load(problem, t + dt), u, v, dt**2, dt, guess=state.a)
+            return study.Motion(u + dt**2 * a, v + dt * a, a), effort
+
+    ds = study.run("hardening", ImplicitEuler(), dt=1e-4, steps=1000, observe=["energy_drift", "newton_iterations"])
+    assert ds.status == 0 and ds.energy_drift < 0 and ds.newton_iterations > 1000
+    assert study.LinearTheory(ImplicitEuler(), np.linspace(0.001, 0.002, 5)).order() == pytest.approx(1, abs=0.05)
+
+
+def test_an_observer_of_ones_own_needs_no_other_import():
+    class Lowest(study.Reduction):
+        variables: ClassVar[dict] = {"lowest": {"long_name": "smallest displacement", "units": "1"}}
+
+        def start(self, problem, state):
+            return state.u
+
+        def update(self, carried, problem, state, t, effort):
+            return jnp.minimum(carried, state.u)
+
+        def result(self, carried, problem, state):
+            return {"lowest": carried}
+
+    ds = study.run("hardening", "rk4", dt=0.15 / 100, steps=100, observe=[Lowest(), "trajectory"])
+    assert ds.lowest == ds.u.min()
+
+
+def test_the_version_is_that_of_the_project(monkeypatch):
+    written = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]["version"]
+    assert study.__version__ == written
+    assert study.run("hardening", "rk4", dt=0.01, steps=1).version == written
+    monkeypatch.setattr(datasets, "_PACKAGES", ("numpy", "no-such-package"))
+    provenance = datasets.provenance("a title", "a test")
+    assert provenance["version"] == written
+    assert re.fullmatch(r"numpy [\d.]+", provenance["packages"])
+
+
+def _in_a_process(code: str, **environment: str) -> str:
+    inherited = {name: v for name, v in os.environ.items() if name not in ("XLA_FLAGS", "STUDY_SETTINGS")}
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code],
+        env=inherited | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    "environment, left",
+    [
+        ({}, "True True True"),
+        ({"STUDY_SETTINGS": "none"}, "False False False"),
+        ({"STUDY_SETTINGS": "precision"}, "True False False"),
+        ({"STUDY_SETTINGS": "compiler, cache"}, "False True True"),
+    ],
+)
+def test_what_the_import_changes_can_be_declined(environment, left):
+    code = (
+        "import os, jax, study; c = jax.config; "
+        "print(c.jax_enable_x64, 'XLA_FLAGS' in os.environ, c.jax_compilation_cache_dir is not None)"
+    )
+    assert _in_a_process(code, **environment).strip() == left
+
+
+def test_a_setting_that_does_not_exist_is_refused():
+    told = _in_a_process("import study", STUDY_SETTINGS="presision")
+    assert "STUDY_SETTINGS must be 'none' or name some of precision, compiler, cache, not 'presision'." in told
+
+
+def test_jax_that_has_computed_nothing_is_no_reason_to_warn():
+    code = "import jax, study; print(jax.config.jax_num_cpu_devices, len(jax.devices()))"
+    assert _in_a_process(code) == "-1 1\n"
