@@ -6,8 +6,10 @@ from study.datasets import open
 from study.marching.run import run
 from study.observer.motion import Quantity
 from study.observer.named import observers
-from study.problem.definition import Problem, Rayleigh, StrainEnergy
+from study.problem.damping import Rayleigh
+from study.problem.definition import Problem
 from study.problem.named import problems
+from study.problem.potential import StrainEnergy
 from study.scheme.alpha import GeneralizedAlpha, HHTAlpha
 from study.scheme.backward_differences import BackwardDifferences
 from study.scheme.base import OneStep, Scheme

@@ -10,7 +10,7 @@ from jax import lax
 
 from study.equilibrium.balance import balance, load
 from study.equilibrium.state import Motion
-from study.problem.definition import StrainEnergy
+from study.problem.potential import StrainEnergy
 from study.scheme.base import OneStep, start_in_balance
 
 
