@@ -63,8 +63,8 @@ class Problem(eqx.Module):
     u0: VectorLike = None
     v0: VectorLike = None
     potential: Callable | None = eqx.field(default=None, kw_only=True)
-    mass: Matrix | None = eqx.field(default=None, kw_only=True)
-    damping: Matrix | Rayleigh | None = eqx.field(default=None, kw_only=True)
+    mass: Matrix = eqx.field(default=None, kw_only=True)
+    damping: Matrix = eqx.field(default=None, kw_only=True)
     load: Callable | None = eqx.field(default=None, kw_only=True)
     tangent: str | int | None = eqx.field(default=None, kw_only=True, static=True)
     positions: PositionsLike | None = eqx.field(default=None, kw_only=True)
