@@ -10,6 +10,9 @@ from jaxtyping import Array, Float
 #: A number, shape ().
 Scalar = Float[Array, ""]
 
+#: A number of Python, or one of JAX.
+ScalarLike = float | Scalar
+
 #: A number for each unknown, shape () or (n,).
 Vector = Float[Array, "*n"]
 

@@ -21,7 +21,7 @@ from typing import Protocol
 import jax.numpy as jnp
 from jax import lax
 
-from study.algebra.arrays import Matrix, Scalar, Vector
+from study.algebra.arrays import Matrix, ScalarLike, Vector
 from study.algebra.elimination import solve
 from study.algebra.matrices import SMALL, Banded, add, dense, product, times
 from study.equilibrium.newton import TOLERANCES, iterated, norm, opened_closure, root
@@ -61,12 +61,12 @@ def _less_damping(problem: System, rhs, v: Vector):
     return rhs if problem.damping is None else rhs - times(problem.damping, v)
 
 
-def load(problem: Problem, t: Scalar | float) -> Vector | float:
+def load(problem: Problem, t: ScalarLike) -> Vector | float:
     """f(t), or without a load the constant zero, which the compiler drops."""
     return 0.0 if problem.load is None else problem.load(jnp.asarray(t))
 
 
-def acceleration(problem: Problem, t: Scalar | float, u: Vector, v: Vector, c_v: Scalar | float = 0.0) -> Vector:
+def acceleration(problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: ScalarLike = 0.0) -> Vector:
     """Acceleration a with M a + C (v + c_v a) + p(u) = f(t): one force, one linear solve, no iteration."""
     rhs = _less_damping(problem, load(problem, t) - problem.force(u), v)
     return solve(_inertia(problem, c_v, u.size), rhs)
@@ -90,10 +90,10 @@ def balance(
     c_u: Matrix,
     c_v: Matrix,
     guess: Vector,
-    weight: Scalar | float = 1.0,
+    weight: ScalarLike = 1.0,
     force: Callable | None = None,
     symmetric: bool = True,
-    tolerance: Scalar | float | None = None,
+    tolerance: ScalarLike | None = None,
 ) -> tuple[Vector, Effort]:
     """Acceleration a with M a + C (v + c_v a) + w p(u + c_u a) = r, by Newton-Raphson iteration with the full tangent.
 
