@@ -67,7 +67,7 @@ class Problem(eqx.Module):
     damping: Matrix = eqx.field(default=None, kw_only=True)
     load: Callable | None = eqx.field(default=None, kw_only=True)
     tangent: str | int | None = eqx.field(default=None, kw_only=True, static=True)
-    positions: PositionsLike | None = eqx.field(default=None, kw_only=True)
+    positions: PositionsLike = eqx.field(default=None, kw_only=True)
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
     #: Whether M is singular.
     massless: bool = eqx.field(init=False, static=True)
@@ -134,11 +134,11 @@ class Problem(eqx.Module):
         object.__setattr__(copy, "title", "untitled")
         return copy
 
-    def momentum(self, v: Vector) -> Vector:
+    def momentum(self, v: VectorLike) -> Vector:
         """M u̇."""
         return v if self.mass is None else times(self.mass, v)
 
-    def energy(self, u: Vector, v: Vector) -> Scalar:
+    def energy(self, u: VectorLike, v: VectorLike) -> Scalar:
         """Kinetic and potential energy ½ u̇ᵀ M u̇ + V(u), the scalar E of Xie (1996), eqs (4) and (5)."""
         if self.potential is None:
             raise ValueError("the energy of a problem needs its potential: give Problem(potential=...).")
