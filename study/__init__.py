@@ -68,9 +68,8 @@ from study.observer.base import Reduction as Reduction
 from study.observer.fate import Fate as Fate
 from study.observer.motion import Quantity as Quantity
 from study.observer.named import observers as observers
+from study.problem.damping import Rayleigh as Rayleigh
 from study.problem.definition import Problem as Problem
-from study.problem.definition import Rayleigh as Rayleigh
-from study.problem.definition import StrainEnergy as StrainEnergy
 from study.problem.named import problems as problems
 from study.scheme.alpha import GeneralizedAlpha as GeneralizedAlpha
 from study.scheme.alpha import HHTAlpha as HHTAlpha

@@ -94,9 +94,9 @@ def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
     "keywords, sentence",
     [
         ({"tangent": "diagonal"},
-         "tangent='diagonal' does not fit the force of 'tried': the derivative of the force has entries beyond it."),
+         "tangent='diagonal' does not fit the force of 'tried': the derivative of the force has entries outside it."),
         ({"force": _all_to_all, "tangent": 2},
-         "tangent=2 does not fit the force of 'tried': the derivative of the force has entries beyond it."),
+         "tangent=2 does not fit the force of 'tried': the derivative of the force has entries outside it."),
         ({"force": _lopsided, "tangent": "matrix_free"},
          "tangent='matrix_free' does not fit the force of 'tried': it is not symmetric, as conjugate gradients need."),
         ({"tangent": "triangular"},
@@ -106,29 +106,29 @@ def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
         ({"tangent": True}, "tangent=True of 'tried': give one of diagonal"),
         ({"tangent": 1.0}, "tangent=1.0 of 'tried': give one of diagonal"),
         ({"force": jnp.sinh, "u0": 0.0, "tangent": "diagonal"},
-         "tangent='diagonal' of 'tried': one unknown has no structure; leave it out."),
+         "tangent='diagonal' of 'tried': the tangent of one unknown is a number; leave it out."),
         ({"mass": np.eye(N) + np.eye(N, k=1)}, "mass must be symmetric; it differs from its transpose by 1."),
         ({"tangent": "matrix_free", "damping": np.eye(N) + np.eye(N, k=1)},
          "damping must be symmetric; it differs from its transpose by 1."),
         ({"mass": [1.0, 1.0, -0.5, 1.0, 1.0]}, "mass must not be negative; its smallest value is -0.5."),
         ({"mass": -2.0}, "mass must not be negative; its smallest value is -2."),
         ({"mass": np.diag([1.0, 1.0, -0.5, 1.0, 1.0])}, "mass must not be negative; its smallest value is -0.5."),
-        ({"mass": ZERO}, "mass must not be zero in all: the problem would not move in time."),
+        ({"mass": ZERO}, "mass must not be zero everywhere: the problem would have no dynamics."),
         ({"positions": np.zeros((2, 2))},
          "at most three directions, with one number for each of u0's 5, not (2, 2)."),
         ({"positions": np.zeros((1, 5))}, "at most three directions"),
         ({"positions": np.zeros(5)}, "positions must be of shape (points, directions)"),
         ({"positions": np.full((5, 1), np.nan)}, "positions must be finite"),
         ({"tangent": [1]}, "tangent=[1] of 'tried': give one of diagonal"),
-        ({"mass": True}, "mass takes real numbers and arrays of them, not True."),
-        ({"u0": np.full(N, 1j)}, "u0 takes real numbers and arrays of them, not array("),
+        ({"mass": True}, "mass must be a real number or an array of real numbers, not True."),
+        ({"u0": np.full(N, 1j)}, "u0 must be a real number or an array of real numbers, not array("),
         ({"potential": lambda u: jnp.sum(u**2)}, "the force of 'tried' is not the gradient of its potential: along"),
         ({"force": lambda u: {}["stiffness"] * u},
          "force of 'tried' must be written with jax.numpy for u0's shape: KeyError: 'stiffness'"),
         ({"force": lambda u: u / jnp.sqrt(jnp.sum(u * u)), "u0": np.ones(N), "damping": study.Rayleigh(0.1, 0.1)},
-         "the stiffness of 'tried' at u = 0, of which Rayleigh takes its damping, is not finite."),
+         "the stiffness of 'tried' at u = 0, on which its Rayleigh damping is based, is not finite."),
         ({"damping": study.Rayleigh(0.1, "b")}, "a and b must be finite numbers."),
-        ({"positions": "here"}, "positions takes real numbers and arrays of them, not 'here'."),
+        ({"positions": "here"}, "positions must be a real number or an array of real numbers, not 'here'."),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_is_refused(keywords, sentence):
@@ -139,7 +139,7 @@ def test_what_does_not_fit_is_refused(keywords, sentence):
 
 def test_too_many_unknowns_want_their_structure_declared():
     many = np.zeros(tangent.FINDABLE + 1)
-    with pytest.raises(ValueError, match="'tried' has 1001 unknowns, too many to find the structure of its tangent"):
+    with pytest.raises(ValueError, match="'tried' has 1001 unknowns, too many to find the form of its tangent"):
         _problem(u0=many)
     assert _problem(u0=many, tangent="tridiagonal").tangent == 1
 
@@ -293,5 +293,5 @@ def test_a_structure_is_looked_at_where_the_force_has_a_derivative():
         return jnp.sum((1 + n * jnp.diff(u)) ** 1.5) / n + 50 * (u[0] - u[100]) ** 2
 
     assert study.Problem(potential=potential, u0=np.zeros(n)).tangent == "dense"
-    with pytest.raises(ValueError, match="has entries beyond it"):
+    with pytest.raises(ValueError, match="has entries outside it"):
         study.Problem(potential=potential, u0=np.zeros(n), tangent="tridiagonal")

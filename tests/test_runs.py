@@ -92,9 +92,9 @@ def test_mistakes_get_a_sentence(arguments, error, sentence):
         ({"u0": float("nan")}, "u0 must be finite, not nan."),
         ({"force": 3.0}, "force must be a function, not 3.0."),
         ({"force": None}, "force must be a function, not None."),
-        ({"u0": "x"}, "u0 takes real numbers and arrays of them, not 'x'."),
+        ({"u0": "x"}, "u0 must be a real number or an array of real numbers, not 'x'."),
         ({"u0": [], "v0": []}, "u0 must be a number or a vector (n,), not an array of shape (0,)."),
-        ({"mass": 0.0}, "mass must not be zero in all: the problem would not move in time."),
+        ({"mass": 0.0}, "mass must not be zero everywhere: the problem would have no dynamics."),
         ({"u0": [1.0, 2.0], "v0": [0.0, 0.0], "mass": [[1.0, 2.0], [2.0, 1.0]]}, "its smallest value is -1."),
     ],
 )

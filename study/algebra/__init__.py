@@ -1,1 +1,1 @@
-"""Matrices in the least form that holds them, their products and solutions, and compensated sums."""
+"""Linear algebra: matrices in the smallest form that holds them, solution of linear systems, compensated sums."""

@@ -1,21 +1,30 @@
-"""Solution of linear systems: elimination by structure, or iteration where no matrix is known."""
+"""Solution of linear systems: elimination suited to the form of the matrix, iteration for a matrix-free one."""
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from study.algebra.arrays import Full, Matrix, RightSides, Vector
 from study.algebra.matrices import SMALL, Form, MatrixFree, form_of
 
-#: Rows of a tridiagonal elimination in one turn of its loop.
+#: Rows of a tridiagonal system that one pass of its loop eliminates.
 UNROLL = 4
 
-#: Relative residual at which an iteration of a matrix-free system ends, and its length at most.
+#: Relative residual at which the iteration for a matrix-free system ends, and its largest number of steps.
 ITERATIVE_TOLERANCE, ITERATIVE_STEPS = 1e-10, 10_000
 
 
-def eliminate(matrix, rhs):
-    """Gaussian elimination with partial pivoting, written out for a small matrix (n, n) and right sides (n, ...)."""
+def eliminate(matrix: Full, rhs: RightSides) -> RightSides:
+    """Solve a small system by Gaussian elimination with partial pivoting, written out without a loop.
+
+    Parameters
+    ----------
+    matrix
+        (n, n).
+    rhs
+        One or several right sides, (n,) or (n, m).
+    """
     n = len(rhs)
     rows = [[*(matrix[i, j] for j in range(n)), rhs[i]] for i in range(n)]
     for k in range(n):
@@ -33,7 +42,7 @@ def eliminate(matrix, rhs):
 
 
 def _solve_tridiagonal(bands, rhs):
-    """Thomas' elimination in place, a few rows a turn, without pivoting, which M + c K does without."""
+    """Thomas' algorithm in place, ``UNROLL`` rows a pass, without pivoting: M + c K does not need it."""
     lower, middle, upper = bands
     n = len(rhs)
     rest = n % UNROLL
@@ -76,11 +85,11 @@ def _solve_tridiagonal(bands, rhs):
 
 
 def _solve_banded(bands, rhs):
-    """Thomas' elimination of k by k blocks, with pivoting within a block."""
+    """Thomas' algorithm for blocks of k by k, with pivoting within a block."""
     k, n = len(bands) // 2, len(rhs)
     blocks = -(-n // k)
     spare = blocks * k - n
-    # rows of three blocks; those beyond the end are rows of the identity
+    # rows of three blocks each; rows beyond the end are those of the identity
     padded = jnp.pad(bands, ((0, 0), (0, spare))).at[k, n:].set(1.0).T.reshape(blocks, k, 2 * k + 1)
     row, place = np.arange(k)[:, None], np.arange(2 * k + 1)
     wide = jnp.zeros((blocks, k, 3 * k)).at[:, row, row + place].set(padded)
@@ -105,13 +114,14 @@ def _solve_banded(bands, rhs):
 
 
 def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
-    """Conjugate gradients, or GMRES where the matrix is not symmetric, with the diagonal as preconditioner."""
-    import lineax  # not before it is needed: that takes a quarter of a second
+    """Conjugate gradients, or GMRES for a matrix that is not symmetric, with the diagonal as preconditioner."""
+    import lineax  # here, because importing it takes a quarter of a second
 
     diagonal = jnp.broadcast_to(matrix.diagonal, rhs.shape)
     size = jnp.sqrt(jnp.where(diagonal == 0, 1.0, jnp.abs(diagonal)))
     scaled = rhs / size
-    # lineax measures entry by entry, in which a zero of the right side ends it at once: a measure of the whole instead
+    # lineax compares entry by entry and would stop at once for zeros of the right side: with a right side whose largest
+    # entry is one, an absolute tolerance measures the whole vector
     largest = jnp.abs(scaled).max()
     largest = jnp.where(largest == 0, 1.0, largest)
     tags = lineax.positive_semidefinite_tag if symmetric else ()
@@ -125,8 +135,18 @@ def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
     return largest * solution / size
 
 
-def solve(matrix, rhs, symmetric: bool = True):
-    """Solution x (n,) of matrix x = rhs; ``symmetric`` matters to a matrix-free one alone."""
+def solve(matrix: Matrix, rhs: Vector, symmetric: bool = True) -> Vector:
+    """Solve matrix · x = rhs for x.
+
+    Parameters
+    ----------
+    matrix
+        n × n, in any form.
+    rhs
+        Right side, () or (n,).
+    symmetric
+        Whether the matrix is symmetric; only a matrix-free one uses this.
+    """
     match form_of(matrix):
         case Form.BAND if matrix.half_bandwidth == 1:
             return _solve_tridiagonal(matrix.bands, rhs)

@@ -1,7 +1,7 @@
-"""Square matrices in the least form that holds them, and what the schemes do with them: products, sums, solutions.
+"""Square matrices, each stored in the smallest form that holds it, with their sums and products.
 
-In ascending order of what they hold: a number (times the identity), a diagonal (n,), a :class:`Banded`, a matrix (n, n)
-and a :class:`MatrixFree`, of which only the products are known.
+The forms in ascending order: a number (times the identity), a diagonal (n,), a :class:`Banded`, a full matrix (n, n)
+and a :class:`MatrixFree`, whose products alone are known.
 """
 
 from collections.abc import Callable
@@ -14,15 +14,17 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from study.algebra.arrays import Full, Matrix, Vector
+
 #: Systems of up to this many unknowns are eliminated without a loop: a call of LAPACK would take ten times longer.
 SMALL = 4
 
 
 class Banded(NamedTuple):
-    """A matrix with entries within k of the diagonal: bands[k + d, i] is entry (i, i + d), zero where there is none.
+    """A matrix of half bandwidth k: bands[k + d, i] is entry (i, i + d), and zero outside the matrix.
 
-    ``bands`` has the shape (2k + 1, n); three of them are better a tuple of (n,), which the compiler need not write to
-    memory before it solves.
+    ``bands`` has the shape (2k + 1, n). A tridiagonal matrix is better a tuple of three (n,), which the compiler need
+    not write to memory before it solves.
     """
 
     bands: jax.Array | np.ndarray | tuple[jax.Array, ...]
@@ -34,27 +36,27 @@ class Banded(NamedTuple):
 
 
 class MatrixFree(NamedTuple):
-    """A matrix of which the product with a vector (n,) is known, and roughly the diagonal, a number or (n,)."""
+    """A matrix known by its product with a vector (n,) and an approximate diagonal, a number or (n,)."""
 
     product: Callable
     diagonal: jax.Array | float
 
 
 class Form(IntEnum):
-    """What a matrix is held as, in ascending order of what the form can hold."""
+    """Forms of a matrix; each can hold the matrices of the forms before it."""
 
     NUMBER, DIAGONAL, BAND, FULL, FREE = range(5)
 
 
-def form_of(matrix) -> Form:
-    """The form that a matrix is held in."""
+def form_of(matrix: Matrix) -> Form:
+    """The form in which a matrix is stored."""
     if isinstance(matrix, Banded | MatrixFree):
         return Form.BAND if isinstance(matrix, Banded) else Form.FREE
     return (Form.NUMBER, Form.DIAGONAL, Form.FULL)[jnp.ndim(matrix)]
 
 
-def shifted(x, by: int):
-    """x[..., i + by], zero beyond the ends; other than a concatenation it costs no pass through memory."""
+def shifted(x: Vector, by: int) -> Vector:
+    """x[..., i + by], zero beyond the ends; unlike a concatenation, it needs no pass through memory."""
     return lax.pad(x, jnp.zeros((), x.dtype), [(0, 0, 0)] * (x.ndim - 1) + [(-by, by, 0)])
 
 
@@ -67,12 +69,12 @@ def _banded_times(matrix: Banded, x):
 
 
 def _written_out(matrix, other):
-    """Product of a small matrix (n, n) with (n,) or (n, n): many lanes of a product as such are taken one by one."""
+    """Product of a small matrix (n, n) with (n,) or (n, n), as a sum: XLA would take a batched product lane by lane."""
     return sum(jnp.multiply.outer(matrix[:, j], other[j]) for j in range(len(other)))
 
 
-def times(matrix, x):
-    """Product of a matrix of any form with a vector (n,), or of a number with a number."""
+def times(matrix: Matrix, x: Vector) -> Vector:
+    """Product of a matrix in any form with a vector (n,), or of two numbers."""
     match form_of(matrix):
         case Form.BAND:
             return _banded_times(matrix, x)
@@ -89,7 +91,7 @@ def _as_band(matrix, n: int) -> Banded:
 
 
 def _widened(matrix, form: Form, n: int):
-    """The same matrix in a form above a diagonal."""
+    """The same matrix in another form: a band, full or matrix-free."""
     if form_of(matrix) == form:
         return matrix
     if form == Form.BAND:
@@ -111,8 +113,8 @@ def _diagonal(matrix):
             return matrix
 
 
-def banded(matrix: np.ndarray, half_bandwidth: int) -> "Banded | np.ndarray":
-    """A matrix (n, n) as a band of this half width at least, or as it is where the band would be a quarter of it."""
+def banded(matrix: np.ndarray, half_bandwidth: int) -> Banded | np.ndarray:
+    """A matrix (n, n) as a band of at least this half bandwidth; unchanged if that exceeds a quarter of n."""
     n = len(matrix)
     width = max(half_bandwidth, int(np.abs(np.subtract(*np.nonzero(matrix))).max(initial=0)))
     if 4 * width > n:
@@ -121,12 +123,12 @@ def banded(matrix: np.ndarray, half_bandwidth: int) -> "Banded | np.ndarray":
     return Banded(np.stack(bands))
 
 
-def dense(matrix, n: int):
-    """The matrix (n, n) of any form but that without a matrix."""
+def dense(matrix: Matrix, n: int) -> Full:
+    """The full matrix (n, n) of any form except the matrix-free one."""
     match form_of(matrix):
         case Form.BAND:
             offsets = enumerate(matrix.bands, start=-matrix.half_bandwidth)
-            return sum(jnp.diag(band[max(-d, 0) : n - max(d, 0)], d) for d, band in offsets if abs(d) < n)
+            return sum(jnp.diag(band[max(-d, 0) : n - max(d, 0)], d) for d, band in offsets if abs(d) < n)  # type: ignore[return-value]
         case Form.FULL:
             return matrix
         case _:
@@ -144,8 +146,8 @@ def _sum_of_bands(one: Banded, other: Banded) -> Banded:
     return Banded(jnp.concatenate([wide.bands[:gap], inner, wide.bands[end:]]))
 
 
-def add(*terms, n: int):
-    """Sum of matrices of any form, for n unknowns."""
+def add(*terms: Matrix, n: int) -> Matrix:
+    """Sum of matrices in any form, for n unknowns."""
     form = max(map(form_of, terms))
     if form > Form.DIAGONAL:
         terms = tuple(_widened(t, form, n) for t in terms)
@@ -156,8 +158,8 @@ def add(*terms, n: int):
     return sum(terms[1:], start=terms[0])
 
 
-def product(one, other, n: int):
-    """Product of two matrices of any form, for n unknowns."""
+def product(one: Matrix, other: Matrix, n: int) -> Matrix:
+    """Product of two matrices in any form, for n unknowns."""
     forms = form_of(one), form_of(other)
     if max(forms) < Form.BAND:
         return one * other

@@ -1,10 +1,14 @@
 """Compensated summation."""
 
+from study.algebra.arrays import Vector
 
-def compensated_sum(total, increment, lost):
-    """Kahan's sum of a total and an increment, and what it lost; ``lost`` is what the sum before this one lost.
+
+def compensated_sum(total: Vector, increment: Vector, lost: Vector) -> tuple[Vector, Vector]:
+    """Kahan's sum of a total and an increment, and the round-off of this addition.
 
     y = Δ − lost,    s₁ = s₀ + y,    lost = (s₁ − s₀) − y
+
+    ``lost`` is the round-off of the addition before, zero at first.
 
     References
     ----------

@@ -1,1 +1,1 @@
-"""The balance of forces at one time, and the Newton-Raphson iteration that finds it."""
+"""The balance of forces at one time, and the Newton-Raphson iteration that solves it."""

@@ -1,23 +1,27 @@
-"""The one balance of forces that every scheme asks for, and the Newton-Raphson iteration that finds it.
+"""The balance of forces that every scheme solves, and the Newton-Raphson iteration that solves it.
 
 In every implicit scheme the new displacement and velocity are affine in one unknown acceleration a,
 
-    u = ũ + c_u a,    u̇ = ṽ + c_v a,    M a + C (ṽ + c_v a) + w p(ũ + c_u a) = r,
+    u = ũ + c_u a,    u̇ = ṽ + c_v a,    M a + C (ṽ + c_v a) + w p(ũ + c_u a) = r.
 
-so a scheme is its ũ, ṽ, c_u, c_v, the weight w of its internal force and its right side r.
+The schemes differ in ũ, ṽ, c_u and c_v, in the weight w of the internal force and in the right side r.
 
-Newton's steps are taken whole. Halving those that do not bring the forces nearer to balance was measured to save half
-of the runs that fail, those of softening springs at steps beyond a fifth of the period, and to lose more of structures
-with stiff members that turn.
+Newton corrections are never shortened. Halving those that do not reduce the out-of-balance force was tried: it saves
+half of the runs that fail on softening springs with steps beyond a fifth of the period, but loses more runs of
+structures with stiff members that rotate.
 
 References
 ----------
 P. Deuflhard, Newton methods for nonlinear problems, Springer, 2004.
 """
 
+from collections.abc import Callable
+from typing import Protocol
+
 import jax.numpy as jnp
 from jax import lax
 
+from study.algebra.arrays import Matrix, ScalarLike, Vector
 from study.algebra.elimination import solve
 from study.algebra.matrices import SMALL, Banded, add, dense, product, times
 from study.equilibrium.newton import TOLERANCES, iterated, norm, opened_closure, root
@@ -26,72 +30,106 @@ from study.problem.definition import Problem
 from study.problem.tangent import force_and_tangent
 
 
-def _inertia(problem: Problem, c_v, n: int):
+class System(Protocol):
+    """The terms of a problem that a balance needs: p(u), M, C and the form of ∂p/∂u."""
+
+    @property
+    def force(self) -> Callable:
+        """Internal force p(u)."""
+
+    @property
+    def mass(self) -> Matrix:
+        """M, the identity if None."""
+
+    @property
+    def damping(self) -> Matrix:
+        """C, zero if None."""
+
+    @property
+    def tangent(self) -> str | int | None:
+        """Form of ∂p/∂u as in :func:`study.problem.tangent.force_and_tangent`."""
+
+
+def _inertia(problem: System, c_v: Matrix, n: int) -> Matrix:
     """M + c_v C."""
     mass = 1.0 if problem.mass is None else problem.mass
     return mass if problem.damping is None else add(mass, product(problem.damping, c_v, n), n=n)
 
 
-def _resisted(problem: Problem, rhs, v):
-    """The right side less C v."""
+def _less_damping(problem: System, rhs, v: Vector):
+    """The right side minus C v."""
     return rhs if problem.damping is None else rhs - times(problem.damping, v)
 
 
-def load(problem: Problem, t):
-    """f(t), or a plain zero that the compiler drops."""
-    return 0.0 if problem.load is None else problem.load(t)
+def load(problem: Problem, t: ScalarLike) -> Vector | float:
+    """f(t), or without a load the constant zero, which the compiler drops."""
+    return 0.0 if problem.load is None else problem.load(jnp.asarray(t))
 
 
-def acceleration(problem: Problem, t, u, v, c_v=0.0):
-    """Acceleration a that balances M a + C (v + c_v a) + p(u) = f(t): one force, one linear solve, no iteration."""
-    rhs = _resisted(problem, load(problem, t) - problem.force(u), v)
+def acceleration(problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: ScalarLike = 0.0) -> Vector:
+    """Acceleration a with M a + C (v + c_v a) + p(u) = f(t): one force, one linear solve, no iteration."""
+    rhs = _less_damping(problem, load(problem, t) - problem.force(u), v)
     return solve(_inertia(problem, c_v, u.size), rhs)
 
 
-def initial_acceleration(problem: Problem, u0, v0):
-    """Acceleration at t = 0; zero where there is no mass, as the equation of motion tells nothing of it there."""
+def initial_acceleration(problem: Problem, u0: Vector, v0: Vector) -> Vector:
+    """Acceleration at t = 0; zero for an unknown without mass, which the equation of motion leaves undetermined."""
     if not problem.massless:
         return acceleration(problem, 0.0, u0, v0)
-    rhs = _resisted(problem, load(problem, 0.0) - problem.force(u0), v0)
+    rhs = _less_damping(problem, load(problem, 0.0) - problem.force(u0), v0)
     if not isinstance(problem.mass, Banded) and jnp.ndim(problem.mass) == 1:
         return jnp.where(problem.mass > 0, rhs / problem.mass, 0.0)
     return jnp.linalg.pinv(dense(problem.mass, u0.size), hermitian=True) @ rhs
 
 
-def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None, symmetric=True, tolerance=None):
-    """Acceleration a that balances M a + C (v + c_v a) + w p(u + c_u a) = r, by Newton-Raphson with the full tangent.
+def balance(
+    problem: System,
+    rhs: Vector | float,
+    u: Vector,
+    v: Vector,
+    c_u: Matrix,
+    c_v: Matrix,
+    guess: Vector,
+    weight: ScalarLike = 1.0,
+    force: Callable | None = None,
+    symmetric: bool = True,
+    tolerance: ScalarLike | None = None,
+) -> tuple[Vector, Effort]:
+    """Acceleration a with M a + C (v + c_v a) + w p(u + c_u a) = r, by Newton-Raphson iteration with the full tangent.
 
     Parameters
     ----------
+    problem
+        The terms M, C and p.
     rhs
         r, of the shape of ``u``.
     u, v
         The predictors ũ and ṽ.
     c_u, c_v
-        What an acceleration adds to displacement and velocity: numbers, or matrices (n, n) of any form.
+        Factors of the acceleration in displacement and velocity: numbers, or matrices (n, n) in any form.
     guess
-        Where the iteration starts.
+        Acceleration at which the iteration starts.
     weight
         w, the weight of the internal force.
     force
-        The internal force as a function of u + c_u a, where it is not the problem's own p.
+        Internal force as a function of u + c_u a, in place of the problem's p.
     symmetric
-        Whether the tangent is, with symmetric M and C.
+        Whether the tangent is symmetric if M and C are.
     tolerance
-        Newton stops at the latest once a correction moves the displacement by less than this part of it; that of
-        ``TOLERANCES`` where none is given.
+        The iteration ends at the latest when a correction changes the displacement by less than this part of it; by
+        default that of ``TOLERANCES``.
 
     Returns
     -------
     tuple
-        The acceleration and the :class:`Effort`, which says where Newton has not converged within ``MAX_ITERATIONS``.
-        A number that is not finite ends the iteration at once, and shows in the acceleration.
+        The acceleration, and the :class:`Effort` with its flag of convergence within ``MAX_ITERATIONS``. A value that
+        is not finite ends the iteration at once and remains in the acceleration.
     """
     force = problem.force if force is None else force
     n, tolerances = u.size, TOLERANCES[u.dtype]
     tolerance = tolerances.displacement if tolerance is None else tolerance
     inertia = _inertia(problem, c_v, n)
-    rhs = _resisted(problem, rhs, v)
+    rhs = _less_damping(problem, rhs, v)
     weighted = product(weight, c_u, n)
 
     def internal_and_effective(a):
@@ -110,8 +148,8 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
             forces = norm(inertial) + norm(internal) + norm(rhs)
             unfinished |= (norm(out_of_balance) > tolerances.force * forces) & (moved > tolerances.round_off * size)
         else:
-            foretold = moved**3 <= tolerances.foretold * size * before**2
-            unfinished &= ~((moved <= tolerances.near * size) & foretold)
+            predicted = moved**3 <= tolerances.predicted * size * before**2
+            unfinished &= ~((moved <= tolerances.near * size) & predicted)
         return a, unfinished, moved
 
     def differentiable(a):
@@ -124,7 +162,7 @@ def balance(problem: Problem, rhs, u, v, c_u, c_v, guess, weight=1.0, force=None
     given = lax.stop_gradient(given)
     a, unfinished, iterations = lax.stop_gradient(guess), jnp.ones((), bool), jnp.zeros((), int)
     if n <= SMALL:
-        # it takes one iteration to correct and one to see that it did; few steps take more, so the loop stands aside
+        # most steps need two iterations, one to correct and one to confirm: these two are written out before the loop
         once, _, moved = opened((a, nothing), given)
         (a, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)
     a, unfinished, iterations = iterated(opened, given, (a, unfinished, iterations))

@@ -1,5 +1,6 @@
 """The Newton-Raphson iteration."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
@@ -9,41 +10,45 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from study.algebra.arrays import Scalar, Vector
 from study.algebra.matrices import SMALL
 
 
 class Tolerances(NamedTuple):
-    """When Newton stops, by the precision of the numbers.
+    """Criteria by which Newton's iteration ends, for one precision of the numbers.
 
     Parameters
     ----------
     displacement
-        Once a correction moves the displacement by less than this part of it. Convergence is quadratic, so the error
-        that is left is of the order of the square: round-off.
-    near, foretold
-        With one unknown also once the second correction, of less than the first part, foretells that the third would be
-        less than the second part: after |d₁| and |d₂| comes about |d₂|³/|d₁|² (Deuflhard, 2004, section 2.1).
+        The iteration ends when a correction changes the displacement by less than this part of it. Convergence is
+        quadratic, so the remaining error is of the order of the square: round-off.
+    near, predicted
+        With one unknown it also ends after the second correction if that is smaller than ``near`` and predicts that the
+        third would be smaller than ``predicted``, both as parts of the displacement. The corrections |d₁| and |d₂| are
+        followed by about |d₂|³/|d₁|² (Deuflhard, 2004, section 2.1).
     force, round_off
-        With several unknowns the force that the last correction removed must also have been less than this part of the
-        forces in the balance, unless the correction was round-off: a stiff member's force is no better known than that.
+        With several unknowns the force that the last correction removed must also be less than the part ``force`` of
+        the forces in balance, unless the correction itself was below ``round_off``: the force of a stiff member is not
+        known more accurately.
     """
 
     displacement: float
     near: float
-    foretold: float
+    predicted: float
     force: float
     round_off: float
 
 
 TOLERANCES = {
-    np.dtype("float64"): Tolerances(1e-12, near=1e-8, foretold=1e-17, force=1e-8, round_off=1e-14),
-    np.dtype("float32"): Tolerances(5e-6, near=1e-4, foretold=5e-9, force=1e-4, round_off=5e-6),
+    np.dtype("float64"): Tolerances(1e-12, near=1e-8, predicted=1e-17, force=1e-8, round_off=1e-14),
+    np.dtype("float32"): Tolerances(5e-6, near=1e-4, predicted=5e-9, force=1e-4, round_off=5e-6),
 }
 
+#: Iterations after which a balance counts as not converged.
 MAX_ITERATIONS = 50
 
 
-def norm(x):
+def norm(x: Vector | float) -> Scalar:
     """Euclidean norm."""
     return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.sum(x * x))
 
@@ -54,7 +59,7 @@ def _goes_on(carry):
 
 
 def _any(flags):
-    """Whether any flag of (lanes,) is set, by halves as far as that goes: XLA's own reduction takes one at a time."""
+    """Whether any flag (lanes,) is set, by repeated halving: XLA's own reduction takes one flag at a time."""
     lanes = len(flags)
     while lanes > 8 and lanes % 2 == 0:
         lanes //= 2
@@ -62,10 +67,11 @@ def _any(flags):
     return jnp.any(flags)
 
 
-def iterated(iterate, given, carry):
-    """``(a, unfinished, iterations)`` after as many turns of ``a, unfinished, _ = iterate((a, 0), given)`` as it takes.
+def iterated(iterate: Callable, given, carry: tuple) -> tuple:
+    """Repeat ``a, unfinished, _ = iterate((a, 0), given)`` while ``unfinished``, up to ``MAX_ITERATIONS``.
 
-    Zero foretells nothing: to hand on how far the last turn moved takes longer than it saves.
+    ``carry`` is ``(a, unfinished, iterations)`` before and after. The zero in place of the last correction disables the
+    prediction of the next one: carrying the last correction costs more than it saves.
     """
 
     def again(carry, given):
@@ -96,8 +102,11 @@ def iterated(iterate, given, carry):
     return to_the_end(carry, given)
 
 
-def opened_closure(function, *examples):
-    """The function with what it closes over as arguments, and these: (lanes of) arrays must not pass unseen."""
+def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:
+    """The function with its captured arrays as further arguments, and these arrays.
+
+    Batching sees the lanes of arguments, but not those of captured arrays.
+    """
     closed, structure = jax.tree.flatten(eqx.filter_closure_convert(function, *examples))
     arrays, rest = eqx.partition(closed, eqx.is_array)
 
@@ -108,14 +117,14 @@ def opened_closure(function, *examples):
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0, 1))
-def root(residual, solution, a, given, fixed):
-    """The root a of ``residual((a,), given)``; ``solution((r, a), fixed)`` solves with the residual's slope there."""
+def root(residual: Callable, solution: Callable, a: Vector, given, fixed) -> Vector:
+    """The root a of ``residual((a,), given)``, with a derivative; ``solution((r, a), fixed)`` solves with its slope."""
     return a
 
 
 @root.defjvp
 def _derivative_of_root(residual, solution, primals, tangents):
-    """Not through the iteration, but by the implicit function theorem."""
+    """Derivative by the implicit function theorem, not through the iteration."""
     _, given, fixed = primals
     a = root(residual, solution, *primals)
     _, change = jax.jvp(lambda given: residual((a,), given), (given,), (tangents[1],))

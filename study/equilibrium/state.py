@@ -1,31 +1,33 @@
-"""What a scheme carries from step to step, and the effort of a step."""
+"""The state that a scheme carries from step to step, and the effort of a step."""
 
 from typing import NamedTuple
 
 import jax
 
+from study.algebra.arrays import Vector
+
 
 class Effort(NamedTuple):
-    """What a step took: Newton iterations (each one tangent and one solve), and whether they converged."""
+    """Effort of a step: its Newton iterations, each with one tangent and one solution, and whether they converged."""
 
     iterations: jax.Array | int = 0
     converged: jax.Array | bool = True
 
     def then(self, other: "Effort") -> "Effort":
-        """What two balances took together."""
+        """Effort of two balances one after the other."""
         return Effort(self.iterations + other.iterations, self.converged & other.converged)
 
 
 class Phase(NamedTuple):
-    """Displacement and velocity, each of shape () or (n,)."""
+    """Displacement u and velocity v = u̇, each of shape () or (n,)."""
 
-    u: jax.Array
-    v: jax.Array
+    u: Vector
+    v: Vector
 
 
 class Motion(NamedTuple):
-    """Displacement, velocity and (algorithmic) acceleration at one time, each of shape () or (n,)."""
+    """Displacement u, velocity v and (algorithmic) acceleration a at one time, each of shape () or (n,)."""
 
-    u: jax.Array
-    v: jax.Array
-    a: jax.Array
+    u: Vector
+    v: Vector
+    a: Vector

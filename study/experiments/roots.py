@@ -13,7 +13,6 @@ from annotated_types import Len
 
 from study.analysis.effective_equation import effective_coefficient, number_of_roots, unique_up_to
 from study.equilibrium.balance import balance, load
-from study.equilibrium.state import Motion
 from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import progress
@@ -50,15 +49,9 @@ class _Inexact(Newmark):
     tolerance: float = eqx.field(default=1e-12, kw_only=True)
     part_of_last: float = eqx.field(default=1.0, kw_only=True)
 
-    def increment(self, problem, state, t, dt):
-        u, v, a = state
-        c_u, c_v = self.beta * dt**2, self.gamma * dt
-        du = dt * v + dt**2 * (0.5 - self.beta) * a
-        dv = dt * (1 - self.gamma) * a
-        a, effort = balance(
-            problem, load(problem, t + dt), u + du, v + dv, c_u, c_v, self.part_of_last * a, tolerance=self.tolerance
-        )
-        return Motion(du + c_u * a, dv + c_v * a, a), effort
+    def new_acceleration(self, problem, t, u, v, c_u, c_v, guess):
+        """Newton's iteration from a part of the last acceleration to the tolerance."""
+        return balance(problem, load(problem, t), u, v, c_u, c_v, self.part_of_last * guess, tolerance=self.tolerance)
 
 
 def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequence[float]) -> np.ndarray:

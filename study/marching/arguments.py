@@ -114,12 +114,9 @@ def checked_observers(problem: Problem, observe: str | Observer | Sequence[str |
 
 
 def check_fit(problem: Problem, scheme: Scheme, duration: float) -> None:
-    """Refuse a mass that the scheme cannot take, and a load that is no number at some time of the run."""
-    if problem.massless and scheme.needs_mass:
-        raise ValueError(
-            f"'{scheme.title}' needs a mass at every unknown, and that of '{problem.title}' is singular: take an "
-            "implicit scheme that is unconditionally stable, or give every unknown a mass."
-        )
+    """Refuse a problem that the scheme cannot step, and a load that is not finite at some time of the run."""
+    if reason := scheme.refusal(problem):
+        raise ValueError(reason)
     if problem.load is not None:
         looks = int(np.clip(LOOKED_AT // np.size(problem.u0), FEWEST_LOOKS, MOST_LOOKS))
         times = np.linspace(0.0, duration, looks)

@@ -3,24 +3,26 @@
 import jax.numpy as jnp
 import numpy as np
 
+from study.algebra.arrays import Scalar, Vector
 from study.algebra.matrices import shifted
-from study.problem.definition import Problem, StrainEnergy
+from study.problem.definition import Problem
 from study.problem.entry import named
 from study.problem.loads import Pulse
+from study.problem.potential import StrainEnergy
 
-#: ω of the stiff springs of the chain.
+#: Circular frequency ω of the stiff springs.
 FPU_FREQUENCY = 50.0
 
 
-@named(time_scale=2 * np.pi)  # of the soft springs, about
+@named(time_scale=2 * np.pi)  # about the period of the soft springs
 def fpu_chain() -> Problem:
-    """The chain of Fermi, Pasta and Ulam with stiff linear and soft non-linear springs in turn.
+    """The chain of Fermi, Pasta and Ulam: stiff linear and soft non-linear springs alternate.
 
     V = ω²/2 Σ x₁ᵢ² + ¼ [(x₀₁ − x₁₁)⁴ + Σ (x₀,ᵢ₊₁ − x₁,ᵢ₊₁ − x₀ᵢ − x₁ᵢ)⁴ + (x₀₃ + x₁₃)⁴],    i = 1, 2, 3
 
-    u = (x₀₁, x₀₂, x₀₃, x₁₁, x₁₂, x₁₃), of which x₁ᵢ are elongations of the stiff springs, ω = 50. Starts with
-    x₀₁ = 1, ẋ₀₁ = 1, x₁₁ = 1/ω, ẋ₁₁ = 1 and zero elsewhere. The stiff springs exchange their oscillatory energies
-    Iᵢ = (ẋ₁ᵢ² + ω² x₁ᵢ²)/2 over times of order ω, while the sum I of them is nearly constant over very long ones.
+    u = (x₀₁, x₀₂, x₀₃, x₁₁, x₁₂, x₁₃), where x₁ᵢ are elongations of the stiff springs, and ω = 50. The motion starts
+    with x₀₁ = 1, ẋ₀₁ = 1, x₁₁ = 1/ω, ẋ₁₁ = 1 and zero elsewhere. The stiff springs exchange their oscillatory energies
+    Iᵢ = (ẋ₁ᵢ² + ω² x₁ᵢ²)/2 over times of order ω. The sum I of these energies is nearly constant over very long times.
 
     References
     ----------
@@ -43,13 +45,13 @@ def fpu_chain() -> Problem:
     )
 
 
-def oscillatory_energy(spring: int, u, v):
-    """Iᵢ of the stiff spring i = 0, 1, 2 of :func:`fpu_chain`."""
+def oscillatory_energy(spring: int, u: Vector, v: Vector) -> Scalar:
+    """Energy Iᵢ of the stiff spring i = 0, 1, 2 of :func:`fpu_chain`."""
     return (v[3 + spring] ** 2 + FPU_FREQUENCY**2 * u[3 + spring] ** 2) / 2
 
 
 def toda_soliton(n: int, t: float, kappa: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and velocity (n,) of a soliton in an endless Toda chain that is at mass n/4 at t = 0.
+    """Displacement and velocity (n,) of a soliton in an endless Toda chain; it passes mass n/4 at t = 0.
 
     q_j = ln cosh(x − κ) − ln cosh x,    x = κ (j − n/4) − t sinh κ
     """
@@ -63,9 +65,9 @@ def toda_soliton(n: int, t: float, kappa: float = 1.0) -> tuple[np.ndarray, np.n
 
 @named(time_scale=np.pi)  # the shortest period of a linear chain
 def toda_chain(n: int = 200) -> Problem:
-    """Toda's chain with fixed ends and a soliton in it: V = Σ exp(−r_j) + r_j − 1 of the elongations r_j, n masses.
+    """Toda's chain of n masses between fixed ends: V = Σ exp(−r_j) + r_j − 1, with the elongations r_j.
 
-    The soliton of :func:`toda_soliton` with κ = 1 keeps its form until it comes to the end.
+    The motion starts as the soliton of :func:`toda_soliton` with κ = 1, which keeps its form until it reaches the end.
 
     References
     ----------
@@ -81,14 +83,14 @@ def toda_chain(n: int = 200) -> Problem:
     return Problem(potential=energy, u0=u0, v0=v0, tangent="tridiagonal", title="Toda chain")
 
 
-@named(time_scale=1.0)  # a wave crosses the bar
+@named(time_scale=1.0)  # time in which a wave crosses the bar
 def impact_bar(n: int = 200) -> Problem:
-    """An elastic bar of n finite elements that hardens, fixed at one end and struck at the other by half a sine.
+    """A hardening elastic bar of n finite elements, fixed at one end and struck at the other by half a sine.
 
     V = Σ h (ε²/2 + κ ε⁴/4),    ε = Δu/h,    h = 1/n,    κ = 10
 
-    Young's modulus, density, length and cross section are one, so that slow waves cross it in unit time and large ones
-    steepen; the mass is lumped. The pulse has the amplitude ½ and takes a time of 0.2.
+    Young's modulus, density, length and cross section are one: small waves cross the bar in unit time, large ones
+    steepen. The mass is lumped. The pulse has an amplitude of ½ and a duration of 0.2.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""How a problem gets its name."""
+"""How a problem is named."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,16 +8,16 @@ from study.problem.definition import Problem
 
 @dataclass(frozen=True)
 class NamedProblem:
-    """A function that makes a problem, with what the study knows of it.
+    """A function that makes a problem, with the facts that the study knows about it.
 
     Attributes
     ----------
     make
         Returns the problem; its arguments, if it has any, have defaults.
     time_scale
-        Time by which the steps of a structure are counted: a period of its load or of its motion.
+        Time that measures the step sizes of a structure: a period of its load or of its motion.
     printed_period
-        Period that Xie (1996) prints and takes the step sizes from, in two or three digits.
+        Period that Xie (1996) prints, in two or three digits, and bases the step sizes on.
     """
 
     make: Callable[..., Problem]
@@ -25,10 +25,13 @@ class NamedProblem:
     printed_period: float | None = None
 
     def __call__(self, *arguments, **options) -> Problem:
-        """The problem."""
+        """Make the problem."""
         return self.make(*arguments, **options)
 
 
 def named(**known: float) -> Callable[[Callable[..., Problem]], NamedProblem]:
-    """Name the problem that the decorated function makes after its variable; ``known`` are further attributes."""
+    """Decorate a function that makes a problem; the problem takes the name of the variable.
+
+    ``known`` are the other attributes of :class:`NamedProblem`.
+    """
     return lambda make: NamedProblem(make, **known)

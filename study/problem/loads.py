@@ -6,23 +6,24 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
+from study.algebra.arrays import Scalar, Vector, VectorLike
 from study.problem.definition import Problem
 
 
 class HarmonicLoad(eqx.Module):
-    """A load amplitude cos(ωt − phase), its amplitude of the shape of the displacement."""
+    """f(t) = amplitude · cos(ωt − phase), with an amplitude of the shape of u."""
 
-    amplitude: float | np.ndarray = eqx.field(converter=np.asarray)
+    amplitude: VectorLike = eqx.field(converter=np.asarray)
     frequency: float = eqx.field(converter=np.float64)
     phase: float = eqx.field(converter=np.float64)
 
-    def __call__(self, t):
-        """The load at the time t."""
+    def __call__(self, t: Scalar) -> Vector:
+        """f(t)."""
         return self.amplitude * jnp.cos(self.frequency * t - self.phase)
 
 
 class _Scaled(eqx.Module):
-    """A load times a factor."""
+    """A load multiplied by a factor."""
 
     load: Callable
     factor: float = eqx.field(converter=np.float64)
@@ -32,7 +33,7 @@ class _Scaled(eqx.Module):
 
 
 def excited(problem: Problem, factor: float) -> Problem:
-    """The problem with ``factor`` times its initial velocity and its load, in the same compiled programs."""
+    """The problem with its initial velocity and its load multiplied by ``factor``; all factors share one program."""
     problem = eqx.tree_at(lambda p: p.v0, problem, factor * problem.v0)
     if problem.load is None:
         return problem
@@ -40,13 +41,13 @@ def excited(problem: Problem, factor: float) -> Problem:
 
 
 class Pulse(eqx.Module):
-    """Half a sine of a force on the first unknown, then none."""
+    """A force on the first unknown: half a period of a sine, then zero."""
 
     n: int = eqx.field(static=True)
     amplitude: float = eqx.field(converter=np.float64)
     duration: float = eqx.field(converter=np.float64)
 
-    def __call__(self, t):
-        """The load at the time t."""
+    def __call__(self, t: Scalar) -> Vector:
+        """f(t)."""
         pulse = jnp.where(t < self.duration, self.amplitude * jnp.sin(jnp.pi * t / self.duration), 0.0)
         return jnp.zeros(self.n).at[0].set(pulse)

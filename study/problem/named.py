@@ -13,10 +13,10 @@ _ENTRIES = variables_of_modules(
     problem, NamedProblem, first=("hardening", "softening", "softening_large", "double_well")
 )
 
-#: Made and checked when they are first asked for.
+#: Problems are made and checked on first use.
 problems: Registry[Problem] = Registry("problem", {}, made_by=_ENTRIES)
 
-#: Time by which the steps of each structure are counted.
+#: Time that measures the step sizes of each structure.
 time_scales = {name: entry.time_scale for name, entry in _ENTRIES.items() if entry.time_scale is not None}
 
 #: Periods that Xie (1996) prints (sections 3.1, 3.2 and 4).

@@ -12,9 +12,9 @@ from study.problem.loads import HarmonicLoad
 
 @named(time_scale=33.7210)
 def pendulum() -> Problem:
-    """The plane pendulum ü + sin u = 0 that almost reaches its upper rest: u₀ = 0, u̇₀ = 1.999999238456499.
+    """The plane pendulum ü + sin u = 0 that almost reaches its upper equilibrium: u₀ = 0, u̇₀ = 1.999999238456499.
 
-    Its period is 4K(u̇₀/2) = 33.7210, five times that of small oscillations.
+    Its period 4K(u̇₀/2) = 33.7210 is five times that of small oscillations.
 
     References
     ----------
@@ -27,9 +27,9 @@ def pendulum() -> Problem:
 
 
 def duffing(amplitude: float, title: str) -> Problem:
-    """Duffing's oscillator with two wells, damped and forced: ü + 0.3 u̇ − u + u³ = γ cos 1.2t from (1, 0).
+    """Duffing's oscillator with two wells, damped and forced: ü + 0.3 u̇ − u + u³ = γ cos 1.2t, u₀ = 1, u̇₀ = 0.
 
-    γ = 0.2 settles to the period of the load, γ = 0.5 is chaotic.
+    With the amplitude γ = 0.2 the motion settles to the period of the load, with γ = 0.5 it is chaotic.
 
     References
     ----------

@@ -1,5 +1,7 @@
 """The springs of Xie (1996)."""
 
+from typing import Any
+
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
@@ -11,7 +13,7 @@ from study.problem.entry import named
 class CubicSpring(eqx.Module):
     """p(u) = S1 u (1 + S2 u²), the Duffing spring of Xie (1996), eqs (2) and (4)."""
 
-    # NumPy's numbers are arguments of what is compiled, Python's are constants in it: so two springs share a program
+    # NumPy numbers are arguments of a compiled program, Python numbers constants in it: two springs share a program
     S1: float = eqx.field(converter=np.float64)
     S2: float = eqx.field(converter=np.float64)
 
@@ -25,16 +27,17 @@ class CubicSpring(eqx.Module):
 
 
 def _log_cosh(u):
-    """Logarithm of cosh u, |u| − ln(1 + t) with t = tanh |u|, which no u overflows.
+    """Ln cosh u = |u| − ln(1 + t) with t = tanh |u|, which does not overflow.
 
-    That of 1 + t is 2 artanh s = 2 (s + s³/3 + s⁵/5 + ...) with s = t/(2 + t) ≤ 1/3. So many terms leave nothing but
-    round-off, and take a seventh of the time of the compiler's own logarithm, by far the dearest part of a step.
+    ln(1 + t) = 2 artanh s = 2 (s + s³/3 + s⁵/5 + ...) with s = t/(2 + t) ≤ 1/3. The terms up to s³¹ leave an error of
+    round-off. They take a seventh of the time of XLA's logarithm, which would dominate the cost of a step.
     """
     t = jnp.abs(jnp.tanh(u))
     s = t / (2 + t)
-    # in s⁴, every other term for itself: a run waits for a chain of half the length
+    # two Horner schemes in s⁴, for every other term each: the chain of dependent operations is half as long
     z = s * s
-    even = odd = 0.0
+    even: Any = 0.0
+    odd: Any = 0.0
     for n in range(29, 0, -4):
         even, odd = even * (z * z) + 1 / n, odd * (z * z) + 1 / (n + 2)
     return jnp.abs(u) - 2 * s * (even + z * odd)
@@ -55,7 +58,7 @@ class TanhSpring(eqx.Module):
 
 
 def _of_spring(spring: CubicSpring | TanhSpring, u0: float, title: str) -> Problem:
-    """The free oscillation of a unit mass on the spring, released from rest at ``u0``."""
+    """Free oscillation of a unit mass on the spring, released from rest at ``u0``."""
     return Problem(force=spring.force, potential=spring.potential, u0=u0, title=title)
 
 

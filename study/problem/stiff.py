@@ -3,9 +3,10 @@
 import jax.numpy as jnp
 import numpy as np
 
-from study.problem.definition import Problem, StrainEnergy
+from study.problem.definition import Problem
 from study.problem.entry import named
 from study.problem.loads import HarmonicLoad
+from study.problem.potential import StrainEnergy
 
 #: Period of the motion of the support.
 SUPPORT_PERIOD = 2 * np.pi / 1.2
@@ -13,12 +14,12 @@ SUPPORT_PERIOD = 2 * np.pi / 1.2
 
 @named(time_scale=SUPPORT_PERIOD)
 def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "stiff and soft springs") -> Problem:
-    """Two masses behind a support that moves, the first held by a stiff spring, the second by a soft one.
+    """Two masses in a row on a moving support: a stiff spring holds the first mass, a soft one the second.
 
     ü₂ + k₁ (u₂ − u₁) − k₂ (u₃ − u₂) = 0,    ü₃ + k₂ (u₃ − u₂) = 0,    u₁ = sin 1.2t,    u = (u₂, u₃) from rest
 
-    with k₁ = 10⁷ and k₂ = 1. The support has no mass; what it is moved by enters as the load k₁ u₁. The first mass
-    follows the support, and its spring's own mode, of period 0.002, is what a structure has in its rigid links.
+    with k₁ = 10⁷ and k₂ = 1. The motion u₁ of the support enters as the load k₁ u₁. The first mass follows the support.
+    Its own mode on the stiff spring, of period 0.002, stands for the rigid links of a structure.
 
     References
     ----------
@@ -42,11 +43,11 @@ def stiff_soft_sine() -> Problem:
 
 @named(time_scale=2 * np.pi * 3.0443 / 7.72)  # one turn
 def elastic_pendulum() -> Problem:
-    """A mass that circles about a point on a stiff elastic bar.
+    """A mass that circles about a fixed point on a stiff elastic bar.
 
     V = EA/(8 L³) (x² + y² − L²)²,    u = (x, y) from (L, 0) with the velocity (0, v₀)
 
-    L = 3.0443, m = 10, EA = 10¹⁰, v₀ = 7.72: a turn takes 2.48, the bar's own mode 3.5e-4.
+    L = 3.0443, m = 10, EA = 10¹⁰, v₀ = 7.72: the period of a turn is 2.48, that of the bar's own mode 3.5e-4.
 
     References
     ----------

@@ -3,8 +3,10 @@
 import jax.numpy as jnp
 import numpy as np
 
-from study.problem.definition import Problem, Rayleigh, StrainEnergy
+from study.problem.damping import Rayleigh
+from study.problem.definition import Problem
 from study.problem.entry import named
+from study.problem.potential import StrainEnergy
 
 
 def _mesh(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
@@ -21,7 +23,7 @@ def _mesh(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _bars(joints: np.ndarray, bars: np.ndarray, rigidity: float, free: np.ndarray) -> StrainEnergy:
-    """Energy EA L/2 ε² of every bar with Green's strain ε = (l² − L²)/(2L²), of the free joints' displacements."""
+    """Energy EA L/2 ε² of every bar, with Green's strain ε = (l² − L²)/(2L²), for displacements of the free joints."""
     first, second = bars.T
     edges = joints[second] - joints[first]
     squared = (edges**2).sum(axis=1)
@@ -29,13 +31,13 @@ def _bars(joints: np.ndarray, bars: np.ndarray, rigidity: float, free: np.ndarra
     def strains(u):
         moved = jnp.zeros(joints.shape).at[free].set(u.reshape(-1, 2))
         change = moved[second] - moved[first]
-        # (l² − L²) without the difference of large numbers
+        # l² − L², without a difference of large numbers
         return jnp.sum(change * (2 * edges + change), axis=1) / (2 * squared)
 
     return StrainEnergy(strains, lambda e: rigidity * np.sqrt(squared) / 2 * e * e)
 
 
-#: Cells of the trusses along and across.
+#: Cells along and across the trusses.
 TRUSS = (24, 5)
 
 
@@ -43,9 +45,9 @@ TRUSS = (24, 5)
 def spinning_truss() -> Problem:
     """A truss of 24 by 5 cells that spins freely in its plane: 150 joints, 509 bars, 300 unknowns.
 
-    Unit cells with both diagonals, unit mass at every joint, EA = 10⁴ of every bar with Green's strain, assembled from
-    the energies of the bars by automatic differentiation. Starts undeformed with the velocity of a rigid rotation by
-    one radian in unit time. Energy, linear and angular momentum are conserved.
+    Unit cells with both diagonals, unit mass at every joint, EA = 10⁴ and Green's strain in every bar. The force is
+    assembled from the energies of the bars by automatic differentiation. The truss starts undeformed, as a rigid body
+    that turns at one radian per unit time. It conserves energy, linear and angular momentum.
 
     References
     ----------
@@ -65,9 +67,9 @@ def spinning_truss() -> Problem:
     )
 
 
-@named(time_scale=1.0)  # of its first mode, about
+@named(time_scale=1.0)  # about the period of its first mode
 def cantilever_truss() -> Problem:
-    """The truss of :func:`spinning_truss` clamped at one end, with a load across the other that stays, and damping.
+    """The truss of :func:`spinning_truss` as a damped cantilever with a constant transverse load at its free end.
 
     288 unknowns. Rayleigh damping C = 0.02 M + 0.0005 K; a load of 0.5 at every joint of the free end, from rest.
     """

@@ -1,4 +1,4 @@
-"""The α-methods: that of Hilber, Hughes and Taylor in the form of 1996, and the generalized-α family."""
+"""The α-methods: Hilber, Hughes and Taylor's as Xie (1996) has it, and the generalized-α family."""
 
 from typing import ClassVar
 
@@ -7,20 +7,21 @@ import equinox as eqx
 from study.equilibrium.balance import balance, load
 from study.equilibrium.state import Motion
 from study.scheme.base import OneStep, check_range, check_ranges, start_in_balance
+from study.scheme.newmark_formulas import bounded_at_infinite_frequency, predicted
 
 
 class HHTAlpha(OneStep):
-    """The α-method as Xie (1996), eq. (12), has it: two internal forces are weighted.
+    """The α-method as Xie (1996), eq. (12), has it, with a weighted mean of two internal forces.
 
     M ü₁ + C u̇₁ + (1 + α) p(u₁) − α p(u₀) = f(t₁), with Newmark's u₁ and u̇₁.
 
     Finite element codes commonly evaluate one force at the weighted displacement instead, p((1 + α) u₁ − α u₀), and
-    weight damping and load alike (:class:`GeneralizedAlpha`); for a linear spring the internal forces agree, for a
-    non-linear one they differ.
+    weight damping and load in the same way (:class:`GeneralizedAlpha`). For a linear spring the two internal forces
+    agree, for a non-linear one they differ.
 
-    Second order without damping and load for γ = ½ − α, and then unconditionally stable for linear systems if
-    β = (1 − α)²/4 and −⅓ ≤ α ≤ 0. With damping or a load of first order. α = 0 is Newmark's method. Carries u, u̇ and
-    ü; one force a Newton iteration and one a step.
+    Second order for γ = ½ − α without damping and load; first order with either, except for α = 0, which is Newmark's
+    method. With β = (1 − α)²/4, γ = ½ − α and −⅓ ≤ α ≤ 0 it is unconditionally stable for linear systems. Carries u,
+    u̇ and ü; one force a Newton iteration and one force a step.
 
     Parameters
     ----------
@@ -63,27 +64,31 @@ class HHTAlpha(OneStep):
         # eq. (12) weights neither damping nor load
         return self.order if self.alpha == 0 else 1
 
+    @property
+    def needs_mass(self) -> bool:
+        # at infinite frequency (1 + α) u₁ = α u₀: the third root, α/(1 + α), is at most ½
+        return not bounded_at_infinite_frequency(self.beta, self.gamma)
+
     start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
         c_u, c_v = self.beta * dt**2, self.gamma * dt
-        du = dt * v + dt**2 * (0.5 - self.beta) * a
-        dv = dt * (1 - self.gamma) * a
+        du, dv = predicted(v, a, dt, self.beta, self.gamma)
         rhs = load(problem, t + dt) + self.alpha * problem.force(u)
         a, effort = balance(problem, rhs, u + du, v + dv, c_u, c_v, guess=a, weight=1 + self.alpha)
         return Motion(du + c_u * a, dv + c_v * a, a), effort
 
 
 class GeneralizedAlpha(OneStep):
-    """The generalized-α method of Chung and Hulbert, of which HHT-α and WBZ-α are members.
+    """The generalized-α method of Chung and Hulbert; HHT-α and WBZ-α are members of this family.
 
     M ü_m + C u̇_f + p(u_f) = f(t_f),    t_f = t₀ + (1 − α_f) Δt
     x_f = (1 − α_f) x₁ + α_f x₀ for u and u̇,    ü_m = (1 − α_m) ü₁ + α_m ü₀,    u₁ and u̇₁ by Newmark's formulas
 
     The internal force is evaluated once, at the weighted displacement, as finite element codes do. Second order for
-    γ = ½ − α_m + α_f. With β = (1 − α_m + α_f)²/4 and α_m ≤ α_f ≤ ½ unconditionally stable for linear systems, with a
-    spectral radius that falls to ρ∞ as ωΔt grows. Carries u, u̇ and the algorithmic ü; one force a Newton iteration.
+    γ = ½ − α_m + α_f. With β = (1 − α_m + α_f)²/4 and α_m ≤ α_f ≤ ½ it is unconditionally stable for linear systems,
+    and its spectral radius falls to ρ∞ as ωΔt grows. Carries u, u̇ and the algorithmic ü; one force a Newton iteration.
 
     Parameters
     ----------
@@ -121,26 +126,26 @@ class GeneralizedAlpha(OneStep):
 
     @classmethod
     def optimal(cls, alpha_m: float, alpha_f: float, **labels: str) -> "GeneralizedAlpha":
-        """The method of second order that damps low frequencies least, for its two weights."""
+        """The second-order method with the least damping of low frequencies for these weights."""
         shift = 0.5 - alpha_m + alpha_f
         return cls(alpha_m, alpha_f, beta=(0.5 + shift) ** 2 / 4, gamma=shift, **labels)
 
     @classmethod
     def chung_hulbert(cls, rho_inf: float) -> "GeneralizedAlpha":
-        """The generalized-α method by its spectral radius ρ∞ at infinite frequency, 0 ≤ ρ∞ ≤ 1."""
+        """The generalized-α method for a spectral radius ρ∞ at infinite frequency, 0 ≤ ρ∞ ≤ 1."""
         check_range("GeneralizedAlpha.chung_hulbert", "rho_inf", rho_inf, 0.0, 1.0)
         return cls.optimal((2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1))
 
     @classmethod
     def hht(cls, rho_inf: float) -> "GeneralizedAlpha":
-        """HHT-α (α_m = 0) by its spectral radius ρ∞ at infinite frequency, ½ ≤ ρ∞ ≤ 1; its α is −α_f."""
+        """HHT-α (α_m = 0, α = −α_f) for a spectral radius ρ∞ at infinite frequency, ½ ≤ ρ∞ ≤ 1."""
         check_range("GeneralizedAlpha.hht", "rho_inf", rho_inf, 0.5, 1.0)
         labels = {"title": "HHT-α, one force", "source": HHTAlpha.source, "doi": HHTAlpha.doi}
         return cls.optimal(0.0, (1 - rho_inf) / (1 + rho_inf), **labels)
 
     @classmethod
     def wbz(cls, rho_inf: float) -> "GeneralizedAlpha":
-        """WBZ-α (α_f = 0) by its spectral radius ρ∞ at infinite frequency, 0 ≤ ρ∞ ≤ 1."""
+        """WBZ-α (α_f = 0) for a spectral radius ρ∞ at infinite frequency, 0 ≤ ρ∞ ≤ 1."""
         check_range("GeneralizedAlpha.wbz", "rho_inf", rho_inf, 0.0, 1.0)
         labels = {"title": "WBZ-α", "source": "Wood et al. (1980)", "doi": "10.1002/nme.1620151011"}
         return cls.optimal((rho_inf - 1) / (rho_inf + 1), 0.0, **labels)
@@ -149,16 +154,20 @@ class GeneralizedAlpha(OneStep):
     def order(self) -> int:
         return 2 if abs(self.gamma - (0.5 - self.alpha_m + self.alpha_f)) < 1e-12 else 1
 
+    @property
+    def needs_mass(self) -> bool:
+        # at infinite frequency u_f = 0: the third root, −α_f/(1 − α_f), is at most one, as α_f ≤ ½
+        return not bounded_at_infinite_frequency(self.beta, self.gamma)
+
     start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
         part = 1 - self.alpha_f
-        # what ü_m adds to ü₁, and through it to u_f and u̇_f
+        # ü₁ = c_a (ü_m − α_m ü₀) makes Newmark's formulas ones of ü₀ and ü_m, with c_a β and c_a γ
         c_a = 1 / (1 - self.alpha_m)
         c_u, c_v = part * self.beta * dt**2 * c_a, part * self.gamma * dt * c_a
-        du = dt * v + dt**2 * (0.5 - self.beta * c_a) * a
-        dv = dt * (1 - self.gamma * c_a) * a
+        du, dv = predicted(v, a, dt, self.beta * c_a, self.gamma * c_a)
         rhs = load(problem, t + part * dt)
         a_m, effort = balance(problem, rhs, u + part * du, v + part * dv, c_u, c_v, guess=a)
         a_new = c_a * (a_m - self.alpha_m * a)

@@ -1,10 +1,10 @@
-"""Backward differences of displacement and velocity: BDF2 and Park's method."""
+"""Backward differences for displacement and velocity: BDF2 and Park's method."""
 
 from typing import ClassVar, NamedTuple
 
 import equinox as eqx
-import jax
 
+from study.algebra.arrays import Vector
 from study.equilibrium.balance import balance, load
 from study.equilibrium.state import Effort, Motion
 from study.scheme.base import Scheme, as_tuple, check_numbers
@@ -12,33 +12,34 @@ from study.scheme.newmark import average_acceleration
 
 
 class Memory(NamedTuple):
-    """Motion at tₙ, and the displacements and velocities at tₙ₋₁, tₙ₋₂, ..., each of shape () or (n,)."""
+    """Motion at tₙ, and displacement and velocity at tₙ₋₁, tₙ₋₂, ..., each of shape () or (n,)."""
 
-    u: jax.Array
-    v: jax.Array
-    a: jax.Array
-    older: tuple[tuple[jax.Array, jax.Array], ...]
+    u: Vector
+    v: Vector
+    a: Vector
+    older: tuple[tuple[Vector, Vector], ...]
 
 
 class BackwardDifferences(Scheme):
-    """Backward differences on the first-order form, with the weights d of y₁, y₀, y₋₁, ...
+    """Backward differences for the equation as a first-order system, with the weights d.
 
     Δt ẏ₁ = d₀ y₁ + d₁ y₀ + d₂ y₋₁ + ...    for y = u and for y = u̇
     M ü₁ + C u̇₁ + p(u₁) = f(t₁)
 
     BDF2 is d = (3/2, −2, 1/2). Park's method, d = (10, −15, 6, −1)/6, is the mean of BDF2 and BDF3. Both are of second
-    order and unconditionally stable for linear systems with ρ∞ = 0. What lies before the start is found by average
-    acceleration backwards. Carries u, u̇ and ü and one (BDF2) or two (Park) older u and u̇; one force a Newton iteration.
+    order and unconditionally stable for linear systems, with ρ∞ = 0. The average acceleration method, run backwards,
+    finds the motion before the start. Carries u, u̇ and ü, and one (BDF2) or two (Park) older u and u̇; one force a
+    Newton iteration.
 
     Parameters
     ----------
     weights
-        d₀ > 0, d₁, ..., exact for a constant and a straight line.
+        d₀ > 0, d₁, ...; the formula must be exact for a constant and for a straight line.
 
     Raises
     ------
     ValueError
-        If the weights are none of a derivative.
+        If the weights are not those of a derivative.
 
     References
     ----------
@@ -59,8 +60,8 @@ class BackwardDifferences(Scheme):
         check_numbers("BackwardDifferences", "weights", self.weights)
         if self.weights[0] <= 0 or abs(sum(self.weights)) > 1e-12 or self.order < 1:
             raise ValueError(
-                f"BackwardDifferences(weights={self.weights}): weights must be those of a derivative, the first "
-                "greater than zero: add up to zero, and be exact for a straight line."
+                f"BackwardDifferences(weights={self.weights}): weights must be those of a derivative: the first is "
+                "greater than zero, their sum is zero, and the formula is exact for a straight line."
             )
 
     @property
@@ -68,7 +69,7 @@ class BackwardDifferences(Scheme):
         def moment(power):
             return sum(d * (1 - k) ** power for k, d in enumerate(self.weights))
 
-        # exact for powers of t up to the order, at t = 1 where ẏ = power
+        # the formula is exact for tᵖ if the moment at t = 1 is ẏ = p
         return next(p for p in range(len(self.weights) + 1) if abs(moment(p + 1) - (p + 1)) > 1e-12)
 
     def start(self, problem, u0, v0, dt):
@@ -83,7 +84,7 @@ class BackwardDifferences(Scheme):
     def step(self, problem, state, t, dt) -> tuple[Memory, Effort]:
         d, *rest = self.weights
         past = ((state.u, state.v), *state.older)
-        # each derivative is worth Δt/d₀ of the new value
+        # u₁ = ũ + c u̇₁ and u̇₁ = ṽ + c ü₁ with c = Δt/d₀
         c = dt / d
         v = -sum(w * v for w, (_, v) in zip(rest, past, strict=True)) / d
         u = -sum(w * u for w, (u, _) in zip(rest, past, strict=True)) / d + c * v

@@ -1,4 +1,4 @@
-"""What a time integration scheme is: a frozen set of parameters with a start and a step."""
+"""The base classes of time integration schemes: frozen parameters with a start and a step."""
 
 import abc
 from typing import Any, ClassVar
@@ -7,6 +7,7 @@ import equinox as eqx
 import jax
 import numpy as np
 
+from study.algebra.arrays import ScalarLike, Vector
 from study.equilibrium.balance import initial_acceleration
 from study.equilibrium.state import Effort, Motion
 from study.problem.definition import Problem
@@ -15,12 +16,12 @@ from study.problem.definition import Problem
 class Scheme(eqx.Module):
     """A time integration scheme for M ü + C u̇ + p(u) = f(t).
 
-    A scheme carries its own state from step to step, anything with the fields ``u`` and ``v`` (:class:`Motion` adds
-    the acceleration; a multi-step scheme adds its history). Both functions are pure, so that JAX can compile,
-    vectorise and differentiate them.
+    A scheme carries its own state from step to step: a tuple with the fields ``u`` and ``v`` at least
+    (:class:`study.equilibrium.state.Motion` adds the acceleration, a multi-step scheme its history). :meth:`start` and
+    :meth:`step` are pure functions, so that JAX can compile, vectorise and differentiate them.
     """
 
-    #: What figures and tables call it.
+    #: Name of the scheme in figures and tables.
     title: eqx.AbstractVar[str]
     #: Schemes of one family share the panels of figures.
     family: ClassVar[str]
@@ -28,31 +29,31 @@ class Scheme(eqx.Module):
     @property
     @abc.abstractmethod
     def source(self) -> str:
-        """Who published it first, and when."""
+        """Author and year of the first publication."""
 
     @property
     @abc.abstractmethod
     def doi(self) -> str:
-        """Digital object identifier of the source, empty where it has none."""
+        """Digital object identifier of the source, empty if it has none."""
 
     @property
     @abc.abstractmethod
     def order(self) -> int:
-        """Order of accuracy of the displacement in Δt, of a free motion without damping."""
+        """Order of accuracy of the displacement in Δt, for free motion without damping."""
 
     @property
     def damped_order(self) -> int:
-        """Order of accuracy where there is damping or a load, the lower of both."""
+        """Order of accuracy with damping or a load, the lower of both."""
         return self.order
 
     @property
     @abc.abstractmethod
     def explicit(self) -> bool:
-        """Whether a step needs no iteration, however non-linear the internal force."""
+        """Whether a step needs no iteration, even if the internal force is non-linear."""
 
     @property
     def evaluations(self) -> int:
-        """Internal forces that a step evaluates beside those of its Newton iterations."""
+        """Internal forces that a step evaluates in addition to those of its Newton iterations."""
         return 0
 
     @property
@@ -62,24 +63,38 @@ class Scheme(eqx.Module):
 
     @property
     def needs_mass(self) -> bool:
-        """Whether no unknown may be massless: a step solves with M alone, or is stable up to some frequency only."""
+        """Whether every unknown must have mass.
+
+        An unknown without mass is a mode of infinite frequency. A scheme can step it if it never solves with M alone
+        and no root of its amplification matrix at infinite frequency is larger than one. By default explicit schemes
+        need mass and implicit ones do not; an implicit scheme without these properties overrides this.
+        """
         return self.explicit
 
-    @abc.abstractmethod
-    def start(self, problem: Problem, u0, v0, dt) -> tuple[Any, Effort]:
-        """State at t = 0, and what it took."""
+    def refusal(self, problem: Problem) -> str | None:
+        """One sentence that tells why the scheme cannot step this problem; None if it can."""
+        if problem.massless and self.needs_mass:
+            return (
+                f"'{self.title}' needs a mass at every unknown, and that of '{problem.title}' is singular: take an "
+                "implicit scheme that is unconditionally stable, or give every unknown a mass."
+            )
+        return None
 
     @abc.abstractmethod
-    def step(self, problem: Problem, state, t, dt) -> tuple[Any, Effort]:
-        """State at t + Δt from the state at t, and what it took."""
+    def start(self, problem: Problem, u0: Vector, v0: Vector, dt: ScalarLike) -> tuple[Any, Effort]:
+        """State at t = 0, and the effort to find it."""
+
+    @abc.abstractmethod
+    def step(self, problem: Problem, state: Any, t: ScalarLike, dt: ScalarLike) -> tuple[Any, Effort]:
+        """State at t + Δt from the state at t, and the effort of the step."""
 
 
 class OneStep(Scheme):
-    """A scheme whose step adds to displacement and velocity, so that these sums can be compensated."""
+    """A scheme whose step adds increments to displacement and velocity; these sums can be compensated."""
 
     @abc.abstractmethod
-    def increment(self, problem: Problem, state, t, dt) -> tuple[Any, Effort]:
-        """State at t + Δt with the increments of u and v in their places, and what it took."""
+    def increment(self, problem: Problem, state: Any, t: ScalarLike, dt: ScalarLike) -> tuple[Any, Effort]:
+        """State at t + Δt with the increments of u and v in place of u and v, and the effort of the step."""
 
     def step(self, problem, state, t, dt):
         new, effort = self.increment(problem, state, t, dt)
@@ -87,7 +102,7 @@ class OneStep(Scheme):
 
 
 class Wrapper(Scheme):
-    """A scheme that steps another one, ``scheme``, and carries something beside its state."""
+    """A scheme that steps another one, ``scheme``, and adds to its state or changes it."""
 
     scheme: eqx.AbstractVar[Scheme]
 
@@ -115,19 +130,22 @@ class Wrapper(Scheme):
     def needs_mass(self) -> bool:
         return self.scheme.needs_mass
 
+    def refusal(self, problem: Problem) -> str | None:
+        return self.scheme.refusal(problem) or super().refusal(problem)
 
-def start_in_balance(self, problem: Problem, u0, v0, dt) -> tuple[Motion, Effort]:
-    """State at t = 0 with the acceleration that the equation of motion gives there."""
+
+def start_in_balance(self, problem: Problem, u0: Vector, v0: Vector, dt: ScalarLike) -> tuple[Motion, Effort]:
+    """State at t = 0 with the acceleration of the equation of motion."""
     return Motion(u0, v0, initial_acceleration(problem, u0, v0)), Effort()
 
 
 def as_tuple(values):
-    """A tuple of a list, whatever else as it is."""
+    """A list as a tuple; anything else unchanged."""
     return tuple(values) if isinstance(values, list) else values
 
 
 def check_numbers(scheme: str, name: str, values) -> None:
-    """Refuse what is no tuple of finite numbers."""
+    """Refuse values that are not a tuple of finite numbers."""
     if (
         not isinstance(values, tuple)
         or not values
@@ -137,7 +155,7 @@ def check_numbers(scheme: str, name: str, values) -> None:
 
 
 def check_range(scheme: str, name: str, value, low: float, high: float) -> None:
-    """Refuse a parameter that is no finite number within [low, high]; a traced one cannot be checked."""
+    """Refuse a parameter that is not a finite number within [low, high]; a traced parameter cannot be checked."""
     if isinstance(value, jax.core.Tracer):
         return
     limits = f"at least {low:g}" if np.isinf(high) else f"between {low:g} and {high:g}"
@@ -147,6 +165,6 @@ def check_range(scheme: str, name: str, value, low: float, high: float) -> None:
 
 
 def check_ranges(scheme: Scheme, **ranges: tuple[float, float]) -> None:
-    """Refuse a scheme with a field that is out of its (low, high)."""
+    """Refuse a scheme with a field outside its range (low, high)."""
     for name, (low, high) in ranges.items():
         check_range(type(scheme).__name__, name, getattr(scheme, name), low, high)

@@ -1,4 +1,4 @@
-"""Bathe's composite method and its relatives: the trapezoidal rule, then a difference through three points."""
+"""Bathe's composite methods: a sub-step by the trapezoidal rule, then one by a formula through three points."""
 
 import math
 from typing import ClassVar
@@ -11,17 +11,17 @@ from study.scheme.base import OneStep, check_range, check_ranges, start_in_balan
 
 
 class Bathe(OneStep):
-    """The ρ∞-Bathe method: two sub-steps, to t₀ + γΔt by the trapezoidal rule and to t₁ with all three points.
+    """The ρ∞-Bathe method: a sub-step to t₀ + γΔt by the trapezoidal rule, then one to t₁ through all three points.
 
     u̇_γ = u̇₀ + γΔt/2 (ü₀ + ü_γ),    u_γ = u₀ + γΔt/2 (u̇₀ + u̇_γ)
     u̇₁ = u̇₀ + Δt (q₀ ü₀ + q₁ ü_γ + q₂ ü₁),    u₁ = u₀ + Δt (q₀ u̇₀ + q₁ u̇_γ + q₂ u̇₁)
     q₁ = (1 + ρ∞)/(2γ(ρ∞ − 1) + 4),    q₀ = (γ − 1) q₁ + ½,    q₂ = ½ − γ q₁
-    M ü + C u̇ + p(u) = f at both points
+    M ü + C u̇ + p(u) = f    at t₀ + γΔt and at t₁
 
     Second order, unconditionally stable for linear systems, with the spectral radius ρ∞ at infinite frequency. ρ∞ = 0
-    with γ = ½ is Bathe's method, with γ = 2 − √2 TR-BDF2, where both sub-steps have one effective stiffness; for other
-    ρ∞ that is γ = (2 − √(2 + 2ρ∞))/(1 − ρ∞). ρ∞ = 1 with γ = ½ is the trapezoidal rule twice. Carries u, u̇ and ü; two
-    Newton iterations side by side, one force each.
+    is Bathe's method with γ = ½ and TR-BDF2 with γ = 2 − √2. With γ = (2 − √(2 + 2ρ∞))/(1 − ρ∞), as in TR-BDF2, both
+    sub-steps have the same effective stiffness. ρ∞ = 1 with γ = ½ is the trapezoidal rule twice. Carries u, u̇ and ü;
+    solves two balances a step, each with one force a Newton iteration.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class Bathe(OneStep):
 
     @classmethod
     def of_one_stiffness(cls, rho_inf: float, **labels: str) -> "Bathe":
-        """The method with that γ for which both sub-steps have the same effective stiffness, 0 ≤ ρ∞ < 1."""
+        """The method whose γ gives both sub-steps the same effective stiffness, 0 ≤ ρ∞ < 1."""
         check_range("Bathe.of_one_stiffness", "rho_inf", rho_inf, 0.0, math.nextafter(1.0, 0.0))
         return cls((2 - math.sqrt(2 + 2 * rho_inf)) / (1 - rho_inf), rho_inf, **labels)
 
@@ -71,7 +71,7 @@ class Bathe(OneStep):
         q1 = (1 + self.rho_inf) / (2 * self.gamma * (self.rho_inf - 1) + 4)
         q0, q2 = (self.gamma - 1) * q1 + 0.5, 0.5 - self.gamma * q1
         h, c = self.gamma * dt / 2, q2 * dt
-        # the trapezoidal rule, and the acceleration at its end
+        # the trapezoidal rule to t₀ + γΔt
         v_half, u_half = v + h * a, u + 2 * h * v + h**2 * a
         a_gamma, first = balance(problem, load(problem, t + 2 * h), u_half, v_half, h**2, h, guess=a)
         v_gamma = v_half + h * a_gamma

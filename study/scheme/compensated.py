@@ -1,29 +1,29 @@
-"""Compensated summation: what round-off takes from each step is given back in the next."""
+"""Compensated summation: each step corrects the round-off of the addition before."""
 
 from typing import Any, ClassVar, NamedTuple
 
 import equinox as eqx
-import jax
 
+from study.algebra.arrays import Vector
 from study.algebra.summation import compensated_sum
 from study.equilibrium.state import Effort
 from study.scheme.base import OneStep, Wrapper
 
 
 class Summed(NamedTuple):
-    """State of the scheme itself, and what its last sums lost, each of shape () or (n,)."""
+    """State of the scheme itself, and the round-off of its last additions, each of shape () or (n,)."""
 
     inner: Any
-    lost_u: jax.Array
-    lost_v: jax.Array
+    lost_u: Vector
+    lost_v: Vector
 
     @property
-    def u(self):
+    def u(self) -> Vector:
         """Displacement."""
         return self.inner.u
 
     @property
-    def v(self):
+    def v(self) -> Vector:
         """Velocity."""
         return self.inner.v
 
@@ -31,17 +31,20 @@ class Summed(NamedTuple):
 class Compensated(Wrapper):
     """Another scheme with compensated summation of displacement and velocity.
 
-    y = Δu − lost,    u₁ = u₀ + y,    lost = (u₁ − u₀) − y
+    y = Δu − lost,    u₁ = u₀ + y,    lost = (u₁ − u₀) − y    and the same for u̇
+
+    Order and stability are those of the scheme. Carries its state and the round-off of both sums; as many forces a step
+    as the scheme.
 
     Parameters
     ----------
     scheme
-        A scheme whose step adds to displacement and velocity: all one-step schemes of the study.
+        A scheme whose step adds increments to displacement and velocity: any one-step scheme of the study.
 
     Raises
     ------
     TypeError
-        If it is none.
+        If it is not such a scheme.
 
     References
     ----------

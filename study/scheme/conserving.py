@@ -1,5 +1,6 @@
-"""Implicit methods that conserve: the midpoint rule, and two that keep the energy of any potential."""
+"""Implicit conserving methods: the midpoint rule, and two methods that conserve energy."""
 
+from collections.abc import Callable
 from typing import ClassVar
 
 import equinox as eqx
@@ -8,9 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from study.algebra.arrays import Vector
 from study.equilibrium.balance import balance, load
 from study.equilibrium.state import Motion
-from study.problem.definition import StrainEnergy
+from study.problem.definition import Problem
+from study.problem.potential import StrainEnergy
 from study.scheme.base import OneStep, start_in_balance
 
 
@@ -19,8 +22,8 @@ class ImplicitMidpoint(OneStep):
 
     M (u̇₁ − u̇₀)/Δt + C u̇_m + p(u_m) = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2,    u_m = (u₀ + u₁)/2
 
-    Second order, symplectic, conserves linear and angular momentum. For linear systems it is the trapezoidal rule:
-    unconditionally stable without damping of its own. Carries u, u̇ and a guess; one force a Newton iteration.
+    Second order and symplectic; conserves linear and angular momentum. For linear systems it is the trapezoidal rule:
+    unconditionally stable, without numerical damping. Carries u, u̇ and a guess of ü; one force a Newton iteration.
 
     References
     ----------
@@ -46,15 +49,15 @@ class ImplicitMidpoint(OneStep):
         return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
 
 
-#: What moves by less than this part of itself takes the force at its middle: dividing the change of the energy by it
-#: would lose more digits than the middle's error of third order. It is about the third root of the round-off.
+#: Below this relative change of a strain (or displacement) the force at the middle replaces the quotient of energy and
+#: strain, which would lose more digits than the third-order error of the middle. About the cube root of round-off.
 STANDSTILL = {np.dtype("float64"): 1e-5, np.dtype("float32"): 8e-3}
 
-#: And what moves by less than this: its square is no number any more, as ahead of a wave that comes.
+#: The same below this absolute change, whose square underflows, as ahead of a wave.
 SMALLEST = {np.dtype("float64"): 1e-150, np.dtype("float32"): 1e-18}
 
 
-def _of_strains(potential, u0):
+def _of_strains(potential: StrainEnergy, u0: Vector) -> Callable:
     """p̄ of a strain energy, strain by strain."""
     strains, density = potential.strains, potential.density
     slope = jax.grad(lambda strain: jnp.sum(density(strain)))
@@ -73,19 +76,22 @@ def _of_strains(potential, u0):
     return mean_force
 
 
-def discrete_gradient(problem, u0):
-    """Gonzalez's mean p̄ of the internal force from u₀ to u₁, with p̄ᵀ (u₁ − u₀) = V(u₁) − V(u₀), as a function of u₁."""
-    if isinstance(problem.potential, StrainEnergy):
-        return _of_strains(problem.potential, u0)
-    energy = problem.potential(u0)
+def discrete_gradient(problem: Problem, u0: Vector) -> Callable:
+    """Gonzalez's mean force p̄ from u₀ to u₁, with p̄ᵀ (u₁ − u₀) = V(u₁) − V(u₀), as a function of u₁."""
+    potential = problem.potential
+    if potential is None:
+        raise ValueError("a discrete gradient needs a potential: give Problem(potential=...).")
+    if isinstance(potential, StrainEnergy):
+        return _of_strains(potential, u0)
+    energy = potential(u0)
 
     def mean_force(u1):
         middle, change = (u0 + u1) / 2, u1 - u0
         length = jnp.vdot(change, change)
         moves = length > STANDSTILL[u0.dtype] ** 2 * (jnp.vdot(u0, u0) + jnp.vdot(u1, u1))
-        gain = problem.potential(u1) - energy
+        gain = potential(u1) - energy
         if jnp.ndim(u0) == 0:
-            # p(u_m) cancels
+            # with one unknown p(u_m) cancels
             return lax.cond(moves, lambda: gain / change, lambda: problem.force(middle))
         force = problem.force(middle)
         missing = (gain - jnp.vdot(force, change)) / jnp.where(moves, length, 1.0)
@@ -95,17 +101,17 @@ def discrete_gradient(problem, u0):
 
 
 class EnergyMomentum(OneStep):
-    """The energy-momentum method by Gonzalez's discrete gradient, the midpoint rule with a force p̄ that keeps energy.
+    """The energy-momentum method: the midpoint rule with Gonzalez's discrete gradient p̄ in place of the force.
 
     M (u̇₁ − u̇₀)/Δt + C u̇_m + p̄(u₀, u₁) = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2
-    p̄ = (∂ε/∂u)ᵀ σ̄ at u_m,    σ̄ = (w(ε(u₁)) − w(ε(u₀)))/(ε(u₁) − ε(u₀)), strain by strain, of a strain energy
-    p̄ = p(u_m) + [V(u₁) − V(u₀) − p(u_m)ᵀ (u₁ − u₀)] (u₁ − u₀)/|u₁ − u₀|² of any other potential
+    p̄ = (∂ε/∂u)ᵀ σ̄ at u_m,    σ̄ = (w(ε(u₁)) − w(ε(u₀)))/(ε(u₁) − ε(u₀)) for each strain of a strain energy
+    p̄ = p(u_m) + [V(u₁) − V(u₀) − p(u_m)ᵀ (u₁ − u₀)] (u₁ − u₀)/|u₁ − u₀|²    for any other potential
 
-    Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off, and with a strain
-    energy linear and angular momentum too, which the second form keeps to third order in the step only; its tangent is
-    full. For one unknown both are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo and Tarnow for a spring. For linear
-    systems it is the trapezoidal rule, unconditionally stable. Needs the problem's potential. Carries u, u̇ and a guess;
-    one force and one potential a Newton iteration, one potential a step.
+    Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off. With a strain energy
+    linear and angular momentum are constant too; the second form conserves them to third order in the step only, and
+    its tangent is full. For one unknown both forms are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo and Tarnow for
+    a spring. For linear systems it is the trapezoidal rule, unconditionally stable. Needs the problem's potential.
+    Carries u, u̇ and a guess of ü; one force and one potential a Newton iteration, one potential a step.
 
     References
     ----------
@@ -124,15 +130,17 @@ class EnergyMomentum(OneStep):
     evaluations = 1
     evaluations_per_iteration = 2
 
-    def start(self, problem, u0, v0, dt):
+    def refusal(self, problem):
         if problem.potential is None:
-            raise ValueError(f"'{self.title}' needs the potential of '{problem.title}': give Problem(potential=...).")
+            return f"'{self.title}' needs the potential of '{problem.title}': give Problem(potential=...)."
         if problem.tangent not in (None, "dense") and not isinstance(problem.potential, StrainEnergy):
-            raise ValueError(
+            return (
                 f"'{self.title}' makes the tangent of '{problem.title}' full: give it a StrainEnergy as potential, or "
                 "tangent='dense'."
             )
-        return start_in_balance(self, problem, u0, v0, dt)
+        return super().refusal(problem)
+
+    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, guess = state
@@ -143,23 +151,23 @@ class EnergyMomentum(OneStep):
 
 
 class AverageVectorField(OneStep):
-    """The average vector field method: the midpoint rule with the mean of the force along the step.
+    """The average vector field method: the midpoint rule with the mean force along the step.
 
     M (u̇₁ − u̇₀)/Δt + C u̇_m + ∫₀¹ p((1 − s) u₀ + s u₁) ds = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2
 
-    The integral is taken by Gauss quadrature, which keeps the energy exactly where p is a polynomial of a degree up to
-    2 points − 1, and nearly elsewhere. Second order. For linear systems it is the trapezoidal rule, unconditionally
-    stable. Needs no potential. Carries u, u̇ and a guess; ``points`` forces a Newton iteration.
+    Gauss quadrature with m = ``points`` points evaluates the integral. It conserves the energy exactly if p is a
+    polynomial of degree 2m − 1 or less, and nearly otherwise. Second order. For linear systems it is the trapezoidal
+    rule, unconditionally stable. Needs no potential. Carries u, u̇ and a guess of ü; m forces a Newton iteration.
 
     Parameters
     ----------
     points
-        Points of the quadrature, at least one, which is the midpoint rule.
+        Number of quadrature points, at least one; with one it is the midpoint rule.
 
     Raises
     ------
     ValueError
-        If there are no points.
+        If ``points`` is not a whole number of at least one.
 
     References
     ----------

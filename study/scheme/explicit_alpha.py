@@ -1,4 +1,4 @@
-"""Explicit generalized-α methods: those of Chung and Lee, and of Hulbert and Chung."""
+"""Explicit generalized-α methods: Chung and Lee's, and Hulbert and Chung's."""
 
 import math
 from typing import ClassVar
@@ -8,19 +8,19 @@ import equinox as eqx
 from study.equilibrium.balance import acceleration
 from study.equilibrium.state import Effort, Motion
 from study.scheme.base import OneStep, check_range, check_ranges, start_in_balance
+from study.scheme.newmark_formulas import corrected
 
 
 class ExplicitAlpha(OneStep):
-    """The explicit generalized-α method of Hulbert and Chung: balance at the start of the step, with its velocity.
+    """The explicit generalized-α method of Hulbert and Chung: balance with displacement and velocity of the start.
 
     M [(1 − α_m) ü₁ + α_m ü₀] + C u̇₀ + p(u₀) = f(t₀)
     u₁ = u₀ + Δt u̇₀ + Δt² (½ − β) ü₀ + Δt² β ü₁,    u̇₁ = u̇₀ + Δt (1 − γ) ü₀ + Δt γ ü₁
 
-    Second order for γ = 3/2 − α_m, stable without damping for ωΔt ≤ √(2(1 − 2α_m)/(2β − γ)). In terms of the spectral
-    radius ρ_b where the main roots meet, at ωΔt = (1 + ρ_b) √(2 − ρ_b), α_m = (2ρ_b − 1)/(1 + ρ_b) and
-    β = (5 − 3ρ_b)/((1 + ρ_b)² (2 − ρ_b)). α_m = 0 and 1 ≤ β ≤ 28/27 is the method of Chung and Lee, which does not damp
-    for β = 1; its other end is ρ_b = ½. Carries u, u̇ and the algorithmic ü; one force a step, and no solution but
-    with M.
+    Second order for γ = 3/2 − α_m; stable without damping for ωΔt ≤ √(2(1 − 2α_m)/(2β − γ)). The parameter is the
+    spectral radius ρ_b at ωΔt = (1 + ρ_b) √(2 − ρ_b), where the principal roots meet: α_m = (2ρ_b − 1)/(1 + ρ_b) and
+    β = (5 − 3ρ_b)/((1 + ρ_b)² (2 − ρ_b)). α_m = 0 with 1 ≤ β ≤ 28/27 is the method of Chung and Lee: β = 1 does not
+    damp, β = 28/27 is ρ_b = ½. Carries u, u̇ and the algorithmic ü; one force a step, and one solution with M.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class ExplicitAlpha(OneStep):
 
     @classmethod
     def hulbert_chung(cls, rho_b: float) -> "ExplicitAlpha":
-        """The method by its spectral radius ρ_b at the bifurcation of the roots, 0 ≤ ρ_b ≤ 1."""
+        """The method for a spectral radius ρ_b where the principal roots meet, 0 ≤ ρ_b ≤ 1."""
         check_range("ExplicitAlpha.hulbert_chung", "rho_b", rho_b, 0.0, 1.0)
         alpha_m = (2 * rho_b - 1) / (1 + rho_b)
         return cls(alpha_m, beta=(5 - 3 * rho_b) / ((1 + rho_b) ** 2 * (2 - rho_b)), gamma=1.5 - alpha_m)
@@ -77,8 +77,7 @@ class ExplicitAlpha(OneStep):
     def increment(self, problem, state, t, dt):
         u, v, a = state
         a_new = (acceleration(problem, t, u, v) - self.alpha_m * a) / (1 - self.alpha_m)
-        du = dt * v + dt**2 * ((0.5 - self.beta) * a + self.beta * a_new)
-        dv = dt * ((1 - self.gamma) * a + self.gamma * a_new)
+        du, dv = corrected(v, a, a_new, dt, self.beta, self.gamma)
         return Motion(du, dv, a_new), Effort()
 
 

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import equinox as eqx
 
+from study.algebra.arrays import VectorLike
 from study.equilibrium.balance import acceleration
 from study.equilibrium.state import Effort, Motion
 from study.scheme.base import OneStep, as_tuple, check_numbers, start_in_balance
@@ -12,14 +13,14 @@ from study.scheme.splitting import Composition
 
 
 class Extrapolation(OneStep):
-    """One step of Δt by velocity Verlet in n₁, n₂, ..., n_k sub-steps, extrapolated to infinitely many of them.
+    """A step by velocity Verlet in n₁, n₂, ..., n_k sub-steps, extrapolated to infinitely many sub-steps.
 
     y₁ = Σ_j w_j y₁(n_j),    w_j = Π_{i≠j} n_j²/(n_j² − n_i²)    for y = u and for y = u̇
 
-    As Verlet's method is symmetric its error is a series in (Δt/n)², of which k terms are removed but the last: order
-    2k, with damping and load too. The k sequences do not depend on each other, so that a processor runs them side by
-    side. Not symplectic; n = 1, 2, ..., 6 is stable without damping for ωΔt ≤ 3.141, and again
-    beyond a narrow window at π. Carries u, u̇ and ü; n₁ + ... + n_k + 1 forces a step.
+    Verlet's method is symmetric: its error is a series in (Δt/n)², and the extrapolation removes its first k − 1 terms.
+    The order is 2k, with damping and load too. The k sequences do not depend on each other, so a processor runs them
+    side by side. Not symplectic. n = 1, 2, ..., 6 is stable without damping for ωΔt ≤ 3.141, and again beyond a narrow
+    window at π. Carries u, u̇ and ü; n₁ + ... + n_k + 1 forces a step.
 
     Parameters
     ----------
@@ -29,7 +30,7 @@ class Extrapolation(OneStep):
     Raises
     ------
     ValueError
-        If the numbers do not rise from at least one.
+        If the numbers are not whole, positive and rising.
 
     References
     ----------
@@ -65,7 +66,8 @@ class Extrapolation(OneStep):
     start = start_in_balance
 
     def increment(self, problem, state, t, dt):
-        du = dv = 0.0
+        du: VectorLike = 0.0
+        dv: VectorLike = 0.0
         squares = [Fraction(n) ** 2 for n in self.sequence]
         for n, square in zip(self.sequence, squares, strict=True):
             weight = Fraction(1)

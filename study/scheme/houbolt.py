@@ -1,11 +1,11 @@
-"""Houbolt's three-step method and the ways to start it."""
+"""Houbolt's three-step method and four ways to start it."""
 
 from typing import ClassVar, NamedTuple
 
 import equinox as eqx
-import jax
 from jax import lax
 
+from study.algebra.arrays import Vector
 from study.equilibrium.balance import acceleration, balance, initial_acceleration, load
 from study.equilibrium.state import Effort, Phase
 from study.problem.definition import Problem
@@ -18,18 +18,18 @@ from study.scheme.runge_kutta import RungeKutta4
 class History(NamedTuple):
     """Motion at tₙ and the displacements at tₙ₋₁ and tₙ₋₂, each of shape () or (n,)."""
 
-    u: jax.Array
-    v: jax.Array
-    a: jax.Array
-    u_1: jax.Array
-    u_2: jax.Array
+    u: Vector
+    v: Vector
+    a: Vector
+    u_1: Vector
+    u_2: Vector
 
 
 def _linear_acceleration(problem: Problem, u0, v0, dt):
-    """Houbolt's own: fictitious points that satisfy his central formulas for u̇₀ and ü₀.
+    """Houbolt's own start: fictitious points that satisfy his central formulas for u̇₀ and ü₀.
 
-    ü₀ = (u₁ − 2u₀ + u₋₁)/Δt² and u̇₀ = (2u₁ + 3u₀ − 6u₋₁ + u₋₂)/(6Δt). Together with eq. (11b) at t₁ they make the
-    first step exactly the linear acceleration method, which is how u₁ is found here.
+    ü₀ = (u₁ − 2u₀ + u₋₁)/Δt² and u̇₀ = (2u₁ + 3u₀ − 6u₋₁ + u₋₂)/(6Δt). With eq. (11b) at t₁ they make the first step
+    exactly that of the linear acceleration method, which finds u₁ here.
     """
     scheme = Newmark(beta=1 / 6, gamma=0.5)
     state, _ = scheme.start(problem, u0, v0, dt)
@@ -40,12 +40,12 @@ def _linear_acceleration(problem: Problem, u0, v0, dt):
 
 
 def _central_difference(problem: Problem, u0, v0, dt):
-    """Fictitious points that make the first two steps those of central difference."""
+    """Fictitious points that make the first two steps equal to those of central difference."""
     state, _ = central_difference.start(problem, u0, v0, dt)
     first, _ = central_difference.step(problem, state, 0.0, dt)
     second, _ = central_difference.step(problem, first, dt, dt)
     u1, u2 = first.u, second.u
-    # eqs (11) solved for the older points: u₋₁ and u₋₂ depend on the acceleration, and so does the damped velocity
+    # eqs (11) solved for u₋₁ and u₋₂, which depend on the acceleration, as does the velocity that the damping acts on
     a2 = acceleration(problem, 2 * dt, u2, (7 * u2 - 8 * u1 + u0) / (6 * dt), c_v=dt / 3)
     u_1 = 2 * u2 - 5 * u1 + 4 * u0 - dt**2 * a2
     a1 = acceleration(problem, dt, u1, (7 * u1 - 8 * u0 + u_1) / (6 * dt), c_v=dt / 3)
@@ -54,13 +54,13 @@ def _central_difference(problem: Problem, u0, v0, dt):
 
 
 def _taylor(problem: Problem, u0, v0, dt):
-    """The second order Taylor polynomial at −Δt and −2Δt."""
+    """The Taylor polynomial of second order at −Δt and −2Δt."""
     a0 = acceleration(problem, 0.0, u0, v0)
     return u0 - dt * v0 + dt**2 / 2 * a0, u0 - 2 * dt * v0 + 2 * dt**2 * a0, Effort()
 
 
 def _exact(problem: Problem, u0, v0, dt):
-    """The solution itself at −Δt and −2Δt, by 2 × 1024 backward Runge-Kutta steps: round-off for any sensible Δt."""
+    """The exact solution at −Δt and −2Δt up to round-off, from 2 × 1024 backward Runge-Kutta steps."""
     substeps = 1024
     h = -dt / substeps
 
@@ -72,7 +72,7 @@ def _exact(problem: Problem, u0, v0, dt):
     return once.u, twice.u, Effort()
 
 
-#: How the two displacements before t = 0 can be found.
+#: Ways to find the two displacements before t = 0, by name.
 starts = {
     "linear_acceleration": _linear_acceleration,
     "central_difference": _central_difference,
@@ -82,26 +82,26 @@ starts = {
 
 
 class Houbolt(Scheme):
-    """The Houbolt method, Xie (1996), eqs (7) and (11): backward differences through four points.
+    """The Houbolt method, Xie (1996), eqs (7) and (11), with backward differences through four points.
 
     u̇₁ = (11u₁ − 18u₀ + 9u₋₁ − 2u₋₂) / (6Δt)
     ü₁ = (2u₁ − 5u₀ + 4u₋₁ − u₋₂) / Δt²
     M ü₁ + C u̇₁ + p(u₁) = f(t₁)
 
-    Second order, unconditionally stable for linear systems, with a damping that no parameter controls. In terms of
-    the acceleration, u₁ = ũ + Δt²/2 ü₁ and u̇₁ = ṽ + 11Δt/12 ü₁. Carries u, u̇, ü and two older u; one force a Newton
+    Second order, unconditionally stable for linear systems; its damping cannot be controlled. In terms of the
+    acceleration, u₁ = ũ + Δt²/2 ü₁ and u̇₁ = ṽ + 11Δt/12 ü₁. Carries u, u̇, ü and two older u; one force a Newton
     iteration.
 
     Parameters
     ----------
     start_by
-        How u₋₁ and u₋₂ are found: ``linear_acceleration`` (Houbolt's fictitious points), ``central_difference``,
+        The way to find u₋₁ and u₋₂: ``linear_acceleration`` (Houbolt's fictitious points), ``central_difference``,
         ``taylor`` or ``exact``.
 
     Raises
     ------
     ValueError
-        If there is no such start.
+        If there is no such way.
 
     References
     ----------
@@ -126,6 +126,7 @@ class Houbolt(Scheme):
 
     @property
     def needs_mass(self) -> bool:
+        # the method itself does not, with ρ∞ = 0; three of its starts solve with M alone
         return self.start_by != "linear_acceleration"
 
     def start(self, problem, u0, v0, dt):

@@ -1,4 +1,4 @@
-"""The KR-α method of Kolay and Ricles: explicit, with a model of the structure built into its coefficients."""
+"""The explicit KR-α method of Kolay and Ricles, with a linear model of the structure in its coefficients."""
 
 from typing import ClassVar
 
@@ -14,7 +14,7 @@ from study.scheme.base import OneStep, check_ranges, start_in_balance
 
 
 class KolayRicles(OneStep):
-    """The KR-α method: unconditionally stable for a linear structure, and no iteration for a non-linear one.
+    """The KR-α method: unconditionally stable for a linear structure, without iteration for a non-linear one.
 
     With the stiffness K = ∂p/∂u of the undeformed structure, G = γΔt C + βΔt² K and S = M + G,
 
@@ -22,12 +22,12 @@ class KolayRicles(OneStep):
     M ü_m + C u̇_f + p(u_f) = f(t_f),    x_f = (1 − α_f) x₁ + α_f x₀ for t, u and u̇
     [(1 − α_m) M + (1 − α_f) G] ü₁ + [α_m M + α_f G] ü₀ = S ü_m
 
-    α_m, α_f, β and γ are those of the generalized-α method for ρ∞, and so are the eigenvalues for a linear structure:
-    of second order, and unconditionally stable. The velocity that it carries trails by half a step, so that a motion
-    that starts with an acceleration is of first order. Published as stable for structures that soften. With a tangent k
-    above K, as on one that hardens, eigenvalues exceed one: for ρ∞ = 1 as soon as k > 4/Δt² M + K without damping, and
-    for 0.8 at every step size, if by little at small ones. Carries u, u̇ and ü; one force a step (the tangent at u = 0
-    is the same in all), and three solutions.
+    α_m, α_f, β and γ are those of the generalized-α method for ρ∞. For a linear structure the eigenvalues are those of
+    that method too: of second order, and unconditionally stable. The carried velocity lags by half a step, so a motion
+    that starts with an acceleration is of first order. The method was published as stable for structures that soften.
+    If the tangent k exceeds K, as in a structure that hardens, eigenvalues exceed one: without damping for ρ∞ = 1 if
+    k > 4/Δt² M + K, and for ρ∞ = 0.8 at every step size, though slightly at small ones. Carries u, u̇ and ü; one force a
+    step (the tangent at u = 0 is the same in all steps), and three solutions.
 
     Parameters
     ----------

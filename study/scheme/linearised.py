@@ -1,4 +1,4 @@
-"""A scheme with the derivative of its own map along: how fast neighbouring runs part."""
+"""A scheme together with the derivative of its map, which tells how fast neighbouring runs diverge."""
 
 from typing import Any, ClassVar, NamedTuple
 
@@ -7,43 +7,45 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from study.algebra.arrays import Vector
 from study.scheme.base import Scheme, Wrapper
 
 
 class Neighbours(NamedTuple):
-    """State of the scheme, and the distance δ of a neighbour as ``distance`` · 2 to the power of ``exponent``."""
+    """State of the scheme, and its distance δ = ``distance`` · 2^``exponent`` from that of a neighbour."""
 
     distance: Any
     exponent: jax.Array
     inner: Any
 
     @property
-    def u(self):
+    def u(self) -> Vector:
         """Displacement."""
         return self.inner.u
 
     @property
-    def v(self):
+    def v(self) -> Vector:
         """Velocity."""
         return self.inner.v
 
 
 def _power_of_two(size):
-    """The p with 2ᵖ ≤ size < 2ᵖ⁺¹, and 2⁻ᵖ, from the bits of a positive number: other ways take ten times as long."""
+    """The p with 2ᵖ ≤ size < 2ᵖ⁺¹, and 2⁻ᵖ, from the bits of a positive number: a logarithm takes ten times longer."""
     number = jnp.finfo(size.dtype)
     bias = number.maxexp - 1
     biased = lax.bitcast_convert_type(size, f"int{number.bits}") >> number.nmant
-    biased = jnp.clip(biased, 1, 2 * bias - 1)  # of what under- or overflows too the factor is a number
-    # exact, and as XLA repeats no division, the size is not made again for every number that is scaled
+    biased = jnp.clip(biased, 1, 2 * bias - 1)  # the factor stays finite if the size under- or overflows
+    # an exact division; XLA does not duplicate divisions, so it computes the size once for all numbers that are scaled
     return (biased - bias).astype(int), 1 / lax.bitcast_convert_type(biased << number.nmant, size.dtype)
 
 
 class Linearised(Wrapper):
     """Another scheme with a neighbour infinitely close to its run.
 
-    With y₁ = Φ(y₀) the step of the scheme in its whole state, δ₁ = DΦ(y₀) δ₀ by automatic differentiation, from what a
-    change of the displacements by a vector of length one makes of the first state. After every step a power of two is
-    taken out of δ, without round-off, that leaves 1 ≤ |δ| < 2 for the largest component of displacement and velocity.
+    If y₁ = Φ(y₀) is the step of the scheme in its whole state, δ₁ = DΦ(y₀) δ₀ by automatic differentiation. The first δ
+    is the change of the first state along a unit vector of displacements. After every step δ is divided by a power of
+    two, without round-off, so that the largest component of its displacement and velocity lies between 1 and 2. Order
+    and stability are those of the scheme. Carries its state, δ and the exponent; a Jacobian-vector product a step more.
 
     Parameters
     ----------
@@ -64,7 +66,7 @@ class Linearised(Wrapper):
     doi: ClassVar[str] = "10.1007/BF02128236"
 
     def start(self, problem, u0, v0, dt):
-        # any direction but a special one: all unknowns alike would be a translation of a free structure
+        # an arbitrary direction; equal components, for example, would be the translation of a free structure
         direction = jnp.cos(jnp.arange(u0.size, dtype=u0.dtype)).reshape(u0.shape)
         inner, distance, effort = jax.jvp(
             lambda u0: self.scheme.start(problem, u0, v0, dt),

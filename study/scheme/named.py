@@ -8,7 +8,7 @@ from study import scheme
 from study.registry import Registry, variables_of_modules
 from study.scheme.base import Scheme
 
-#: The schemes of Xie (1996) in the order of its tables.
+#: The schemes of Xie (1996), in the order of its tables.
 OF_1996 = (
     "average_acceleration",
     "central_difference",
@@ -19,9 +19,9 @@ OF_1996 = (
     "rk4",
 )
 
-#: Those of 1996 first, the others module by module.
+#: The schemes of 1996 first, then the others, module by module.
 schemes: Registry[Scheme] = Registry(
     "scheme",
-    variables_of_modules(scheme, Scheme, first=OF_1996),
+    variables_of_modules(scheme, Scheme, first=OF_1996),  # type: ignore[type-abstract]
     aliases={"velocity_verlet": "central_difference"},
 )

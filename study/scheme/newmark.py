@@ -1,12 +1,15 @@
-"""Newmark's family, among it the average acceleration method and central difference."""
+"""Newmark's family, with the average acceleration method and central difference."""
 
 from typing import ClassVar
 
 import equinox as eqx
 
+from study.algebra.arrays import ScalarLike, Vector
 from study.equilibrium.balance import acceleration, balance, load
 from study.equilibrium.state import Effort, Motion
+from study.problem.definition import Problem
 from study.scheme.base import OneStep, check_ranges, start_in_balance
+from study.scheme.newmark_formulas import bounded_at_infinite_frequency, predicted
 
 
 class Newmark(OneStep):
@@ -16,14 +19,14 @@ class Newmark(OneStep):
     u̇₁ = u̇₀ + Δt (1 − γ) ü₀ + Δt γ ü₁
     M ü₁ + C u̇₁ + p(u₁) = f(t₁)
 
-    Second order for γ = ½, first order otherwise. For linear systems unconditionally stable if 2β ≥ γ ≥ ½; with
-    γ > ½ it damps. Carries u, u̇ and ü; one force a Newton iteration. Members of the family:
+    Second order for γ = ½, first order otherwise. Unconditionally stable for linear systems if 2β ≥ γ ≥ ½. With γ > ½
+    high frequencies are damped. Carries u, u̇ and ü; one force a Newton iteration. Members of the family:
 
     - β = ¼, γ = ½, average acceleration, the trapezoidal rule;
     - β = 1/6, γ = ½, linear acceleration, stable for ωΔt ≤ 2√3;
-    - β = 1/12, γ = ½, Fox and Goodwin, stable for ωΔt ≤ √6, its displacement of fourth order without damping from rest
-      (Numerov's formula);
-    - β = 0, γ = ½, central difference, which needs no iteration but one force a step and is stable for ωΔt ≤ 2.
+    - β = 1/12, γ = ½, Fox and Goodwin, stable for ωΔt ≤ √6; its displacement is of fourth order for undamped motion
+      from rest (Numerov's formula);
+    - β = 0, γ = ½, central difference, which takes one force a step and no iteration, and is stable for ωΔt ≤ 2.
 
     Parameters
     ----------
@@ -69,20 +72,24 @@ class Newmark(OneStep):
 
     @property
     def needs_mass(self) -> bool:
-        return 2 * self.beta < self.gamma
+        return not bounded_at_infinite_frequency(self.beta, self.gamma)
 
     start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
         c_u, c_v = self.beta * dt**2, self.gamma * dt
-        du = dt * v + dt**2 * (0.5 - self.beta) * a
-        dv = dt * (1 - self.gamma) * a
-        if self.explicit:
-            a, effort = acceleration(problem, t + dt, u + du, v + dv, c_v), Effort()
-        else:
-            a, effort = balance(problem, load(problem, t + dt), u + du, v + dv, c_u, c_v, guess=a)
+        du, dv = predicted(v, a, dt, self.beta, self.gamma)
+        a, effort = self.new_acceleration(problem, t + dt, u + du, v + dv, c_u, c_v, guess=a)
         return Motion(du + c_u * a, dv + c_v * a, a), effort
+
+    def new_acceleration(
+        self, problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_u: ScalarLike, c_v: ScalarLike, guess: Vector
+    ) -> tuple[Vector, Effort]:
+        """ü₁ that balances the forces at the end of the step, and the effort to find it."""
+        if self.explicit:
+            return acceleration(problem, t, u, v, c_v), Effort()
+        return balance(problem, load(problem, t), u, v, c_u, c_v, guess)
 
 
 average_acceleration = Newmark(beta=0.25, gamma=0.5, title="Average acceleration")

@@ -1,4 +1,4 @@
-"""The explicit method of Noh and Bathe: two sub-steps, high frequencies damped."""
+"""The explicit method of Noh and Bathe, with two sub-steps and damping of high frequencies."""
 
 from typing import ClassVar
 
@@ -17,8 +17,8 @@ class NohBathe(OneStep):
     u̇₁ = u̇_p + k (q₀ ü₀ + (½ + q₁) ü_p + q₂ ü₁)
     q₁ = (1 − 2p)/(2p(1 − p)),    q₂ = ½ − p q₁,    q₀ = ½ − q₁ − q₂
 
-    Second order; stable without damping for ωΔt ≤ 3.745 with p = 0.54, as the amplification matrix tells. p = ½ is
-    central difference twice. Carries u, u̇ and ü; two forces a step, and no solution but with M.
+    Second order; with p = 0.54 stable without damping for ωΔt ≤ 3.745, a limit computed from the amplification matrix.
+    p = ½ is central difference twice. Carries u, u̇ and ü; two forces a step, and two solutions with M.
 
     Parameters
     ----------

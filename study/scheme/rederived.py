@@ -1,20 +1,21 @@
-"""A scheme that forgets its algorithmic acceleration: a mistake, kept to show what it costs."""
+"""A scheme that discards its algorithmic acceleration: a mistake, kept to measure its cost."""
 
 from typing import ClassVar
 
 import equinox as eqx
 
 from study.equilibrium.balance import acceleration
-from study.scheme.base import Scheme
+from study.scheme.base import Scheme, Wrapper
 
 
-class Rederived(Scheme):
-    """Another scheme whose acceleration is taken from the equation of motion after every step.
+class Rederived(Wrapper):
+    """Another scheme, with its acceleration replaced by that of the equation of motion after every step.
 
     M ü₁ ← f(t₁) − C u̇₁ − p(u₁)
 
-    An α-method balances at a time within the step, and its acceleration belongs to that time; re-derived at the end of
-    the step it is a different one, and the method is of first order.
+    An α-method balances the forces within the step, and its acceleration belongs to that time. The acceleration of the
+    equation of motion belongs to the end of the step, and the method drops to first order. Carries the state of the
+    other scheme; one force a step more, and one solution with M.
 
     Parameters
     ----------
@@ -34,10 +35,12 @@ class Rederived(Scheme):
     source: ClassVar[str] = "Erlicher et al. (2002)"
     doi: ClassVar[str] = "10.1007/s00466-001-0273-z"
     order = 1
+    damped_order = 1
+    needs_mass = True
 
     @property
-    def explicit(self) -> bool:
-        return self.scheme.explicit
+    def evaluations(self) -> int:
+        return self.scheme.evaluations + 1
 
     def start(self, problem, u0, v0, dt):
         return self.scheme.start(problem, u0, v0, dt)

@@ -1,13 +1,14 @@
-"""Runge-Kutta methods: the classical one, Nyström's, and that of Gauss."""
+"""Runge-Kutta methods: the classical one, Nyström's, and the two-stage Gauss method."""
 
 from collections.abc import Callable
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar, NamedTuple
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from study.algebra.arrays import Matrix, Vector
 from study.algebra.matrices import Banded, MatrixFree, product
 from study.equilibrium.balance import acceleration, balance, initial_acceleration
 from study.equilibrium.state import Effort, Phase
@@ -21,7 +22,7 @@ class RungeKutta4(OneStep):
     y₁ = y₀ + k₁/6 + k₂/3 + k₃/3 + k₄/6,    y = (u, v)
     k₁ = Δt F(t, y₀), k₂ = Δt F(t + Δt/2, y₀ + k₁/2), k₃ = Δt F(t + Δt/2, y₀ + k₂/2), k₄ = Δt F(t + Δt, y₀ + k₃)
 
-    Fourth order, stable for an undamped linear oscillator up to ωΔt = 2√2. Carries u and u̇; four forces a step.
+    Fourth order; stable without damping for ωΔt ≤ 2√2. Carries u and u̇; four forces a step.
 
     References
     ----------
@@ -60,8 +61,8 @@ class Nystrom4(OneStep):
     k₃ = F(t₀ + Δt/2, u₀ + Δt/2 u̇₀ + Δt²/8 k₁, u̇₀ + Δt/2 k₂),    k₄ = F(t₁, u₀ + Δt u̇₀ + Δt²/2 k₃, u̇₀ + Δt k₃)
     u₁ = u₀ + Δt u̇₀ + Δt²/6 (k₁ + k₂ + k₃),    u̇₁ = u̇₀ + Δt/6 (k₁ + 2k₂ + 2k₃ + k₄)
 
-    Without damping k₃ = k₂. Fourth order, stable without damping for ωΔt ≤ 2.586. Carries u and u̇; three forces a
-    step (k₂ and k₃ share theirs).
+    Fourth order; stable without damping for ωΔt ≤ 2.586. Carries u and u̇; three forces a step, because k₂ and k₃ share
+    one. Without damping k₃ = k₂.
 
     References
     ----------
@@ -94,17 +95,17 @@ class Nystrom4(OneStep):
 class Stages(NamedTuple):
     """Displacement and velocity, each of shape () or (n,), and the accelerations (2, ...) of the last stages."""
 
-    u: jax.Array
-    v: jax.Array
+    u: Vector
+    v: Vector
     a: jax.Array
 
 
 class _Twice(NamedTuple):
-    """Two stages of a problem as one of twice its unknowns, the stages of an unknown side by side."""
+    """Two stages of a problem as one system of twice as many unknowns; the stages of an unknown are neighbours."""
 
     force: Callable
-    mass: Any
-    damping: Any
+    mass: Matrix
+    damping: Matrix
     tangent: str | int | None
 
 
@@ -130,17 +131,16 @@ def _twice(problem: Problem, u) -> _Twice:
     return _Twice(force, doubled(problem.mass), doubled(problem.damping), structure)
 
 
-def _of_stages(weights: np.ndarray, problem: Problem, size: int):
-    """The weights of the stages for every unknown: (2n, 2n), or the band of it where the tangent is no matrix."""
+def _of_stages(weights: np.ndarray, problem: Problem, size: int) -> Matrix:
+    """The weights (2, 2) for every unknown, as a matrix (2n, 2n): full if the tangent is, otherwise a band."""
     if problem.tangent in (None, "dense"):
         return np.kron(np.eye(size), weights)
     (first, high), (low, second) = weights
     return Banded(np.tile([[0.0, low], [first, second], [high, 0.0]], size))
 
 
-#: Weights of the two-stage Gauss method: stage velocities from stage accelerations.
+#: Weights A of the two-stage Gauss method, and the times c of its stages.
 _GAUSS = np.array([[1 / 4, 1 / 4 - np.sqrt(3) / 6], [1 / 4 + np.sqrt(3) / 6, 1 / 4]])
-
 _GAUSS_TIMES = _GAUSS.sum(axis=1)
 
 
@@ -151,9 +151,9 @@ class Gauss4(OneStep):
     u̇_i = u̇₀ + Δt Σ_j A_ij ü_j,    u_i = u₀ + c_iΔt u̇₀ + Δt² Σ_j (A²)_ij ü_j
     u̇₁ = u̇₀ + Δt (ü₁ + ü₂)/2,    u₁ = u₀ + Δt u̇₀ + Δt² Σ_i ½(1 − c_i) ü_i
 
-    Both stages are found together. Fourth order, symplectic, unconditionally stable for linear systems without damping
-    of its own. Carries u, u̇ and both stage accelerations as a guess; two forces a Newton iteration, and one solution
-    for 2n unknowns.
+    Fourth order and symplectic; unconditionally stable for linear systems, without numerical damping. Both stages are
+    solved together. Carries u, u̇ and both stage accelerations as a guess; two forces a Newton iteration, and one
+    solution for 2n unknowns.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Splitting into kicks and drifts: symplectic Euler, McLachlan's method, and compositions of velocity Verlet."""
+"""Splitting methods, with kicks and drifts: symplectic Euler, McLachlan's method, compositions of velocity Verlet."""
 
 from collections.abc import Sequence
 from itertools import accumulate
@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import equinox as eqx
 
+from study.algebra.arrays import VectorLike
 from study.equilibrium.balance import acceleration
 from study.equilibrium.state import Effort, Motion, Phase
 from study.scheme.base import OneStep, as_tuple, check_numbers, start_in_balance
@@ -23,20 +24,20 @@ def _check_order(scheme: str, order: int) -> None:
 
 
 class Splitting(OneStep):
-    """Drifts d₀, ..., d_s with kicks k₁, ..., k_s between them.
+    """Drifts d₀, ..., d_s and kicks k₁, ..., k_s in turn.
 
     u ← u + d₀Δt u̇,    then for i = 1, ..., s
     u̇ ← u̇ + k_iΔt a,    M a + C (u̇ + k_iΔt/2 a) + p(u) = f(t_i),    u ← u + d_iΔt u̇
 
-    at the time t_i that the drifts before have reached. Symplectic without damping. d = (0, 1), k = (1) is the
-    symplectic Euler method, of first order and stable for ωΔt ≤ 2. McLachlan's method of order four has five kicks and
-    is stable for ωΔt ≤ 2.921; it holds for ü that does not depend on u̇, so with damping it is of second order only.
-    Carries u and u̇; s forces a step.
+    at the time t_i = t₀ + (d₀ + ... + d_{i−1}) Δt. Symplectic without damping. d = (0, 1), k = (1) is the symplectic
+    Euler method, of first order and stable for ωΔt ≤ 2. McLachlan's method of order four has five kicks and is stable
+    for ωΔt ≤ 2.921. It is derived for ü that does not depend on u̇, and is of second order with damping. Carries u and
+    u̇; s forces a step.
 
     Parameters
     ----------
     drifts, kicks
-        d and k, each with a sum of one, d with one number more.
+        d and k; each sums to one, and d has one more number than k.
     of_order
         Order of accuracy without damping.
 
@@ -89,7 +90,8 @@ class Splitting(OneStep):
     def increment(self, problem, state, t, dt):
         u, v = state
         first, *rest = self.drifts
-        du, dv = first * dt * v, 0.0
+        du: VectorLike = first * dt * v
+        dv: VectorLike = 0.0
         for part, kick, drift in zip(accumulate(self.drifts), self.kicks, rest, strict=False):
             h = kick * dt
             dv = dv + h * acceleration(problem, t + part * dt, u + du, v + dv, c_v=h / 2)
@@ -98,21 +100,21 @@ class Splitting(OneStep):
 
 
 class Composition(OneStep):
-    """Velocity Verlet steps of lengths w₁Δt, w₂Δt, ..., w_sΔt, of which some go backwards.
+    """Velocity Verlet steps of lengths w₁Δt, w₂Δt, ..., w_sΔt, some of them backwards.
 
-    With h = w_iΔt in turn:
+    With h = w_iΔt for i = 1, ..., s:
     u̇ ← u̇ + h/2 ü,    u ← u + h u̇,    M ü + C (u̇ + h/2 ü) + p(u) = f(t),    u̇ ← u̇ + h/2 ü
 
-    w = (1) is velocity Verlet itself, which is central difference (registered once, as that): second order, stable for
-    ωΔt ≤ 2. As it is symmetric, weights that cancel its errors of third order, of fifth, ... make methods of order 4
-    (Yoshida, three steps, stable for ωΔt ≤ 1.573), 6 (Yoshida, seven, 2.269) and 8 (Kahan and Li, seventeen, 3.096, and
-    again beyond a narrow window at π), with damping and load too; symplectic without damping. Carries u, u̇ and ü;
-    s forces a step.
+    w = (1) is velocity Verlet itself, which is central difference: second order, stable for ωΔt ≤ 2. It is symmetric,
+    so weights that cancel its errors of third order, of fifth, and so on make methods of order 4 (Yoshida, three steps,
+    stable for ωΔt ≤ 1.573), 6 (Yoshida, seven steps, stable for ωΔt ≤ 2.269) and 8 (Kahan and Li, seventeen steps,
+    stable for ωΔt ≤ 3.096, and again beyond a narrow window at π), with damping and load too. Symplectic without
+    damping. Carries u, u̇ and ü; s forces a step.
 
     Parameters
     ----------
     weights
-        w, with a sum of one, the same from both ends.
+        w; they sum to one and are the same from both ends.
     of_order
         Order of accuracy.
 
@@ -156,7 +158,8 @@ class Composition(OneStep):
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
-        du = dv = 0.0
+        du: VectorLike = 0.0
+        dv: VectorLike = 0.0
         for part, weight in zip(accumulate(self.weights), self.weights, strict=True):
             h = weight * dt
             dv = dv + h / 2 * a
@@ -167,7 +170,7 @@ class Composition(OneStep):
 
 
 def _mirrored(*half: float) -> tuple[float, ...]:
-    """Symmetric weights from the outer ones to the middle, which is what is left of one."""
+    """Symmetric weights, from the outer ones inwards; the middle one makes their sum one."""
     return *half, 1 - 2 * sum(half), *half[::-1]
 
 

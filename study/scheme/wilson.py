@@ -1,17 +1,21 @@
 """Wilson's θ-method."""
 
-import math
 from typing import ClassVar
 
 import equinox as eqx
+import numpy as np
 
 from study.equilibrium.balance import balance, load
 from study.equilibrium.state import Motion
 from study.scheme.base import OneStep, check_ranges, start_in_balance
+from study.scheme.newmark_formulas import corrected
+
+#: A root larger than one by more than this is growth. Where roots meet, half of their digits are lost to round-off.
+GROWTH = 1e-6
 
 
 class WilsonTheta(OneStep):
-    """The Wilson-θ method, Xie (1996), eqs (8) to (10): balance beyond the step, acceleration interpolated back.
+    """The Wilson-θ method, Xie (1996), eqs (8) to (10): balance beyond the step, then interpolation of ü back to t₁.
 
     With τ = θΔt,
 
@@ -19,8 +23,9 @@ class WilsonTheta(OneStep):
     M ü_θ + C u̇_θ + p(u_θ) = f(t₀ + τ)
     ü₁ = (1 − 1/θ) ü₀ + ü_θ / θ,    then u₁ and u̇₁ by Newmark's formulas.
 
-    Second order. θ = 1 is Newmark's method (linear acceleration for β = 1/6); with β = 1/6 and γ = ½ unconditionally
-    stable for linear systems if θ ≥ 1.366. Carries u, u̇ and ü; one force a Newton iteration.
+    Second order for γ = ½, first order otherwise. θ = 1 is Newmark's method (linear acceleration for β = 1/6). With
+    β = 1/6 and γ = ½ it is unconditionally stable for linear systems if θ ≥ (1 + √3)/2 ≈ 1.366. Carries u, u̇ and ü;
+    one force a Newton iteration.
 
     Parameters
     ----------
@@ -59,8 +64,18 @@ class WilsonTheta(OneStep):
 
     @property
     def needs_mass(self) -> bool:
-        # the limit of unconditional stability with β = 1/6 and γ = ½
-        return self.theta < (1 + math.sqrt(3)) / 2
+        if self.beta == 0:  # u_θ does not depend on ü_θ
+            return True
+        return bool(np.abs(np.linalg.eigvals(self._amplification_at_infinity())).max() > 1 + GROWTH)
+
+    def _amplification_at_infinity(self) -> np.ndarray:
+        """Amplification matrix (3, 3) of (u, Δt u̇, Δt² ü) at infinite frequency, where the balance makes u_θ zero."""
+        theta, beta, gamma = float(self.theta), float(self.beta), float(self.gamma)
+        u, v, a = np.eye(3)
+        a_theta = -(u + theta * v + theta**2 * (0.5 - beta) * a) / (beta * theta**2)
+        a_new = (1 - 1 / theta) * a + a_theta / theta
+        du, dv = corrected(v, a, a_new, 1.0, beta, gamma)
+        return np.stack([u + du, v + dv, a_new])
 
     start = start_in_balance
 
@@ -73,8 +88,7 @@ class WilsonTheta(OneStep):
             problem, load(problem, t + tau), u_predicted, v_predicted, self.beta * tau**2, self.gamma * tau, guess=a
         )
         a_new = (1 - 1 / self.theta) * a + a_theta / self.theta
-        du = dt * v + dt**2 * ((0.5 - self.beta) * a + self.beta * a_new)
-        dv = dt * ((1 - self.gamma) * a + self.gamma * a_new)
+        du, dv = corrected(v, a, a_new, dt, self.beta, self.gamma)
         return Motion(du, dv, a_new), effort
 
 

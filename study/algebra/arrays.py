@@ -1,0 +1,32 @@
+"""Shapes of arrays, for annotations; nothing checks them at run time.
+
+n is the number of unknowns. A vector of a problem with one unknown is a number: its shape is ().
+"""
+
+from typing import Any, TypeAlias
+
+from jaxtyping import Array, Float
+
+#: A number, shape ().
+Scalar = Float[Array, ""]
+
+#: A number of Python, or one of JAX.
+ScalarLike = float | Scalar
+
+#: A number for each unknown, shape () or (n,).
+Vector = Float[Array, "*n"]
+
+#: What can be made into such a vector: a number, a list or an array.
+VectorLike = Float[Any, "*n"]
+
+#: What can be made into the positions of points, shape (points, directions).
+PositionsLike = Float[Any, "points directions"]
+
+#: A full matrix, shape (n, n).
+Full = Float[Array, "n n"]
+
+#: One or several right sides of a linear system, shape (n,) or (n, m).
+RightSides = Float[Array, "n *m"]
+
+#: A matrix in any form of :mod:`study.algebra.matrices`: a number, a diagonal (n,), ``Banded``, full or ``MatrixFree``.
+Matrix: TypeAlias = Any

@@ -1,0 +1,156 @@
+"""Checks of a problem's arguments, made once when the problem is made.
+
+Each check refuses what a run could not use, with a sentence that names the argument, what was received and what is
+expected. Values that JAX is tracing have a shape but no numbers: only their shape is checked.
+"""
+
+import reprlib
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from study.algebra.matrices import Banded, MatrixFree
+from study.problem.damping import Rayleigh
+from study.problem.potential import StrainEnergy
+
+#: A potential and its force may differ by this part of the force: the error of a central difference.
+GRADIENT_AGREEMENT = 1e-5
+
+#: Entries that mirror each other in a symmetric matrix may differ by this part of the largest entry.
+SYMMETRY = 1e-12
+
+
+def real_numbers(name: str, value):
+    """The value as a float64 array; None, matrices in a form of their own and what JAX is tracing stay as they are."""
+    if value is None or isinstance(value, jax.core.Tracer | Rayleigh | Banded | MatrixFree):
+        return value
+    try:
+        numbers = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        numbers = np.asarray(None)
+    if numbers.dtype.kind not in "fiu":
+        raise ValueError(f"{name} must be a real number or an array of real numbers, not {reprlib.repr(value)}.")
+    return numbers.astype(np.float64)
+
+
+def check_shapes(problem) -> None:
+    """Refuse numbers whose shapes do not fit that of u₀."""
+    shape = np.shape(problem.u0)
+    if problem.u0 is None or len(shape) > 1 or shape == (0,):
+        got = "nothing" if problem.u0 is None else f"an array of shape {shape}"
+        raise ValueError(f"u0 must be a number or a vector (n,), not {got}.")
+    if np.shape(problem.v0) != shape:
+        raise ValueError(f"v0 must have the shape of u0, {shape}, not {np.shape(problem.v0)}.")
+    for name in ("mass", "damping"):
+        value = getattr(problem, name)
+        if isinstance(value, np.ndarray | jax.Array) and value.shape not in {(), shape, shape * 2}:
+            raise ValueError(
+                f"{name} must be a number, a diagonal or a matrix for u0 of shape {shape}; got {value.shape}."
+            )
+    if problem.positions is not None and (
+        np.ndim(problem.positions) != 2
+        or np.shape(problem.positions)[1] > 3
+        or np.size(problem.positions) != np.size(problem.u0)
+    ):
+        raise ValueError(
+            f"positions must be of shape (points, directions), at most three directions, with one number for each "
+            f"of u0's {np.size(problem.u0)}, not {np.shape(problem.positions)}."
+        )
+
+
+def check_finite(name: str, value) -> None:
+    """Refuse numbers that are not finite."""
+    if isinstance(value, np.ndarray) and not np.isfinite(value).all():
+        raise ValueError(f"{name} must be finite, not {value}.")
+
+
+def check_functions(problem) -> None:
+    """Refuse functions that JAX cannot trace, or whose values have the wrong shape or type.
+
+    Each function is called as a run calls it, with an array that JAX traces.
+    """
+    shape = np.shape(problem.u0)
+    for name, argument, expected in (
+        ("force", problem.u0, shape),
+        ("load", 0.0, shape),
+        ("potential", problem.u0, ()),
+    ):
+        function = getattr(problem, name)
+        if not callable(function) and (function is not None or name == "force"):
+            raise TypeError(f"{name} must be a function, not {function!r}.")
+        if function is None:
+            continue
+        try:
+            received = jax.eval_shape(function, argument)
+        except Exception as error:  # a user's function may raise anything
+            reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
+            raise ValueError(
+                f"{name} of '{problem.title}' must be written with jax.numpy for u0's shape: {reason}"
+            ) from error
+        if not hasattr(received, "shape") or received.shape != expected:
+            got = getattr(received, "shape", type(received).__name__)
+            raise ValueError(f"{name} must return the shape {expected}, not {got}.")
+        if received.dtype != float:
+            raise ValueError(f"{name} must return float64, not {received.dtype}.")
+    if isinstance(problem.potential, StrainEnergy):
+        _check_strain_energy(problem.potential, problem.u0)
+
+
+def _check_strain_energy(potential: StrainEnergy, u0) -> None:
+    strains = jax.eval_shape(potential.strains, u0).shape
+    energies = jax.eval_shape(lambda u: potential.density(potential.strains(u)), u0).shape
+    if len(strains) != 1 or energies != strains:
+        raise ValueError(
+            f"a StrainEnergy needs strains of shape (m,) and a density of the same shape, not {strains} and {energies}."
+        )
+
+
+def check_gradient(force: Callable, potential: Callable, u0, title: str) -> None:
+    """Refuse a force that is not the gradient of the potential, along one direction near u₀."""
+    scale = max(np.abs(u0).max(), 1.0)
+    direction, offset = np.random.default_rng(0).uniform(0.5, 1.5, (2, *np.shape(u0)))
+    u, h = u0 + 0.05 * scale * offset, 1e-5 * scale
+    # a problem may be made while JAX traces; the functions are given arrays of JAX, as in a run
+    with jax.ensure_compile_time_eval():
+        ahead, behind = (float(potential(jnp.asarray(x))) for x in (u + h * direction, u - h * direction))
+        expected = float(np.vdot(direction, force(jnp.asarray(u))))
+    slope = (ahead - behind) / (2 * h)
+    round_off = 1e-14 * max(abs(ahead), abs(behind)) / h
+    # a value that is not finite passes here; the run reports it
+    if abs(slope - expected) > GRADIENT_AGREEMENT * max(abs(slope), abs(expected)) + round_off:
+        raise ValueError(
+            f"the force of '{title}' is not the gradient of its potential: along a direction near u0 it is "
+            f"{expected:g}, and the slope of the potential {slope:g}."
+        )
+
+
+def check_symmetry(name: str, matrix) -> None:
+    """Refuse a matrix (n, n) that is not symmetric."""
+    if isinstance(matrix, np.ndarray) and matrix.ndim == 2:
+        difference = np.abs(matrix - matrix.T).max()
+        if difference > SYMMETRY * np.abs(matrix).max():
+            raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}.")
+
+
+def is_singular(mass) -> bool:
+    """Whether the mass is singular; a negative or zero one is refused."""
+    if not isinstance(mass, np.ndarray):
+        return False
+    diagonal = np.diagonal(mass) if mass.ndim == 2 else mass
+    full = mass.ndim == 2 and np.count_nonzero(mass) > np.count_nonzero(diagonal)
+    values = np.linalg.eigvalsh(mass) if full else diagonal
+    # eigenvalues of a full matrix are known to round-off only
+    smallest, zero = values.min(), np.abs(values).max() * (1e-14 * len(values) if full else 0.0)
+    if smallest < -zero:
+        raise ValueError(f"mass must not be negative; its smallest value is {smallest:g}.")
+    if np.abs(values).max() == 0:
+        raise ValueError("mass must not be zero everywhere: the problem would have no dynamics.")
+    return bool(smallest <= zero)
+
+
+def check_rayleigh(damping: Rayleigh, title: str) -> None:
+    """Refuse coefficients of Rayleigh damping that are not finite numbers."""
+    if not all(np.ndim(c) == 0 and np.asarray(c).dtype.kind in "fiu" and np.isfinite(c) for c in damping):
+        raise ValueError(f"{damping} of '{title}': a and b must be finite numbers.")
