@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from paper.asks import value_at
 from paper.data import load, load_table
 
 #: Requirements on the configuration by dotted key. A list must be contained in the value, and any other object must
@@ -131,13 +132,6 @@ def discover(places: Iterable[str] = PLACES) -> list[Product]:
     return sorted(found, key=lambda product: (product.kind, product.name))
 
 
-def _value(config: Any, key: str) -> Any:
-    """The value at a dotted key, or a list of values where a part of the key leads into a list of mappings."""
-    for part in filter(None, key.split(".")):
-        config = [one[part] for one in config] if isinstance(config, list) else config[part]
-    return config
-
-
 def check(products: Iterable[Product], config: dict) -> None:
     """Refuse a configuration that lacks what a product asks.
 
@@ -149,7 +143,7 @@ def check(products: Iterable[Product], config: dict) -> None:
     for product in products:
         for key, asked in product.asks.items():
             try:
-                value = _value(config, key)
+                value = value_at(config, key)
             except (KeyError, TypeError):
                 raise ValueError(f"{key} is missing, and {product.label} needs it.") from None
             if callable(asked):

@@ -8,9 +8,10 @@ from typing import Any
 
 import xarray as xr
 
+from paper.asks import OF_THE_TABLES
 from paper.data import of_the_paper
 from paper.products import Product, declare
-from paper.published import SCHEMES
+from paper.published import PROBLEMS, SCHEMES
 
 Data = Mapping[str, xr.Dataset]
 
@@ -116,7 +117,14 @@ def claim(
             seen = {name: _cut(dataset) if from_the_paper else dataset for name, dataset in datasets.items()}
             return check(Declared(statement, seen))
 
-        own = {f"{name.replace('/', '.')}.schemes": SCHEMES for name in reads if name.startswith(_OVER_SCHEMES)}
+        own: dict[str, Any] = {}
+        for name in reads:
+            if name.startswith(_OVER_SCHEMES):
+                own[f"{name.replace('/', '.')}.schemes"] = SCHEMES
+            if name == "energy_error":
+                own |= OF_THE_TABLES
+            if name == "cpu_time":
+                own["cpu_time.problems"] = PROBLEMS
         product = Product(
             kind="claim",
             name=f"{check.__module__}:{check.__name__}",

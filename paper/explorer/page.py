@@ -145,6 +145,7 @@ def _document(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, 
         "phase_portrait/softening_large",
         "phase_portrait/double_well",
     ],
+    asks={"atlas.problems": ["hardening", "softening", "double_well"], "atlas.schemes": [FIRST["scheme"]]},
 )
 def explorer(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, cases: list[xr.Dataset]) -> str:
     """The page with all that it needs, the same text for the same data."""

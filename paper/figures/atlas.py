@@ -4,13 +4,24 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
+from paper.asks import contained
 from paper.data import of_the_paper
 from paper.figures.outcome_map import PAPER_CASES, legend, outcome_map
 from paper.figures.style import PAGE
 from paper.products import figure
+from paper.published import SCHEMES
 
 
-@figure("How runs end over step size and amplitude, 1996.", atlas="stability/atlas", spectral="spectral")
+@figure(
+    "How runs end over step size and amplitude, 1996.",
+    atlas="stability/atlas",
+    spectral="spectral",
+    asks={
+        "": contained("atlas.schemes", "spectral.schemes"),
+        "spectral.damping_ratios": [0.0],
+        "atlas.schemes": SCHEMES,
+    },
+)
 def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """One row a scheme of 1996, one column a problem."""
     atlas = of_the_paper(atlas)

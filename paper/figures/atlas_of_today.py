@@ -5,19 +5,36 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from paper.asks import contained
 from paper.figures.outcome_map import legend, outcome_map
 from paper.figures.style import PAGE
 from paper.products import figure
-from paper.published import printed_energy_errors
+from paper.published import SCHEMES
 
 #: Schemes side by side.
 COLUMNS = 3
 
 
-@figure("How runs end over step size and amplitude, schemes of today.", atlas="stability/atlas", spectral="spectral")
+def _others(schemes: list[str]) -> str | None:
+    """A sentence if there are no maps but those of the paper's schemes."""
+    if set(schemes) <= set(SCHEMES):
+        return "atlas.schemes has none but those of the paper; a figure shows the others, give one at least."
+    return None
+
+
+@figure(
+    "How runs end over step size and amplitude, schemes of today.",
+    atlas="stability/atlas",
+    spectral="spectral",
+    asks={
+        "": contained("atlas.schemes", "spectral.schemes"),
+        "spectral.damping_ratios": [0.0],
+        "atlas.schemes": _others,
+    },
+)
 def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """A block a scheme: hardening spring, softening spring, double well from left to right."""
-    atlas = atlas.drop_sel(scheme=printed_energy_errors().scheme.values, errors="ignore")
+    atlas = atlas.drop_sel(scheme=SCHEMES, errors="ignore")
     schemes, problems = atlas.scheme.values, atlas.problem.values
     rows = -(-len(schemes) // COLUMNS)
     figure = plt.figure(figsize=(PAGE, 0.97 * rows + 0.5))

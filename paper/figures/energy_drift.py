@@ -4,6 +4,7 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
+from paper.asks import OF_THE_DRIFT
 from paper.figures.style import PAGE
 from paper.products import figure
 from paper.published import printed_energy_errors
@@ -12,7 +13,7 @@ from paper.published import printed_energy_errors
 _MARKED = {20: (21.5, -70), 25: (26.5, -40)}
 
 
-@figure("Runge-Kutta caught by resonances.", drift="energy_drift")
+@figure("Runge-Kutta caught by resonances.", drift="energy_drift", asks=OF_THE_DRIFT)
 def draw(drift: xr.Dataset) -> Figure:
     """Above the signed drift, below how many steps one of the last oscillations takes, over the step size."""
     figure, (above, below) = plt.subplots(2, 1, figsize=(PAGE, 0.55 * PAGE), sharex=True)

@@ -11,7 +11,15 @@ PROBLEM, PERIODS = "hardening", 100
 TOP = 3
 
 
-@figure("Speed against error for every scheme.", data="work_precision")
+@figure(
+    "Speed against error for every scheme.",
+    data="work_precision",
+    asks={
+        "work_precision.schemes.schemes": ["rk4"],
+        "work_precision.schemes.problems": [PROBLEM],
+        "work_precision.solvers.periods": [PERIODS],
+    },
+)
 def draw(data: xr.Dataset) -> Figure:
     """Error of the displacement against time; the classical Runge-Kutta method and heyoka in grey in every panel."""
     data = data.sel(problem=PROBLEM, periods=PERIODS)

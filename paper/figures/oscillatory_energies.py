@@ -23,6 +23,10 @@ def total(history: xr.Dataset) -> xr.DataArray:
     "Energies of the stiff springs of the Fermi-Pasta-Ulam chain.",
     exchange="structure_history/energy_exchange",
     long_times="structure_history/long_times",
+    asks={
+        "structure_history.energy_exchange.problem": "fpu_chain",
+        "structure_history.long_times.problem": "fpu_chain",
+    },
 )
 def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
     """One panel a scheme with the energies of the springs and their sum, and one with the sums over long times."""

@@ -5,6 +5,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from paper.asks import contained
 from paper.data import families
 from paper.figures.style import PAGE, letter
 from paper.products import figure
@@ -27,7 +28,18 @@ def _points(ax, values, rows, label, **look) -> None:
                linewidths=0.8, label=label)  # fmt: skip
 
 
-@figure("Linear theory beside what the springs show.", spectral="spectral", accuracy="accuracy")
+@figure(
+    "Linear theory beside what the springs show.",
+    spectral="spectral",
+    accuracy="accuracy",
+    asks={
+        "": contained("accuracy.schemes", "spectral.schemes"),
+        "spectral.damping_ratios": [0.0],
+        "accuracy.steps_per_period": [STEPS],
+        "accuracy.periods": [PERIODS],
+        "accuracy.problems": list(PROBLEMS),
+    },
+)
 def draw(spectral: xr.Dataset, accuracy: xr.Dataset) -> Figure:
     """Sizes of elongation (left) and of loss of amplitude (right) at one step size, over a logarithmic axis."""
     schemes = [name for part in families(accuracy).values() for name in part.scheme.values]

@@ -9,7 +9,11 @@ from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
 
 
-@figure("Roots of the effective equation, and Newton's choice.", roots="stability/roots")
+@figure(
+    "Roots of the effective equation, and Newton's choice.",
+    roots="stability/roots",
+    asks={"stability.roots.schemes": ["houbolt"]},
+)
 def draw(roots: xr.Dataset) -> Figure:
     """Where there are three roots, what Newton makes of them, and how long two tolerances agree."""
     figure, axes = plt.subplots(1, 3, figsize=(PAGE, 0.36 * PAGE))

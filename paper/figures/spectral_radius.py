@@ -10,7 +10,7 @@ from paper.products import figure
 FROM = 0.02
 
 
-@figure("Spectral radius of every scheme.", spectral="spectral")
+@figure("Spectral radius of every scheme.", spectral="spectral", asks={"spectral.damping_ratios": [0.0]})
 def draw(spectral: xr.Dataset) -> Figure:
     """ρ against Δt/T; the curves of explicit schemes leave the panel where they lose their stability."""
     data = spectral.sel(damping_ratio=0.0, dt_over_period=slice(FROM, None))

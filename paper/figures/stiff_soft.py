@@ -8,7 +8,11 @@ from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
 
 
-@figure("A mass on a stiff spring, its velocity.", history="structure_history/stiff_soft")
+@figure(
+    "A mass on a stiff spring, its velocity.",
+    history="structure_history/stiff_soft",
+    asks={"structure_history.stiff_soft.problem": "stiff_soft"},
+)
 def draw(history: xr.Dataset) -> Figure:
     """One panel a scheme, over the reference at the same instants."""
     rows = -(-history.sizes["scheme"] // 2)

@@ -12,7 +12,11 @@ from paper.products import figure
 LINEAR = 2.0
 
 
-@figure("Lyapunov exponents of the schemes on structures.", structures="stability/structures")
+@figure(
+    "Lyapunov exponents of the schemes on structures.",
+    structures="stability/structures",
+    asks={"stability.structures.excitations": [1]},
+)
 def draw(structures: xr.Dataset) -> Figure:
     """One panel a structure."""
     structures = structures.sel(excitation=1)

@@ -22,7 +22,7 @@ COLUMNS = 3
 BEYOND = 100
 
 
-@figure("Error of the displacement of structures.", structures="structures")
+@figure("Error of the displacement of structures.", structures="structures", asks={"structures.schemes": SHOWN})
 def draw(structures: xr.Dataset) -> Figure:
     """One panel a structure; a run that failed leaves a gap."""
     shown = structures.sel(scheme=[name for name in SHOWN if name in structures.scheme.values])
@@ -44,7 +44,8 @@ def draw(structures: xr.Dataset) -> Figure:
         ax.set_xticks(one.steps_per_period.values, [f"{n:g}" for n in one.steps_per_period.values])
         ax.minorticks_off()
         seen = one.displacement_error.where(one.displacement_error < BEYOND)
-        ax.set_ylim(seen.min() / 3, 3 * seen.max())
+        if seen.notnull().any():
+            ax.set_ylim(seen.min() / 3, 3 * seen.max())
         letter(ax, index, one.problem_title.item())
         if index + COLUMNS >= shown.sizes["problem"]:
             ax.set_xlabel("steps in the time scale")

@@ -11,7 +11,9 @@ from paper.products import figure
 @figure("What a tolerance delivers.", agreement="reference_agreement")
 def draw(agreement: xr.Dataset) -> Figure:
     """One panel a problem: the largest error of the displacement over a hundred periods, over the tolerance."""
-    figure, axes = plt.subplots(1, agreement.sizes["problem"], figsize=(PAGE, 0.4 * PAGE), sharex=True, sharey=True)
+    figure, (axes,) = plt.subplots(
+        1, agreement.sizes["problem"], figsize=(PAGE, 0.4 * PAGE), sharex=True, sharey=True, squeeze=False
+    )
     for index, (ax, problem) in enumerate(zip(axes, agreement.problem.values, strict=True)):
         ax.plot(agreement.tolerance, agreement.tolerance, color="0.7", linewidth=0.8, label="as asked for")
         for route, look in looks(agreement.route).items():

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from paper.data import of_the_paper
 from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
+from paper.published import SCHEMES
 
 PERIODS = 100
 MEASURES = {
@@ -18,6 +19,7 @@ MEASURES = {
 }
 #: Below this the round-off of a hundred periods hides what a scheme does.
 FLOOR = 1e-14
+_ASKS = {"work_precision.schemes.schemes": SCHEMES, "work_precision.solvers.periods": [PERIODS]}
 
 
 def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
@@ -50,13 +52,13 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
     return figure
 
 
-@figure("Every measure of error against time.", data="work_precision")
+@figure("Every measure of error against time.", data="work_precision", asks=_ASKS)
 def over_time(data: xr.Dataset) -> Figure:
     """Errors over the time of a run; heyoka, the fastest of the general solvers, in grey."""
     return _draw(data, "time_per_run", "time of 100 periods (s)")
 
 
-@figure("Every measure of error against forces.", name="force_evaluations", data="work_precision")
+@figure("Every measure of error against forces.", name="force_evaluations", data="work_precision", asks=_ASKS)
 def over_forces(data: xr.Dataset) -> Figure:
     """Errors over the forces evaluated, where a force is expensive: each Newton iteration takes one."""
     return _draw(data, "force_evaluations", "forces in 100 periods")

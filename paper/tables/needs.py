@@ -9,7 +9,14 @@ from paper.products import table
 PROBLEM, MEASURE, PERIODS = "hardening", "max_trajectory_error", 100
 
 
-@table(recommendation="recommendation")
+@table(
+    recommendation="recommendation",
+    asks={
+        "recommendation.problems": [PROBLEM],
+        "recommendation.measures": [MEASURE],
+        "recommendation.periods": [PERIODS],
+    },
+)
 def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
     """One row a scheme, a column an error; a dash where no step size of the study keeps it."""
     needs = recommendation.sel({"problem": PROBLEM, "measure": MEASURE, "periods": PERIODS})

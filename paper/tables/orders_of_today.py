@@ -4,13 +4,14 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families
+from paper.orders import PERIODS
 from paper.products import table
 from paper.tables.orders import observed
 
 PROBLEM = "softening"
 
 
-@table(accuracy="accuracy")
+@table(accuracy="accuracy", asks={"accuracy.problems": [PROBLEM], "accuracy.periods": sorted(set(PERIODS.values()))})
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
     """One row a scheme."""
     parts = families(accuracy.sel(problem=PROBLEM)).values()

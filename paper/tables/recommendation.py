@@ -8,7 +8,7 @@ from paper.products import table
 MEASURE = "max_trajectory_error"
 
 
-@table(recommendation="recommendation")
+@table(recommendation="recommendation", asks={"recommendation.measures": [MEASURE]})
 def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
     """One row a problem and error, a column a length of the run; a dash where no scheme keeps the error."""
     needs = recommendation.sel(measure=MEASURE)

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from paper.asks import contained, rising
 from paper.data import families
 from paper.products import table
 
@@ -23,7 +24,16 @@ def _first(run: xr.Dataset) -> str:
     return f"{run.dt_over_period.values[at]:g}{how}"
 
 
-@table(spectral="spectral", large_steps="large_steps")
+@table(
+    spectral="spectral",
+    large_steps="large_steps",
+    asks={
+        "": contained("large_steps.schemes", "spectral.schemes"),
+        "spectral.damping_ratios": [0.0],
+        "large_steps.problems": PROBLEMS,
+        "large_steps.dt_over_period": rising("large_steps.dt_over_period"),
+    },
+)
 def tabulate(spectral: xr.Dataset, large_steps: xr.Dataset) -> pd.DataFrame:
     """One row a scheme: the linear limit of Δt/T, and the first step size that is too large on each problem."""
     limits = spectral.stability_limit.sel(damping_ratio=0.0) / (2 * np.pi)
