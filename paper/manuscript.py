@@ -10,7 +10,7 @@ from paper.products import Product, declare
 
 TEXT = Path(__file__).with_name("manuscript.typ")
 
-_COMMENT = re.compile(r"^\s*//.*$", re.MULTILINE)
+_COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
 #: Kind of what the text uses: how the text names it.
 _USES = {
     "number": re.compile(r'(?<![\w."])n\.(?:at\("([^"]+)"\)|(?!at\()([A-Za-z_]\w*))'),

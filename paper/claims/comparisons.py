@@ -152,7 +152,8 @@ def runge_kutta_at_large_steps(data):
 )
 def runge_kutta_converges_fastest(data):
     error = errors(data, "hardening").sel(steps_per_period=[100, 200])
-    order = by_name(np.log2(error.isel(steps_per_period=0) / error.isel(steps_per_period=1)))
+    ratio = error.isel(steps_per_period=0) / error.isel(steps_per_period=1)
+    order = by_name(ratio.copy(data=np.log2(ratio.values)))
     others = max(value for name, value in order.items() if name != "rk4")
     return Finding(listed(order, ".2f"), order["rk4"] > others + 1)
 

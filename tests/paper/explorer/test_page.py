@@ -1,14 +1,13 @@
 """The page of the maps, in a browser that reaches no network."""
 
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from paper import explorer
+from paper.explorer.data import cases_source, coarse
+from paper.explorer.page import explorer
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 needs_browser = pytest.mark.skipif(
@@ -70,12 +69,10 @@ def datasets():
 
 
 def _made(datasets, folder):
-    """The page as the pipeline makes it."""
-    paths = [folder / f"{index}.nc" for index in range(len(datasets))]
-    for dataset, path in zip(datasets, paths, strict=True):
-        dataset.to_netcdf(path)
+    """The page of the datasets, in a folder."""
+    atlas, portraits, amplitudes, *cases = datasets
     page = folder / "explorer.html"
-    subprocess.run([sys.executable, "-m", "paper.explorer", page, *paths], check=True)
+    page.write_text(explorer(atlas, portraits, amplitudes, cases), encoding="utf-8")
     return page
 
 
@@ -173,12 +170,12 @@ def test_the_same_data_gives_the_same_page(datasets, page, tmp_path):
 def test_a_map_is_thinned_to_what_a_page_can_hold(datasets):
     atlas, *_ = datasets
     fine = atlas.isel(amplitude=np.repeat(np.arange(12), 11)).assign_coords(amplitude=np.logspace(-1.5, 1.5, 132))
-    assert explorer._coarse(fine).sizes["amplitude"] == 44
-    assert explorer._coarse(atlas).sizes == atlas.sizes
+    assert coarse(fine).sizes["amplitude"] == 44
+    assert coarse(atlas).sizes == atlas.sizes
 
 
 def test_a_run_of_the_paper_lies_at_its_amplitude_and_step(datasets):
     atlas, _, _, case = datasets
-    marks = explorer._cases(atlas, [case]).data
+    marks = cases_source(atlas, [case]).data
     assert marks["problem"] == ["softening"] and marks["label"] == ["u₀ = 10, Δt = 0.225"]
     assert 10 ** marks["x"][0] == pytest.approx(0.225) and 10 ** marks["y"][0] == pytest.approx(2.5)
