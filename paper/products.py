@@ -186,7 +186,7 @@ def main(module: str, name: str, results: str, output: str) -> None:
         raise SystemExit(f"{module} declares no product '{name}'.")
     (product,) = of_module
     path = Path(output)
-    # by its name, so that a change of the style concerns figures only: each of their modules imports it
+    # imported by name, so that only figures, whose modules import the style, depend on its source
     style = importlib.import_module("paper.figures.style") if product.kind == "figure" else None
     one = made(product, reader(Path(results)))
     if style is not None:
@@ -204,6 +204,6 @@ def write_table(frame: Any, output: Path) -> None:
 
 
 if __name__ == "__main__":
-    from paper import products  # declarations enter in this module, of which the running one is a copy
+    from paper import products  # the module that holds the declarations; the running one is a copy
 
     products.main(*sys.argv[1:])

@@ -1,12 +1,12 @@
-"""Claims about stability at large steps and over long times, ours and the paper's, on the maps."""
+"""Claims of ours about stability at large steps and over long times."""
 
 from paper.asks import rising, spans
 from paper.claims.ledger import Finding, by_name, claim, listed
 from paper.tables.verdicts import is_outcome, near_1996, some_near_1996
 
-#: A map whose exponent is larger than this, a step, is chaotic: a regular one of a thousand steps has less than 0.01.
+#: Lyapunov exponent per step above which a map is chaotic; a regular map has less than 0.01 after a thousand steps.
 CHAOTIC = 0.05
-#: Schemes that damp, of those of the paper.
+#: The paper's schemes with numerical damping.
 DAMPED = ["newmark_dissipative", "wilson_theta", "houbolt", "hht_alpha"]
 
 

@@ -1,4 +1,4 @@
-"""What becomes of the paper's verdicts on structures, which it did not compute: claims of ours, decided alike."""
+"""Claims of ours: the paper's verdicts applied to structures, which the paper did not compute."""
 
 import numpy as np
 import xarray as xr
@@ -10,7 +10,7 @@ from paper.claims.ledger import Data, Finding, by_name, claim, listed
 from paper.data import TURNING
 from paper.published import SCHEMES
 
-#: A run is kept if it ends with its balance of energies within so many percent.
+#: Largest error of the balance of energies of a kept run, in percent.
 KEPT = 10.0
 #: Structures with modes far too fast for the steps.
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
@@ -21,7 +21,7 @@ SAMPLES_OF_SAWTOOTH = 4
 def kept(data: Data, problems: list[str] | None = None) -> xr.DataArray:
     """Whether a run ended with its balance of energies kept, over problem, scheme and steps_per_period.
 
-    Of the problems that are given those count that were computed.
+    Given problems that were not computed are left out.
     """
     runs = data["structures"]
     if problems is not None:

@@ -18,7 +18,7 @@ from paper.explorer.plane import draw_maps, map_plane, mark_cases, portrait_pane
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import page
 
-#: What to show first: the run of the paper that surprises most.
+#: The run that is shown first: the most surprising run of the paper.
 FIRST: dict[str, Any] = {"problem": "softening", "scheme": "hht_alpha", "amplitude": 2.5, "dt_over_period": 0.125}
 
 

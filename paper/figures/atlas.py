@@ -1,4 +1,4 @@
-"""How every scheme ends over step size and amplitude: what can be trusted, and what happens elsewhere."""
+"""Maps of how runs end over step size and amplitude, for the schemes of 1996."""
 
 import matplotlib.pyplot as plt
 import xarray as xr
@@ -23,7 +23,7 @@ from paper.published import SCHEMES
     },
 )
 def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
-    """One row a scheme of 1996, one column a problem."""
+    """One row per scheme, one column per problem."""
     atlas = of_the_paper(atlas)
     schemes, problems = atlas.scheme.values, atlas.problem.values
     figure, axes = plt.subplots(

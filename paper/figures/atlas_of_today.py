@@ -1,4 +1,4 @@
-"""The maps of the schemes that are not of 1996: three small panels each, one a problem."""
+"""Maps of how runs end over step size and amplitude, for the later schemes: one small panel per problem."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -33,7 +33,7 @@ def _others(schemes: list[str]) -> str | None:
     },
 )
 def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
-    """A block a scheme: hardening spring, softening spring, double well from left to right."""
+    """One block per scheme: hardening spring, softening spring, double well from left to right."""
     atlas = atlas.drop_sel(scheme=SCHEMES, errors="ignore")
     schemes, problems = atlas.scheme.values, atlas.problem.values
     rows = -(-len(schemes) // COLUMNS)
@@ -46,7 +46,7 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
         panels = block.subplots(1, len(problems), sharey=True)
         for ax, problem in zip(panels, problems, strict=True):
             outcome_map(ax, of_scheme.sel(problem=problem), limit)
-            # the lowest of each column, and the first of each row
+            # ticks have labels in the lowest panel of each column and in the first of each row
             labels = ["0.01", "0.1", "1"] if index + COLUMNS >= len(schemes) else [""] * 3
             ax.set_xticks([0.01, 0.1, 1], labels, fontsize=5)
             ax.minorticks_off()

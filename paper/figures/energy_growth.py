@@ -10,7 +10,7 @@ from paper.data import TURNING
 from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
 
-#: Errors in percent below this are drawn at it.
+#: Smallest error in percent; smaller ones are drawn at this value.
 FLOOR = 1e-13
 
 
@@ -25,7 +25,7 @@ FLOOR = 1e-13
     },
 )
 def draw(histories: list[xr.Dataset]) -> Figure:
-    """One panel a structure; a cross where a run ends early."""
+    """One panel per structure; a cross marks a run that ends early."""
     figure, axes = plt.subplots(1, len(histories), figsize=(PAGE, 0.4 * PAGE), sharey=True)
     for index, (ax, history) in enumerate(zip(axes, histories, strict=True)):
         for name, look in looks(history.scheme).items():

@@ -1,4 +1,4 @@
-"""Energy error of the seven schemes against time: what the paper tells of and does not show."""
+"""Energy error of the schemes against time, which the paper describes and does not show."""
 
 import matplotlib.pyplot as plt
 import xarray as xr
@@ -26,7 +26,7 @@ def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
     },
 )
 def draw(portraits: list[xr.Dataset]) -> Figure:
-    """One panel a problem: the largest |E − E₀|/E₀ in each stretch of 20 steps, on a logarithmic scale."""
+    """One panel per problem: the largest |E − E₀|/E₀ in each stretch of 20 steps, on a logarithmic scale."""
     figure, axes = plt.subplots(1, len(portraits), figsize=(PAGE, 0.4 * PAGE), sharey=True)
     for index, (ax, portrait) in enumerate(zip(axes, portraits, strict=True)):
         for name, look in looks(portrait.scheme).items():

@@ -1,4 +1,4 @@
-"""Speed against error for every scheme, a panel a family."""
+"""Error against time for every scheme, one panel per family."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -7,7 +7,7 @@ from paper.figures.style import a_panel_for_each_family, legend_beside, looks
 from paper.products import figure
 
 PROBLEM, PERIODS = "hardening", 100
-#: Larger errors say only that the phase is lost.
+#: Largest error drawn; at larger ones the phase is lost.
 TOP = 3
 
 

@@ -1,4 +1,4 @@
-"""Where a step is small enough, and how each scheme fails where it is not."""
+"""Energy error over step sizes, and how runs fail at large steps."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -30,7 +30,7 @@ _DAMPED, _FAILED = 4, 4
 def classify(run: xr.Dataset) -> np.ndarray:
     """Index of the class of every run.
 
-    Damped away is an error above 50 % that is loss at the end, to nine tenths at least of the largest error.
+    A run is damped away if its error exceeds 50 % and at least nine tenths of it are a loss of energy at the end.
     """
     error, drift = run.max_energy_error, run.energy_drift
     completed = np.digitize(np.nan_to_num(error, nan=0.0), _BOUNDS)
@@ -44,7 +44,7 @@ def classify(run: xr.Dataset) -> np.ndarray:
     asks={"large_steps.schemes": SCHEMES, "large_steps.dt_over_period": rising("large_steps.dt_over_period")},
 )
 def draw(large_steps: xr.Dataset) -> Figure:
-    """One panel a problem, one row a scheme of 1996."""
+    """One panel per problem, one row per scheme of 1996."""
     large_steps = of_the_paper(large_steps)
     lines = -(-large_steps.sizes["problem"] // 2)
     figure, axes = plt.subplots(lines, 2, figsize=(PAGE, 0.31 * lines * PAGE), sharex=True, sharey=True, squeeze=False)

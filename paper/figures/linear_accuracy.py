@@ -1,4 +1,4 @@
-"""Period elongation and damping ratio of every scheme without physical damping, a row a family."""
+"""Period elongation and damping ratio of every scheme without physical damping, one row per family."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -1,4 +1,4 @@
-"""The Fermi-Pasta-Ulam chain: exchange of oscillatory energy between stiff springs, and what is kept of it for long."""
+"""The Fermi-Pasta-Ulam chain: exchange of oscillatory energy between stiff springs, and its sum over long times."""
 
 import matplotlib.pyplot as plt
 import xarray as xr
@@ -29,7 +29,7 @@ def total(history: xr.Dataset) -> xr.DataArray:
     },
 )
 def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
-    """One panel a scheme with the energies of the springs and their sum, and one with the sums over long times."""
+    """One panel per scheme with the energies of the springs and their sum, and one with the sums over long times."""
     names = exchange.scheme.values
     rows = -(-len(names) // 2) + 1
     figure = plt.figure(figsize=(PAGE, 0.25 * PAGE * rows))

@@ -1,4 +1,4 @@
-"""What linear theory promises of period and amplitude, and what the springs show, a row a scheme."""
+"""Period elongation and loss of amplitude by linear theory and on the springs, one row per scheme."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -19,7 +19,7 @@ LEAST = 1e-10
 
 
 def _points(ax, values, rows, label, **look) -> None:
-    """Sizes, open where negative and filled elsewhere."""
+    """Draw sizes with markers that are open for negative values and filled otherwise."""
     known = np.isfinite(values)
     size = np.maximum(np.abs(values[known]), LEAST)
     negative = values[known] < -LEAST

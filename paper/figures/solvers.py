@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from paper.figures.style import PAGE, SOLVERS, letter, looks
 from paper.products import figure
 
-#: Larger errors say only that the solution is lost.
+#: Largest error drawn; at larger ones the solution is lost.
 TOP = 3
 #: Schemes at fixed steps, by their greys.
 SCHEMES = {"central_difference": "0.7", "rk4": "0.4"}

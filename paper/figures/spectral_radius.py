@@ -1,4 +1,4 @@
-"""Spectral radius of every scheme without damping, a panel a family."""
+"""Spectral radius of every scheme without damping, one panel per family."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -18,7 +18,7 @@ def draw(spectral: xr.Dataset) -> Figure:
     for ax, part in panels.items():
         for thickness, (name, look) in enumerate(looks(part.scheme).items()):
             run = part.sel(scheme=name)
-            # thinner upon thicker lines, so that curves that coincide are all seen
+            # thinner lines over thicker ones, so that coinciding curves are all visible
             ax.plot(
                 run.dt_over_period,
                 run.spectral_radius,

@@ -1,4 +1,4 @@
-"""Lyapunov exponents of the numerical maps of structures over the step size, beside what fine steps agree on."""
+"""Lyapunov exponents of the numerical maps of structures over the step size."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -18,7 +18,7 @@ LINEAR = 2.0
     asks={"stability.structures.excitations": [1]},
 )
 def draw(structures: xr.Dataset) -> Figure:
-    """One panel a structure."""
+    """One panel per structure."""
     structures = structures.sel(excitation=1)
     problems = structures.problem.values
     columns = min(len(problems), 3)

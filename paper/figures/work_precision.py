@@ -1,4 +1,4 @@
-"""What accuracy costs: every measure of error against the time, or the forces, of a run of a hundred periods."""
+"""Every measure of error against the time, or the forces, of a run of a hundred periods."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -17,13 +17,13 @@ MEASURES = {
     "amplitude_decay": "amplitude",
     "max_energy_error": "energy (%)",
 }
-#: Below this the round-off of a hundred periods hides what a scheme does.
+#: Smallest error drawn; below it round-off of a hundred periods dominates.
 FLOOR = 1e-14
 _ASKS = {"work_precision.schemes.schemes": SCHEMES, "work_precision.solvers.periods": [PERIODS]}
 
 
 def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
-    """A row a problem, a column a measure of error, over a cost."""
+    """One row per problem, one column per measure of error, over a cost."""
     data = of_the_paper(data).sel(periods=PERIODS)
     shape = data.sizes["problem"], len(MEASURES)
     figure, axes = plt.subplots(*shape, figsize=(PAGE, 1.15 * PAGE), sharex="row", sharey="col", squeeze=False)

@@ -1,4 +1,4 @@
-"""Numbers of the text: errors against the truth, what they cost, what linear theory promises of them, and round-off."""
+"""Numbers of the text: errors against the reference, their cost, linear theory, and round-off."""
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,7 @@ _COMPARED = [*_DAMPED, *_FAITHFUL]
 
 @numbers(agreement="reference_agreement", asks={"agreement.tolerances": [1e-9], "references.problems": ["hardening"]})
 def of_agreement(agreement: xr.Dataset) -> dict:
-    """What a tolerance delivers."""
+    """True errors of general solvers at a tolerance."""
     error = agreement.u_error.sel(periods=100, problem="hardening")
     # by a mapping: xarray has an argument of that name
     at_nine = error.sel({"tolerance": 1e-9}, method="nearest")
@@ -66,7 +66,7 @@ def _heyoka_wins_below(work: xr.Dataset) -> float:
         one = work.sel(problem=problem, periods=100)
         rk4 = one.sel(scheme="rk4")
         peer = one.sel(solver="heyoka")
-        # Runge-Kutta's error at the time that heyoka takes, log-linear
+        # error of Runge-Kutta at the times of heyoka, interpolated in logarithms
         times, errors = np.log(rk4.time_per_run.values), np.log(rk4.max_trajectory_error.values)
         there = np.exp(np.interp(np.log(peer.solver_time_per_run.values), times, errors))
         wins.append(
@@ -76,7 +76,7 @@ def _heyoka_wins_below(work: xr.Dataset) -> float:
 
 
 def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time: xr.DataArray) -> tuple[str, float]:
-    """Who reaches ``EXACTING`` first, and the milliseconds that it takes."""
+    """The fastest along a dimension that reaches ``EXACTING``, and its milliseconds."""
     error, time = error.sel({dimension: data[dimension]}), time.sel({dimension: data[dimension]})
     enough = time.where(error <= EXACTING).min(set(time.dims) - {dimension})
     return enough.idxmin(dimension).item(), 1e3 * enough.min().item()
@@ -94,7 +94,7 @@ def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time:
     },
 )
 def of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
-    """What an error costs, and what is the cheapest."""
+    """Cost of an error, and the cheapest schemes."""
     spring = work.sel(problem="hardening", periods=100)
     rk4 = spring.sel(scheme="rk4").isel(steps_per_period=-1)
     heyoka = spring.sel(solver="heyoka").isel(tolerance=-1)
@@ -149,7 +149,7 @@ def of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
     },
 )
 def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
-    """Measured over linear: loss of amplitude of damped schemes, elongation of some that do not damp."""
+    """Ratios of measured to linear loss of amplitude and elongation, with damped and undamped schemes."""
     linear = spectral.sel(damping_ratio=0.0).interp(dt_over_period=1 / 64)
     measured = accuracy.sel(steps_per_period=64, periods=3, problem=["hardening", "softening"])
     loss = measured.amplitude_decay / linear.amplitude_decay
@@ -174,7 +174,7 @@ def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
     },
 )
 def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
-    """What linear theory says of the schemes, and where it stops to hold."""
+    """Properties of the schemes by linear theory, and where the springs depart from it."""
     free = spectral.sel(damping_ratio=0.0)
     damped = spectral.sel(damping_ratio=spectral.damping_ratio.max())
     unlimited = free.scheme.values[np.isinf(free.stability_limit.values)]

@@ -1,4 +1,4 @@
-"""Numbers of the text: what the tables and figures of the paper come to."""
+"""Numbers of the text: the tables and figures of the paper."""
 
 import numpy as np
 import xarray as xr
@@ -48,7 +48,7 @@ def of_cells(energy_error: xr.Dataset) -> dict:
 
 
 def _caught(drift: xr.Dataset) -> np.ndarray:
-    """Whole number of steps per oscillation that holds each run, 0 where none does.
+    """Whole number of steps per oscillation that holds each run, zero otherwise.
 
     A run is held if an oscillation takes that number at the end to one part in a thousand, and it has lost less than
     half of the energy that the runs at neighbouring step sizes have lost.
@@ -81,7 +81,7 @@ def of_drift(drift: xr.Dataset) -> dict:
 
 @numbers(portrait="phase_portrait/softening_large", asks={"phase_portrait.softening_large.schemes": _GROWING})
 def of_instability(portrait: xr.Dataset) -> dict:
-    """How far the energies grow."""
+    """Largest growth of the energies."""
     growth = 1 + portrait.energy_error.max("t") / 100
     return {f"growth_{name}": f"{growth.sel(scheme=name).item():.1f}" for name in _GROWING}
 

@@ -1,4 +1,4 @@
-"""Numbers of the text: maps of stability, what is behind them, and long times."""
+"""Numbers of the text: maps of stability, their causes, and long times."""
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ from paper.tables.verdicts import FAILURES, SPAN, is_outcome, near_1996
 
 @numbers(runs="long_times", asks={"long_times.schemes": ["central_difference", "energy_momentum", "yoshida4"]})
 def of_long_times(runs: xr.Dataset) -> dict:
-    """What the schemes themselves do over the longest runs, and laws and sizes of round-off."""
+    """Errors of the schemes over the longest runs, and laws and sizes of round-off."""
     last = runs.isel(periods=-1)
     law = runs.exponent.sel(quantity="energy_round_off")
     more = (runs.exponent.sel(quantity="phase_round_off") - law).sel(arithmetic="float64")
@@ -76,7 +76,7 @@ def of_stability(
     beyond = (roots.dt >= bifurcation.dt.values[chaotic.values.argmax()]) & (
         roots.dt < roots.unique_up_to.sel(scheme="average_acceleration")
     )
-    # NaN where no step size lies between the begin of the chaos and that of several roots
+    # NaN unless a step size lies between the onset of chaos and that of several roots
     in_chaos = roots.steps_together.sel(start="last_acceleration").where(beyond)
     told = chaotic & ~failed & (bifurcation.steps_until_apart > 0)
     a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(told)

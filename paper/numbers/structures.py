@@ -37,7 +37,7 @@ def of_structures(
     stiff_bar: xr.Dataset,
     stiff_truss: xr.Dataset,
 ) -> dict:
-    """Energies of stiff structures and of those that turn, and how well one of them is known."""
+    """Energies of stiff and turning structures, and the tolerance of a reference."""
     data = {"structures": structures}
     runs = kept(data, TURNING)
     lost = by_name((~runs).sum(["problem", "steps_per_period"]))

@@ -1,4 +1,4 @@
-"""Houbolt's method under every start: the cell that tells them apart, and how many cells each gets right."""
+"""Houbolt's method under every start: the cell that distinguishes them, and the cells that each reproduces."""
 
 import pandas as pd
 import xarray as xr
@@ -12,7 +12,7 @@ from paper.rounding import once, same, twice
     houbolt_start="houbolt_start", asks={"houbolt_start.problems": PROBLEMS, "houbolt_start.steps_per_period": STEPS}
 )
 def tabulate(houbolt_start: xr.Dataset) -> pd.DataFrame:
-    """One row a start."""
+    """One row per start."""
     error = houbolt_start.max_energy_error.sel(problem=PROBLEMS, steps_per_period=STEPS)
     printed = printed_energy_errors().sel(scheme="houbolt")
     at = error.sel(problem="hardening", steps_per_period=20)

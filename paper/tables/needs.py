@@ -1,4 +1,4 @@
-"""What accuracy costs with every scheme: steps per period and time for an error of the displacement."""
+"""Cost of accuracy with every scheme: steps per period and time for an error of the displacement."""
 
 import pandas as pd
 import xarray as xr
@@ -18,7 +18,7 @@ PROBLEM, MEASURE, PERIODS = "hardening", "max_trajectory_error", 100
     },
 )
 def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme, a column an error; a dash where no step size of the study keeps it."""
+    """One row per scheme, one column per error; a dash where no step size of the study keeps it."""
     needs = recommendation.sel({"problem": PROBLEM, "measure": MEASURE, "periods": PERIODS})
     rows = []
     for part in families(needs).values():

@@ -28,7 +28,7 @@ def observed(run: xr.Dataset) -> dict[str, str]:
 
 @table(accuracy="accuracy", asks={"accuracy.schemes": SCHEMES, "accuracy.periods": sorted(set(PERIODS.values()))})
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
-    """One row a problem and scheme."""
+    """One row per problem and scheme."""
     accuracy = of_the_paper(accuracy)
     return pd.DataFrame(
         {"Problem": problem, **observed(accuracy.sel(problem=problem, scheme=scheme))}

@@ -13,6 +13,6 @@ PROBLEM = "softening"
 
 @table(accuracy="accuracy", asks={"accuracy.problems": [PROBLEM], "accuracy.periods": sorted(set(PERIODS.values()))})
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme."""
+    """One row per scheme."""
     parts = families(accuracy.sel(problem=PROBLEM)).values()
     return pd.DataFrame(observed(part.sel(scheme=name)) for part in parts for name in part.scheme.values)

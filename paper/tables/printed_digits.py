@@ -15,7 +15,7 @@ _UNEXPLAINED = "by no rounding; see the text"
 
 @table(energy_error="energy_error", asks=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
-    """One row a cell whose value, rounded once, is not the printed one."""
+    """One row per cell whose value, rounded once, is not the printed one."""
     printed = printed_energy_errors()
     ours = of_the_tables(energy_error).max_energy_error.sel(period_used="printed")
     rows = []

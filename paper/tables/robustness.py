@@ -14,7 +14,7 @@ def _steps(value: float, most: int) -> str:
 
 @table(robustness="stability/robustness", asks={"robustness.periods": rising("robustness.periods")})
 def tabulate(robustness: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme, over the longest runs, the levels of each problem side by side."""
+    """One row per scheme, over the longest runs, the levels of each problem side by side."""
     most = int(robustness.most_steps)
     rows = []
     for scheme in robustness.scheme.values:

@@ -1,14 +1,18 @@
 """The page of the maps, in a browser that reaches no network."""
 
 import shutil
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from paper.data import SOURCE
 from paper.explorer.data import cases_source, coarse
-from paper.explorer.page import explorer
+from paper.products import PRODUCTS, discover
 
+discover(["explorer"])
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 needs_browser = pytest.mark.skipif(
     not (CHROMIUM and DRIVER), reason="needs chromium and chromedriver (Debian: chromium, chromium-driver)"
@@ -69,10 +73,17 @@ def datasets():
 
 
 def _made(datasets, folder):
-    """The page of the datasets, in a folder."""
-    atlas, portraits, amplitudes, *cases = datasets
+    """The page as the pipeline makes it."""
+    atlas, portraits, amplitudes, case = datasets
+    read = {"atlas": [atlas], "portraits": [portraits], "amplitudes": [amplitudes], "cases": [case] * 4}
+    product = PRODUCTS["page", "explorer"]
+    for argument, names in product.reads.items():
+        for name, dataset in zip([names] if isinstance(names, str) else names, read[argument], strict=True):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            dataset.assign_attrs(source=SOURCE).to_netcdf(folder / f"{name}.nc")
     page = folder / "explorer.html"
-    page.write_text(explorer(atlas, portraits, amplitudes, cases), encoding="utf-8")
+    command = [sys.executable, "-m", "paper.products", product.module, product.name, folder, page]
+    subprocess.run(command, check=True)
     return page
 
 
