@@ -1,1 +1,1 @@
-"""Figures, tables, ledger of claims and manuscript: everything here reads datasets and nothing else."""
+"""Figures, tables, numbers, ledger of claims and manuscript; all are made from datasets alone."""

@@ -6,10 +6,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.published import SCHEMES
+from paper.published import PROBLEMS, SCHEMES, STEPS
 
 #: The attribute ``source`` of every dataset of the study.
 SOURCE = "study: time integration schemes on non-linear dynamic equations"
+
+#: Structures that turn, so that their stiff modes are not linear.
+TURNING = ["elastic_pendulum", "spinning_truss"]
 
 
 def _check_there(path: Path) -> None:
@@ -58,6 +61,11 @@ def load_table(path: str | Path) -> pd.DataFrame:
 def of_the_paper(dataset: xr.Dataset) -> xr.Dataset:
     """The part of a dataset with the schemes of 1996, in the order of the paper's tables."""
     return dataset.sel(scheme=SCHEMES)
+
+
+def of_the_tables(energy_errors: xr.Dataset) -> xr.Dataset:
+    """The part of a dataset with the schemes, problems and step sizes of Tables 1 and 2, in their order."""
+    return of_the_paper(energy_errors).sel(problem=PROBLEMS, steps_per_period=STEPS)
 
 
 def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:

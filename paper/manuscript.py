@@ -5,11 +5,12 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+from paper.asks import Ask
 from paper.products import Product, declare
 
 TEXT = Path(__file__).with_name("manuscript.typ")
 
-_COMMENT = re.compile(r"^\s*//.*$", re.MULTILINE)
+_COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
 #: Kind of what the text uses: how the text names it.
 _USES = {
     "number": re.compile(r'(?<![\w."])n\.(?:at\("([^"]+)"\)|(?!at\()([A-Za-z_]\w*))'),
@@ -59,9 +60,21 @@ def made_in(results: Path) -> dict[str, set[str]]:
     }
 
 
+def _three(key: str) -> Ask:
+    """Require three springs, of which the text speaks and for which it has columns."""
+    return lambda names: (
+        None if len(names) == 3 else f"{key} must have three springs, as the text has, not {len(names)}."
+    )
+
+
 #: What the text says without a number from the datasets.
 _ASKS = {
-    "cpu_time.problems": ["hardening", "softening"],
+    "large_steps.problems": ["hardening", "softening", "softening_large", "double_well"],
+    "sensitivity.problem": "double_well",
+    "stability.roots.paper_dt": 2.5,
+    "stability.numerical_map.problem": "double_well",
+    "atlas.problems": _three("atlas.problems"),
+    "robustness.problems": _three("robustness.problems"),
 }
 
 declare(Product("text", "manuscript", __name__, uses, {}, "", _ASKS))

@@ -1,4 +1,4 @@
-"""Observed orders of convergence, fitted where neither round-off nor the size of the error spoils them."""
+"""Observed orders of convergence, fitted where errors are neither dominated by round-off nor saturated."""
 
 import numpy as np
 import xarray as xr

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from paper.asks import value_at
 from paper.data import load, load_table
 
 #: Requirements on the configuration by dotted key. A list must be contained in the value, and any other object must
@@ -131,13 +132,6 @@ def discover(places: Iterable[str] = PLACES) -> list[Product]:
     return sorted(found, key=lambda product: (product.kind, product.name))
 
 
-def _value(config: Any, key: str) -> Any:
-    """The value at a dotted key, or a list of values where a part of the key leads into a list of mappings."""
-    for part in filter(None, key.split(".")):
-        config = [one[part] for one in config] if isinstance(config, list) else config[part]
-    return config
-
-
 def check(products: Iterable[Product], config: dict) -> None:
     """Refuse a configuration that lacks what a product asks.
 
@@ -149,7 +143,7 @@ def check(products: Iterable[Product], config: dict) -> None:
     for product in products:
         for key, asked in product.asks.items():
             try:
-                value = _value(config, key)
+                value = value_at(config, key)
             except (KeyError, TypeError):
                 raise ValueError(f"{key} is missing, and {product.label} needs it.") from None
             if callable(asked):
@@ -192,7 +186,7 @@ def main(module: str, name: str, results: str, output: str) -> None:
         raise SystemExit(f"{module} declares no product '{name}'.")
     (product,) = of_module
     path = Path(output)
-    # by its name, so that a change of the style concerns figures only: each of their modules imports it
+    # imported by name, so that only figures, whose modules import the style, depend on its source
     style = importlib.import_module("paper.figures.style") if product.kind == "figure" else None
     one = made(product, reader(Path(results)))
     if style is not None:
@@ -210,6 +204,6 @@ def write_table(frame: Any, output: Path) -> None:
 
 
 if __name__ == "__main__":
-    from paper import products  # declarations enter in this module, of which the running one is a copy
+    from paper import products  # the module that holds the declarations; the running one is a copy
 
     products.main(*sys.argv[1:])

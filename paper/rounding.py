@@ -1,11 +1,11 @@
-"""How the numbers of 1996 were rounded: to two decimals first, and from there to one."""
+"""How the numbers of 1996 were rounded: first to two decimals, then to one."""
 
 import numpy as np
 import xarray as xr
 
 
 def _half_up(values: xr.DataArray, decimals: int) -> xr.DataArray:
-    # what is within round-off of a half counts as one
+    # a value within round-off of a half counts as a half
     return np.floor(values * 10**decimals + 0.5 + 1e-9) / 10**decimals
 
 

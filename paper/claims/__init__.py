@@ -1,1 +1,1 @@
-"""The ledger of claims: every checkable statement of the paper, and what the datasets say of it."""
+"""The ledger of claims: every checkable statement of the paper and its verdict from the datasets."""

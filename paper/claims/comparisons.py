@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from paper.asks import steps_of_portrait
 from paper.claims.introduction import PERIODS
 from paper.claims.ledger import Data, Finding, by_name, claim, errors, listed
 
@@ -59,6 +60,7 @@ def _late_over_early(data: Data, problem: str) -> dict[str, float]:
     "The energy error grows with time, in some cases with small oscillations.",
     "error in the last tenth of the time over that in the first tenth, hardening at T/20",
     reads=["phase_portrait/hardening"],
+    asks={"phase_portrait.hardening": steps_of_portrait("phase_portrait.hardening", 10)},
 )
 def error_grows_with_time(data):
     growth = _late_over_early(data, "hardening")
@@ -150,7 +152,8 @@ def runge_kutta_at_large_steps(data):
 )
 def runge_kutta_converges_fastest(data):
     error = errors(data, "hardening").sel(steps_per_period=[100, 200])
-    order = by_name(np.log2(error.isel(steps_per_period=0) / error.isel(steps_per_period=1)))
+    ratio = error.isel(steps_per_period=0) / error.isel(steps_per_period=1)
+    order = by_name(ratio.copy(data=np.log2(ratio.values)))
     others = max(value for name, value in order.items() if name != "rk4")
     return Finding(listed(order, ".2f"), order["rk4"] > others + 1)
 

@@ -10,6 +10,20 @@ from paper.claims.ledger import Data, Finding, by_name, claim, errors, listed
 IMPLICIT_NEWMARK = ["average_acceleration", "newmark_dissipative"]
 
 
+def _some_up_to_a_twentieth(dt_over_period: list[float]) -> str | None:
+    """A sentence if all steps are larger than T/20."""
+    if min(dt_over_period) <= 0.05:
+        return None
+    return "large_steps.dt_over_period has none up to 0.05, of which the ledger decides a claim."
+
+
+def _some_above_a_fifth(dt_over_period: list[float]) -> str | None:
+    """A sentence if all steps are smaller than T/5."""
+    if max(dt_over_period) > 0.2:
+        return None
+    return "large_steps.dt_over_period has none above 0.2, of which the ledger decides a claim."
+
+
 def _both(data: Data, steps_per_period: int):
     """The larger of a scheme's errors on the two springs."""
     both = [errors(data, name).sel(steps_per_period=steps_per_period) for name in ("hardening", "softening")]
@@ -34,6 +48,7 @@ def accuracy_varies(data):
     "largest error at Δt ≤ T/20 by problem, in percent",
     "4.1 to 7.3 on the two springs",
     reads=["large_steps"],
+    asks={"large_steps.problems": ["hardening", "softening"], "large_steps.dt_over_period": _some_up_to_a_twentieth},
 )
 def reasonable_below_a_twentieth(data):
     large = data["large_steps"].max_energy_error.sel(scheme=FAITHFUL)
@@ -193,6 +208,7 @@ def explicit_schemes_at_large_steps(data):
     "At such large steps the results of the other schemes are often meaningless.",
     "shares of the runs of the five implicit schemes at Δt > T/5 by what became of them",
     reads=["large_steps"],
+    asks={"large_steps.dt_over_period": _some_above_a_fifth},
 )
 def other_schemes_at_large_steps(data):
     large = data["large_steps"].drop_sel(scheme=EXPLICIT)
@@ -209,6 +225,7 @@ def other_schemes_at_large_steps(data):
     "At such large steps they are sometimes chaotic.",
     "distance of two runs that start 1e-10 apart in the double well at Δt = 2.5, the larger of its last two values",
     reads=["sensitivity"],
+    asks={"sensitivity.problem": "double_well"},
 )
 def other_schemes_may_be_chaotic(data):
     separation = data["sensitivity"].separation.drop_sel(scheme=EXPLICIT).isel(t=slice(-2, None)).max("t")

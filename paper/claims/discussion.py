@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from paper.asks import OF_THE_DRIFT, rising
 from paper.claims.comparisons import DISSIPATIVE, claim_period
 from paper.claims.ledger import Finding, by_name, claim, errors, listed
 
@@ -15,6 +16,7 @@ DAMPED = [*DISSIPATIVE, "hht_alpha"]
     "On the softening spring at T/20 Runge-Kutta is the most accurate of the seven.",
     "errors at T/20, softening",
     reads=["energy_error", "energy_drift"],
+    asks=OF_THE_DRIFT,
 )
 def runge_kutta_is_best(data):
     at = errors(data, "softening").sel(steps_per_period=20)
@@ -46,6 +48,7 @@ def runge_kutta_at_a_twenty_fifth(data):
     "A smaller step often makes a result less accurate.",
     "shares of neighbouring step sizes at which it does: Runge-Kutta from T/10 to T/40, softening",
     reads=["energy_drift"],
+    asks=OF_THE_DRIFT,
 )
 def smaller_may_be_worse(data):
     drift = np.abs(data["energy_drift"].energy_drift.values)
@@ -58,6 +61,10 @@ def smaller_may_be_worse(data):
     "With average acceleration a smaller step may turn a stable solution into an unstable one (after Xie and Steven).",
     "softening spring from u₀ = 10: a larger step with error below 10 %, a smaller one with error above 100 %",
     reads=["large_steps"],
+    asks={
+        "large_steps.problems": ["softening_large"],
+        "large_steps.dt_over_period": rising("large_steps.dt_over_period"),
+    },
 )
 def smaller_may_be_unstable(data):
     error = (
@@ -81,6 +88,7 @@ def smaller_may_be_unstable(data):
     "largest spectral radius less one",
     "0",
     reads=["spectral"],
+    asks={"spectral.damping_ratios": [0.0]},
 )
 def five_are_unconditionally_stable(data):
     excess = data["spectral"].spectral_radius.sel(scheme=UNCONDITIONAL, damping_ratio=0).max().item() - 1
@@ -92,6 +100,7 @@ def five_are_unconditionally_stable(data):
     "The two others are not.",
     "smallest Δt/T at which the spectral radius exceeds one (theory: 1/π and √2/π)",
     reads=["spectral"],
+    asks={"spectral.damping_ratios": [0.0]},
 )
 def two_are_not(data):
     radius = data["spectral"].spectral_radius.sel(scheme=EXPLICIT, damping_ratio=0)
@@ -106,6 +115,7 @@ def two_are_not(data):
     "On non-linear systems unconditional stability is lost.",
     "which of these five gain more energy than they started with on the softening spring, from either u₀",
     reads=["large_steps"],
+    asks={"large_steps.problems": ["softening", "softening_large"]},
 )
 def stability_is_lost(data):
     large = data["large_steps"].sel(problem=["softening", "softening_large"], scheme=UNCONDITIONAL)
@@ -136,7 +146,13 @@ def alpha_is_unstable(data):
     )
 
 
-@claim("4", "The α-method has moderate numerical damping.", "1 − spectral radius at T/20", reads=["spectral"])
+@claim(
+    "4",
+    "The α-method has moderate numerical damping.",
+    "1 − spectral radius at T/20",
+    reads=["spectral"],
+    asks={"spectral.damping_ratios": [0.0]},
+)
 def alpha_is_moderate(data):
     radius = data["spectral"].spectral_radius.sel(scheme=UNCONDITIONAL, damping_ratio=0)
     damping = by_name(1 - radius.sel(dt_over_period=0.05, method="nearest"))
@@ -164,6 +180,7 @@ def step_is_a_third(data):
     "At this step average acceleration becomes chaotic.",
     "distance of two runs that start 1e-10 apart: steps until it exceeds 0.1",
     reads=["sensitivity"],
+    asks={"sensitivity.problem": "double_well"},
 )
 def average_acceleration_is_chaotic(data):
     separation = data["sensitivity"].separation.sel(scheme="average_acceleration").values

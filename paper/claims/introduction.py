@@ -42,6 +42,7 @@ def solutions_are_periodic(data):
     "The period can be found analytically or by integration with very small steps.",
     "relative error of the period by CVODE, diffrax and heyoka at their tightest tolerance",
     reads=["reference_agreement"],
+    asks={"references.problems": list(PERIODS)},
 )
 def period_by_every_route(data):
     best = by_name(data["reference_agreement"].period_error.min("tolerance").max("problem"))
@@ -53,6 +54,7 @@ def period_by_every_route(data):
     "Even on a simple unforced oscillator the Newmark method may predict chaos.",
     "growth of a perturbation of 1e-10 under average acceleration in the double well",
     reads=["sensitivity"],
+    asks={"sensitivity.problem": "double_well"},
 )
 def newmark_may_be_chaotic(data):
     separation = data["sensitivity"].separation.sel(scheme="average_acceleration")
@@ -80,6 +82,7 @@ def newmark_beta_zero_is_central_difference(data):
     "error on the hardening spring at T/20 by start",
     "97.3 %",
     reads=["houbolt_start"],
+    asks={"houbolt_start.problems": ["hardening"], "houbolt_start.steps_per_period": [20]},
 )
 def start_of_houbolt(data):
     at = data["houbolt_start"].max_energy_error.sel(problem="hardening", steps_per_period=20)

@@ -1,4 +1,4 @@
-"""What a claim is, and how the datasets decide it."""
+"""Claims, their declaration, and the verdict from the datasets."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -8,9 +8,10 @@ from typing import Any
 
 import xarray as xr
 
+from paper.asks import OF_THE_TABLES
 from paper.data import of_the_paper
 from paper.products import Product, declare
-from paper.published import SCHEMES
+from paper.published import PROBLEMS, SCHEMES
 
 Data = Mapping[str, xr.Dataset]
 
@@ -25,10 +26,10 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """Our value as a text, whether the claim holds, and what must be added if it holds only in part.
+    """Our value as a text, whether the claim holds, and a qualification.
 
-    ``qualification`` is stated whether the claim holds or not: with it a claim that holds is reproduced with a
-    qualification, and for one that does not hold it is the reason.
+    A claim that holds with a qualification is reproduced with that qualification. If a claim does not hold, its
+    qualification is the reason.
     """
 
     ours: str
@@ -37,7 +38,7 @@ class Finding:
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict out of ``holds`` and ``qualification``."""
+        """Verdict from ``holds`` and ``qualification``."""
         if not self.holds:
             return Verdict.NOT_REPRODUCED
         return Verdict.QUALIFIED if self.qualification else Verdict.REPRODUCED
@@ -45,7 +46,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper in our words, the quantity that decides it, and the printed value."""
+    """A statement in our words, the quantity that decides it, the printed value, and the product that checks it."""
 
     section: str
     statement: str
@@ -116,7 +117,14 @@ def claim(
             seen = {name: _cut(dataset) if from_the_paper else dataset for name, dataset in datasets.items()}
             return check(Declared(statement, seen))
 
-        own = {f"{name.replace('/', '.')}.schemes": SCHEMES for name in reads if name.startswith(_OVER_SCHEMES)}
+        own: dict[str, Any] = {}
+        for name in reads:
+            if name.startswith(_OVER_SCHEMES):
+                own[f"{name.replace('/', '.')}.schemes"] = SCHEMES
+            if name == "energy_error":
+                own |= OF_THE_TABLES
+            if name == "cpu_time":
+                own["cpu_time.problems"] = PROBLEMS
         product = Product(
             kind="claim",
             name=f"{check.__module__}:{check.__name__}",

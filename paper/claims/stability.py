@@ -1,11 +1,12 @@
-"""Claims about stability at large steps and over long times, ours and the paper's, on the maps."""
+"""Claims of ours about stability at large steps and over long times."""
 
+from paper.asks import rising, spans
 from paper.claims.ledger import Finding, by_name, claim, listed
-from paper.tables.verdicts import is_outcome, near_1996
+from paper.tables.verdicts import is_outcome, near_1996, some_near_1996
 
-#: A map whose exponent is larger than this, a step, is chaotic: a regular one of a thousand steps has less than 0.01.
+#: Lyapunov exponent per step above which a map is chaotic; a regular map has less than 0.01 after a thousand steps.
 CHAOTIC = 0.05
-#: Schemes that damp, of those of the paper.
+#: The paper's schemes with numerical damping.
 DAMPED = ["newmark_dissipative", "wilson_theta", "houbolt", "hht_alpha"]
 
 
@@ -14,6 +15,7 @@ DAMPED = ["newmark_dissipative", "wilson_theta", "houbolt", "hht_alpha"]
     "Δt < T/20 is reasonable for average acceleration, at every amplitude and for long.",
     "steps a period that keep the energy within 10 % over the longest runs at all amplitudes, by problem",
     reads=["stability/robustness"],
+    asks={"robustness.schemes": ["average_acceleration"], "robustness.periods": rising("robustness.periods")},
 )
 def a_twentieth_at_every_amplitude(data):
     robustness = data["stability/robustness"]
@@ -32,6 +34,11 @@ def a_twentieth_at_every_amplitude(data):
     "In the double well at Δt = 2.5 average acceleration is chaotic.",
     "Lyapunov exponent of its map, a step, and steps until a perturbation of 1e-10 is of order one",
     reads=["stability/bifurcation"],
+    asks={
+        "stability.bifurcation.problem": "double_well",
+        "stability.bifurcation.scheme": "average_acceleration",
+        "stability.bifurcation.dt": spans("stability.bifurcation.dt", 2.5),
+    },
 )
 def chaos_of_average_acceleration(data):
     at = data["stability/bifurcation"].sel(dt=2.5, method="nearest")
@@ -44,6 +51,7 @@ def chaos_of_average_acceleration(data):
     "Where the effective equation of a step has several roots, Newton's choice among them decides.",
     "spread of the displacements that Newton finds from different starts at the step size of the paper, by scheme",
     reads=["stability/roots"],
+    asks={"stability.roots.problem": "double_well", "stability.roots.paper_dt": 2.5},
 )
 def several_roots(data):
     roots = data["stability/roots"]
@@ -58,6 +66,7 @@ def several_roots(data):
     "Numerical damping keeps the schemes of the paper from chaos.",
     "part of their runs that end chaotic on the maps at amplitudes like those of 1996, in percent",
     reads=["stability/atlas"],
+    asks={"atlas.schemes": DAMPED, "atlas.amplitudes": some_near_1996},
 )
 def damping_against_chaos(data):
     near = near_1996(data["stability/atlas"]).sel(scheme=DAMPED)

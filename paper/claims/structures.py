@@ -1,25 +1,27 @@
-"""What becomes of the paper's verdicts on structures, which it did not compute: claims of ours, decided alike."""
+"""Claims of ours: the paper's verdicts applied to structures, which the paper did not compute."""
 
 import numpy as np
 import xarray as xr
 
+from paper.asks import samples_of_history
 from paper.claims.comparisons import DISSIPATIVE, FAITHFUL
 from paper.claims.discussion import EXPLICIT
 from paper.claims.ledger import Data, Finding, by_name, claim, listed
-from paper.published import printed_energy_errors
+from paper.data import TURNING
+from paper.published import SCHEMES
 
-#: A run is kept if it ends with its balance of energies within so many percent.
+#: Largest error of the balance of energies of a kept run, in percent.
 KEPT = 10.0
 #: Structures with modes far too fast for the steps.
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
-#: Those of them that turn, so that their stiff modes are not linear.
-TURNING = ["elastic_pendulum", "spinning_truss"]
+#: Samples of a history after its start of which the last half has the three that an alternation takes.
+SAMPLES_OF_SAWTOOTH = 4
 
 
 def kept(data: Data, problems: list[str] | None = None) -> xr.DataArray:
     """Whether a run ended with its balance of energies kept, over problem, scheme and steps_per_period.
 
-    Of the problems that are given those count that were computed.
+    Given problems that were not computed are left out.
     """
     runs = data["structures"]
     if problems is not None:
@@ -43,9 +45,10 @@ def _share(runs: xr.DataArray, schemes: list[str]) -> dict[str, float]:
     "Average acceleration and central difference are the ones to take.",
     "share of all runs on structures that keep the balance of energies within 10 %, of the paper's schemes, in percent",
     reads=["structures"],
+    asks={"structures.schemes": SCHEMES},
 )
 def faithful_on_structures(data):
-    share = _share(kept(data), printed_energy_errors().scheme.values.tolist())
+    share = _share(kept(data), SCHEMES)
     best = sorted(share, key=share.__getitem__, reverse=True)[:2]
     holding = [name for name in FAITHFUL if name in best]
     return Finding(
@@ -63,6 +66,7 @@ def faithful_on_structures(data):
     "Newmark (γ = 0.6), Houbolt and Wilson damp too strongly.",
     "largest error of the balance of energies on the Fermi-Pasta-Ulam chain at the finest step, in percent",
     reads=["structures"],
+    asks={"structures.lengths.problem": ["fpu_chain"], "structures.schemes": DISSIPATIVE},
 )
 def damping_on_the_chain(data):
     chain = data["structures"].max_energy_imbalance.sel(problem="fpu_chain", scheme=DISSIPATIVE)
@@ -75,6 +79,11 @@ def damping_on_the_chain(data):
     "Average acceleration oscillates spuriously where a mode is too stiff for the step.",
     "alternating part of the velocity of the mass on the stiff spring, T/20, late in the run",
     reads=["structure_history/stiff_soft"],
+    asks={
+        "structure_history.stiff_soft.problem": "stiff_soft",
+        "structure_history.stiff_soft.schemes": ["average_acceleration", "bathe"],
+        "structure_history.stiff_soft": samples_of_history("structure_history.stiff_soft", SAMPLES_OF_SAWTOOTH),
+    },
 )
 def spurious_oscillation(data):
     history = data["structure_history/stiff_soft"]
@@ -92,6 +101,10 @@ def spurious_oscillation(data):
     "Where stiff modes turn, trapezoidal and midpoint rule blow up or lose Newton; energy-momentum does neither.",
     "runs on those of such structures that took part that fail or leave the balance of energies by more than 10 %",
     reads=["structures"],
+    asks={
+        "structures.lengths.problem": ["elastic_pendulum"],
+        "structures.schemes": ["average_acceleration", "implicit_midpoint", "energy_momentum"],
+    },
 )
 def conserving_on_stiff_structures(data):
     runs = kept(data, TURNING)
@@ -109,6 +122,10 @@ def conserving_on_stiff_structures(data):
     "Explicit schemes are of no use where a mode is stiff, however slow the motion.",
     "runs on stiff structures that fail or leave the balance of energies by more than 10 %, in percent",
     reads=["structures"],
+    asks={
+        "structures.lengths.problem": ["stiff_soft", "elastic_pendulum", "fpu_chain"],
+        "structures.schemes": EXPLICIT,
+    },
 )
 def explicit_on_stiff_structures(data):
     runs = kept(data, STIFF)
@@ -126,6 +143,7 @@ def explicit_on_stiff_structures(data):
     "Δt < T/20 is reasonable for average acceleration.",
     "error of the displacement at 20 steps in the time scale of the motion, by structure, in percent",
     reads=["structures"],
+    asks={"structures.schemes": ["average_acceleration"], "structures.steps_per_period": [20]},
 )
 def a_twentieth_on_structures(data):
     runs = data["structures"].sel(scheme="average_acceleration", steps_per_period=20)

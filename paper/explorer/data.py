@@ -1,4 +1,4 @@
-"""What the page holds: maps, runs, exact orbits and the paper's own runs, as tables of Bokeh."""
+"""Data of the page as tables of Bokeh: maps, runs, exact orbits and the runs of the paper."""
 
 from collections.abc import Sequence
 
@@ -16,20 +16,20 @@ LEAST, MOST = 0.01, 100.0
 
 
 def _rounded(values: np.ndarray) -> np.ndarray:
-    """To ``DIGITS`` binary digits, in single precision."""
+    """Values rounded to ``DIGITS`` binary digits, in single precision."""
     mantissa, exponent = np.frexp(values)
     with np.errstate(over="ignore"):
         return np.ldexp(np.round(mantissa * 2.0**DIGITS), exponent - DIGITS).astype(np.float32)
 
 
 def _on_grid(values: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """To whole numbers of a power of two that is small beside the size, in single precision."""
+    """Values rounded to multiples of a power of two that is small compared with the size, in single precision."""
     step = 2.0 ** (np.floor(np.log2(size)) - DIGITS_OF_ORBIT)
     return (np.round(values / step) * step).astype(np.float32)
 
 
 def coarse(dataset: xr.Dataset) -> xr.Dataset:
-    """A map without the cells that are too many for the page."""
+    """A map thinned to at most ``CELLS`` amplitudes and step sizes."""
     strides = {name: -(-dataset.sizes[name] // CELLS) for name in ("amplitude", "dt_over_period")}
     return dataset.isel({name: slice(None, None, stride) for name, stride in strides.items()})
 
@@ -50,7 +50,7 @@ def maps_source(atlas: xr.Dataset) -> ColumnDataSource:
         }
         columns.setdefault("outcome", []).append(one.outcome.values)
         for name, image in images.items():
-            # NaN is written by Bokeh's tooltips themselves, as NaN; infinity is left to a formatter
+            # Bokeh's tooltips write NaN as such and leave infinity to a formatter
             columns.setdefault(name, []).append(_rounded(image.fillna(np.inf).transpose(*one.outcome.dims).values))
     return ColumnDataSource(columns)
 
@@ -88,10 +88,10 @@ def orbits_source(exact: xr.Dataset) -> ColumnDataSource:
 
 
 def cases_source(atlas: xr.Dataset, cases: Sequence[xr.Dataset]) -> ColumnDataSource:
-    """Where the paper's own runs lie in the maps."""
+    """Places of the paper's runs in the maps."""
     columns: dict[str, list] = {"problem": [], "x": [], "y": [], "label": []}
     for case in cases:
-        # the softening spring has a second name for its large amplitude
+        # the softening spring has another name at its large amplitude
         problem = next(name for name in atlas.problem.values.tolist() if case.problem.startswith(name))
         of_problem, u0, dt = atlas.sel(problem=problem), case.u.isel(scheme=0, t=0).item(), case.dt.item()
         x, y = np.log10([of_problem.u0, of_problem.period]), np.log10(of_problem.amplitude)

@@ -18,7 +18,7 @@ from paper.explorer.plane import draw_maps, map_plane, mark_cases, portrait_pane
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import page
 
-#: What to show first: the run of the paper that surprises most.
+#: The run that is shown first: the most surprising run of the paper.
 FIRST: dict[str, Any] = {"problem": "softening", "scheme": "hht_alpha", "amplitude": 2.5, "dt_over_period": 0.125}
 
 
@@ -145,6 +145,7 @@ def _document(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, 
         "phase_portrait/softening_large",
         "phase_portrait/double_well",
     ],
+    asks={"atlas.problems": ["hardening", "softening", "double_well"], "atlas.schemes": [FIRST["scheme"]]},
 )
 def explorer(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, cases: list[xr.Dataset]) -> str:
     """The page with all that it needs, the same text for the same data."""

@@ -24,7 +24,7 @@ from bokeh.plotting import figure
 from paper.explorer.data import LEAST, MOST
 from paper.figures.style import OUTCOME_STYLES
 
-#: Light where little is lost, and about zero; and nothing at all.
+#: Palettes that are light at small errors and near zero, and a transparent colour.
 REDS, BLUE_TO_RED = interp_palette(YlOrRd9[::-1], 256), interp_palette(RdBu11, 256)
 CLEAR = "#0000"
 
@@ -51,7 +51,7 @@ def _edges(axis: xr.DataArray) -> tuple[float, float]:
 
 
 def _logarithmic(axis: Axis, labels: dict[float, str]) -> None:
-    """Ticks of an axis of powers of ten, where the mouse finds cells of one width, labelled as what they are powers."""
+    """Place and label the ticks of an axis whose numbers are exponents of ten, so that all cells have one width."""
     places = {float(np.log10(value)): label for value, label in labels.items()}
     axis.ticker = FixedTicker(ticks=list(places))
     axis.major_label_overrides = places
@@ -73,13 +73,13 @@ def map_plane(atlas: xr.Dataset) -> figure:
     plane.grid.visible = False
     _logarithmic(plane.xaxis, {1 / n: f"T/{n}" for n in (100, 50, 20, 10, 5, 2)} | {1.0: "T"})
     _logarithmic(plane.yaxis, {y: f"{y:g}" for y in (0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100)})
-    # the step that the paper takes for fine enough
+    # the step that the paper recommends
     plane.add_layout(Span(location=np.log10(1 / 20), dimension="height", line_color="black", line_dash="dashed"))
     return plane
 
 
 def draw_maps(plane: figure, maps: ColumnDataSource, view: CDSView) -> tuple[dict[str, list], HoverTool]:
-    """The parts of the plane that show each quantity, and what tells of the cell under the mouse."""
+    """Draw the maps; return their parts by quantity, and the tool that describes the cell under the mouse."""
     (left, right), (bottom, top) = ((span.start, span.end) for span in (plane.x_range, plane.y_range))
     place: dict[str, Any] = {"x": left, "y": bottom, "dw": right - left, "dh": top - bottom, "level": "image"}
 
@@ -91,7 +91,7 @@ def draw_maps(plane: figure, maps: ColumnDataSource, view: CDSView) -> tuple[dic
     for index, (label, colour) in enumerate(OUTCOME_STYLES.values()):
         alone = LinearColorMapper([colour], low=index - 0.5, high=index + 0.5, low_color=CLEAR, high_color=CLEAR)
         cells = image("outcome", alone, name=f"outcome {index}")
-        # an image has no sign in a legend; a square far outside has
+        # an image has no sign in a legend, so a square far outside the plane stands for it
         sign = plane.scatter([right + 10], [top], marker="square", size=12, color=colour, line_color="grey")
         legend.items.append(LegendItem(label=label, renderers=[sign, cells]))
         layers["outcome"].append(cells)
@@ -107,7 +107,7 @@ def draw_maps(plane: figure, maps: ColumnDataSource, view: CDSView) -> tuple[dic
         layers[quantity] = [image(quantity, mapper, visible=False), bar]
 
     return layers, HoverTool(
-        # whatever is hidden, the mouse finds this one
+        # this image is never hidden, so the mouse always finds it
         renderers=[image("outcome", LinearColorMapper([CLEAR]))],
         tooltips=[(label, f"@{name}{{custom}}") for name, label in _TOLD.items()],
         formatters={f"@{name}": CustomJSHover(code=_NUMBER) for name in _TOLD}

@@ -1,4 +1,4 @@
-"""Four measures of error against the step size: where energy misleads, the others tell."""
+"""Four measures of error against the step size."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from paper.data import of_the_paper
 from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
+from paper.published import SCHEMES
 
 MEASURES = {
     "max_trajectory_error": "largest error of $u$",
@@ -18,9 +19,13 @@ MEASURES = {
 PROBLEMS = ("hardening", "softening")
 
 
-@figure("Every measure of error against the step size.", accuracy="accuracy")
+@figure(
+    "Every measure of error against the step size.",
+    accuracy="accuracy",
+    asks={"accuracy.schemes": SCHEMES, "accuracy.problems": list(PROBLEMS), "accuracy.periods": [100]},
+)
 def draw(accuracy: xr.Dataset) -> Figure:
-    """A row a problem, a column a measure, over 100 periods; what is flagged as the reference's own is left out."""
+    """One row per problem, one column per measure, over 100 periods; errors within the reference's own are left out."""
     accuracy = of_the_paper(accuracy).sel(periods=100)
     figure, axes = plt.subplots(len(PROBLEMS), len(MEASURES), figsize=(PAGE, 0.62 * PAGE), sharex=True, sharey="col")
     for row, problem in zip(axes, PROBLEMS, strict=True):

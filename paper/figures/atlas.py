@@ -1,18 +1,29 @@
-"""How every scheme ends over step size and amplitude: what can be trusted, and what happens elsewhere."""
+"""Maps of how runs end over step size and amplitude, for the schemes of 1996."""
 
 import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
+from paper.asks import contained
 from paper.data import of_the_paper
 from paper.figures.outcome_map import PAPER_CASES, legend, outcome_map
 from paper.figures.style import PAGE
 from paper.products import figure
+from paper.published import SCHEMES
 
 
-@figure("How runs end over step size and amplitude, 1996.", atlas="stability/atlas", spectral="spectral")
+@figure(
+    "How runs end over step size and amplitude, 1996.",
+    atlas="stability/atlas",
+    spectral="spectral",
+    asks={
+        "": contained("atlas.schemes", "spectral.schemes"),
+        "spectral.damping_ratios": [0.0],
+        "atlas.schemes": SCHEMES,
+    },
+)
 def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
-    """One row a scheme of 1996, one column a problem."""
+    """One row per scheme, one column per problem."""
     atlas = of_the_paper(atlas)
     schemes, problems = atlas.scheme.values, atlas.problem.values
     figure, axes = plt.subplots(

@@ -1,4 +1,4 @@
-"""Order and chaos of the average acceleration method in the double well, and how soon neighbours part."""
+"""Order and chaos of the average acceleration method in the double well, and how soon neighbouring runs separate."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -29,7 +29,7 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     axes[1].plot(dt, a_step, ".", markersize=2, color="#0072B2")
     axes[1].axhline(0, color="black", linewidth=0.6)
     axes[1].set(ylabel="exponent, a step")
-    # what the exponent alone says: the perturbation grows by e^λΔt a step; not where the run ends before
+    # by the exponent λ alone a perturbation grows by e^λΔt per step; left out where the run ends before
     growth = np.log(bifurcation.order_one.item() / bifurcation.perturbation.item())
     chaotic = (a_step.values > growth / bifurcation.steps.item()) & (bifurcation.status == 0).values
     axes[2].semilogy(

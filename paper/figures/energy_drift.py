@@ -4,17 +4,18 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
+from paper.asks import OF_THE_DRIFT
 from paper.figures.style import PAGE
 from paper.products import figure
 from paper.published import printed_energy_errors
 
-#: The step sizes that the paper sets against each other, and where their labels go.
+#: The two step sizes that the paper compares, and the places of their labels.
 _MARKED = {20: (21.5, -70), 25: (26.5, -40)}
 
 
-@figure("Runge-Kutta caught by resonances.", drift="energy_drift")
+@figure("Runge-Kutta caught by resonances.", drift="energy_drift", asks=OF_THE_DRIFT)
 def draw(drift: xr.Dataset) -> Figure:
-    """Above the signed drift, below how many steps one of the last oscillations takes, over the step size."""
+    """Signed drift (above) and steps per oscillation at the end (below) over the step size."""
     figure, (above, below) = plt.subplots(2, 1, figsize=(PAGE, 0.55 * PAGE), sharex=True)
     parts = drift.steps_per_period
     above.axhline(0, color="0.7", linewidth=0.6)

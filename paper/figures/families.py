@@ -1,4 +1,4 @@
-"""Speed against error for every scheme, a panel a family."""
+"""Error against time for every scheme, one panel per family."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -7,11 +7,19 @@ from paper.figures.style import a_panel_for_each_family, legend_beside, looks
 from paper.products import figure
 
 PROBLEM, PERIODS = "hardening", 100
-#: Larger errors say only that the phase is lost.
+#: Largest error drawn; at larger ones the phase is lost.
 TOP = 3
 
 
-@figure("Speed against error for every scheme.", data="work_precision")
+@figure(
+    "Speed against error for every scheme.",
+    data="work_precision",
+    asks={
+        "work_precision.schemes.schemes": ["rk4"],
+        "work_precision.schemes.problems": [PROBLEM],
+        "work_precision.solvers.periods": [PERIODS],
+    },
+)
 def draw(data: xr.Dataset) -> Figure:
     """Error of the displacement against time; the classical Runge-Kutta method and heyoka in grey in every panel."""
     data = data.sel(problem=PROBLEM, periods=PERIODS)

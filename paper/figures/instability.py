@@ -14,6 +14,7 @@ SCHEME = "hht_alpha"
     "The α-method growing without bound.",
     portrait="phase_portrait/softening_large",
     reference="reference/softening_large",
+    asks={"phase_portrait.softening_large.schemes": [SCHEME]},
 )
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     """Displacement and phase portrait of the α-method over the exact ones in grey; energy of every scheme."""

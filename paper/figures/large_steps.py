@@ -1,4 +1,4 @@
-"""Where a step is small enough, and how each scheme fails where it is not."""
+"""Energy error over step sizes, and how runs fail at large steps."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -7,9 +7,11 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from paper.asks import rising
 from paper.data import of_the_paper
 from paper.figures.style import PAGE, letter
 from paper.products import figure
+from paper.published import SCHEMES
 
 #: Classes of the outcome: the better the lighter.
 CLASSES = {
@@ -28,7 +30,7 @@ _DAMPED, _FAILED = 4, 4
 def classify(run: xr.Dataset) -> np.ndarray:
     """Index of the class of every run.
 
-    Damped away is an error above 50 % that is loss at the end, to nine tenths at least of the largest error.
+    A run is damped away if its error exceeds 50 % and at least nine tenths of it are a loss of energy at the end.
     """
     error, drift = run.max_energy_error, run.energy_drift
     completed = np.digitize(np.nan_to_num(error, nan=0.0), _BOUNDS)
@@ -36,16 +38,23 @@ def classify(run: xr.Dataset) -> np.ndarray:
     return np.where(run.status == 0, completed, _FAILED + run.status)
 
 
-@figure("Where a step is small enough.", large_steps="large_steps")
+@figure(
+    "Where a step is small enough.",
+    large_steps="large_steps",
+    asks={"large_steps.schemes": SCHEMES, "large_steps.dt_over_period": rising("large_steps.dt_over_period")},
+)
 def draw(large_steps: xr.Dataset) -> Figure:
-    """One panel a problem, one row a scheme of 1996."""
+    """One panel per problem, one row per scheme of 1996."""
     large_steps = of_the_paper(large_steps)
-    figure, axes = plt.subplots(2, 2, figsize=(PAGE, 0.62 * PAGE), sharex=True, sharey=True)
+    lines = -(-large_steps.sizes["problem"] // 2)
+    figure, axes = plt.subplots(lines, 2, figsize=(PAGE, 0.31 * lines * PAGE), sharex=True, sharey=True, squeeze=False)
+    for empty in axes.ravel()[large_steps.sizes["problem"] :]:
+        empty.remove()
     parts = large_steps.dt_over_period.values
     edges = np.concatenate([[parts[0]], np.sqrt(parts[1:] * parts[:-1]), [parts[-1]]])
     colours = ListedColormap(list(CLASSES.values()))
     rows = np.arange(large_steps.sizes["scheme"] + 1) - 0.5
-    for index, (ax, problem) in enumerate(zip(axes.ravel(), large_steps.problem.values, strict=True)):
+    for index, (ax, problem) in enumerate(zip(axes.ravel(), large_steps.problem.values, strict=False)):
         one = large_steps.sel(problem=problem)
         outcome = classify(one)
         ax.pcolormesh(
@@ -58,7 +67,7 @@ def draw(large_steps: xr.Dataset) -> Figure:
         ax.minorticks_off()
         letter(ax, index, one.problem_title.item())
     axes[0, 0].invert_yaxis()
-    for ax in axes[1]:
+    for ax in axes[-1]:
         ax.set_xlabel("step size over period")
     handles = [Patch(facecolor=colour, edgecolor="0.5", label=name) for name, colour in CLASSES.items()]
     figure.legend(handles=handles, loc="outside lower center", ncols=4)

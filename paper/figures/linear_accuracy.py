@@ -1,4 +1,4 @@
-"""Period elongation and damping ratio of every scheme without physical damping, a row a family."""
+"""Period elongation and damping ratio of every scheme without physical damping, one row per family."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -13,7 +13,7 @@ from paper.products import figure
 TO = 0.4
 
 
-@figure("Period elongation and damping by linear theory.", spectral="spectral")
+@figure("Period elongation and damping by linear theory.", spectral="spectral", asks={"spectral.damping_ratios": [0.0]})
 def draw(spectral: xr.Dataset) -> Figure:
     """Elongation in percent (left) and algorithmic damping ratio in percent (right) against Δt/T, where stable."""
     data = spectral.sel(damping_ratio=0.0, dt_over_period=slice(None, TO))

@@ -1,4 +1,4 @@
-"""Energy and phase over very long times, and what round-off adds to them."""
+"""Errors of energy and phase over very long times, and their round-off."""
 
 import matplotlib.pyplot as plt
 import xarray as xr
@@ -14,7 +14,7 @@ _RANDOM, _DRIFTING = {"energy": (0.5, "½"), "phase": (1.5, "3/2")}, {"energy": 
 
 
 def _guide(ax: Axes, round_off: xr.DataArray, beside: float, law: tuple[float, str]) -> None:
-    """A line with the exponent of a law over the last decade and a half, a factor beside the round-off at the end."""
+    """Draw a line with the slope of a law over the last part of the run, a factor ``beside`` from the round-off."""
     exponent, label = law
     x = round_off.periods.values[round_off.periods.values >= round_off.periods.values[-1] / 50]
     last = round_off.isel(periods=-1)
@@ -25,7 +25,7 @@ def _guide(ax: Axes, round_off: xr.DataArray, beside: float, law: tuple[float, s
 
 @figure("Energy and phase over very long times, and round-off.", long_times="long_times")
 def draw(long_times: xr.Dataset) -> Figure:
-    """Above the errors in double precision and the round-off in them, below the round-off in single precision."""
+    """Errors and round-off in double precision (above), and round-off in single precision (below)."""
     figure, axes = plt.subplots(2, 2, figsize=(PAGE, 0.72 * PAGE), sharex=True)
     double = long_times.sel(arithmetic="float64", step="any")
     single = long_times.sel(arithmetic="float32", step="any")

@@ -10,7 +10,7 @@ from paper.products import figure
 
 @figure("Phase portraits of the numerical map.", numerical_map="stability/numerical_map")
 def draw(numerical_map: xr.Dataset) -> Figure:
-    """One row a scheme, one column a step size, one colour an initial displacement."""
+    """One row per scheme, one column per step size, one colour per initial displacement."""
     schemes, steps = numerical_map.scheme.values, numerical_map.dt.values
     figure, axes = plt.subplots(
         len(schemes),

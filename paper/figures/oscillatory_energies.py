@@ -1,4 +1,4 @@
-"""The Fermi-Pasta-Ulam chain: exchange of oscillatory energy between stiff springs, and what is kept of it for long."""
+"""The Fermi-Pasta-Ulam chain: exchange of oscillatory energy between stiff springs, and its sum over long times."""
 
 import matplotlib.pyplot as plt
 import xarray as xr
@@ -23,9 +23,13 @@ def total(history: xr.Dataset) -> xr.DataArray:
     "Energies of the stiff springs of the Fermi-Pasta-Ulam chain.",
     exchange="structure_history/energy_exchange",
     long_times="structure_history/long_times",
+    asks={
+        "structure_history.energy_exchange.problem": "fpu_chain",
+        "structure_history.long_times.problem": "fpu_chain",
+    },
 )
 def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
-    """One panel a scheme with the energies of the springs and their sum, and one with the sums over long times."""
+    """One panel per scheme with the energies of the springs and their sum, and one with the sums over long times."""
     names = exchange.scheme.values
     rows = -(-len(names) // 2) + 1
     figure = plt.figure(figsize=(PAGE, 0.25 * PAGE * rows))

@@ -15,7 +15,7 @@ from paper.figures.style import OUTCOME_STYLES
 
 
 class Case(NamedTuple):
-    """A run of the paper: where it lies on a map, and of which scheme it is, None for all."""
+    """A run of the paper: its place on a map, and its scheme, or None for all schemes."""
 
     title: str
     problem: str
@@ -37,7 +37,7 @@ PAPER_CASES = (
 )
 
 
-#: Look of the linear limit, which has to be seen on black and on white.
+#: Look of the linear limit, visible on black and on white.
 LIMIT: dict[str, Any] = {
     "color": "black",
     "linewidth": 1.1,
@@ -46,7 +46,7 @@ LIMIT: dict[str, Any] = {
 }
 
 
-#: Outcomes as an image, coloured by their flags: meshes, each rasterized on the whole page, would fill the memory.
+#: Options of an image of outcomes. A mesh would be rasterized on the whole page for each panel and fill the memory.
 IMAGE: dict[str, Any] = {
     "cmap": ListedColormap([colour for _, colour in OUTCOME_STYLES.values()]),
     "vmin": -0.5,
@@ -75,20 +75,20 @@ def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
         Ω up to which the scheme is stable on the linear oscillator.
     """
     ax.set(xscale="log", yscale="log", xlim=_edges(one.dt_over_period), ylim=_edges(one.amplitude))
-    # on the panel, not in its numbers, in which cells are not of one size
+    # in the coordinates of the panel, as cells have different sizes in those of the data
     ax.imshow(one.outcome, extent=(0, 1, 0, 1), transform=ax.transAxes, **IMAGE)
     if np.isfinite(limit):
         ax.plot(limit / (one.highest_frequency * one.period), one.amplitude, **LIMIT)
 
 
 def patches(outcomes: np.ndarray) -> list[Patch]:
-    """What the colours of the outcomes mean, of those that are present."""
+    """Handles of a legend for the outcomes that are present."""
     looks = list(OUTCOME_STYLES.values())
     return [Patch(facecolor=looks[int(k)][1], edgecolor="0.5", label=looks[int(k)][0]) for k in np.unique(outcomes)]
 
 
 def legend(figure: Figure, outcomes: np.ndarray, cases: bool = True) -> None:
-    """What the colours, the line and the marks of :func:`outcome_map` mean, below the panels."""
+    """Draw the legend of :func:`outcome_map` below the panels."""
     handles = [*patches(outcomes), Line2D([], [], label="linear limit of stability", **LIMIT)]
     for case in PAPER_CASES if cases else ():
         handles.append(Line2D([], [], marker=case.marker, linestyle="", color="black", markersize=6, label=case.title))

@@ -1,4 +1,4 @@
-"""Phase portraits of the exact solution and of the seven schemes (Figures 1, 2 and 4 of the paper)."""
+"""Phase portraits of the exact solution and of the schemes (Figures 1, 2 and 4 of the paper)."""
 
 import math
 
@@ -15,14 +15,14 @@ _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 1}
 
 
 def _order(portrait: xr.Dataset) -> list[str]:
-    """The order of the paper's panels; in the double well it has the explicit schemes last, without a panel."""
+    """The order of the paper's panels; the explicit schemes, without a panel for the double well, come last there."""
     if portrait.problem != "double_well":
         return portrait.scheme.values.tolist()
     return portrait.scheme.sortby("explicit").values.tolist()
 
 
 def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
-    """The exact orbit and the points of the schemes, but no further from it than ``_REACH`` of its width."""
+    """Limits around the exact orbit and the points of the schemes, at most ``_REACH`` widths of the orbit away."""
     low, high = reference.min(), reference.max()
     reach = _REACH * (high - low)
     low, high = max(min(low, np.nanmin(values)), low - reach), min(max(high, np.nanmax(values)), high + reach)
@@ -49,7 +49,7 @@ def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     reference="reference/double_well",
 )
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
-    """Panel (a) exact, then a scheme each, coloured by elapsed time over the exact orbit in grey."""
+    """Panel (a) exact, then one panel per scheme, coloured by elapsed time over the exact orbit in grey."""
     rows = math.ceil((1 + portrait.sizes["scheme"]) / 4)
     figure, axes = plt.subplots(rows, 4, figsize=(PAGE, 0.26 * rows * PAGE), sharex=True, sharey=True)
     panels, unused = np.split(axes.ravel(), [1 + portrait.sizes["scheme"]])

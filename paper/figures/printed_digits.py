@@ -5,17 +5,19 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from paper.asks import OF_THE_TABLES
+from paper.data import of_the_tables
 from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
 from paper.published import printed_energy_errors
 
 
-@figure("How the printed numbers were rounded.", energy_error="energy_error")
+@figure("How the printed numbers were rounded.", energy_error="energy_error", asks=OF_THE_TABLES)
 def draw(energy_error: xr.Dataset) -> Figure:
     """One panel for the step sizes of the printed periods, one for those of the exact periods."""
     figure, axes = plt.subplots(1, 2, figsize=(PAGE, 0.42 * PAGE), sharex=True)
     printed = printed_energy_errors()
-    energy_error = energy_error.sel(scheme=printed.scheme)
+    energy_error = of_the_tables(energy_error)
     for index, (ax, used) in enumerate(zip(axes, ("printed", "exact"), strict=True)):
         difference = energy_error.max_energy_error.sel(period_used=used) - printed
         for name, look in looks(energy_error.scheme).items():

@@ -1,10 +1,11 @@
-"""What linear theory promises of period and amplitude, and what the springs show, a row a scheme."""
+"""Period elongation and loss of amplitude by linear theory and on the springs, one row per scheme."""
 
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from paper.asks import contained
 from paper.data import families
 from paper.figures.style import PAGE, letter
 from paper.products import figure
@@ -18,7 +19,7 @@ LEAST = 1e-10
 
 
 def _points(ax, values, rows, label, **look) -> None:
-    """Sizes, open where negative and filled elsewhere."""
+    """Draw sizes with markers that are open for negative values and filled otherwise."""
     known = np.isfinite(values)
     size = np.maximum(np.abs(values[known]), LEAST)
     negative = values[known] < -LEAST
@@ -27,7 +28,18 @@ def _points(ax, values, rows, label, **look) -> None:
                linewidths=0.8, label=label)  # fmt: skip
 
 
-@figure("Linear theory beside what the springs show.", spectral="spectral", accuracy="accuracy")
+@figure(
+    "Linear theory beside what the springs show.",
+    spectral="spectral",
+    accuracy="accuracy",
+    asks={
+        "": contained("accuracy.schemes", "spectral.schemes"),
+        "spectral.damping_ratios": [0.0],
+        "accuracy.steps_per_period": [STEPS],
+        "accuracy.periods": [PERIODS],
+        "accuracy.problems": list(PROBLEMS),
+    },
+)
 def draw(spectral: xr.Dataset, accuracy: xr.Dataset) -> Figure:
     """Sizes of elongation (left) and of loss of amplitude (right) at one step size, over a logarithmic axis."""
     schemes = [name for part in families(accuracy).values() for name in part.scheme.values]

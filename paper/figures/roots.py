@@ -9,9 +9,13 @@ from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
 
 
-@figure("Roots of the effective equation, and Newton's choice.", roots="stability/roots")
+@figure(
+    "Roots of the effective equation, and Newton's choice.",
+    roots="stability/roots",
+    asks={"stability.roots.schemes": ["houbolt"]},
+)
 def draw(roots: xr.Dataset) -> Figure:
-    """Where there are three roots, what Newton makes of them, and how long two tolerances agree."""
+    """Regions with three roots, the root that Newton finds, and how long runs of two tolerances agree."""
     figure, axes = plt.subplots(1, 3, figsize=(PAGE, 0.36 * PAGE))
     styles = looks(roots.scheme)
     for scheme, style in styles.items():

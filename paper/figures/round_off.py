@@ -1,4 +1,4 @@
-"""Where refinement ends, with plain and with compensated sums."""
+"""Error of very fine steps with plain and with compensated sums."""
 
 import matplotlib.pyplot as plt
 import xarray as xr

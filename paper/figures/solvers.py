@@ -7,18 +7,22 @@ from matplotlib.figure import Figure
 from paper.figures.style import PAGE, SOLVERS, letter, looks
 from paper.products import figure
 
-#: Larger errors say only that the solution is lost.
+#: Largest error drawn; at larger ones the solution is lost.
 TOP = 3
 #: Schemes at fixed steps, by their greys.
 SCHEMES = {"central_difference": "0.7", "rk4": "0.4"}
 
 
-@figure("General solvers beside schemes at fixed steps.", data="work_precision")
+@figure(
+    "General solvers beside schemes at fixed steps.",
+    data="work_precision",
+    asks={"work_precision.schemes.schemes": list(SCHEMES), "work_precision.solvers.periods": [100]},
+)
 def draw(data: xr.Dataset) -> Figure:
     """Error of the displacement over a hundred periods against time (above) and evaluations (below)."""
     data = data.sel(periods=100)
     size = data.sizes["problem"]
-    figure, axes = plt.subplots(2, size, figsize=(PAGE, 0.72 * PAGE), sharex="row", sharey=True)
+    figure, axes = plt.subplots(2, size, figsize=(PAGE, 0.72 * PAGE), sharex="row", sharey=True, squeeze=False)
     costs = {"time_per_run": "time (s)", "force_evaluations": "evaluations"}
     solver_costs = {"time_per_run": "solver_time_per_run", "force_evaluations": "solver_evaluations"}
     for index, (row, cost) in enumerate(zip(axes, costs, strict=True)):

@@ -1,4 +1,4 @@
-"""Spectral radius of every scheme without damping, a panel a family."""
+"""Spectral radius of every scheme without damping, one panel per family."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -10,7 +10,7 @@ from paper.products import figure
 FROM = 0.02
 
 
-@figure("Spectral radius of every scheme.", spectral="spectral")
+@figure("Spectral radius of every scheme.", spectral="spectral", asks={"spectral.damping_ratios": [0.0]})
 def draw(spectral: xr.Dataset) -> Figure:
     """ρ against Δt/T; the curves of explicit schemes leave the panel where they lose their stability."""
     data = spectral.sel(damping_ratio=0.0, dt_over_period=slice(FROM, None))
@@ -18,7 +18,7 @@ def draw(spectral: xr.Dataset) -> Figure:
     for ax, part in panels.items():
         for thickness, (name, look) in enumerate(looks(part.scheme).items()):
             run = part.sel(scheme=name)
-            # thinner upon thicker lines, so that curves that coincide are all seen
+            # thinner lines over thicker ones, so that coinciding curves are all visible
             ax.plot(
                 run.dt_over_period,
                 run.spectral_radius,

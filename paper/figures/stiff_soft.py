@@ -1,4 +1,4 @@
-"""A mass on a stiff spring: what the schemes make of the velocity of a mode that no step resolves."""
+"""A mass on a stiff spring: velocity of the schemes where no step resolves the mode."""
 
 import matplotlib.pyplot as plt
 import xarray as xr
@@ -8,9 +8,13 @@ from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
 
 
-@figure("A mass on a stiff spring, its velocity.", history="structure_history/stiff_soft")
+@figure(
+    "A mass on a stiff spring, its velocity.",
+    history="structure_history/stiff_soft",
+    asks={"structure_history.stiff_soft.problem": "stiff_soft"},
+)
 def draw(history: xr.Dataset) -> Figure:
-    """One panel a scheme, over the reference at the same instants."""
+    """One panel per scheme, over the reference at the same instants."""
     rows = -(-history.sizes["scheme"] // 2)
     figure, axes = plt.subplots(rows, 2, figsize=(PAGE, 0.24 * PAGE * rows), sharex=True, sharey=True, squeeze=False)
     for empty in axes.ravel()[history.sizes["scheme"] :]:

@@ -14,7 +14,7 @@ from paper.products import figure
 
 @figure("How runs of structures end over step size and excitation.", structures="stability/structures")
 def draw(structures: xr.Dataset) -> Figure:
-    """One row a structure, one column a scheme; a cell is a run."""
+    """One row per structure, one column per scheme; a cell is a run."""
     problems, schemes = structures.problem.values, structures.scheme.values
     steps, excitations = structures.steps_per_period.values, structures.excitation.values
     figure, axes = plt.subplots(

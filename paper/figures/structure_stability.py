@@ -1,4 +1,4 @@
-"""Lyapunov exponents of the numerical maps of structures over the step size, beside what fine steps agree on."""
+"""Lyapunov exponents of the numerical maps of structures over the step size."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -12,9 +12,13 @@ from paper.products import figure
 LINEAR = 2.0
 
 
-@figure("Lyapunov exponents of the schemes on structures.", structures="stability/structures")
+@figure(
+    "Lyapunov exponents of the schemes on structures.",
+    structures="stability/structures",
+    asks={"stability.structures.excitations": [1]},
+)
 def draw(structures: xr.Dataset) -> Figure:
-    """One panel a structure."""
+    """One panel per structure."""
     structures = structures.sel(excitation=1)
     problems = structures.problem.values
     columns = min(len(problems), 3)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
 
-#: As many as a panel can hold, one of every kind.
+#: Schemes of every kind.
 SHOWN = [
     "average_acceleration",
     "central_difference",
@@ -18,13 +18,13 @@ SHOWN = [
     "gauss4",
 ]
 COLUMNS = 3
-#: An error of so many times the displacement has nothing to do with the motion any more.
+#: Largest error, relative to the displacement, that the limits of a panel include.
 BEYOND = 100
 
 
 @figure("Error of the displacement of structures.", structures="structures")
 def draw(structures: xr.Dataset) -> Figure:
-    """One panel a structure; a run that failed leaves a gap."""
+    """One panel per structure; a failed run leaves a gap."""
     shown = structures.sel(scheme=[name for name in SHOWN if name in structures.scheme.values])
     rows = -(-shown.sizes["problem"] // COLUMNS)
     figure, axes = plt.subplots(rows, COLUMNS, figsize=(PAGE, 0.27 * PAGE * rows), sharex=True, squeeze=False)
@@ -44,7 +44,8 @@ def draw(structures: xr.Dataset) -> Figure:
         ax.set_xticks(one.steps_per_period.values, [f"{n:g}" for n in one.steps_per_period.values])
         ax.minorticks_off()
         seen = one.displacement_error.where(one.displacement_error < BEYOND)
-        ax.set_ylim(seen.min() / 3, 3 * seen.max())
+        if seen.notnull().any():
+            ax.set_ylim(seen.min() / 3, 3 * seen.max())
         letter(ax, index, one.problem_title.item())
         if index + COLUMNS >= shown.sizes["problem"]:
             ax.set_xlabel("steps in the time scale")

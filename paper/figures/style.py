@@ -1,4 +1,4 @@
-"""What the figures have in common: size, type, colours that survive greyscale, and how they are saved."""
+"""Common style of the figures: size, type, colours that survive greyscale, and how figures are saved."""
 
 import os
 from pathlib import Path
@@ -27,8 +27,8 @@ SOLVERS = {
     "heyoka": "heyoka",
 }
 
-#: How a run can end, by the names in the maps of stability: what it is called, and a colour, the darker the worse, so
-#: that the order is seen in greyscale too.
+#: Label and colour of each outcome of a run, by its name in the maps of stability. Worse outcomes are darker, so that
+#: the order survives greyscale.
 OUTCOME_STYLES = {
     "accurate": ("accurate", "#ffffff"),
     "bounded": ("bounded", "#d0e1f2"),
@@ -102,7 +102,7 @@ def legend_beside(axes: Axes) -> None:
 
 
 def a_panel_for_each_family(dataset: xr.Dataset, height: float, **shared) -> tuple[Figure, dict[Axes, xr.Dataset]]:
-    """A figure with two columns of panels, and which family each of them is for."""
+    """A figure with two columns of panels, and the part of the dataset with the family of each panel."""
     parts = families(dataset)
     rows = -(-len(parts) // 2)
     figure, axes = plt.subplots(rows, 2, figsize=(PAGE, rows * height), squeeze=False, **shared)
@@ -122,7 +122,7 @@ def letter(axes: Axes, index: int, title: str) -> None:
 
 def save(figure: Figure, output: Path) -> None:
     """Save a figure as PDF, PNG and SVG next to ``output``, the same bytes for the same data."""
-    # one layout for all three, which takes as long as drawing
+    # one layout for all three files, as it takes as long as drawing
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")

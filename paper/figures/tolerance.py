@@ -1,4 +1,4 @@
-"""What a tolerance delivers: the tolerance that is asked for against the true error after a hundred periods."""
+"""True error after a hundred periods against the tolerance of general solvers."""
 
 import matplotlib.pyplot as plt
 import xarray as xr
@@ -10,8 +10,10 @@ from paper.products import figure
 
 @figure("What a tolerance delivers.", agreement="reference_agreement")
 def draw(agreement: xr.Dataset) -> Figure:
-    """One panel a problem: the largest error of the displacement over a hundred periods, over the tolerance."""
-    figure, axes = plt.subplots(1, agreement.sizes["problem"], figsize=(PAGE, 0.4 * PAGE), sharex=True, sharey=True)
+    """One panel per problem: the largest error of the displacement over a hundred periods, over the tolerance."""
+    figure, (axes,) = plt.subplots(
+        1, agreement.sizes["problem"], figsize=(PAGE, 0.4 * PAGE), sharex=True, sharey=True, squeeze=False
+    )
     for index, (ax, problem) in enumerate(zip(axes, agreement.problem.values, strict=True)):
         ax.plot(agreement.tolerance, agreement.tolerance, color="0.7", linewidth=0.8, label="as asked for")
         for route, look in looks(agreement.route).items():

@@ -1,4 +1,4 @@
-"""What accuracy costs: every measure of error against the time, or the forces, of a run of a hundred periods."""
+"""Every measure of error against the time, or the forces, of a run of a hundred periods."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from paper.data import of_the_paper
 from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
+from paper.published import SCHEMES
 
 PERIODS = 100
 MEASURES = {
@@ -16,12 +17,13 @@ MEASURES = {
     "amplitude_decay": "amplitude",
     "max_energy_error": "energy (%)",
 }
-#: Below this the round-off of a hundred periods hides what a scheme does.
+#: Smallest error drawn; below it round-off of a hundred periods dominates.
 FLOOR = 1e-14
+_ASKS = {"work_precision.schemes.schemes": SCHEMES, "work_precision.solvers.periods": [PERIODS]}
 
 
 def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
-    """A row a problem, a column a measure of error, over a cost."""
+    """One row per problem, one column per measure of error, over a cost."""
     data = of_the_paper(data).sel(periods=PERIODS)
     shape = data.sizes["problem"], len(MEASURES)
     figure, axes = plt.subplots(*shape, figsize=(PAGE, 1.15 * PAGE), sharex="row", sharey="col", squeeze=False)
@@ -50,13 +52,13 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
     return figure
 
 
-@figure("Every measure of error against time.", data="work_precision")
+@figure("Every measure of error against time.", data="work_precision", asks=_ASKS)
 def over_time(data: xr.Dataset) -> Figure:
     """Errors over the time of a run; heyoka, the fastest of the general solvers, in grey."""
     return _draw(data, "time_per_run", "time of 100 periods (s)")
 
 
-@figure("Every measure of error against forces.", name="force_evaluations", data="work_precision")
+@figure("Every measure of error against forces.", name="force_evaluations", data="work_precision", asks=_ASKS)
 def over_forces(data: xr.Dataset) -> Figure:
     """Errors over the forces evaluated, where a force is expensive: each Newton iteration takes one."""
     return _draw(data, "force_evaluations", "forces in 100 periods")

@@ -1,1 +1,1 @@
-"""The numbers that the text quotes, by what they tell of."""
+"""The numbers that the text quotes, by subject; each function declares what it reads."""

@@ -25,7 +25,7 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
             if name in owner:
                 raise ValueError(f"The number '{name}' is given by {owner[name]} and by {product.name}.")
             owner[name] = product.name
-            # a minus before a number, and no hyphen of a name
+            # a minus sign before numbers, but not for hyphens in names
             texts[name] = re.sub(r"(?<![^\W\de])-(?=\d)", "−", str(value))
     return texts
 

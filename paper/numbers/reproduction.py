@@ -1,11 +1,17 @@
-"""Numbers of the text: what the tables and figures of the paper come to."""
+"""Numbers of the text: the tables and figures of the paper."""
 
 import numpy as np
 import xarray as xr
 
+from paper.asks import OF_THE_DRIFT, OF_THE_TABLES
+from paper.data import of_the_tables
 from paper.products import numbers
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
+
+#: Schemes whose energies grow on the softening spring from its large amplitude, and schemes whose time the text tells.
+_GROWING = ["average_acceleration", "central_difference", "hht_alpha"]
+_TIMED = ["average_acceleration", "central_difference", "rk4"]
 
 
 def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
@@ -13,11 +19,11 @@ def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
     return (period.sel(period_used="printed") / period.sel(period_used="exact")).item()
 
 
-@numbers(energy_error="energy_error")
+@numbers(energy_error="energy_error", asks=OF_THE_TABLES)
 def of_cells(energy_error: xr.Dataset) -> dict:
     """Our table beside the printed one, cell by cell."""
     printed = printed_energy_errors()
-    cells = energy_error.max_energy_error.sel(scheme=printed.scheme)
+    cells = of_the_tables(energy_error).max_energy_error
     ours, exact = cells.sel(period_used="printed"), cells.sel(period_used="exact")
     off = abs(ours - printed)
     unexplained = ~same(twice(ours), printed)
@@ -42,7 +48,7 @@ def of_cells(energy_error: xr.Dataset) -> dict:
 
 
 def _caught(drift: xr.Dataset) -> np.ndarray:
-    """Whole number of steps per oscillation that holds each run, 0 where none does.
+    """Whole number of steps per oscillation that holds each run, zero otherwise.
 
     A run is held if an oscillation takes that number at the end to one part in a thousand, and it has lost less than
     half of the energy that the runs at neighbouring step sizes have lost.
@@ -53,11 +59,12 @@ def _caught(drift: xr.Dataset) -> np.ndarray:
     return np.where((np.abs(count / whole - 1) < 1e-3) & (lost < trend / 2), whole, 0).astype(int)
 
 
-@numbers(drift="energy_drift")
+@numbers(drift="energy_drift", asks=OF_THE_DRIFT)
 def of_drift(drift: xr.Dataset) -> dict:
     """Runge-Kutta caught by resonances."""
     parts, caught = drift.steps_per_period, _caught(drift)
-    near_20 = parts.values[caught == 20]
+    # NaN where no run is held at twenty steps
+    near_20 = parts.where(caught == 20)
     around = {}
     for part in (20, 20.5, 25):
         at = drift.sel(steps_per_period=part, method="nearest")
@@ -67,20 +74,27 @@ def of_drift(drift: xr.Dataset) -> dict:
         "drift_runs": parts.size,
         "resonances": ", ".join(str(number) for number in sorted(set(caught) - {0})),
         "resonances_odd": int((caught % 2 == 1).sum()),
-        "resonance_20_from": f"{near_20.min():.2f}",
-        "resonance_20_to": f"{near_20.max():.2f}",
+        "resonance_20_from": f"{near_20.min().item():.2f}",
+        "resonance_20_to": f"{near_20.max().item():.2f}",
     }
 
 
-@numbers(portrait="phase_portrait/softening_large")
+@numbers(portrait="phase_portrait/softening_large", asks={"phase_portrait.softening_large.schemes": _GROWING})
 def of_instability(portrait: xr.Dataset) -> dict:
-    """How far the energies grow."""
+    """Largest growth of the energies."""
     growth = 1 + portrait.energy_error.max("t") / 100
-    shown = ("average_acceleration", "central_difference", "hht_alpha")
-    return {f"growth_{name}": f"{growth.sel(scheme=name).item():.1f}" for name in shown}
+    return {f"growth_{name}": f"{growth.sel(scheme=name).item():.1f}" for name in _GROWING}
 
 
-@numbers(portrait="phase_portrait/double_well", sensitivity="sensitivity")
+@numbers(
+    portrait="phase_portrait/double_well",
+    sensitivity="sensitivity",
+    asks={
+        "phase_portrait.double_well.schemes": ["average_acceleration", "central_difference", "rk4"],
+        "sensitivity.schemes": ["average_acceleration"],
+        "sensitivity.problem": "double_well",
+    },
+)
 def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
     """Chaos in the double well."""
     u = portrait.u.sel(scheme="average_acceleration").values
@@ -93,10 +107,10 @@ def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
     }
 
 
-@numbers(cpu_time="cpu_time")
+@numbers(cpu_time="cpu_time", asks={"cpu_time.schemes": _TIMED, "cpu_time.problems": ["hardening"]})
 def of_times(cpu_time: xr.Dataset) -> dict:
     """Times of a step."""
     return {
         f"ns_{scheme}": f"{cpu_time.median_time_per_step.sel(problem='hardening', scheme=scheme).item():.0f}"
-        for scheme in ("average_acceleration", "central_difference", "rk4")
+        for scheme in _TIMED
     }

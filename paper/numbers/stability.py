@@ -1,17 +1,18 @@
-"""Numbers of the text: maps of stability, what is behind them, and long times."""
+"""Numbers of the text: maps of stability, their causes, and long times."""
 
 import numpy as np
 import xarray as xr
 
+from paper.asks import rising
 from paper.claims.ledger import by_name
 from paper.claims.stability import CHAOTIC
 from paper.products import numbers
 from paper.tables.verdicts import FAILURES, SPAN, is_outcome, near_1996
 
 
-@numbers(runs="long_times")
+@numbers(runs="long_times", asks={"long_times.schemes": ["central_difference", "energy_momentum", "yoshida4"]})
 def of_long_times(runs: xr.Dataset) -> dict:
-    """What the schemes themselves do over the longest runs, and laws and sizes of round-off."""
+    """Errors of the schemes over the longest runs, and laws and sizes of round-off."""
     last = runs.isel(periods=-1)
     law = runs.exponent.sel(quantity="energy_round_off")
     more = (runs.exponent.sel(quantity="phase_round_off") - law).sel(arithmetic="float64")
@@ -51,6 +52,19 @@ def of_long_times(runs: xr.Dataset) -> dict:
     bifurcation="stability/bifurcation",
     robustness="stability/robustness",
     structures="stability/structures",
+    asks={
+        "atlas.problems": ["double_well"],
+        "stability.roots.problem": "double_well",
+        "stability.roots.schemes": ["average_acceleration", "wilson_theta", "houbolt"],
+        "stability.bifurcation.problem": "double_well",
+        "stability.bifurcation.scheme": "average_acceleration",
+        "robustness.problems": ["hardening", "softening", "double_well"],
+        "robustness.schemes": ["average_acceleration"],
+        "robustness.periods": rising("robustness.periods"),
+        "stability.structures.lengths.problem": ["pendulum", "duffing_chaotic"],
+        "stability.structures.schemes": ["average_acceleration", "central_difference"],
+        "stability.structures.excitations": [1],
+    },
 )
 def of_stability(
     atlas: xr.Dataset, roots: xr.Dataset, bifurcation: xr.Dataset, robustness: xr.Dataset, structures: xr.Dataset
@@ -62,7 +76,8 @@ def of_stability(
     beyond = (roots.dt >= bifurcation.dt.values[chaotic.values.argmax()]) & (
         roots.dt < roots.unique_up_to.sel(scheme="average_acceleration")
     )
-    in_chaos = roots.steps_together.sel(start="last_acceleration").isel(dt=beyond)
+    # NaN unless a step size lies between the onset of chaos and that of several roots
+    in_chaos = roots.steps_together.sel(start="last_acceleration").where(beyond)
     told = chaotic & ~failed & (bifurcation.steps_until_apart > 0)
     a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(told)
     foretold = np.log(bifurcation.order_one / bifurcation.perturbation) / a_step_each / bifurcation.steps_until_apart
@@ -87,8 +102,8 @@ def of_stability(
         "chaos_from": f"{bifurcation.dt.values[chaotic.values.argmax()]:.2f}",
         "newton_fails_from": f"{bifurcation.dt.values[failed.values.argmax()]:.2f}",
         "together": f"{in_chaos.median().item():.0f}",
-        "together_from": int(in_chaos.min()),
-        "together_to": int(in_chaos.max()),
+        "together_from": f"{in_chaos.min().item():.0f}",
+        "together_to": f"{in_chaos.max().item():.0f}",
         "exponent_at_paper": f"{a_step:.2f}",
         "apart_from_exponent": f"{np.log(bifurcation.order_one / bifurcation.perturbation).item() / a_step:.0f}",
         "apart_of_two_runs": at.steps_until_apart.item(),
@@ -100,7 +115,6 @@ def of_stability(
         "newton_fails_in": f"{100 * failed.values[failed.values.argmax() :].mean():.0f}",
         # the hill is as high as the potential at √2
         "needed_nearest_hill": f"{100 * abs(atlas.u0.sel(problem='double_well') / 2**0.5 - 1).min().item():.1g}",
-        "needed_most": robustness.most_steps.item(),
         **{
             f"needed_{name}": f"{value:.0f}" if np.isfinite(value) else f"more than {robustness.most_steps.item()}"
             for name, value in by_name(of_average).items()
@@ -109,7 +123,7 @@ def of_stability(
         "duffing_exponent_from": f"{finest.sel(problem='duffing_chaotic').min().item():.2f}",
         "duffing_exponent_to": f"{finest.sel(problem='duffing_chaotic').max().item():.2f}",
         "duffing_tamed": f"{tamed.min().item():.1f}",
-        "duffing_tamed_steps": int(tamed.idxmin()),
+        "duffing_tamed_steps": f"{tamed.idxmin().item():.0f}",
         "pendulum_exponent": f"{pendulum.max().item():.1f}",
-        "pendulum_steps": int(pendulum.idxmax()),
+        "pendulum_steps": f"{pendulum.idxmax().item():.0f}",
     }

@@ -3,8 +3,10 @@
 import numpy as np
 import xarray as xr
 
+from paper.asks import samples_of_history
 from paper.claims.ledger import by_name
-from paper.claims.structures import TURNING, kept, sawtooth
+from paper.claims.structures import SAMPLES_OF_SAWTOOTH, kept, sawtooth
+from paper.data import TURNING
 from paper.figures.oscillatory_energies import total
 from paper.products import numbers
 from paper.tables.structures import STEPS_PER_PERIOD
@@ -17,6 +19,15 @@ from paper.tables.structures import STEPS_PER_PERIOD
     long_times="structure_history/long_times",
     stiff_bar="structure_history/stiff_bar",
     stiff_truss="structure_history/stiff_truss",
+    asks={
+        "structures.lengths.problem": ["elastic_pendulum", "fpu_chain"],
+        "structures.schemes": ["average_acceleration", "implicit_midpoint", "energy_momentum", "gauss4"],
+        "structure_history.stiff_soft.schemes": ["average_acceleration", "bathe"],
+        "structure_history.stiff_soft": samples_of_history("structure_history.stiff_soft", SAMPLES_OF_SAWTOOTH),
+        "structure_history.long_times.problem": "fpu_chain",
+        "structure_history.long_times.schemes": ["central_difference", "implicit_midpoint", "energy_momentum", "bathe"],
+        "structure_history.long_times": samples_of_history("structure_history.long_times", 1),
+    },
 )
 def of_structures(
     structures: xr.Dataset,
@@ -26,7 +37,7 @@ def of_structures(
     stiff_bar: xr.Dataset,
     stiff_truss: xr.Dataset,
 ) -> dict:
-    """Energies of stiff structures and of those that turn, and how well one of them is known."""
+    """Energies of stiff and turning structures, and the tolerance of a reference."""
     data = {"structures": structures}
     runs = kept(data, TURNING)
     lost = by_name((~runs).sum(["problem", "steps_per_period"]))

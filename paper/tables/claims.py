@@ -11,7 +11,7 @@ from paper.products import table
     titled=["energy_error", "structures", "structure_history/stiff_soft", "stability/roots"],
 )
 def tabulate(claims: pd.DataFrame, titled: list[xr.Dataset]) -> pd.DataFrame:
-    """One row a claim; ``titled`` are the datasets whose schemes the ledger lists."""
+    """One row per claim; ``titled`` are the datasets whose schemes the ledger lists."""
     titles = {
         rf"\b{name}\b": title
         for dataset in titled

@@ -4,15 +4,15 @@ import pandas as pd
 import xarray as xr
 
 from paper.products import table
-from paper.published import printed_cpu_times
+from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 
 
-@table(cpu_time="cpu_time")
+@table(cpu_time="cpu_time", asks={"cpu_time.schemes": SCHEMES, "cpu_time.problems": PROBLEMS})
 def tabulate(cpu_time: xr.Dataset) -> pd.DataFrame:
-    """One row a problem and scheme of 1996."""
+    """One row per problem and scheme of 1996."""
     seconds = printed_cpu_times()
     printed_ratio = seconds / seconds.sel(scheme="average_acceleration")
-    cpu_time = cpu_time.sel(scheme=seconds.scheme)
+    cpu_time = cpu_time.sel(scheme=seconds.scheme, problem=seconds.problem)
     rows = []
     for problem in cpu_time.problem.values:
         for scheme in cpu_time.scheme.values:

@@ -3,15 +3,17 @@
 import pandas as pd
 import xarray as xr
 
+from paper.asks import OF_THE_TABLES
+from paper.data import of_the_tables
 from paper.products import table
 from paper.published import printed_energy_errors
 
 
-@table(energy_error="energy_error")
+@table(energy_error="energy_error", asks=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
-    """Three rows a step size: printed, computed, computed with the exact period; for the schemes of 1996."""
+    """Three rows per step size: printed, computed, computed with the exact period; for the schemes of 1996."""
     printed = printed_energy_errors()
-    energy_error = energy_error.sel(scheme=printed.scheme)
+    energy_error = of_the_tables(energy_error)
     ours = energy_error.max_energy_error
     sources = {
         "printed": (printed, ".1f"),

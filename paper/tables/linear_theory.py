@@ -1,4 +1,4 @@
-"""What the amplification matrix says of every scheme."""
+"""Linear theory of every scheme from its amplification matrix."""
 
 import numpy as np
 import pandas as pd
@@ -7,21 +7,21 @@ import xarray as xr
 from paper.data import families
 from paper.products import table
 
-#: Step sizes over period at which accuracy and overshoot are told.
+#: Step sizes over period of accuracy and of overshoot.
 FINE, COARSE = 1 / 20, 10.0
 
 
 def _number(value: float, form: str) -> str:
-    """A number, or a dash where there is none; never a negative zero."""
+    """A number without negative zeros, or a dash if it is not finite."""
     if not np.isfinite(value):
         return "–"
     text = format(value, form)
     return text.lstrip("-") if float(text) == 0 else text
 
 
-@table(spectral="spectral")
+@table(spectral="spectral", asks={"spectral.damping_ratios": [0.0]})
 def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme."""
+    """One row per scheme."""
     damped = spectral.damping_ratio.values.max()
     rows = []
     for part in families(spectral).values():

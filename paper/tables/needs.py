@@ -1,4 +1,4 @@
-"""What accuracy costs with every scheme: steps per period and time for an error of the displacement."""
+"""Cost of accuracy with every scheme: steps per period and time for an error of the displacement."""
 
 import pandas as pd
 import xarray as xr
@@ -9,9 +9,16 @@ from paper.products import table
 PROBLEM, MEASURE, PERIODS = "hardening", "max_trajectory_error", 100
 
 
-@table(recommendation="recommendation")
+@table(
+    recommendation="recommendation",
+    asks={
+        "recommendation.problems": [PROBLEM],
+        "recommendation.measures": [MEASURE],
+        "recommendation.periods": [PERIODS],
+    },
+)
 def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme, a column an error; a dash where no step size of the study keeps it."""
+    """One row per scheme, one column per error; a dash where no step size of the study keeps it."""
     needs = recommendation.sel({"problem": PROBLEM, "measure": MEASURE, "periods": PERIODS})
     rows = []
     for part in families(needs).values():

@@ -6,6 +6,7 @@ import xarray as xr
 from paper.data import of_the_paper
 from paper.orders import PERIODS, observed_order
 from paper.products import table
+from paper.published import SCHEMES
 
 _TITLES = {
     "max_trajectory_error": "Trajectory",
@@ -25,9 +26,9 @@ def observed(run: xr.Dataset) -> dict[str, str]:
     return named | {title: f"{order:.2f}" if order == order else "–" for title, order in orders.items()}
 
 
-@table(accuracy="accuracy")
+@table(accuracy="accuracy", asks={"accuracy.schemes": SCHEMES, "accuracy.periods": sorted(set(PERIODS.values()))})
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
-    """One row a problem and scheme."""
+    """One row per problem and scheme."""
     accuracy = of_the_paper(accuracy)
     return pd.DataFrame(
         {"Problem": problem, **observed(accuracy.sel(problem=problem, scheme=scheme))}

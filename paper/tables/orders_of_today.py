@@ -4,14 +4,15 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import families
+from paper.orders import PERIODS
 from paper.products import table
 from paper.tables.orders import observed
 
 PROBLEM = "softening"
 
 
-@table(accuracy="accuracy")
+@table(accuracy="accuracy", asks={"accuracy.problems": [PROBLEM], "accuracy.periods": sorted(set(PERIODS.values()))})
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme."""
+    """One row per scheme."""
     parts = families(accuracy.sel(problem=PROBLEM)).values()
     return pd.DataFrame(observed(part.sel(scheme=name)) for part in parts for name in part.scheme.values)

@@ -3,6 +3,8 @@
 import pandas as pd
 import xarray as xr
 
+from paper.asks import OF_THE_TABLES
+from paper.data import of_the_tables
 from paper.products import table
 from paper.published import printed_energy_errors
 from paper.rounding import once, same, twice
@@ -11,11 +13,11 @@ _ROUNDED_TWICE = "rounded to two decimals, then to one"
 _UNEXPLAINED = "by no rounding; see the text"
 
 
-@table(energy_error="energy_error")
+@table(energy_error="energy_error", asks=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
-    """One row a cell whose value, rounded once, is not the printed one."""
+    """One row per cell whose value, rounded once, is not the printed one."""
     printed = printed_energy_errors()
-    ours = energy_error.max_energy_error.sel(period_used="printed", scheme=printed.scheme)
+    ours = of_the_tables(energy_error).max_energy_error.sel(period_used="printed")
     rows = []
     for problem in ours.problem.values:
         for steps in ours.steps_per_period.values:

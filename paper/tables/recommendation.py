@@ -1,4 +1,4 @@
-"""The answer: for an error that may be made, the cheapest scheme and its steps per period."""
+"""The cheapest scheme for an allowed error, and its steps per period."""
 
 import pandas as pd
 import xarray as xr
@@ -8,9 +8,9 @@ from paper.products import table
 MEASURE = "max_trajectory_error"
 
 
-@table(recommendation="recommendation")
+@table(recommendation="recommendation", asks={"recommendation.measures": [MEASURE]})
 def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
-    """One row a problem and error, a column a length of the run; a dash where no scheme keeps the error."""
+    """One row per problem and error, one column per length of the run; a dash where no scheme keeps the error."""
     needs = recommendation.sel(measure=MEASURE)
     rows = []
     for problem in needs.problem.values:

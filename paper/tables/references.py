@@ -1,4 +1,4 @@
-"""The periods, how well they are certified, and how near the solvers come."""
+"""The periods with their uncertainties, and the smallest errors of the solvers."""
 
 import pandas as pd
 import xarray as xr
@@ -18,9 +18,10 @@ _TITLES = {
 @table(
     agreement="reference_agreement",
     references=["reference/hardening", "reference/softening", "reference/softening_large", "reference/double_well"],
+    asks={"references.problems": ["hardening", "softening", "softening_large", "double_well"]},
 )
 def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFrame:
-    """One row a problem: period, certificates, and the smallest trajectory error of each solver over 100 periods."""
+    """One row per problem: period, certificates, and the smallest trajectory error of each solver over 100 periods."""
     rows = []
     for reference in references:
         row = {

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from paper.asks import rising
 from paper.products import table
 
 
@@ -11,9 +12,9 @@ def _steps(value: float, most: int) -> str:
     return f"> {most}" if np.isnan(value) else f"{value:.0f}"
 
 
-@table(robustness="stability/robustness")
+@table(robustness="stability/robustness", asks={"robustness.periods": rising("robustness.periods")})
 def tabulate(robustness: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme, over the longest runs, the levels of each problem side by side."""
+    """One row per scheme, over the longest runs, the levels of each problem side by side."""
     most = int(robustness.most_steps)
     rows = []
     for scheme in robustness.scheme.values:

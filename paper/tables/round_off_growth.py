@@ -26,7 +26,7 @@ def _cell(one: xr.Dataset) -> str:
 
 @table(long_times="long_times")
 def tabulate(long_times: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme."""
+    """One row per scheme."""
     return pd.DataFrame(
         {"Scheme": scheme.scheme_title.item()}
         | {title: _cell(scheme.sel(arithmetic=a, step=s)) for title, (a, s) in COLUMNS.items()}

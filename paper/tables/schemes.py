@@ -8,7 +8,7 @@ from paper.products import table
 
 @table(energy_error="energy_error")
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme."""
+    """One row per scheme."""
     scheme = energy_error.scheme
     return pd.DataFrame(
         {

@@ -16,7 +16,7 @@ def _forces(scheme: xr.Dataset) -> str:
 
 @table(spectral="spectral")
 def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme."""
+    """One row per scheme."""
     rows = []
     for family, part in families(spectral).items():
         for name in part.scheme.values:

@@ -1,15 +1,16 @@
-"""What becomes of linear stability on the oscillators: the step sizes at which every scheme first gains or fails."""
+"""Linear stability beside the oscillators: the step sizes at which every scheme first gains energy or fails."""
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
+from paper.asks import contained, rising
 from paper.data import families
 from paper.products import table
 
-#: The problems whose energy is positive, so that a gain of it can be told from a loss.
+#: The problems with positive energy, on which a gain can be distinguished from a loss.
 PROBLEMS = ["hardening", "softening", "softening_large"]
-#: An error of the energy above this many percent is a gain: no run that only loses energy gets there.
+#: Error of the energy in percent above which energy was gained; a loss alone is at most 100.
 GAIN = 101.0
 
 
@@ -23,9 +24,18 @@ def _first(run: xr.Dataset) -> str:
     return f"{run.dt_over_period.values[at]:g}{how}"
 
 
-@table(spectral="spectral", large_steps="large_steps")
+@table(
+    spectral="spectral",
+    large_steps="large_steps",
+    asks={
+        "": contained("large_steps.schemes", "spectral.schemes"),
+        "spectral.damping_ratios": [0.0],
+        "large_steps.problems": PROBLEMS,
+        "large_steps.dt_over_period": rising("large_steps.dt_over_period"),
+    },
+)
 def tabulate(spectral: xr.Dataset, large_steps: xr.Dataset) -> pd.DataFrame:
-    """One row a scheme: the linear limit of Δt/T, and the first step size that is too large on each problem."""
+    """One row per scheme: the linear limit of Δt/T, and the first step size that is too large on each problem."""
     limits = spectral.stability_limit.sel(damping_ratio=0.0) / (2 * np.pi)
     rows = []
     for part in families(large_steps.sel(problem=PROBLEMS)).values():

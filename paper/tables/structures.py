@@ -24,9 +24,9 @@ def _cell(run: xr.Dataset) -> str:
     return f"{_percent(100 * run.displacement_error.item())}, {_percent(run.max_energy_imbalance.item())}"
 
 
-@table(structures="structures")
+@table(structures="structures", asks={"structures.steps_per_period": [STEPS_PER_PERIOD]})
 def tabulate(structures: xr.Dataset) -> pd.DataFrame:
-    """One row a structure, a column a scheme."""
+    """One row per structure, one column per scheme."""
     at = structures.sel(steps_per_period=STEPS_PER_PERIOD)
     shown = [name for name in SHOWN if name in at.scheme.values]
     rows = []

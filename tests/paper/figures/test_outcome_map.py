@@ -5,13 +5,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_rgb
 
-from paper.figures.outcomes import outcome_map
-from paper.figures.style import OUTCOMES
+from paper.figures.outcome_map import outcome_map
+from paper.figures.style import OUTCOME_STYLES
 
 
 def test_every_cell_is_drawn_where_it_lies():
     amplitudes, parts = np.logspace(-1.5, 1.5, 12), np.logspace(-2, 0, 8)
-    outcome = np.random.default_rng(0).integers(0, len(OUTCOMES), (12, 8))
+    outcome = np.random.default_rng(0).integers(0, len(OUTCOME_STYLES), (12, 8))
     ones = ("amplitude", np.ones(12))
     one = xr.Dataset(
         {"outcome": (("amplitude", "dt_over_period"), outcome), "highest_frequency": ones, "period": ones},
@@ -23,6 +23,6 @@ def test_every_cell_is_drawn_where_it_lies():
     drawn = np.asarray(figure.canvas.buffer_rgba())[::-1, :, :3]
     places = np.stack(np.meshgrid(parts, amplitudes), axis=-1).reshape(-1, 2)
     columns, rows = ax.transData.transform(places).astype(int).T
-    colours = 255 * np.array([to_rgb(colour) for _, colour in OUTCOMES.values()])
+    colours = 255 * np.array([to_rgb(colour) for _, colour in OUTCOME_STYLES.values()])
     np.testing.assert_allclose(drawn[rows, columns], colours[outcome.ravel()], atol=1)
     plt.close(figure)

@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper import explorer
+from paper.data import SOURCE
+from paper.explorer.data import cases_source, coarse
+from paper.products import PRODUCTS, discover
 
+discover(["explorer"])
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 needs_browser = pytest.mark.skipif(
     not (CHROMIUM and DRIVER), reason="needs chromium and chromedriver (Debian: chromium, chromium-driver)"
@@ -71,11 +74,16 @@ def datasets():
 
 def _made(datasets, folder):
     """The page as the pipeline makes it."""
-    paths = [folder / f"{index}.nc" for index in range(len(datasets))]
-    for dataset, path in zip(datasets, paths, strict=True):
-        dataset.to_netcdf(path)
+    atlas, portraits, amplitudes, case = datasets
+    read = {"atlas": [atlas], "portraits": [portraits], "amplitudes": [amplitudes], "cases": [case] * 4}
+    product = PRODUCTS["page", "explorer"]
+    for argument, names in product.reads.items():
+        for name, dataset in zip([names] if isinstance(names, str) else names, read[argument], strict=True):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            dataset.assign_attrs(source=SOURCE).to_netcdf(folder / f"{name}.nc")
     page = folder / "explorer.html"
-    subprocess.run([sys.executable, "-m", "paper.explorer", page, *paths], check=True)
+    command = [sys.executable, "-m", "paper.products", product.module, product.name, folder, page]
+    subprocess.run(command, check=True)
     return page
 
 
@@ -173,12 +181,12 @@ def test_the_same_data_gives_the_same_page(datasets, page, tmp_path):
 def test_a_map_is_thinned_to_what_a_page_can_hold(datasets):
     atlas, *_ = datasets
     fine = atlas.isel(amplitude=np.repeat(np.arange(12), 11)).assign_coords(amplitude=np.logspace(-1.5, 1.5, 132))
-    assert explorer._coarse(fine).sizes["amplitude"] == 44
-    assert explorer._coarse(atlas).sizes == atlas.sizes
+    assert coarse(fine).sizes["amplitude"] == 44
+    assert coarse(atlas).sizes == atlas.sizes
 
 
 def test_a_run_of_the_paper_lies_at_its_amplitude_and_step(datasets):
     atlas, _, _, case = datasets
-    marks = explorer._cases(atlas, [case]).data
+    marks = cases_source(atlas, [case]).data
     assert marks["problem"] == ["softening"] and marks["label"] == ["u₀ = 10, Δt = 0.225"]
     assert 10 ** marks["x"][0] == pytest.approx(0.225) and 10 ** marks["y"][0] == pytest.approx(2.5)

@@ -1,0 +1,91 @@
+"""Requirements on the configuration that several products share.
+
+Each function returns a requirement as :data:`paper.products.Asks` takes it: a function that returns a sentence if the
+requirement is not met.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from paper.published import PROBLEMS, SCHEMES, STEPS
+
+Ask = Callable[[Any], str | None]
+
+
+def value_at(config: Any, key: str) -> Any:
+    """The value at a dotted key, or a list of values where a part of the key leads into a list of mappings.
+
+    Raises
+    ------
+    KeyError, TypeError
+        If there is no such key.
+    """
+    for part in filter(None, key.split(".")):
+        config = [one[part] for one in config] if isinstance(config, list) else config[part]
+    return config
+
+
+def contained(inner: str, outer: str) -> Ask:
+    """Require of the whole configuration that everything at one key is also at another."""
+
+    def ask(config: dict) -> str | None:
+        there = value_at(config, outer)
+        missing = [one for one in value_at(config, inner) if one not in there]
+        return f"{outer} lacks {missing[0]!r}, which {inner} has." if missing else None
+
+    return ask
+
+
+def rising(key: str) -> Ask:
+    """Require that the numbers of a list rise."""
+    return lambda values: None if values == sorted(values) else f"{key} must rise, not {values}."
+
+
+def spans(key: str, *values: float) -> Ask:
+    """Require that a range from ``first`` to ``last`` includes some values."""
+
+    def ask(span: dict) -> str | None:
+        left_out = [value for value in values if not span["first"] <= value <= span["last"]]
+        return f"{key} leaves out {left_out[0]:g}, which the manuscript explains." if left_out else None
+
+    return ask
+
+
+def one_of(key: str, known: Sequence[str]) -> Ask:
+    """Require one of some values."""
+    return lambda value: None if value in known else f"{key} must be one of {', '.join(known)}, not {value!r}."
+
+
+def steps_of_portrait(key: str, least: int) -> Ask:
+    """Require a number of steps of a phase portrait."""
+
+    def ask(portrait: dict) -> str | None:
+        short = portrait["duration"] / portrait["dt"] < least
+        return f"{key}: the duration is less than {least} steps, which a figure and the ledger need." if short else None
+
+    return ask
+
+
+def samples_of_history(key: str, least: int) -> Ask:
+    """Require a number of samples of a history after its start."""
+
+    def ask(history: dict) -> str | None:
+        samples = round(history["periods"] * history["steps_per_period"]) // history["every"]
+        return f"{key} has {samples} samples after the start; its products need {least}." if samples < least else None
+
+    return ask
+
+
+#: What Tables 1 and 2 of the paper have.
+OF_THE_TABLES: dict[str, Any] = {
+    "energy_error.schemes": SCHEMES,
+    "energy_error.problems": PROBLEMS,
+    "energy_error.steps_per_period": STEPS,
+    "energy_error.periods": 100,
+}
+#: The accident of the Runge-Kutta method on the softening spring.
+OF_THE_DRIFT: dict[str, Any] = {
+    "energy_drift.problem": "softening",
+    "energy_drift.scheme": "rk4",
+    "energy_drift.steps_per_period": spans("energy_drift.steps_per_period", 20, 25),
+}

@@ -1,0 +1,43 @@
+"""How the numbers of the text are gathered."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from paper.numbers.__main__ import gathered
+from paper.numbers.claims import of_claims
+from paper.numbers.reproduction import of_drift
+from paper.products import Product
+
+
+def _product(name, **numbers):
+    return Product("numbers", name, "here", lambda: numbers, {}, "", {})
+
+
+def test_a_minus_stands_before_numbers_only():
+    texts = gathered([_product("a", drift="-0.8", size="2e-16", kind="α-method, T-1"), _product("b", count=3)], str)
+    assert texts == {"drift": "−0.8", "size": "2e−16", "kind": "α-method, T-1", "count": "3"}
+
+
+def test_one_key_of_two_functions_is_refused():
+    with pytest.raises(ValueError, match="The number 'cells' is given by first and by second"):
+        gathered([_product("first", cells=1), _product("second", cells=1)], str)
+
+
+def test_claims_are_counted_by_part():
+    verdicts = ["reproduced", "reproduced with a qualification", "not reproduced", "reproduced"]
+    counts = of_claims(pd.DataFrame({"section": ["3.1", "5", "structures", "stability"], "verdict": verdicts}))
+    assert counts["claims"] == 2 and counts["claims_reproduced"] == counts["claims_qualified"] == 1
+    assert counts["structure_claims"] == counts["structure_claims_not_reproduced"] == 1
+    assert counts["stability_claims_reproduced"] == 1 and counts["stability_claims_qualified"] == 0
+
+
+def test_without_resonance_there_is_no_window():
+    parts = np.linspace(15, 30, 31)
+    runs = {
+        "energy_drift": ("steps_per_period", np.full(31, -5.0)),
+        "steps_per_oscillation": ("steps_per_period", parts),
+    }
+    numbers = of_drift(xr.Dataset(runs, {"steps_per_period": parts}))
+    assert numbers["resonance_20_from"] == numbers["resonance_20_to"] == "nan" and numbers["drift_20"] == "-5.00"

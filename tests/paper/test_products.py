@@ -1,0 +1,163 @@
+"""Declarations of what the paper is made of, and what they ask of the configuration."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import xarray as xr
+import yaml
+from snakemake.utils import update_config
+
+import paper
+from paper import products
+from paper.data import SOURCE
+from paper.products import Product, check, discover, figure, made, table
+from study.pipeline.configuration import complete
+
+CONFIG = Path(__file__).parent.parent.parent / "config"
+FOUND = discover()
+
+
+@pytest.fixture
+def empty(monkeypatch):
+    """No product is declared, and those that a test declares are forgotten."""
+    monkeypatch.setattr(products, "PRODUCTS", {})
+
+
+def test_all_products_are_found():
+    kinds = [product.kind for product in FOUND]
+    assert set(kinds) == {"claim", "figure", "numbers", "page", "table", "text"}
+    assert kinds.count("figure") >= 30 and kinds.count("table") >= 18 and kinds.count("page") == 1
+    assert all(product.caption for product in FOUND if product.kind in ("figure", "page", "claim"))
+    assert all(product.files for product in FOUND if product.kind != "text")
+
+
+def test_finding_them_takes_neither_jax_nor_the_study():
+    code = "import sys; from paper.products import discover; discover(); print({'jax', 'study'} & set(sys.modules))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "set()"
+
+
+def test_a_name_stands_for_one_product(empty):
+    table(name="own", data="x")(lambda data: None)
+    with pytest.raises(ValueError, match="table 'own' is declared twice"):
+        table(name="own", data="x")(lambda data: None)
+    figure("Of the same name.", name="own", data="x")(lambda data: None)
+
+
+def test_datasets_must_fit_the_arguments(empty):
+    with pytest.raises(ValueError, match="The datasets of table 'own' do not fit its function: missing a required"):
+        table(name="own", other="x")(lambda data, other: None)
+    assert not products.PRODUCTS
+
+
+def test_datasets_come_by_name():
+    product = Product("table", "own", "here", lambda b, a: (a, b), {"a": "x", "b": ["y", "z.csv"]}, "", {})
+    assert product.files == ["x.nc", "y.nc", "z.csv"]
+    assert made(product, str.upper) == ("X", ["Y", "Z.CSV"])
+
+
+@pytest.mark.parametrize(
+    "asks, sentence",
+    [
+        ({"runs.periods": [3]}, "runs.periods lacks 3, which table 'own' needs."),
+        ({"runs.lengths.problem": ["b", "c"]}, "runs.lengths.problem lacks 'c', which table 'own' needs."),
+        ({"runs.scheme": "rk4"}, "runs.scheme must be 'rk4' for table 'own', not 'houbolt'."),
+        ({"runs.steps": 3}, "runs.steps is missing, and table 'own' needs it."),
+        ({"": lambda config: f"{len(config)} is no section."}, "1 is no section."),
+    ],
+)
+def test_what_is_asked(asks, sentence):
+    config = {"runs": {"periods": [1, 100], "lengths": [{"problem": "a"}, {"problem": "b"}], "scheme": "houbolt"}}
+    met = {"runs.periods": [100], "runs.lengths.problem": ["a"], "runs.scheme": "houbolt", "": lambda config: None}
+    check([Product("table", "own", "here", print, {}, "", met)], config)
+    with pytest.raises(ValueError) as refusal:
+        check([Product("table", "own", "here", print, {}, "", met | asks)], config)
+    assert str(refusal.value) == sentence
+
+
+@pytest.fixture(params=["study.yaml", "full.yaml"])
+def config(request) -> dict:
+    """The configurations that are shipped."""
+    settings = yaml.safe_load((CONFIG / "study.yaml").read_text())
+    update_config(settings, yaml.safe_load((CONFIG / request.param).read_text()))
+    return complete(settings)
+
+
+def test_what_is_shipped_has_all_that_is_asked(config):
+    check(FOUND, config)
+
+
+@pytest.mark.parametrize(
+    "section, change, sentence",
+    [
+        ("references", {"problems": ["hardening"]}, "references.problems lacks 'softening'"),
+        ("work_precision.schemes", {"schemes": ["average_acceleration", "rk4"]}, "lacks 'central_difference'"),
+        ("work_precision.solvers", {"problems": ["softening"]}, "work_precision.solvers.problems lacks 'hardening'"),
+        ("structure_history.stiff_soft", {"steps_per_period": 1, "every": 1}, "samples after the start"),
+        ("structure_history.stiff_bar", {"problem": "fpu_chain"}, "stiff_bar.problem must be one of elastic_pendulum"),
+        ("structures", {"steps_per_period": [80]}, "structures.steps_per_period lacks 20"),
+        ("energy_error", {"periods": 10}, "energy_error.periods must be 100"),
+        ("houbolt_start", {"problems": ["softening"]}, "houbolt_start.problems lacks 'hardening'"),
+        ("recommendation", {"periods": [10]}, "recommendation.periods lacks 100"),
+        ("accuracy", {"periods": [1, 100]}, "accuracy.periods lacks 3"),
+        ("agreement", {"tolerances": [1e-4]}, "agreement.tolerances lacks 1e-09"),
+        ("large_steps", {"dt_over_period": [0.01, 0.1]}, "large_steps.dt_over_period has none above 0.2"),
+        ("large_steps", {"dt_over_period": [0.1, 0.3]}, "large_steps.dt_over_period has none up to 0.05"),
+        ("large_steps", {"dt_over_period": [0.3, 0.01]}, "large_steps.dt_over_period must rise"),
+        ("energy_drift", {"steps_per_period": {"first": 10, "last": 24, "step": 1}}, "leaves out 25"),
+        ("phase_portrait.hardening", {"duration": 0.1}, "less than"),
+        ("atlas", {"schemes": ["rk4", "houbolt"]}, "atlas.schemes"),
+        ("atlas.amplitudes", {"first": 1, "last": 2, "count": 3}, "none within a factor of 3 of the paper's"),
+        ("robustness", {"periods": [100, 10]}, "robustness.periods must rise"),
+        ("stability.roots", {"paper_dt": 7}, "stability.roots.paper_dt must be 2.5"),
+        ("stability.structures", {"excitations": [2]}, "stability.structures.excitations lacks 1"),
+        ("stability.structures", {"lengths": [{"problem": "pendulum", "periods": 1}]}, "lacks 'duffing_chaotic'"),
+    ],
+)
+def test_what_a_product_needs_is_asked(config, section, change, sentence):
+    part = config
+    for key in section.split("."):
+        part = part[key]
+    part.update(change)
+    with pytest.raises(ValueError, match=sentence):
+        check(FOUND, config)
+
+
+@pytest.mark.parametrize("inner", ["accuracy", "large_steps", "atlas"])
+def test_linear_theory_must_have_the_schemes_of_others(config, inner):
+    config[inner] = config[inner] | {"schemes": [*config[inner]["schemes"], "own"]}
+    with pytest.raises(ValueError, match=rf"spectral\.schemes lacks 'own', which {inner}\.schemes has"):
+        check(FOUND, config)
+
+
+def test_a_figure_is_one_new_file(tmp_path):
+    shutil.copytree(Path(paper.__file__).parent, tmp_path / "paper", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "paper" / "figures" / "own.py").write_text(
+        '"""A figure."""\n'
+        "import matplotlib.pyplot as plt\n"
+        "from paper.products import figure\n\n\n"
+        '@figure("Own.", data="own", asks={"own.steps": [3]})\n'
+        "def draw(data):\n"
+        "    figure, ax = plt.subplots()\n"
+        "    ax.plot(data.u)\n"
+        "    return figure\n"
+    )
+    xr.Dataset({"u": ("t", [1.0, 2.0])}, attrs={"source": SOURCE}).to_netcdf(tmp_path / "own.nc")
+    code = (
+        "from paper.products import discover\n"
+        "print(*[(p.module, p.caption, p.files, p.asks) for p in discover() if p.name == 'own'])"
+    )
+    environment = {"PYTHONPATH": str(tmp_path), "PATH": ""}
+    found = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert found.stdout.strip() == "('paper.figures.own', 'Own.', ['own.nc'], {'own.steps': [3]})", found.stderr
+    command = [sys.executable, "-m", "paper.products", "paper.figures.own", "own", ".", "own.pdf"]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert all((tmp_path / f"own{suffix}").stat().st_size > 1000 for suffix in (".pdf", ".png", ".svg"))
+
+
+def test_an_unknown_product_is_refused_in_a_sentence():
+    with pytest.raises(SystemExit, match=r"paper\.tables\.orders declares no product 'order'\."):
+        products.main("paper.tables.orders", "order", ".", "order.csv")
