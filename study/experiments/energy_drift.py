@@ -57,7 +57,7 @@ def energy_drift(
 ) -> xr.Dataset:
     """Compute the signed energy error at the end of a run and the steps of an oscillation, over step sizes.
 
-    The energy error is 100 (E/E₀ − 1) percent after ``periods`` periods; both variables are (steps_per_period,).
+    The energy error is 100 (E − E₀)/|E₀| percent after ``periods`` periods; both variables are (steps_per_period,).
 
     Parameters
     ----------
