@@ -85,7 +85,7 @@ def test_what_is_no_configuration_is_told(whole):
         (lambda c: c["sensitivity"].update(dt=0), "sensitivity.dt must be greater than or equal to"),
         (lambda c: c["sensitivity"].update(dt=1e6), "sensitivity.duration, 2500.0, is less than"),
         (lambda c: c["phase_portrait"]["hardening"].update(dt=75), "phase_portrait.hardening.duration, 15.0, is"),
-        (lambda c: c["energy_drift"]["steps_per_period"].update(first=50), "first, 50.0, must be less than last, 40.0."),
+        (lambda c: c["energy_drift"]["steps_per_period"].update(first=50), "first, 50.0, must be less than last"),
         (lambda c: c["large_steps"].update(dt_over_period=[0.1, 300.0]), "large_steps.dt_over_period: a step is"),
         (lambda c: c["cpu_time"].update(schemes=["rk4"]), "cpu_time.schemes lacks 'average_acceleration', to which"),
         (
@@ -126,7 +126,7 @@ def test_what_is_no_configuration_is_told(whole):
         (lambda c: c["references"].update(steps_per_period=[8]), "among references.steps_per_period, 8."),
         (lambda c: c["work_precision"]["solvers"].update(problems=["double_well"] * 2), "'double_well' stands there"),
         (lambda c: c["work_precision"]["schemes"].update(steps_per_period=[9]), "steps_per_period: there is no"),
-        (lambda c: c["work_precision"]["solvers"].update(tolerances=[1e-14]), "SciPy takes none below 2.2e-14, not"),
+        (lambda c: c["work_precision"]["solvers"].update(tolerances=[1e-14]), "tolerances must be at least 2.2e-14,"),
         (lambda c: c["work_precision"]["solvers"].update(periods=[1]), "work_precision.solvers.periods lacks 100,"),
         (lambda c: c["work_precision"]["solvers"].update(longest=0), "solvers.longest must be greater than 0, not 0."),
         (lambda c: c["agreement"].update(tolerances=[1e-9, 1e-4]), "agreement.tolerances: must fall, not [1e-09,"),
