@@ -1,6 +1,6 @@
-"""What a tolerance delivers: the true global error of every route, over one, ten and a hundred periods."""
+"""True errors of every route at every tolerance, over one, ten and a hundred periods."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import jax
@@ -9,22 +9,22 @@ import xarray as xr
 from typing_extensions import TypedDict
 
 from reference import diffrax, exact, sundials, taylor
-from reference.solution import RouteFailed, Solution, StepLimit
+from reference.solution import RouteFailed, Solution, StepLimit, Times, Windowed
 from study.datasets import flags
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import FallingTolerances, section
 from study.problem.definition import Problem
 from study.problem.named import printed_periods
-from study.problem.named import problems as registry
+from study.problem.named import problems as problems_by_name
 
-#: Route: its trajectory and its period, each a function of problem, times or estimate, and tolerance.
+#: Trajectory and period of every route: functions of problem, times or estimated period, and tolerance.
 ROUTES: dict[str, tuple[Callable, Callable]] = {
     "cvode_adams": (partial(sundials.trajectory, method="Adams"), partial(sundials.period, method="Adams")),
     "cvode_bdf": (partial(sundials.trajectory, method="BDF"), partial(sundials.period, method="BDF")),
     "dopri8": (partial(diffrax.trajectory, method="Dopri8"), partial(diffrax.period, method="Dopri8")),
     "tsit5": (partial(diffrax.trajectory, method="Tsit5"), partial(diffrax.period, method="Tsit5")),
-    # implicit and of order five: at tight tolerances a hundred periods would take minutes
+    # implicit and of order five: without a limit of steps a tight tolerance takes minutes over a hundred periods
     "kvaerno5": (
         partial(diffrax.trajectory, method="Kvaerno5", max_steps=30_000),
         partial(diffrax.period, method="Kvaerno5"),
@@ -33,36 +33,39 @@ ROUTES: dict[str, tuple[Callable, Callable]] = {
 }
 FINISHED, STEP_LIMIT, FAILED, NOT_TRIED, LOST = range(5)
 STATUS_MEANINGS = ("finished", "step_limit", "failed", "not_tried", "lost")
-#: An error of so many amplitudes says that the solution has left the orbit altogether.
+#: Error, in amplitudes, above which a solution counts as lost: it has left the orbit.
 LOST_ABOVE = 10
-#: How often in a period the routes are held against the truth; not only where displacement hides phase errors.
+#: Samples in a period: also between whole periods, where an error of the phase does not show in the displacement.
 SAMPLES = 16
-#: A number of periods is over where the last of them ends.
+#: Numbers of periods; a window ends with the last of them.
 WINDOWS = (1, 10, 100)
 
 
-def instants(period: float) -> np.ndarray:
-    """The times at which the routes are held against the truth: sixteen a period, up to the end of the last window."""
+def instants(period: float) -> Times:
+    """Times at which the routes are compared with the exact solution: k T/16 up to the end of the last window."""
     return np.arange(1, max(WINDOWS) * SAMPLES + 1) * period / SAMPLES
 
 
-def errors(problem: Problem, truth: exact.Truth, solution: Solution) -> dict[str, np.ndarray]:
-    """Largest errors up to the end of every window, relative to the largest size of the quantity."""
+def errors(problem: Problem, exact_solution: exact.ExactSolution, solution: Solution) -> dict[str, Windowed]:
+    """Largest errors up to the end of every window, each (windows,).
+
+    They are max |Δu| / max |u|, max |Δu̇| / max |u̇| and max |E/E₀ − 1|.
+    """
     energy = np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
     initial = float(problem.energy(np.asarray(problem.u0), np.asarray(problem.v0)))
     histories = {
-        "u_error": np.abs(solution.u - truth.u) / np.max(np.abs(truth.u)),
-        "v_error": np.abs(solution.v - truth.v) / np.max(np.abs(truth.v)),
+        "u_error": np.abs(solution.u - exact_solution.u) / np.max(np.abs(exact_solution.u)),
+        "v_error": np.abs(solution.v - exact_solution.v) / np.max(np.abs(exact_solution.v)),
         "energy_error": np.abs(energy / initial - 1),
     }
     largest = {name: np.array([np.max(h[: w * SAMPLES]) for w in WINDOWS]) for name, h in histories.items()}
-    # at whole periods the velocity is zero, and with it the first order effect of an error in phase
+    # at whole periods the velocity is zero, and so is the error of first order that a delay causes
     at_periods = histories["u_error"][SAMPLES - 1 :: SAMPLES]
     return largest | {"u_error_at_periods": np.array([np.max(at_periods[:w]) for w in WINDOWS])}
 
 
 def _attempt(ask: Callable, *arguments):
-    """What a route gives back, nothing where it did not finish, and how it ended."""
+    """Result of a route, ``None`` if it failed, and how it ended."""
     try:
         return ask(*arguments), FINISHED
     except RouteFailed as failure:
@@ -75,17 +78,21 @@ class _Agreement(TypedDict):
     tolerances: FallingTolerances
 
 
-@experiment(
-    "reference_agreement",
-    section="agreement",
-    model=_Agreement,
-    options=lambda c: {"problems": c["references"]["problems"], **c["agreement"]},
-)
-def agreement(problems: Sequence[str], tolerances: Sequence[float]) -> xr.Dataset:
-    """True error of every route at every tolerance, with what it took over the longest window.
+def _options(configuration: Mapping) -> Options:
+    return {"problems": configuration["references"]["problems"], **configuration["agreement"]}
 
-    The tolerances must fall: where the limit of steps ends a trajectory, tighter ones are not tried. What did not
-    finish has NaN, and a status that says why.
+
+@experiment("reference_agreement", section="agreement", model=_Agreement, options=_options)
+def agreement(problems: Sequence[str], tolerances: Sequence[float]) -> xr.Dataset:
+    """Measure the true errors and the effort of every reference solver at every tolerance.
+
+    Tolerances tighter than one at which a trajectory reached the limit of steps are not tried. Errors have the shape
+    (problem, route, tolerance, periods); they are NaN for a trajectory that did not finish, and its status says why.
+
+    Raises
+    ------
+    ValueError
+        If the tolerances do not fall.
     """
     if list(tolerances) != sorted(tolerances, reverse=True):
         raise ValueError(f"the tolerances must fall, not {tolerances}.")
@@ -94,7 +101,7 @@ def agreement(problems: Sequence[str], tolerances: Sequence[float]) -> xr.Datase
 
 
 def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
-    definition, estimate = registry[problem], printed_periods[problem]
+    definition, estimate = problems_by_name[problem], printed_periods[problem]
     shape = (len(ROUTES), len(tolerances))
     windowed = {
         name: np.full((*shape, len(WINDOWS)), np.nan)
@@ -104,7 +111,7 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
     ended = {name: np.full(shape, NOT_TRIED, np.int32) for name in ("status", "period_status")}
     exact_period, certified = exact.period(definition, estimate)
     t = instants(float(exact_period))
-    truth = exact.folded(definition, t, exact_period, certified)
+    exact_solution = exact.folded(definition, t, exact_period, certified)
     for r, (route, (trajectory, period)) in enumerate(ROUTES.items()):
         progress(f"{route} on {problem}")
         for k, tolerance in enumerate(tolerances):
@@ -117,7 +124,7 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
             solution, ended["status"][at] = _attempt(trajectory, definition, t, tolerance)
             if solution is not None:
                 single["evaluations"][at], single["run_time"][at] = solution.evaluations, solution.seconds
-                for quantity, values in errors(definition, truth, solution).items():
+                for quantity, values in errors(definition, exact_solution, solution).items():
                     windowed[quantity][at] = values
                 if windowed["u_error"][at].max() > LOST_ABOVE:
                     ended["status"][at] = LOST

@@ -1,36 +1,41 @@
-"""Exact periods of the springs over decades of amplitude, which the step sizes of the stability maps are counted by."""
+"""Exact periods and orbits of the springs over decades of amplitude, for the maps of stability."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import jax
 import numpy as np
 import xarray as xr
+from jaxtyping import Float
 
 from reference import closed_form
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.problem.definition import Problem
-from study.problem.named import problems as registry
+from study.problem.named import problems as problems_by_name
 
-#: Decimal digits of the working: more than the sixteen that are kept, and a hundred periods a second.
+#: Decimal digits that are carried: more than the sixteen that are kept, and few enough for a hundred periods a second.
 DIGITS = 20
-#: Points of an orbit, the first of which is also the last.
+#: Points of an orbit, of which the first and the last coincide.
 POINTS = 65
+#: A value, or the turning points, or the points of the orbit, of each motion.
+_ByAmplitude = Float[np.ndarray, "amplitudes"]
+_TurningPoints = Float[np.ndarray, "amplitudes 2"]
+_Orbits = Float[np.ndarray, "amplitudes points"]
 
 
-def _turning_points(problem: Problem, u0: np.ndarray) -> np.ndarray:
-    """Least and largest displacement of each motion, (amplitudes, 2)."""
+def _turning_points(problem: Problem, u0: _ByAmplitude) -> _TurningPoints:
+    """Least and largest displacement of each motion."""
     return np.array([closed_form.turning_points(problem, value) for value in u0])
 
 
-def _highest_frequency(problem: Problem, ends: np.ndarray) -> np.ndarray:
-    """√(max p′) between the turning points of each motion, (amplitudes,)."""
+def _highest_frequency(problem: Problem, ends: _TurningPoints) -> _ByAmplitude:
+    """√(max p′(u)) between the turning points of each motion."""
     places = ends[:, :1] + np.diff(ends) * np.linspace(0, 1, 1001)
     return np.sqrt(np.asarray(jax.jit(jax.vmap(jax.grad(problem.force)))(places.ravel())).reshape(places.shape).max(1))
 
 
-def _orbit(problem: Problem, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and velocity once around each motion, (amplitudes, points), from its largest displacement."""
+def _orbit(problem: Problem, ends: _TurningPoints) -> tuple[_Orbits, _Orbits]:
+    """Displacement and velocity once around each orbit, from its largest displacement."""
     angle = np.linspace(0, 2 * np.pi, POINTS)
     u = ends.mean(1, keepdims=True) + np.diff(ends) / 2 * np.cos(angle)
     potential = np.asarray(jax.jit(jax.vmap(problem.potential))(u.ravel())).reshape(u.shape)  # type: ignore[arg-type, type-var]
@@ -38,29 +43,38 @@ def _orbit(problem: Problem, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return u, -np.copysign(speed, np.sin(angle))
 
 
-@experiment(
-    "reference/amplitudes",
-    section="atlas",
-    options=lambda c: {"problems": c["atlas"]["problems"], "exponents": c["atlas"]["amplitudes"]},
-)
+def _options(configuration: Mapping) -> Options:
+    return {"problems": configuration["atlas"]["problems"], "exponents": configuration["atlas"]["amplitudes"]}
+
+
+@experiment("reference/amplitudes", section="atlas", options=_options)
 def amplitudes(problems: Sequence[str], exponents: dict[str, float]) -> xr.Dataset:
-    """Period and orbit of every problem from rest at u₀ 10^x, for x from ``first`` to ``last``, ``count`` in number.
+    """Compute exact period and orbit of every spring over decades of amplitude.
+
+    The springs are released from rest at u₀ 10ˣ, with u₀ the problem's own displacement. Periods have the shape
+    (problem, amplitude), orbits (problem, amplitude, point).
+
+    Parameters
+    ----------
+    exponents
+        ``count`` values of x from ``first`` to ``last``.
 
     Raises
     ------
     ValueError
-        If there is no closed form for the period of a problem, as at its rest.
+        If the period of a problem has no closed form, as at its position of equilibrium.
     """
     x = np.linspace(exponents["first"], exponents["last"], int(exponents["count"]))
-    u0 = np.stack([float(registry[name].u0) * 10**x for name in problems])
+    u0 = np.stack([float(problems_by_name[problem].u0) * 10**x for problem in problems])
     period, highest = np.empty_like(u0), np.empty_like(u0)
     orbits = []
-    for p, name in enumerate(problems):
-        progress(f"periods of {name}")
-        period[p] = [float(closed_form.period(registry[name], value, DIGITS)) for value in u0[p]]
-        ends = _turning_points(registry[name], u0[p])
-        highest[p] = _highest_frequency(registry[name], ends)
-        orbits.append(_orbit(registry[name], ends))
+    for p, problem in enumerate(problems):
+        progress(f"periods of {problem}")
+        definition = problems_by_name[problem]
+        period[p] = [float(closed_form.period(definition, value, DIGITS)) for value in u0[p]]
+        ends = _turning_points(definition, u0[p])
+        highest[p] = _highest_frequency(definition, ends)
+        orbits.append(_orbit(definition, ends))
     u, v = map(np.stack, zip(*orbits, strict=True))
     dims = ("problem", "amplitude")
     return xr.Dataset(

@@ -1,7 +1,7 @@
-"""Closed forms in arbitrary precision.
+"""Closed forms of motions and periods in arbitrary precision.
 
-Elliptic functions for the cubic springs and the pendulum, quadrature for the period of the tanh spring, and modes for
-linear structures under a harmonic load.
+The cubic springs and the pendulum are solved by elliptic functions, the period of the tanh spring by quadrature, and
+linear structures under a harmonic load by their modes.
 """
 
 from collections.abc import Iterable
@@ -11,16 +11,17 @@ import jax
 import mpmath
 import numpy as np
 
+from reference.solution import History
 from study.problem.definition import Problem
 from study.problem.loads import HarmonicLoad
 from study.problem.springs import CubicSpring, TanhSpring
 
-#: Decimal digits that are carried; the periods are good to 30.
+#: Decimal digits that are carried; 30 digits of a period are exact.
 DIGITS = 50
 
 
 def is_known(problem: Problem) -> bool:
-    """Whether the problem is a cubic or tanh spring of unit mass, free and undamped, released from rest."""
+    """Whether the period has a closed form: a free, undamped cubic or tanh spring of unit mass, released from rest."""
     free = problem.damping is None and problem.load is None and problem.mass is None
     spring = getattr(problem.force, "__self__", None)
     return free and isinstance(spring, CubicSpring | TanhSpring) and float(problem.v0) == 0.0
@@ -33,11 +34,12 @@ def _spring(problem: Problem) -> CubicSpring | TanhSpring:
 
 
 def _cubic(spring: CubicSpring, u0):
-    """Amplitude A, rate κ, modulus m, phase and Jacobi function of the solution of ü + S1 u (1 + S2 u²) = 0.
+    """Amplitude A, rate κ, parameter m, phase φ and Jacobi function of the solution of ü + S1 u (1 + S2 u²) = 0.
 
-    A hardening spring, and a double well from above its hill, swing as A cn(κt), κ² = S1 (1 + S2 A²),
-    m = S2 A² / (2 (1 + S2 A²)). In one well of the double well the solution is A dn(κt + φ), κ² = S1 S2 A²/2,
-    m = 1 − (a/A)² between the turning points a and A.
+    For a hardening spring, and a double well released above its hill, u = A cn(κt) with κ² = S1 (1 + S2 A²) and
+    m = S2 A² / (2 (1 + S2 A²)). Within one well of the double well, u = A dn(κt + φ) with κ² = S1 S2 A²/2 and
+    m = 1 − (a/A)², where a and A are the turning points.
+
     Source: P. F. Byrd, M. D. Friedman, Handbook of Elliptic Integrals for Engineers and Scientists, 1971.
     """
     S1, S2 = mpmath.mpf(spring.S1), mpmath.mpf(spring.S2)
@@ -54,11 +56,11 @@ def _cubic(spring: CubicSpring, u0):
 
 
 def _tanh_period(spring: TanhSpring, u0):
-    """T = 4 ∫ du / √(2S ln(cosh u₀ / cosh u)) over 0 ≤ u ≤ u₀, with u = u₀ (1 − x²) so that the end is regular."""
+    """T = 4 ∫ du / √(2S ln(cosh u₀ / cosh u)) over 0 ≤ u ≤ u₀; u = u₀ (1 − x²) removes the singularity at u₀."""
 
     def integrand(x):
         drop = u0 * x**2
-        # ln(cosh u₀ / cosh(u₀ − drop)) for small drops and for large amplitudes
+        # ln(cosh u₀ / cosh(u₀ − drop)) in a form that is exact for small drops and does not overflow for large u₀
         tail = mpmath.exp(-2 * u0) * mpmath.expm1(2 * drop) / (1 + mpmath.exp(2 * (drop - u0)))
         logarithm = drop + mpmath.log1p(-tail)
         return 2 * u0 * x / mpmath.sqrt(2 * spring.S * logarithm)
@@ -67,12 +69,21 @@ def _tanh_period(spring: TanhSpring, u0):
 
 
 def period(problem: Problem, u0: float | None = None, digits: int = DIGITS) -> mpmath.mpf:
-    """Exact period to so many digits, of the problem or of its spring released at another ``u0``.
+    """Exact period of a spring released from rest, 4 K(m)/κ or 2 K(m)/κ for the cubic springs.
+
+    K is the complete elliptic integral of the first kind; a motion within one well has the second period.
+
+    Parameters
+    ----------
+    u0
+        Initial displacement; that of the problem by default.
+    digits
+        Decimal digits that are carried.
 
     Raises
     ------
     ValueError
-        If there is no closed form for the problem.
+        If the period has no closed form.
     """
     spring = _spring(problem)
     with mpmath.workdps(digits):
@@ -84,12 +95,12 @@ def period(problem: Problem, u0: float | None = None, digits: int = DIGITS) -> m
 
 
 def turning_points(problem: Problem, u0: float) -> tuple[float, float]:
-    """Least and largest displacement of the motion of a spring from rest at ``u0``.
+    """Least and largest displacement of the motion of a spring released from rest at ``u0``.
 
     Raises
     ------
     ValueError
-        If there is no closed form for the problem.
+        If the motion has no closed form.
     """
     spring = _spring(problem)
     if isinstance(spring, TanhSpring):
@@ -100,17 +111,24 @@ def turning_points(problem: Problem, u0: float) -> tuple[float, float]:
 
 
 def has_trajectory(problem: Problem) -> bool:
-    """Whether the trajectory has a closed form, not only the period."""
+    """Whether the trajectory has a closed form too, as for the cubic springs."""
     return is_known(problem) and isinstance(_spring(problem), CubicSpring)
 
 
 def trajectory(problem: Problem, t: Iterable) -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
-    """Exact displacement and velocity to ``DIGITS`` digits at the times ``t``, floats or numbers of mpmath.
+    """Exact displacement and velocity of a cubic spring at the times ``t``, carried with ``DIGITS`` digits.
+
+    With x = κt + φ, u = A cn(x) and u̇ = −Aκ sn(x) dn(x), or u = A dn(x) and u̇ = −Aκm sn(x) cn(x).
+
+    Parameters
+    ----------
+    t
+        Times as floats, which are taken to be exact, or as numbers of mpmath.
 
     Raises
     ------
     ValueError
-        If there is no closed form for the trajectory.
+        If the trajectory has no closed form.
     """
     spring = _spring(problem)
     if not isinstance(spring, CubicSpring):
@@ -128,9 +146,10 @@ def trajectory(problem: Problem, t: Iterable) -> tuple[list[mpmath.mpf], list[mp
 
 
 def _pendulum(problem: Problem, t: Iterable) -> tuple[list, list]:
-    """The plane pendulum ü + sin u = 0 from its lower rest: u = 2 arcsin(k sn(t)), u̇ = 2k cn(t), 0 < k = u̇₀/2 < 1.
+    """Motion of the plane pendulum ü + sin u = 0 from u = 0 with the velocity u̇₀ < 2.
 
-    Source: Byrd and Friedman (1971), as for :func:`_cubic`.
+    u = 2 arcsin(k sn(t)) and u̇ = 2k cn(t), with the modulus k = u̇₀/2. Source: Byrd and Friedman (1971), see
+    :func:`_cubic`.
     """
     k = mpmath.mpf(float(problem.v0)) / 2
     sn, cn = ([mpmath.ellipfun(name, mpmath.mpf(time), m=k**2) for time in t] for name in ("sn", "cn"))
@@ -138,9 +157,11 @@ def _pendulum(problem: Problem, t: Iterable) -> tuple[list, list]:
 
 
 def _modes(problem: Problem, t: Iterable) -> tuple[list, list]:
-    """Σ φ q(t) of a linear structure of unit masses, from rest under f cos(Ωt − α), with K φ = ω² φ and φᵀφ = 1.
+    """Motion Σ φ q(t) of a linear structure of unit masses from rest under the load f cos(Ωt − α).
 
-    q̈ + ω² q = φᵀf cos(Ωt − α):    q = φᵀf / (ω² − Ω²) (cos(Ωt − α) − cos α cos ωt − Ω/ω sin α sin ωt)
+    The modes are K φ = ω² φ with φᵀφ = 1. Each coordinate solves q̈ + ω² q = φᵀf cos(Ωt − α), so that
+
+        q = φᵀf / (ω² − Ω²) (cos(Ωt − α) − cos α cos ωt − Ω/ω sin α sin ωt)
     """
     load = cast(HarmonicLoad, problem.load)
     stiffness = mpmath.matrix(np.asarray(jax.jit(jax.jacobian(problem.force))(problem.u0)).tolist())
@@ -162,12 +183,20 @@ def _modes(problem: Problem, t: Iterable) -> tuple[list, list]:
     return u, v
 
 
-#: The structures, by name, whose motion has a closed form.
-STRUCTURES = {"pendulum": _pendulum, "stiff_soft": _modes}
+#: Trajectories in closed form, by name of the structure.
+STRUCTURE_TRAJECTORIES = {"pendulum": _pendulum, "stiff_soft": _modes}
 
 
-def structure(name: str, problem: Problem, t: Iterable) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and velocity of a structure of ``STRUCTURES`` at the times ``t``, rounded to doubles."""
+def structure_trajectory(name: str, problem: Problem, t: Iterable) -> tuple[History, History]:
+    """Exact displacement and velocity of a structure at the times ``t``, rounded to doubles.
+
+    Parameters
+    ----------
+    name
+        Name of the structure in ``STRUCTURE_TRAJECTORIES``.
+    problem
+        The structure itself.
+    """
     with mpmath.workdps(DIGITS):
-        u, v = STRUCTURES[name](problem, t)
+        u, v = STRUCTURE_TRAJECTORIES[name](problem, t)
         return np.array(u, dtype=float), np.array(v, dtype=float)

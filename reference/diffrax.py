@@ -1,4 +1,4 @@
-"""diffrax: explicit and implicit Runge-Kutta methods under step size control."""
+"""Route through diffrax: explicit and implicit Runge-Kutta methods under step size control."""
 
 import time
 
@@ -13,6 +13,7 @@ from reference.solution import (
     RouteFailed,
     Solution,
     StepLimit,
+    Times,
     check_tolerance,
     check_trajectory,
     release,
@@ -20,7 +21,9 @@ from reference.solution import (
 )
 from study.problem.definition import Problem
 
+#: Smallest tolerance that is accepted.
 SMALLEST_RTOL = 1e-15
+#: Tolerance of a first run, which compiles the program.
 LOOSE_RTOL = 1e-3
 MAX_STEPS = 1_000_000
 #: Evaluations of the right side in one step.
@@ -28,7 +31,7 @@ STAGES = {"Dopri8": 13, "Tsit5": 6, "Kvaerno5": 7}
 
 
 class ClassicalRungeKutta(diffrax.AbstractERK):
-    """The Runge-Kutta method of fourth order, without an estimate of its error, for fixed steps."""
+    """The classical Runge-Kutta method of fourth order for fixed steps, without an estimate of its error."""
 
     tableau = diffrax.ButcherTableau(
         c=np.array([0.5, 0.5, 1.0]),
@@ -44,10 +47,10 @@ class ClassicalRungeKutta(diffrax.AbstractERK):
 
 
 def _solver(method: str):
-    """The method; an implicit one with a chord iteration.
+    """Diffrax's solver; an implicit method solves its equations by the chord iteration.
 
-    The very modified one that diffrax takes by default was measured to fail in every second step on these problems,
-    and to need six to ten times as many steps.
+    Diffrax's default is the very chord iteration, which fails in every second step on these problems and needs six to
+    ten times as many steps.
     """
     solver = getattr(diffrax, method)
     if issubclass(solver, diffrax.AbstractImplicitSolver):
@@ -85,21 +88,29 @@ def _check(problem: Problem, method: str, solution) -> None:
 
 
 def trajectory(
-    problem: Problem, t: np.ndarray, rtol: float = 1e-14, method: str = "Dopri8", max_steps: int = MAX_STEPS
+    problem: Problem, t: Times, rtol: float = 1e-14, method: str = "Dopri8", max_steps: int = MAX_STEPS
 ) -> Solution:
-    """Displacement and velocity at the increasing times ``t``; steps end on them, none is interpolated.
+    """Displacement and velocity at the increasing times ``t``. Steps end at these times; nothing is interpolated.
 
     Parameters
     ----------
+    t
+        Times in seconds.
+    rtol
+        Relative tolerance; the absolute one is a hundredth of it.
     method
         ``Dopri8``, ``Tsit5`` or ``Kvaerno5``.
+    max_steps
+        Limit of steps, accepted and rejected ones.
 
     Raises
     ------
     ValueError
         If the tolerance cannot be reached, the mass is singular, or the times do not increase.
+    StepLimit
+        If diffrax reaches the limit of steps.
     RouteFailed
-        If diffrax gives up, for instance at the limit of steps.
+        If diffrax stops early for another reason.
     """
     check_tolerance(f"diffrax {method}", rtol, SMALLEST_RTOL)
     check_trajectory(f"diffrax {method}", problem, t, unknowns=np.inf)
@@ -128,7 +139,7 @@ def _fixed(problem: Problem, dt, t1):
 
 
 def classical_runge_kutta(problem: Problem, dt: float, steps: int) -> Solution:
-    """Displacement and velocity after ``steps`` steps of the classical Runge-Kutta method, stepped by diffrax."""
+    """Displacement and velocity after ``steps`` steps of the classical Runge-Kutta method in diffrax, each (1,)."""
     arguments = problem.untitled(), np.float64(dt), np.float64(dt * steps)
     _fixed(*arguments).ys.block_until_ready()  # compiles
     start = time.perf_counter()
@@ -139,7 +150,7 @@ def classical_runge_kutta(problem: Problem, dt: float, steps: int) -> Solution:
 
 @eqx.filter_jit
 def _until(problem: Problem, t1, turning, rtol, method: str):
-    """Solution at ``t1``, or where ``turning`` v becomes positive; with ``turning`` zero only ``t1`` ends it."""
+    """Solution at ``t1``, or earlier where ``turning`` times v becomes positive; ``turning`` may be zero."""
     event = diffrax.Event(
         lambda t, y, args, **_: jnp.where(turning == 0, -1.0, turning * y[1]),
         optimistix.Newton(rtol=1e-6, atol=1e-6),
@@ -161,9 +172,10 @@ def _until(problem: Problem, t1, turning, rtol, method: str):
 
 
 def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str = "Dopri8") -> float:
-    """Twice the time to the next turning point: the event v = 0, then Newton's correction −v/ü integrated anew.
+    """Period of a free oscillator: twice the time from rest to the next turning point, where v = 0.
 
-    The event is found on the interpolant of a step, which is of lower order than the step; the correction removes it.
+    The event is found on the interpolant of a step, whose order is lower than that of the step. Two Newton corrections
+    t ← t − v/v̇, each with a new integration up to t, remove its error.
 
     Raises
     ------
@@ -174,7 +186,7 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str =
     """
     sign = release(f"diffrax {method}", problem, estimate)
     untitled = problem.untitled()
-    # all of one type, the tolerance among them, or each call would be compiled anew
+    # all numbers are arrays of one type; otherwise each call is compiled anew
     tolerance = np.float64(rtol)
     found = _until(untitled, np.float64(0.75 * estimate), np.float64(-sign), tolerance, method)
     _check(problem, method, found)

@@ -1,12 +1,13 @@
-"""The truth beyond double precision, with an uncertainty that is measured.
+"""Exact solutions beyond double precision, with a measured uncertainty.
 
-The Taylor method of heyoka is run with significands of 128 and of 192 bits, each in two formulations of the equation.
-What all four agree on is certified; where a closed form is known it is a fifth witness. A free oscillator is computed
-over one period only: with the period known to more than thirty digits, a time of any size is folded into it.
+The Taylor method of heyoka is run with significands of 128 and 192 bits, each in two formulations of the equation. The
+digits common to all four integrations are certified; a closed form is compared too where one is known. A free
+oscillator is integrated over one period only: its period is known to more than thirty digits, so any time can be
+reduced by whole periods.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Annotated, NamedTuple
 
@@ -20,27 +21,37 @@ from numpy.typing import ArrayLike
 from typing_extensions import TypedDict
 
 from reference import closed_form, taylor
-from reference.solution import RouteFailed
+from reference.solution import History, RouteFailed
 from reference.symbolic import first_order, with_force_as_state
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Springs, section
 from study.problem.definition import Problem
-from study.problem.named import printed_periods, problems
+from study.problem.named import printed_periods
+from study.problem.named import problems as problems_by_name
 
+#: Significands and formulations of the integrations; the first of each gives the solution.
 BITS = (192, 128)
 FORMULATIONS = (first_order, with_force_as_state)
-#: What calls itself truth is known to this part of its largest size.
+#: Largest difference of the integrations, over the largest value, up to which a solution counts as exact.
 CERTIFIED = 1e-25
-#: How many samples of the trajectory the closed form is held against.
+#: Number of samples of a trajectory that are compared with the closed form.
 WITNESSED = 33
 
 
-class Truth(NamedTuple):
-    """Displacement and velocity rounded to double, and the largest difference of the four integrations, absolute."""
+class ExactSolution(NamedTuple):
+    """Exact solution at some times, rounded to doubles.
 
-    u: np.ndarray
-    v: np.ndarray
+    Attributes
+    ----------
+    u, v
+        Displacement and velocity, (t,).
+    u_certified, v_certified
+        Largest absolute difference of the four integrations before rounding.
+    """
+
+    u: History
+    v: History
     u_certified: float
     v_certified: float
 
@@ -60,12 +71,26 @@ def _doubles(values: np.ndarray) -> np.ndarray:
 
 
 def period(problem: Problem, estimate: float) -> tuple[hy.real, float]:
-    """Exact period, and the largest relative difference of the integrations, and of a closed form, from it.
+    """Exact period of a free oscillator at rest, and its largest relative difference from the other routes.
+
+    Parameters
+    ----------
+    estimate
+        Rough period; the exact one must be less than one and a half times as long.
+
+    Returns
+    -------
+    period : heyoka.real
+        Period of 192 bits.
+    difference : float
+        Largest relative difference of the other integrations, and of a closed form if one is known.
 
     Raises
     ------
     ValueError
-        If the problem has no period.
+        If the problem is no free oscillator of one unknown that starts at rest, out of equilibrium.
+    RouteFailed
+        If no turning point comes within three quarters of the estimate.
     """
     found = [
         taylor.period(problem, estimate, bits=bits, formulation=formulation)
@@ -80,15 +105,20 @@ def period(problem: Problem, estimate: float) -> tuple[hy.real, float]:
     return best, max(differences)
 
 
-def trajectory(problem: Problem, t: Sequence) -> Truth:
-    """Truth at the increasing times ``t``, given as floats or numbers of heyoka.
+def trajectory(problem: Problem, t: Sequence) -> ExactSolution:
+    """Exact solution of a problem with one unknown at the increasing times ``t``.
+
+    Parameters
+    ----------
+    t
+        Times as floats or as numbers of heyoka.
 
     Raises
     ------
     ValueError
         If the problem is not smooth or has more than one unknown, or the times do not increase.
     RouteFailed
-        If the integrations agree to less than ``CERTIFIED``, as those of a chaotic motion do before long.
+        If the integrations differ by more than ``CERTIFIED``, as they do after some time of chaotic motion.
     """
     solutions = [
         taylor.trajectory(problem, t, bits=bits, formulation=formulation)
@@ -99,30 +129,31 @@ def trajectory(problem: Problem, t: Sequence) -> Truth:
     for values in (u, v):
         if not _spread(values) <= CERTIFIED * float(np.max(np.abs(values[0]))):
             raise RouteFailed(
-                f"up to t = {float(t[-1]):g} the truth of '{problem.title}' is known to {_spread(values):.0e} only: "
-                "its integrations separate; ask for shorter times."
+                f"the exact solution of '{problem.title}' up to t = {float(t[-1]):g} is known to {_spread(values):.0e} "
+                "only, because its integrations separate; ask for shorter times."
             )
-    return Truth(_doubles(u[0]), _doubles(v[0]), _spread(u), _spread(v))
+    return ExactSolution(_doubles(u[0]), _doubles(v[0]), _spread(u), _spread(v))
 
 
 def _less_whole_periods(time: hy.real, period: hy.real) -> hy.real:
-    """``time`` modulo ``period``; the quotient may round up to a whole number that it does not reach."""
+    """``time`` modulo ``period``."""
     rest = time - period * math.floor(float(time / period))
+    # the quotient may have been rounded up to a whole number
     return rest + period if rest < 0 else rest
 
 
-def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certified: float) -> Truth:
-    """Truth of a free oscillator at any times, in any order: each less the whole periods that are over.
+def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certified: float) -> ExactSolution:
+    """Exact solution of a free oscillator at times of any size, in any order.
 
-    The period is known to more than thirty digits, so that a hundred thousand periods cost none of a double's sixteen;
-    what they cost of the certified digits is counted in.
+    Each time is reduced by whole periods. The period is known to more than thirty digits, so a hundred thousand periods
+    leave the sixteen digits of a double exact. Their effect on the certified digits is added to the differences.
 
     Parameters
     ----------
     t
         Times as doubles, which are taken to be exact.
     exact_period, period_certified
-        What :func:`period` found.
+        Period and difference that :func:`period` returns.
 
     Raises
     ------
@@ -130,27 +161,30 @@ def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certifi
         If a time is not finite.
     """
     if not np.all(np.isfinite(t)):
-        raise ValueError(f"the truth of '{problem.title}' is asked for at a time that is not finite.")
+        raise ValueError(f"the exact solution of '{problem.title}' is asked for at a time that is not finite.")
     times, where = np.unique(np.asarray(t, float), return_inverse=True)
     rests = [_less_whole_periods(hy.real(float(time), max(BITS)), exact_period) for time in times]
     order = sorted(range(len(rests)), key=rests.__getitem__)
-    truth = trajectory(problem, [rests[i] for i in order])
+    solution = trajectory(problem, [rests[i] for i in order])
     back = np.argsort(order)[where]
     doubt = period_certified * float(np.max(np.abs(times)))
-    fastest, strongest = np.max(np.abs(truth.v)), np.max(np.abs(jax.vmap(problem.force)(truth.u)))
-    return Truth(
-        truth.u[back], truth.v[back], truth.u_certified + fastest * doubt, truth.v_certified + strongest * doubt
+    fastest, strongest = np.max(np.abs(solution.v)), np.max(np.abs(jax.vmap(problem.force)(solution.u)))
+    return ExactSolution(
+        solution.u[back],
+        solution.v[back],
+        solution.u_certified + fastest * doubt,
+        solution.v_certified + strongest * doubt,
     )
 
 
 def phases(steps_per_period: Sequence[int]) -> list[Fraction]:
-    """Every part of the period that is met with one of these numbers of steps, in order, both ends included."""
+    """All fractions k/N of the period with 0 ≤ k ≤ N, for N in ``steps_per_period``, in order and each once."""
     parts = {Fraction(step, steps) for steps in steps_per_period for step in range(steps + 1)}
     return sorted(parts)
 
 
 def _witnessed(problem: Problem, times: Sequence[hy.real]) -> float:
-    """Largest difference of the closed form from the motion before rounding, relative; NaN without closed form."""
+    """Largest relative difference of the closed form from the solution before rounding; NaN without a closed form."""
     if not closed_form.has_trajectory(problem):
         return np.nan
     chosen = [times[i] for i in np.linspace(0, len(times) - 1, WITNESSED).astype(int)]
@@ -164,7 +198,10 @@ def _witnessed(problem: Problem, times: Sequence[hy.real]) -> float:
 
 
 def _uncertainty(values: np.ndarray, rates: np.ndarray, t: float, certified: float) -> float:
-    """Half a unit in the last place of the largest value and of the time, as they are stored, and the certificate."""
+    """Uncertainty of stored values: max |Δ| ≤ (ulp(max |u|) + max |u̇| ulp(t))/2 + the certified difference.
+
+    ulp is the unit in the last place. The values and the times up to ``t`` are rounded; ``rates`` are derivatives.
+    """
     return 0.5 * (np.spacing(np.max(np.abs(values))) + np.max(np.abs(rates)) * np.spacing(t)) + certified
 
 
@@ -174,26 +211,36 @@ class _References(TypedDict):
     steps_per_period: Annotated[list[Annotated[int, Ge(2), Le(100_000)]], Len(1, 100)]
 
 
-@experiment(
-    "reference",
-    section="references",
-    model=_References,
-    split=lambda o: {
-        problem: {"problem": problem, "steps_per_period": o["steps_per_period"]} for problem in o["problems"]
-    },
-    # in numbers of 192 bits, four times
-    values=lambda o, c: 100 * sum(o["steps_per_period"]),
-)
+def _jobs(options: Options) -> dict[str, Options]:
+    """The options of one job for each problem."""
+    steps_per_period = options["steps_per_period"]
+    return {problem: {"problem": problem, "steps_per_period": steps_per_period} for problem in options["problems"]}
+
+
+def _numbers_held(options: Options, configuration: Mapping) -> float:
+    # each phase is held in four integrations as numbers of 192 bits, which are objects
+    return 100 * sum(options["steps_per_period"])
+
+
+@experiment("reference", section="references", model=_References, split=_jobs, values=_numbers_held)
 def reference(problem: str, steps_per_period: Sequence[int]) -> xr.Dataset:
-    """Period and trajectory over one period, at every phase that the given numbers of steps per period meet."""
-    definition = problems[problem]
-    progress(f"truth of {problem}: 128 and 192 bits, two formulations")
+    """Compute the exact period of a spring and its motion over one period.
+
+    Displacement and velocity have the shape (t,), with the times of every step of T/N, N in ``steps_per_period``.
+
+    Raises
+    ------
+    RouteFailed
+        If the integrations do not agree.
+    """
+    definition = problems_by_name[problem]
+    progress(f"exact solution of {problem} with 128 and 192 bits in two formulations")
     exact_period, period_certified = period(definition, printed_periods[problem])
     parts = phases(steps_per_period)
     times = [exact_period * part.numerator / part.denominator for part in parts]
-    truth = trajectory(definition, times)
-    energy = np.asarray(jax.vmap(definition.energy)(truth.u, truth.v))
-    forces = np.asarray(jax.vmap(definition.force)(truth.u))
+    solution = trajectory(definition, times)
+    energy = np.asarray(jax.vmap(definition.energy)(solution.u, solution.v))
+    forces = np.asarray(jax.vmap(definition.force)(solution.u))
     rounded = float(exact_period)
 
     def scalar(value, long_name, units):
@@ -204,16 +251,20 @@ def reference(problem: str, steps_per_period: Sequence[int]) -> xr.Dataset:
 
     return xr.Dataset(
         {
-            "u": ("t", truth.u, {"long_name": "displacement", "units": "1"}),
-            "v": ("t", truth.v, {"long_name": "velocity", "units": "s-1"}),
+            "u": ("t", solution.u, {"long_name": "displacement", "units": "1"}),
+            "v": ("t", solution.v, {"long_name": "velocity", "units": "s-1"}),
             "u_uncertainty": scalar(
-                _uncertainty(truth.u, truth.v, rounded, truth.u_certified), "uncertainty of the displacement", "1"
+                _uncertainty(solution.u, solution.v, rounded, solution.u_certified),
+                "uncertainty of the displacement",
+                "1",
             ),
             "v_uncertainty": scalar(
-                _uncertainty(truth.v, forces, rounded, truth.v_certified), "uncertainty of the velocity", "s-1"
+                _uncertainty(solution.v, forces, rounded, solution.v_certified),
+                "uncertainty of the velocity",
+                "s-1",
             ),
-            "u_certified": spread("displacement before rounding", truth.u_certified, "1"),
-            "v_certified": spread("velocity before rounding", truth.v_certified, "s-1"),
+            "u_certified": spread("displacement before rounding", solution.u_certified, "1"),
+            "v_certified": spread("velocity before rounding", solution.v_certified, "s-1"),
             "closed_form_difference": scalar(
                 _witnessed(definition, times), "largest relative difference of the closed form", "1"
             ),

@@ -1,10 +1,10 @@
-"""OpenSees, a finite element code that steps the same schemes: an optional peer.
+"""The same schemes in OpenSees, a finite element code, as an optional comparison.
 
-The cubic spring is its material ``ElasticPowerFunc`` exactly. All but two schemes are the same to round-off: Houbolt's
-method is started by two steps of average acceleration, and the α-method evaluates one internal force at the weighted
-displacement, p((1 + α) u₁ − α u₀), where that of 1996 weights two. Bathe's method goes by the name of TRBDF2, its two
-sub-steps taken as steps. Its generalized-α method with α_m other than zero is left out: at a twentieth of the period
-its motion of this spring grows to a hundred times the amplitude within five periods.
+OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except two agree to round-off. OpenSees
+starts Houbolt's method by two steps of average acceleration. Its α-method evaluates one internal force at the weighted
+displacement, p((1 + α) u₁ − α u₀), while that of Xie (1996) weights two forces. Bathe's method is called TRBDF2, and
+each of its two sub-steps counts as a step. OpenSees' generalized-α method with α_m other than zero is left out: at a
+twentieth of the period its motion of this spring grows to a hundred times the amplitude within five periods.
 """
 
 import importlib
@@ -13,13 +13,14 @@ from collections.abc import Callable
 from types import ModuleType
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from reference.solution import Solution
 from study.problem.definition import Problem
-from study.problem.named import problems
+from study.problem.named import problems as problems_by_name
 from study.problem.springs import CubicSpring
 
-#: Scheme: the integrator of the same name and parameters, and the solution algorithm that it takes.
+#: OpenSees' integrator, with its parameters, and solution algorithm of each scheme.
 INTEGRATORS = {
     "average_acceleration": (("Newmark", 0.5, 0.25), "Newton"),
     "central_difference": (("NewmarkExplicit", 0.5), "Linear"),
@@ -33,12 +34,16 @@ INTEGRATORS = {
     "bathe": (("TRBDF2",), "Newton"),
     "kr_alpha": (("KRAlphaExplicit", 0.8), "Linear"),
 }
-#: How many steps of OpenSees are one.
+#: Number of OpenSees' steps in one step of a scheme, if not one.
 SUB_STEPS = {"bathe": 2}
+
+_Positions = Float[np.ndarray, "joints directions"]
+_Velocities = Float[np.ndarray, "joints*directions"]
+_Bars = Int[np.ndarray, "bars 2"]
 
 
 class NotInstalled(ImportError):
-    """OpenSees is not there; the message says how to get it."""
+    """OpenSees is not installed; the message says how to install it."""
 
 
 def load() -> ModuleType:
@@ -53,7 +58,7 @@ def load() -> ModuleType:
         return importlib.import_module("openseespy.opensees")
     except (ImportError, RuntimeError) as error:
         raise NotInstalled(
-            "OpenSees is left out: install the extra 'opensees' of this package, and the system's BLAS and LAPACK "
+            "OpenSees is not available: install the extra 'opensees' of this package, and the system's BLAS and LAPACK "
             f"({error})."
         ) from None
 
@@ -61,12 +66,12 @@ def load() -> ModuleType:
 def _spring(problem: Problem) -> CubicSpring:
     spring = getattr(problem.force, "__self__", None)
     if not isinstance(spring, CubicSpring):
-        raise ValueError(f"OpenSees has no material that is the spring of '{problem.title}'; it has the cubic one.")
+        raise ValueError(f"OpenSees has no material for the spring of '{problem.title}'; it has the cubic spring.")
     return spring
 
 
 def _nodes(places: np.ndarray) -> ModuleType:
-    """OpenSees with a node of unit mass at every place (nodes, directions)."""
+    """OpenSees with a node of unit mass at each of the ``places`` (nodes, directions)."""
     ops = load()
     ops.wipe()
     directions = places.shape[1]
@@ -78,14 +83,14 @@ def _nodes(places: np.ndarray) -> ModuleType:
 
 
 def _line(nodes: int) -> ModuleType:
-    """As many of them in one place on a line, the first fixed."""
+    """OpenSees with nodes of unit mass on a line, all at its origin, of which the first is fixed."""
     ops = _nodes(np.zeros((nodes, 1)))
     ops.fix(1, 1)
     return ops
 
 
 def _choose(ops: ModuleType, scheme: str) -> None:
-    """The integrator of this name, and the rest of an analysis."""
+    """Choose the integrator of a scheme and the rest of a transient analysis."""
     if scheme not in INTEGRATORS:
         raise ValueError(f"OpenSees does not step '{scheme}'; it steps {', '.join(INTEGRATORS)}.")
     integrator, algorithm = INTEGRATORS[scheme]
@@ -99,8 +104,8 @@ def _choose(ops: ModuleType, scheme: str) -> None:
 
 
 def _prepared(problem: str, scheme: str) -> ModuleType:
-    """OpenSees with the spring at its start and the integrator chosen."""
-    definition = problems[problem]
+    """OpenSees with the spring in its initial state and the integrator of a scheme."""
+    definition = problems_by_name[problem]
     spring = _spring(definition)
     ops = _line(nodes=2)
     ops.uniaxialMaterial("ElasticPowerFunc", 1, "-coeff", spring.S1, spring.S1 * spring.S2, "-exp", 1.0, 3.0)
@@ -114,7 +119,7 @@ def _prepared(problem: str, scheme: str) -> ModuleType:
 
 
 def seconds(problem: str, scheme: str, dt: float, steps: int) -> float:
-    """Time of ``steps`` steps in one call, with nothing recorded. Raises as :func:`trajectory` does."""
+    """Run time in seconds of ``steps`` steps in one call without output; raises as :func:`trajectory` does."""
     ops, parts = _prepared(problem, scheme), SUB_STEPS.get(scheme, 1)
     start = time.perf_counter()
     failed = ops.analyze(steps * parts, dt / parts)
@@ -125,21 +130,23 @@ def seconds(problem: str, scheme: str, dt: float, steps: int) -> float:
 
 
 def trajectory(problem: str, scheme: str, dt: float, steps: int) -> Solution:
-    """Displacement and velocity at every step after the start; ``evaluations`` are not told and −1.
+    """Displacement and velocity of a cubic spring after every step, each (steps,).
+
+    OpenSees does not count force evaluations, so ``evaluations`` is −1.
 
     Raises
     ------
     NotInstalled
-        If OpenSees is not there.
+        If OpenSees is not installed.
     ValueError
-        If the problem is no cubic spring, or OpenSees has no such scheme or fails.
+        If the problem is not a cubic spring, OpenSees lacks the scheme, or a step fails.
     """
     ops = _prepared(problem, scheme)
     return _stepped(ops, scheme, dt, steps, lambda of_node: of_node(2, 1))
 
 
 def stiff_soft(scheme: str, dt: float, steps: int) -> Solution:
-    """The system of :func:`study.structures.stiff_soft`, two unknowns, at every step after the start.
+    """Displacement and velocity of the problem ``stiff_soft`` after every step, each (steps, 2).
 
     Raises as :func:`trajectory` does.
     """
@@ -156,12 +163,23 @@ def stiff_soft(scheme: str, dt: float, steps: int) -> Solution:
 
 
 def truss(
-    joints: np.ndarray, bars: np.ndarray, rigidity: float, v0: np.ndarray, scheme: str, dt: float, steps: int
+    joints: _Positions, bars: _Bars, rigidity: float, v0: _Velocities, scheme: str, dt: float, steps: int
 ) -> Solution:
-    """A free truss of bars (bars, 2) between joints (joints, directions) of unit mass, in motion from its own form.
+    """Displacement and velocity of a free truss after every step, each (steps, joints · directions).
 
-    Its bars turn with their joints (``corotTruss``) and have the energy EA (l − L)²/(2L). Displacement
-    and velocity are (steps, joints · directions). Raises as :func:`trajectory` does.
+    The joints have unit mass and start undeformed. The bars rotate with their joints (OpenSees' ``corotTruss``) and
+    have the energy EA (l − L)²/(2L). Raises as :func:`trajectory` does.
+
+    Parameters
+    ----------
+    joints
+        Positions of the joints.
+    bars
+        The two joints of every bar, by number from 0 on.
+    rigidity
+        EA of every bar.
+    v0
+        Initial velocities, joint by joint.
     """
     ops = _nodes(joints)
     ops.uniaxialMaterial("Elastic", 1, rigidity)
@@ -177,7 +195,7 @@ def truss(
 
 
 def _stepped(ops: ModuleType, scheme: str, dt: float, steps: int, read: Callable) -> Solution:
-    """Displacement and velocity after every step, as ``read`` takes them from OpenSees' nodes."""
+    """Displacement and velocity after every step; ``read`` takes a function of node and direction to the values."""
     u, v, parts = [], [], SUB_STEPS.get(scheme, 1)
     start = time.perf_counter()
     for step in range(steps):

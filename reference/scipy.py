@@ -1,23 +1,27 @@
-"""SciPy's initial value solvers: DOP853 and Radau."""
+"""Route through SciPy's initial value solvers DOP853 and Radau."""
 
 import time
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, check_tolerance, check_trajectory
+from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, Times, check_tolerance, check_trajectory
 from reference.symbolic import as_python
 from study.problem.definition import Problem
 
-#: SciPy raises any smaller tolerance to this.
+#: Smallest tolerance; SciPy replaces smaller ones by it.
 SMALLEST_RTOL = 100 * np.finfo(float).eps
 
 
-def trajectory(problem: Problem, t: np.ndarray, rtol: float = 1e-13, method: str = "DOP853") -> Solution:
-    """Displacement and velocity at the increasing times ``t``, from the interpolant of the step that holds them.
+def trajectory(problem: Problem, t: Times, rtol: float = 1e-13, method: str = "DOP853") -> Solution:
+    """Displacement and velocity at the increasing times ``t``, from the interpolant of the step that contains each.
 
     Parameters
     ----------
+    t
+        Times in seconds.
+    rtol
+        Relative tolerance; the absolute one is a hundredth of it.
     method
         ``DOP853`` or ``Radau``.
 
@@ -26,7 +30,7 @@ def trajectory(problem: Problem, t: np.ndarray, rtol: float = 1e-13, method: str
     ValueError
         If the tolerance cannot be reached, the problem has more than one unknown, or the times do not increase.
     RouteFailed
-        If SciPy gives up.
+        If SciPy does not reach the last time.
     """
     check_tolerance(f"SciPy {method}", rtol, SMALLEST_RTOL)
     check_trajectory(f"SciPy {method}", problem, t)

@@ -1,4 +1,4 @@
-"""What every route returns, what it refuses, and how a period is asked for."""
+"""What the routes share: the solution that they return, their errors, and their checks of problem and times."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -6,37 +6,59 @@ from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from study.algebra.matrices import Banded, dense, times
 from study.problem.definition import Problem
 
-#: Absolute tolerances stand this far below the relative one; displacements and velocities are of order one and more.
+#: Absolute over relative tolerance; displacements and velocities are of order one and more.
 ATOL_BELOW_RTOL = 1e-2
+
+#: Times in seconds.
+Times = Float[np.ndarray, "t"]
+#: Displacements or velocities at these times; a problem with one unknown has no axis n.
+History = Float[np.ndarray, "t *n"]
+#: A value for each window of time.
+Windowed = Float[np.ndarray, "windows"]
+#: Displacement and velocity together.
+State = Float[Array, "2 *n"]
 
 
 class Solution(NamedTuple):
-    """Displacement and velocity at the times that were asked for, and what they took.
+    """Solution of a route at the times asked for, with its effort.
 
-    ``evaluations`` counts evaluations of the right side (for the Taylor method: of Taylor coefficients);
-    ``seconds`` is the run time without compilation.
+    Attributes
+    ----------
+    u, v
+        Displacement and velocity.
+    evaluations
+        Number of evaluations of the right side; for the Taylor method, of Taylor coefficients.
+    seconds
+        Run time without compilation.
     """
 
-    u: np.ndarray
-    v: np.ndarray
+    u: History
+    v: History
     evaluations: int
     seconds: float
 
 
 class RouteFailed(RuntimeError):
-    """A route did not get where it was asked to go; the message names the route and the reason."""
+    """A route stopped before its last time; the message names the route and the reason."""
 
 
 class StepLimit(RouteFailed):
-    """A route took all the steps that it was allowed."""
+    """A route stopped at its limit of steps."""
 
 
 def check_tolerance(route: str, rtol: float, smallest: float) -> None:
-    """Refuse a tolerance that a route cannot reach, before it tries."""
+    """Refuse a relative tolerance that a route cannot reach.
+
+    Raises
+    ------
+    ValueError
+        If the tolerance is not less than 1, or less than ``smallest``.
+    """
     if not rtol < 1:
         raise ValueError(f"{route} needs a tolerance less than 1, not {rtol:g}.")
     if rtol < smallest:
@@ -44,7 +66,14 @@ def check_tolerance(route: str, rtol: float, smallest: float) -> None:
 
 
 def check_trajectory(route: str, problem: Problem, t: Sequence | np.ndarray, unknowns: float = 1) -> None:
-    """Refuse a problem with more unknowns than a route can take, and times that do not increase from zero on."""
+    """Refuse a problem that a route cannot solve, and times that do not increase from zero on.
+
+    Raises
+    ------
+    ValueError
+        If the problem has several unknowns but the route takes one (``unknowns=1``), if its mass is singular, or if
+        the times are empty, negative, not finite or not strictly increasing.
+    """
     if np.ndim(problem.u0) and unknowns == 1:
         raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; {route} takes one.")
     if problem.massless:
@@ -54,8 +83,8 @@ def check_trajectory(route: str, problem: Problem, t: Sequence | np.ndarray, unk
         raise ValueError(f"{route} needs times that are finite and increase from zero on, not {list(map(float, t))}.")
 
 
-def right_side(t, y, problem: Problem):
-    """(u̇, M⁻¹ (f(t) − C u̇ − p(u))) of y = (u, u̇), shape (2, ...), for a solver of first order equations."""
+def right_side(t, y: State, problem: Problem) -> State:
+    """Right side ẏ = (u̇, M⁻¹ (f(t) − C u̇ − p(u))) of the first order equations of y = (u, u̇)."""
     u, v = y
     force = -problem.force(u)
     if problem.damping is not None:
@@ -70,12 +99,15 @@ def right_side(t, y, problem: Problem):
 
 
 def release(route: str, problem: Problem, estimate: float) -> float:
-    """Sign of the initial acceleration of a free oscillator at rest, whose period is twice the time to v = 0.
+    """Sign of the initial acceleration of a free oscillator that starts at rest.
+
+    The period of such an oscillator is twice the time to its next turning point.
 
     Raises
     ------
     ValueError
-        If the problem is not one: moving at the start, damped, loaded, or in balance; or the estimate no time.
+        If the problem is damped or loaded, has several unknowns, moves at the start, or starts in equilibrium, or if
+        the estimate of its period is not a finite time greater than zero.
     """
     if not (np.isfinite(estimate) and estimate > 0):
         raise ValueError(

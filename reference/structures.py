@@ -1,42 +1,66 @@
-"""References of the structures: closed forms, diffrax and CVODE, and how far the best two differ as the error bar."""
+"""Reference solutions of the structures by closed forms, diffrax and CVODE; the best two give the uncertainty."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
 
 from reference import closed_form, diffrax, sundials
+from reference.solution import History
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
-from study.problem.named import problems, time_scales
+from study.pipeline.experiment import Options, experiment
+from study.problem.named import problems as problems_by_name
+from study.problem.named import time_scales
 
-#: A stiff mode takes ten steps of a method of order eight in each of its own short periods.
+#: Limit of steps: a stiff mode takes about ten in each of its short periods.
 MAX_STEPS = 10_000_000
 
 
-def _spread(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Largest difference of any unknown, by time."""
+def _spread(one: History, other: History) -> np.ndarray:
+    """Largest difference over the unknowns, (t,)."""
     return np.abs(one - other).reshape(len(one), -1).max(axis=1)
 
 
-def _jobs(o) -> dict[str, dict]:
-    shared = {key: o[key] for key in ("samples_per_period", "rtol")}
-    return {one["problem"]: {**one, **shared} for one in o["lengths"]}
+def _options(configuration: Mapping) -> Options:
+    return configuration["structures"]
 
 
-@experiment("reference", section="structures", options=lambda c: c["structures"], split=_jobs)
-def structure(problem: str, periods: float, samples_per_period: int, rtol: float) -> xr.Dataset:
-    """Displacement and velocity of every unknown by the best route that there is, with the difference of the next.
+def _jobs(options: Options) -> dict[str, Options]:
+    """The options of one job for each structure."""
+    shared = {key: options[key] for key in ("samples_per_period", "rtol")}
+    return {length["problem"]: {**length, **shared} for length in options["lengths"]}
 
-    A closed form is better than diffrax's Dopri8, which is better than CVODE's Adams. No two of them share method, code
-    or control of the step, so that they agree as far as both are right.
+
+@experiment("reference", section="structures", options=_options, split=_jobs)
+def structure_reference(problem: str, periods: float, samples_per_period: int, rtol: float) -> xr.Dataset:
+    """Compute the reference motion of a structure by the best route, with its difference from the next best.
+
+    The routes in order are a closed form, diffrax's Dopri8 and CVODE's Adams method. No two of them share method, code
+    or control of the step, so the digits on which they agree are reliable. Displacement and velocity have the shape
+    (t, unknown), or (t,) for one unknown.
+
+    Parameters
+    ----------
+    periods
+        Length in time scales of the structure (``study.problem.named.time_scales``).
+    samples_per_period
+        Samples in a time scale.
+    rtol
+        Relative tolerance of the solvers.
+
+    Raises
+    ------
+    RouteFailed
+        If a solver reaches its limit of steps or stops early for another reason.
     """
-    definition, scale = problems[problem], time_scales[problem]
+    definition, scale = problems_by_name[problem], time_scales[problem]
     t = np.arange(1, round(periods * samples_per_period) + 1) * scale / samples_per_period
     routes = {
         "diffrax Dopri8": lambda: diffrax.trajectory(definition, t, rtol, "Dopri8", MAX_STEPS)[:2],
         "CVODE Adams": lambda: sundials.trajectory(definition, t, rtol, "Adams", MAX_STEPS)[:2],
     }
-    if problem in closed_form.STRUCTURES:
-        routes = {"closed form": lambda: closed_form.structure(problem, definition, t), **routes}
+    if problem in closed_form.STRUCTURE_TRAJECTORIES:
+        routes = {"closed form": lambda: closed_form.structure_trajectory(problem, definition, t), **routes}
     best, witness, *_ = routes
     progress(f"reference of {problem}: {best}, {witness}")
     (u, v), (u_of_witness, v_of_witness) = routes[best](), routes[witness]()

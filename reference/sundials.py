@@ -1,4 +1,4 @@
-"""CVODE of SUNDIALS through scikit-sundae: Adams and BDF."""
+"""Route through CVODE of SUNDIALS (scikit-sundae): the Adams and BDF methods."""
 
 import time
 
@@ -11,6 +11,7 @@ from reference.solution import (
     RouteFailed,
     Solution,
     StepLimit,
+    Times,
     check_tolerance,
     check_trajectory,
     release,
@@ -19,14 +20,15 @@ from reference.solution import (
 from reference.symbolic import as_python
 from study.problem.definition import Problem
 
-#: Below this CVODE's error test is lost in round-off; somewhat below it refuses.
+#: Smallest tolerance that is accepted; below it round-off dominates CVODE's estimate of the error.
 SMALLEST_RTOL = 1e-15
 MAX_NUM_STEPS = 1_000_000
-CV_TOO_MUCH_WORK = -1  # of cvode.h
+#: Status of CVODE at its limit of steps, from cvode.h.
+CV_TOO_MUCH_WORK = -1
 
 
 def _right_side_of(problem: Problem):
-    """f(t, y, ẏ) that fills ẏ: plain Python for one unknown, a compiled function for several."""
+    """Function f(t, y, ẏ) that writes ẏ: plain Python for one unknown, compiled for several."""
     if np.ndim(problem.u0) == 0:
         acceleration = as_python(problem)
 
@@ -66,26 +68,32 @@ def _check(problem: Problem, method: str, solution) -> None:
 
 
 def trajectory(
-    problem: Problem, t: np.ndarray, rtol: float = 1e-15, method: str = "Adams", max_num_steps: int = MAX_NUM_STEPS
+    problem: Problem, t: Times, rtol: float = 1e-15, method: str = "Adams", max_num_steps: int = MAX_NUM_STEPS
 ) -> Solution:
     """Displacement and velocity at the increasing times ``t``.
 
-    Outputs are taken from CVODE's own polynomial of the step that holds them, which is as accurate as the step. To
-    stop at each of them instead was measured to double the error, as every stop breaks the sequence of step sizes.
+    Values come from CVODE's own polynomial of the step that contains each time, which is as accurate as the step.
+    Stopping at each time instead doubles the measured error, because every stop interrupts the sequence of step sizes.
 
     Parameters
     ----------
+    t
+        Times in seconds.
+    rtol
+        Relative tolerance; the absolute one is a hundredth of it.
     method
         ``Adams`` or ``BDF``.
     max_num_steps
-        Most steps from one output to the next.
+        Limit of steps from one time to the next.
 
     Raises
     ------
     ValueError
         If the tolerance cannot be reached, the mass is singular, or the times do not increase.
+    StepLimit
+        If CVODE reaches the limit of steps.
     RouteFailed
-        If CVODE gives up, for instance at the limit of steps.
+        If CVODE stops early for another reason.
     """
     check_trajectory(f"CVODE {method}", problem, t, unknowns=np.inf)
     solver = _solver(problem, rtol, method, max_num_steps=max_num_steps)
@@ -101,7 +109,7 @@ def trajectory(
 
 
 def period(problem: Problem, estimate: float, rtol: float = 1e-15, method: str = "Adams") -> float:
-    """Twice the time to the next turning point, by CVODE's root finding on the velocity.
+    """Period of a free oscillator: twice the time from rest to the next turning point, by CVODE's root finding on v.
 
     Raises
     ------

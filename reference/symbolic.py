@@ -1,4 +1,7 @@
-"""The definition of a problem as a symbolic first order system, so that every route solves the very same equation."""
+"""The equation of motion as a symbolic first order system, translated from the functions of a problem.
+
+The routes through heyoka, CVODE and SciPy all solve this system.
+"""
 
 from collections.abc import Callable
 
@@ -46,12 +49,12 @@ _OPERATIONS: dict[str, Callable] = {
 def expression(function: Callable, argument: hy.expression) -> hy.expression:
     """Translate a smooth scalar JAX function into an expression of heyoka.
 
-    Its constants are the doubles of its definition, also where more digits are computed.
+    Constants keep the values of their doubles, also in arithmetic of more digits.
 
     Raises
     ------
     ValueError
-        If the function holds an operation that has no translation, such as a branch.
+        If the function contains an operation without translation, such as a branch.
     """
 
     def evaluate(jaxpr, constants, arguments):
@@ -82,7 +85,7 @@ def expression(function: Callable, argument: hy.expression) -> hy.expression:
 
 
 def _acceleration(problem: Problem, internal_force, v) -> hy.expression:
-    """(f(t) − C v − p) / M for a given internal force."""
+    """v̇ = (f(t) − C v − p) / M for a given expression of the internal force p."""
     result = -internal_force
     if problem.damping is not None:
         result = result - float(problem.damping) * v
@@ -106,14 +109,14 @@ def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
 
 
 class _ToTheBit(PythonCodePrinter):
-    """Prints constants so that they are read back as they were; by default they have fifteen digits."""
+    """Printer that writes constants with all their digits; SymPy's default is fifteen."""
 
     def _print_Float(self, expr):
         return repr(float(expr))
 
 
 def as_python(problem: Problem) -> Callable[[float, float, float], float]:
-    """The acceleration v̇(t, u, v) as a function of plain floats, the fastest right side that Python can give.
+    """The acceleration v̇(t, u, v) as a function of plain floats, the fastest form of a right side in Python.
 
     Raises
     ------
@@ -127,10 +130,15 @@ def as_python(problem: Problem) -> Callable[[float, float, float], float]:
 
 
 def with_force_as_state(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
-    """The same motion in another formulation: the internal force w is a state of its own, ẇ = p'(u) v.
+    """The system u̇ = v, v̇ = (f(t) − C v − w) / M, ẇ = p′(u) v, in which the internal force w = p(u) is a state.
 
-    Its Taylor coefficients follow from other recurrences than those of :func:`first_order`, so that an error in one
-    of them does not repeat itself in the other.
+    Its Taylor coefficients follow from other recurrences than those of :func:`first_order`, so an error in one of the
+    two does not repeat in the other.
+
+    Raises
+    ------
+    ValueError
+        If a function of the problem has no translation.
     """
     u, v, w = hy.make_vars("u", "v", "w")
     return [(u, v), (v, _acceleration(problem, w, v)), (w, hy.diff(expression(problem.force, u), u) * v)]

@@ -1,4 +1,4 @@
-"""The Taylor method of heyoka, in double precision and beyond it."""
+"""Route through the Taylor method of heyoka, in double precision and beyond."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -10,6 +10,7 @@ from reference.solution import RouteFailed, Solution, check_tolerance, check_tra
 from reference.symbolic import expression, first_order
 from study.problem.definition import Problem
 
+#: Bits of the significand of a double.
 DOUBLE = 53
 _EPS = np.finfo(float).eps
 
@@ -19,7 +20,7 @@ def _number(value, bits: int):
 
 
 def _integrator(problem: Problem, bits: int, formulation: Callable, **options) -> hy.taylor_adaptive:
-    """Integrator at t = 0 of a formulation whose states are u, v and perhaps p(u)."""
+    """Integrator at t = 0 of a formulation with the states u, v and, if there is a third, p(u)."""
     system = formulation(problem)
     start = [_number(float(problem.u0), bits), _number(float(problem.v0), bits)]
     kind = {} if bits == DOUBLE else {"fp_type": hy.real, "prec": bits}
@@ -38,16 +39,16 @@ def _check(problem: Problem, outcome) -> None:
 def trajectory(
     problem: Problem, t: Sequence, rtol: float = _EPS, bits: int = DOUBLE, formulation: Callable = first_order
 ) -> Solution:
-    """Displacement and velocity at the increasing times ``t``, from the Taylor series of the step that holds them.
+    """Displacement and velocity at the increasing times ``t``, from the Taylor series of the step that contains each.
 
     Parameters
     ----------
     t
-        Times from 0 on; numbers of heyoka where ``bits`` exceeds the double's 53.
+        Times from 0 on, as floats, or as numbers of heyoka if ``bits`` exceeds the 53 of a double.
     rtol
-        Tolerance in double precision; beyond it the tolerance is the precision itself.
+        Relative tolerance in double precision; with more bits the tolerance is the precision itself.
     bits
-        Precision of the significand.
+        Bits of the significand.
     formulation
         ``first_order`` or ``with_force_as_state`` of :mod:`reference.symbolic`.
 
@@ -63,7 +64,7 @@ def trajectory(
         check_tolerance("heyoka", rtol, _EPS)
     options = {"tol": float(rtol)} if bits == DOUBLE else {}
     integrator = _integrator(problem, bits, formulation, **options)
-    times = t if t[0] == 0 else [0.0, *t]  # the grid must begin where the integrator is
+    times = t if t[0] == 0 else [0.0, *t]  # the grid must begin at the time of the integrator
     grid = np.array([_number(value, bits) for value in times])
     start = time.perf_counter()
     outcome, *_, steps, _, states = integrator.propagate_grid(grid)
@@ -75,7 +76,10 @@ def trajectory(
 def period(
     problem: Problem, estimate: float, rtol: float = _EPS, bits: int = DOUBLE, formulation: Callable = first_order
 ):
-    """Twice the time to the next turning point, by the event of v = 0 on the Taylor series.
+    """Period of a free oscillator: twice the time from rest to the next turning point, where v = 0.
+
+    The event v = 0 is found on the Taylor series. The period is a float, or a number of heyoka if ``bits`` exceeds the
+    53 of a double.
 
     Raises
     ------

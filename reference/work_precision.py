@@ -1,6 +1,6 @@
-"""The cost of general solvers beside their errors: the peers of the schemes in ``results/work_precision.nc``."""
+"""Work and precision of general solvers, which ``results/work_precision.nc`` compares with the schemes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Annotated
 
@@ -13,14 +13,15 @@ from reference import diffrax, exact, scipy, sundials, taylor
 from reference.agreement import FINISHED, LOST, LOST_ABOVE, NOT_TRIED, STATUS_MEANINGS
 from reference.solution import RouteFailed, Solution
 from study.datasets import flags
+from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Counts, FallingTolerances, Springs
 from study.problem.definition import Problem
 from study.problem.named import printed_periods
-from study.problem.named import problems as registry
+from study.problem.named import problems as problems_by_name
 
-#: Solver: its trajectory, a function of problem, times and tolerance.
+#: Trajectory of every solver: a function of problem, times and tolerance.
 SOLVERS: dict[str, Callable[..., Solution]] = {
     "cvode_adams": partial(sundials.trajectory, method="Adams"),
     "cvode_bdf": partial(sundials.trajectory, method="BDF"),
@@ -31,6 +32,7 @@ SOLVERS: dict[str, Callable[..., Solution]] = {
     "scipy_radau": partial(scipy.trajectory, method="Radau"),
     "heyoka": taylor.trajectory,
 }
+#: Whether the right side of a solver is Python or compiled.
 RIGHT_SIDES = {
     "cvode_adams": "Python",
     "cvode_bdf": "Python",
@@ -41,6 +43,7 @@ RIGHT_SIDES = {
     "tsit5": "compiled",
     "kvaerno5": "compiled",
 }
+#: Long name and unit of every measure of error.
 MEASURES = {
     "max_trajectory_error": ("largest error of the displacement in the last period, relative", "1"),
     "phase_error": ("delay of the last sample in periods, to first order", "1"),
@@ -49,22 +52,26 @@ MEASURES = {
     "max_energy_error": ("largest relative error of the total energy in the last period", "percent"),
     "energy_drift": ("signed relative error of the total energy at the end", "percent"),
 }
-#: Lengths in periods of the runs that are made.
+#: Lengths in periods of the runs; shorter ones are beginnings of these.
 RUNS = (100, 1000)
+#: Long name of a cost.
 SHARE = "{} of a run; of less than a hundred periods its share of that"
-#: Samples of the last period of a run, in which errors are looked for.
+#: Samples of the last period of a run, in which its errors are measured.
 SAMPLES = 16
 
 
-def errors(problem: Problem, truth: exact.Truth, solution: Solution, periods: int, period: float) -> dict[str, float]:
-    """The study's measures of error of a sampled solution.
+def errors(
+    problem: Problem, exact_solution: exact.ExactSolution, solution: Solution, periods: int, period: float
+) -> dict[str, float]:
+    """Errors of a solution after ``periods`` periods, by measure as in ``MEASURES``.
 
-    A delay δ moves the state by −δ (u̇, ü), so it is the projection of the last error on the last rate; a loss of
-    energy ΔE is a loss of amplitude ΔE/p(A) at the turning point A.
+    Both solutions are sampled at the same times of the last period. A delay δ changes the state by −δ (u̇, ü), so δ is
+    the projection of the last error on the last rate. A loss of energy ΔE is a loss of amplitude ΔE/p(A) at the turning
+    point A.
     """
-    scales = np.max(np.abs(truth.u)), np.max(np.abs(truth.v))
-    off = (solution.u - truth.u) / scales[0], (solution.v - truth.v) / scales[1]
-    rate = truth.v[-1] / scales[0], -float(problem.force(truth.u[-1])) / scales[1]
+    scales = np.max(np.abs(exact_solution.u)), np.max(np.abs(exact_solution.v))
+    off = (solution.u - exact_solution.u) / scales[0], (solution.v - exact_solution.v) / scales[1]
+    rate = exact_solution.v[-1] / scales[0], -float(problem.force(exact_solution.u[-1])) / scales[1]
     delay = -(off[0][-1] * rate[0] + off[1][-1] * rate[1]) / (rate[0] ** 2 + rate[1] ** 2)
     initial = float(problem.energy(problem.u0, problem.v0))
     lost = initial - np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
@@ -80,7 +87,7 @@ def errors(problem: Problem, truth: exact.Truth, solution: Solution, periods: in
 
 
 def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> list[Solution]:
-    """The same run again and again, as often and as long as is allowed; none where the solver gave up."""
+    """Solutions of up to ``repeats`` equal runs, which end once they took ``longest`` seconds; none if one failed."""
     runs: list[Solution] = []
     try:
         while len(runs) < repeats and sum(run.seconds for run in runs) < longest:
@@ -90,26 +97,24 @@ def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> li
     return runs
 
 
-def _not_there(o, c) -> str | None:
-    schemes, accuracy = c["work_precision"]["schemes"], c["accuracy"]
-    for key, there in (
-        ("problems", schemes["problems"]),
-        ("steps_per_period", schemes["steps_per_period"]),
-        ("periods", accuracy["periods"]),
-    ):
-        strange = [one for one in o[key] if one not in there]
-        if strange:
-            return f"{key}: there is no {strange[0]} among {', '.join(map(str, there))}."
-    if min(o["tolerances"]) < scipy.SMALLEST_RTOL:
-        return f"tolerances: SciPy takes none below {scipy.SMALLEST_RTOL:.1e}, not {min(o['tolerances'])}."
-    if min(RUNS) not in o["periods"]:
-        return f"periods lacks {min(RUNS)}, the length of the runs that are made."
-    return None
+def _check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse problems, step sizes and lengths that the schemes are not run with, and tolerances out of reach."""
+    for key in ("problems", "steps_per_period"):
+        of_schemes = configuration["work_precision"]["schemes"][key]
+        refused = unlisted(key, options[key], f"work_precision.schemes.{key}", of_schemes)
+        if refused is not None:
+            return refused
+    tightest = min(options["tolerances"])
+    if tightest < scipy.SMALLEST_RTOL:
+        return f"tolerances must be at least {scipy.SMALLEST_RTOL:.1e}, the smallest that SciPy takes, not {tightest}."
+    if min(RUNS) not in options["periods"]:
+        return f"periods lacks {min(RUNS)}, the length of the shortest run."
+    return unlisted("periods", options["periods"], "accuracy.periods", configuration["accuracy"]["periods"])
 
 
 @experiment(
     "work_precision/solvers",
-    check=_not_there,
+    check=_check,
     timed=True,
     temporary=True,
     environment={"OMP_NUM_THREADS": "1"},
@@ -122,43 +127,52 @@ def work_precision(
     repeats: Count,
     longest: Annotated[float, Gt(0), Le(3600)],
 ) -> xr.Dataset:
-    """Time and evaluations of every solver at every tolerance beside its errors.
+    """Measure time and evaluations of every general solver at every tolerance, beside its errors.
 
-    The runs are of 100 and 1,000 periods; shorter ones are their beginnings, with their part of the time. They give
-    outputs in the last of these periods only, where errors that grow are the largest. A run is repeated as long as
-    that takes less than ``longest`` seconds; one of 1,000 periods that would take more is left out (NaN), and so are
-    the tolerances tighter than one at which a hundred periods did. The classical Runge-Kutta method, one of the
-    study's own, is also stepped by diffrax, for its time a step.
+    Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
+    and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.
+    A run is repeated until the repeats took ``longest`` seconds. A run of 1,000 periods that would take longer is left
+    out (NaN), and so are all tolerances tighter than one at which 100 periods took longer. The classical Runge-Kutta
+    method, which is also a scheme of the study, is timed in diffrax too.
+
+    Variables of the solvers have the shape (problem, solver, tolerance, periods).
+
+    Parameters
+    ----------
+    steps_per_period
+        N in Δt = T/N of the classical Runge-Kutta method in diffrax.
+    repeats, longest
+        Largest number of repeats of a run, and the time in seconds that they may take.
     """
     shape = tuple(map(len, (problems, SOLVERS, tolerances, periods)))
     measured = {name: np.full(shape, np.nan) for name in MEASURES}
     seconds, evaluations = np.full((*shape, repeats), np.nan), np.full(shape, np.nan)
     status = np.full(shape, NOT_TRIED, np.int32)
     fixed = np.empty((len(problems), len(steps_per_period)))
-    for p, name in enumerate(problems):
-        problem = registry[name]
-        exact_period, certified = exact.period(problem, printed_periods[name])
+    for p, problem in enumerate(problems):
+        definition = problems_by_name[problem]
+        exact_period, certified = exact.period(definition, printed_periods[problem])
         period = float(exact_period)
         last = np.arange(1, SAMPLES + 1) / SAMPLES - 1
         t = period * np.concatenate([length + last for length in sorted(periods)])
-        truth = exact.folded(problem, t, exact_period, certified)
+        exact_solution = exact.folded(definition, t, exact_period, certified)
         for k, parts in enumerate(steps_per_period):
-            runs = [diffrax.classical_runge_kutta(problem, period / parts, 100 * parts) for _ in range(repeats)]
+            runs = [diffrax.classical_runge_kutta(definition, period / parts, 100 * parts) for _ in range(repeats)]
             fixed[p, k] = 1e9 * np.median([run.seconds for run in runs]) / (100 * parts)
         for s, (solver, trajectory) in enumerate(SOLVERS.items()):
-            progress(f"{solver} on {name}")
+            progress(f"{solver} on {problem}")
             for k, tolerance in enumerate(tolerances):
                 for length in (length for length in RUNS if length in periods):
                     shorter = [window for window in periods if window <= length]
                     times = t[: len(shorter) * SAMPLES]
-                    runs = _repeated(partial(trajectory, problem, times, tolerance), repeats, longest)
+                    runs = _repeated(partial(trajectory, definition, times, tolerance), repeats, longest)
                     for w, window in enumerate(shorter if runs else []):
                         at, its = (p, s, k, w), slice(w * SAMPLES, (w + 1) * SAMPLES)
                         seconds[at][: len(runs)] = [run.seconds * window / length for run in runs]
                         evaluations[at] = runs[0].evaluations * window / length
-                        known = truth._replace(u=truth.u[its], v=truth.v[its])
+                        known = exact_solution._replace(u=exact_solution.u[its], v=exact_solution.v[its])
                         sampled = runs[0]._replace(u=runs[0].u[its], v=runs[0].v[its])
-                        off = errors(problem, known, sampled, window, period)
+                        off = errors(definition, known, sampled, window, period)
                         for measure, value in off.items():
                             measured[measure][at] = value
                         status[at] = LOST if off["max_trajectory_error"] > LOST_ABOVE else FINISHED

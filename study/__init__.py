@@ -71,6 +71,7 @@ from study.observer.named import observers as observers
 from study.problem.damping import Rayleigh as Rayleigh
 from study.problem.definition import Problem as Problem
 from study.problem.named import problems as problems
+from study.problem.potential import StrainEnergy as StrainEnergy
 from study.scheme.alpha import GeneralizedAlpha as GeneralizedAlpha
 from study.scheme.alpha import HHTAlpha as HHTAlpha
 from study.scheme.backward_differences import BackwardDifferences as BackwardDifferences

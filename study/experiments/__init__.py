@@ -1,1 +1,1 @@
-"""The questions of the study, a file each; every one returns one labelled dataset."""
+"""The experiments of the study: each module declares one, which returns labelled datasets."""

@@ -1,4 +1,6 @@
-"""What the paper could not measure: trajectory, phase, period and amplitude of every scheme against the truth."""
+"""Accuracy of the schemes: errors of trajectory, phase, period, amplitude and energy against exact solutions."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -10,28 +12,44 @@ from study.marching.run import run
 from study.observer.effort import NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.pipeline import labels
+from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Counts, Schemes, Springs
 
 
-def _steps(o, c) -> int:
-    return 2 * len(o["problems"]) * len(o["schemes"]) * sum(o["steps_per_period"]) * sum(o["periods"])
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    runs = 2 * len(options["problems"]) * len(options["schemes"])
+    return runs * sum(options["steps_per_period"]) * sum(options["periods"])
 
 
-def _unknown_phases(o, c) -> str | None:
-    known = c["references"]["steps_per_period"]
-    missing = [steps for steps in o["steps_per_period"] if steps not in known]
-    return f"steps_per_period {missing[0]} is none of references.steps_per_period, {known}." if missing else None
+def _check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse step sizes at whose phases the references are not sampled."""
+    sampled = configuration["references"]["steps_per_period"]
+    return unlisted("steps_per_period", options["steps_per_period"], "references.steps_per_period", sampled)
 
 
 @experiment(
-    "accuracy", reads=lambda o: [f"reference/{name}" for name in o["problems"]], check=_unknown_phases, steps=_steps
+    "accuracy",
+    reads=lambda options: [f"reference/{problem}" for problem in options["problems"]],
+    check=_check,
+    steps=_number_of_steps,
 )
 def accuracy(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Counts) -> xr.Dataset:
-    """Every measure of error of every scheme on every problem, by steps per exact period and length of the run."""
+    """Measure the errors of every scheme against the exact solution, by step size and length of the run.
+
+    The measures are those of :mod:`study.analysis.comparison`; the step size is Δt = T/N, with T the exact period and
+    N the steps per period. Each variable has the shape (problem, scheme, steps_per_period, periods).
+
+    Raises
+    ------
+    FileNotFoundError
+        If the reference of a problem has not been made.
+    ValueError
+        If a reference lacks the phases of a step size.
+    """
     dims = ("problem", "scheme", "steps_per_period", "periods")
-    shape = tuple(map(len, (problems, schemes, steps_per_period, periods)))
+    shape = (len(problems), len(schemes), len(steps_per_period), len(periods))
     references = {problem: datasets.open(f"reference/{problem}") for problem in problems}
     measured: dict[str, np.ndarray] = {}
     attributes: dict[str, dict] = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}

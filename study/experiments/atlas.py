@@ -1,11 +1,11 @@
-"""Where a scheme can be trusted and how it fails where it cannot, over step size and amplitude: one tile of the maps.
+"""Maps of stability: how the runs of a scheme end, over step size and amplitude.
 
-Samples of some of the runs are kept beside the maps. They come from the same march: to compile another one would take
-as long as to run it.
+A job makes one tile of the maps, which is a range of amplitudes for one scheme. It also keeps samples of some of its
+runs. Both come from one march, because compiling a second one takes as long as running it.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -18,29 +18,30 @@ from study.marching.result import NEWTON_FAILED
 from study.marching.run import run
 from study.observer.fate import Fate, Height
 from study.pipeline import labels
+from study.pipeline.checks import step_beyond_run
 from study.pipeline.command import progress
-from study.pipeline.experiment import MULTI_OUTPUT_FUSION, experiment
+from study.pipeline.experiment import MULTI_OUTPUT_FUSION, Options, experiment
 from study.pipeline.options import Count, PowersOfTen, Schemes, Springs, section
-from study.problem.named import problems as registry
+from study.problem.named import problems as problems_by_name
 
-#: The part of a period by which samples move around an orbit, as nearly as steps allow: the golden section is furthest
-#: from every fraction, so that they come to lie all around it.
+#: Part of a period by which consecutive samples move around an orbit, as nearly as the steps allow. The golden section
+#: is the number that fractions approximate worst, so the samples spread over the whole orbit.
 GOLDEN = (5**0.5 - 1) / 2
 
 
 def _prime(most: int) -> int:
-    """The largest prime up to a number of at least 2."""
+    """The largest prime that is at most ``most``, which is at least 2."""
     return next(n for n in range(most, 1, -1) if all(n % d for d in range(2, math.isqrt(n) + 1)))
 
 
 def _single(values: np.ndarray) -> np.ndarray:
-    """In single precision, infinite where that has no such number."""
+    """Values in single precision; those that overflow become infinite."""
     with np.errstate(over="ignore"):
         return values.astype(np.float32)
 
 
 def _column(runs: xr.Dataset, dt: np.ndarray) -> dict[str, np.ndarray]:
-    """What the maps tell of one step size, each (amplitudes,)."""
+    """Variables of the maps at one step size, each (amplitudes,), out of the ensemble of its runs."""
     outcome, began = outcomes(runs)
     iterations = np.where(runs.status == NEWTON_FAILED, MAX_ITERATIONS, runs.max_newton_iterations)
     step = np.where(np.isnan(began), -1, np.rint(began / dt))
@@ -54,7 +55,10 @@ def _column(runs: xr.Dataset, dt: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _sampled(places: np.ndarray, whole: int, points: int) -> np.ndarray:
-    """Which of the places on an axis of so many in all are among the at most ``points`` evenly spaced ones."""
+    """Whether samples are kept at each of some places (m,), which lie on an axis of ``whole`` places.
+
+    They are kept at evenly spaced places, at most ``points`` on the whole axis.
+    """
     return places % -(-whole // points) == 0
 
 
@@ -75,29 +79,38 @@ class _Atlas(TypedDict):
     tiles: Count
 
 
-def _jobs(o) -> dict[str, dict]:
-    """One for each scheme and tile."""
-    shared = {key: o[key] for key in ("problems", "dt_over_period", "periods", "portraits", "tiles")}
+def _jobs(options: Options) -> dict[str, Options]:
+    """The options of one job for each scheme and tile."""
+    shared = {key: options[key] for key in ("problems", "dt_over_period", "periods", "portraits", "tiles")}
     return {
         f"{scheme}_{tile}": {"scheme": scheme, "tile": tile, **shared}
-        for scheme in o["schemes"]
-        for tile in range(o["tiles"])
+        for scheme in options["schemes"]
+        for tile in range(options["tiles"])
     }
 
 
-def _too_many(o, c) -> str | None:
-    amplitudes = c["atlas"]["amplitudes"]["count"]
-    if o["tiles"] > amplitudes:
-        return f"tiles: there are more of them, {o['tiles']}, than amplitudes, {amplitudes}."
-    if 10 ** o["dt_over_period"]["last"] > o["periods"]:
-        return f"dt_over_period: a step is longer than the {o['periods']} periods of the run."
-    return None
+def _number_of_amplitudes(configuration: Mapping) -> int:
+    return configuration["atlas"]["amplitudes"]["count"]
 
 
-def _steps(o, c) -> float:
-    first, last, count = (o["dt_over_period"][key] for key in ("first", "last", "count"))
-    a_run = np.sum(o["periods"] / np.logspace(first, last, min(count, 100))) * max(count / 100, 1)
-    return len(o["problems"]) * a_run * c["atlas"]["amplitudes"]["count"] / o["tiles"]
+def _check(options: Options, configuration: Mapping) -> str | None:
+    tiles, amplitudes = options["tiles"], _number_of_amplitudes(configuration)
+    if tiles > amplitudes:
+        return f"tiles: there are more of them, {tiles}, than amplitudes, {amplitudes}."
+    return step_beyond_run(10 ** options["dt_over_period"]["last"], options["periods"])
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    first, last, count = (options["dt_over_period"][key] for key in ("first", "last", "count"))
+    # at most 100 step sizes are summed; more of them scale the sum
+    of_amplitude = np.sum(options["periods"] / np.logspace(first, last, min(count, 100))) * max(count / 100, 1)
+    return len(options["problems"]) * of_amplitude * _number_of_amplitudes(configuration) / options["tiles"]
+
+
+def _numbers_held(options: Options, configuration: Mapping) -> float:
+    portraits = options["portraits"]
+    on_maps = _number_of_amplitudes(configuration) * options["dt_over_period"]["count"]
+    return len(options["problems"]) * (8 * on_maps + 3 * portraits["points"] ** 2 * portraits["samples"])
 
 
 @experiment(
@@ -108,13 +121,10 @@ def _steps(o, c) -> float:
     split=_jobs,
     along="scheme,amplitude",
     parts=("stability/tiles", "stability/portraits"),
-    reads=lambda o: ["reference/amplitudes"],
-    check=_too_many,
-    steps=_steps,
-    values=lambda o, c: (
-        8 * len(o["problems"]) * c["atlas"]["amplitudes"]["count"] * o["dt_over_period"]["count"]
-        + 3 * len(o["problems"]) * o["portraits"]["points"] ** 2 * o["portraits"]["samples"]
-    ),
+    reads=lambda options: ["reference/amplitudes"],
+    check=_check,
+    steps=_number_of_steps,
+    values=_numbers_held,
     environment=MULTI_OUTPUT_FUSION,
 )
 def atlas(
@@ -126,29 +136,34 @@ def atlas(
     tile: int,
     tiles: int,
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """How the runs of a scheme end, for one of ``tiles`` parts of the amplitudes of ``results/reference/amplitudes``.
+    """Find how the runs of a scheme end, over step size and amplitude.
+
+    The amplitudes of ``results/reference/amplitudes`` are split into ``tiles`` parts, of which one is computed.
 
     Parameters
     ----------
     dt_over_period
-        ``first`` and ``last`` power of ten of Δt/T, with T the period at the amplitude, and the ``count`` of them.
+        ``count`` values of Δt/T, from 10 to the power ``first`` to 10 to the power ``last``; T is the exact period at
+        each amplitude.
     periods
-        Length of the runs in periods.
+        Length of the runs in periods T.
     portraits
-        At how many amplitudes and step sizes, at most, to keep samples (``points``), and how many behind the first
-        (``samples``).
+        ``points`` is the largest number of amplitudes, and of step sizes, at which samples are kept; ``samples`` is
+        the number of samples after the first.
     tile
-        Which part, from 0 on.
+        Number of the part, from 0 on.
 
     Returns
     -------
-    tuple of xarray.Dataset
-        The maps, and the samples.
+    maps, samples : xarray.Dataset
+        Variables of shape (scheme, problem, amplitude, dt_over_period), and of the samples also (..., sample).
 
     Raises
     ------
     ValueError
-        If there is no such part.
+        If ``tile`` is not one of the parts.
+    FileNotFoundError
+        If ``results/reference/amplitudes.nc`` has not been made.
     """
     if not 0 <= tile < tiles:
         raise ValueError(f"there is no tile {tile} among {tiles}: the first is 0, the last {tiles - 1}.")
@@ -159,18 +174,18 @@ def atlas(
     parts = np.logspace(dt_over_period["first"], dt_over_period["last"], int(dt_over_period["count"]))
     sampled_parts = _sampled(np.arange(len(parts)), len(parts), portraits["points"])
     spacing = GOLDEN + max(0, round(periods / portraits["samples"] - GOLDEN))
-    # a prime, or samples of an orbit that closes after some steps could all fall into one place; and two at least, as
-    # a sample at every single step would be another program
+    # a prime number of steps: on an orbit that closes after some steps, samples could otherwise all fall on one point;
+    # at least two, because a sample at every step would be another program
     every = np.array([_prime(max(2, round(spacing / part))) for part in parts])
     maps: dict[str, list] = {}
     samples: dict[str, list] = {}
-    for name in problems:
-        progress(f"stability of {scheme} on {name}")
-        problem, of_problem = registry[name], exact.sel(problem=name)
-        u0, period, fate = of_problem.u0.values, of_problem.period.values, Fate.of(problem)
+    for problem in problems:
+        progress(f"stability of {scheme} on {problem}")
+        definition, of_problem = problems_by_name[problem], exact.sel(problem=problem)
+        u0, period, fate = of_problem.u0.values, of_problem.period.values, Fate.of(definition)
         for part, apart, is_sampled in zip(parts, every, sampled_parts, strict=True):
             runs = run(
-                problem,
+                definition,
                 scheme,
                 dt=part * period,
                 steps=round(periods / part),
@@ -199,7 +214,7 @@ def atlas(
     } | {name: runs[name].attrs for name in samples}
 
     def labelled(found, exact, parts, title, *along):
-        """The step sizes of each problem, which were found one after the other, behind the amplitudes."""
+        """A dataset out of lists of columns, one for each problem and step size: amplitudes before step sizes."""
         shape = (len(problems), len(parts))
         values = {name: np.stack(columns).reshape(*shape, *columns[0].shape) for name, columns in found.items()}
         return (

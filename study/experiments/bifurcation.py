@@ -1,4 +1,6 @@
-"""From order to chaos over the step size: where a scheme's iterates settle, and how fast neighbours part."""
+"""Bifurcation diagram over the step size: where the iterates of a scheme settle, and how fast neighbours part."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -6,47 +8,52 @@ import xarray as xr
 from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
-from study.pipeline.options import Count, Numbers, RecordedSteps, SchemeName, Spring, Tolerance
-from study.problem.named import problems
+from study.pipeline.experiment import Options, experiment
+from study.pipeline.options import Count, RecordedSteps, SchemeName, Spring, StepSizes, Tolerance
+from study.problem.named import problems as problems_by_name
 
-#: Distance at which a perturbation counts as of order one.
+#: Distance from which on a perturbation counts as of order one.
 ORDER_ONE = 0.1
 
 
-def _shown(o, c) -> str | None:
-    if o["shown"] > o["steps"]:
-        return f"shown, {o['shown']}, are more than the steps, {o['steps']}."
-    if o["dt"]["first"] <= 0:
-        return f"dt: first must be greater than zero, not {o['dt']['first']}."
+def _check(options: Options, configuration: Mapping) -> str | None:
+    if options["shown"] > options["steps"]:
+        return f"shown must be at most the number of steps, {options['steps']}, not {options['shown']}."
     return None
 
 
 @experiment(
     "stability/bifurcation",
-    check=_shown,
-    steps=lambda o, c: 4 * o["dt"]["count"] * o["steps"],
-    values=lambda o, c: 6 * o["dt"]["count"] * o["steps"],
+    check=_check,
+    steps=lambda options, configuration: 4 * options["dt"]["count"] * options["steps"],
+    values=lambda options, configuration: 6 * options["dt"]["count"] * options["steps"],
 )
 def bifurcation(
-    problem: Spring, scheme: SchemeName, dt: Numbers, steps: RecordedSteps, shown: Count, perturbation: Tolerance
+    problem: Spring, scheme: SchemeName, dt: StepSizes, steps: RecordedSteps, shown: Count, perturbation: Tolerance
 ) -> xr.Dataset:
-    """The last displacements, the Lyapunov exponent, and the steps until two neighbours are apart, over step sizes.
+    """Compute last displacements, Lyapunov exponent and the steps until neighbours part, over step sizes.
 
-    Of a run that fails, what there was before it did.
+    A run that fails is evaluated up to the step before it failed.
 
     Parameters
     ----------
     dt
-        ``first``, ``last`` and ``count`` of the step sizes.
-    steps, shown
-        Length of the runs, and how many of the last displacements are kept.
+        ``first``, ``last`` and ``count`` of the step sizes in seconds.
+    steps
+        Length of the runs.
+    shown
+        Number of displacements that are kept, those of the last steps of a run.
     perturbation
-        By how much the initial displacement of a second run differs.
+        Difference of the initial displacements of two neighbours.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``u`` has the shape (dt, iterate), the other variables (dt,).
     """
     progress(f"bifurcation diagram of {scheme} on {problem}")
     step_sizes = np.linspace(dt["first"], dt["last"], int(dt["count"]))
-    u0 = float(problems[problem].u0)
+    u0 = float(problems_by_name[problem].u0)
     pairs = run(
         problem,
         scheme,
@@ -55,10 +62,10 @@ def bifurcation(
         steps=steps,
     )
     one, other = pairs.u.values.reshape(len(step_sizes), 2, -1).transpose(1, 0, 2)
-    apart = np.abs(other - one) >= ORDER_ONE  # not where a run has failed and has no displacement
+    apart = np.abs(other - one) >= ORDER_ONE  # false once one of them has failed: its displacement is NaN
     status, failed_at_step = (pairs[name].values[::2] for name in ("status", "failed_at_step"))
     whole = np.full(len(step_sizes), steps)
-    # in chaos another program may fail at another step than that of the pairs: so by itself
+    # where the motion is chaotic, this program may fail at another step than that of the pairs, so it finds its own
     growth = run(problem, scheme, dt=step_sizes, steps=whole, observe=["lyapunov_exponent"])
     lasted = np.where(growth.status == COMPLETED, whole, np.maximum(growth.failed_at_step - 1, 1))
     growth = run(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"])
@@ -96,7 +103,7 @@ def bifurcation(
             ),
         },
         attrs={
-            "title": f"Iterates of {scheme} on the {problems[problem].title} over the step size",
+            "title": f"Iterates of {scheme} on the {problems_by_name[problem].title} over the step size",
             "problem": problem,
             "scheme": scheme,
         },

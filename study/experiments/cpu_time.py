@@ -1,4 +1,6 @@
-"""The last rows of Tables 1 and 2 of Xie (1996): the time of 100,000 steps at T/1000."""
+"""Computing time of a step, as in the last rows of Tables 1 and 2 of Xie (1996)."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -7,29 +9,40 @@ from study.marching.timing import Timed
 from study.observer.energy import MaxEnergyError
 from study.pipeline import labels
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Schemes, Springs
 from study.problem.named import printed_periods
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
+#: The scheme whose time is the unit of ``ratio``.
 BASELINE = "average_acceleration"
+
+
+def _check(options: Options, configuration: Mapping) -> str | None:
+    if BASELINE not in options["schemes"]:
+        return f"schemes lacks '{BASELINE}', to which times are compared."
+    return None
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    return len(options["problems"]) * len(options["schemes"]) * options["steps"] * options["repeats"]
 
 
 @experiment(
     "cpu_time",
-    steps=lambda o, c: len(o["problems"]) * len(o["schemes"]) * o["steps"] * o["repeats"],
-    check=lambda o, c: (
-        None if BASELINE in o["schemes"] else f"schemes lacks '{BASELINE}', to which times are compared."
-    ),
+    steps=_number_of_steps,
+    check=_check,
     timed=True,
-    # the time to compile is measured too, so nothing may come from an earlier process
+    # the compile time is measured too, so no program may come from the cache of an earlier process
     environment={"JAX_ENABLE_COMPILATION_CACHE": "false"},
 )
 def cpu_time(problems: Springs, schemes: Schemes, steps_per_period: Count, steps: Count, repeats: Count) -> xr.Dataset:
-    """Time of ``steps`` steps, energy observed, compilation apart.
+    """Measure the time of a step of every scheme with the energy observed, and separately its compile time.
 
-    The schemes take turns, so that a slow moment of the machine meets all of them.
+    The schemes are timed in turns, so that a slow moment of the machine affects all of them. The step size is T/N, with
+    T the period printed by Xie (1996) and N = ``steps_per_period``. Times of a step have the shape
+    (problem, scheme, repeat), in nanoseconds.
     """
     shape = (len(problems), len(schemes))
     compile_time, elapsed = np.empty(shape), np.empty((*shape, repeats))

@@ -1,4 +1,6 @@
-"""Tables 1 and 2 of Xie (1996): the largest energy error over 100 periods, for printed and for exact periods."""
+"""Largest energy error of the schemes at printed and at exact periods, as in Tables 1 and 2 of Xie (1996)."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -7,17 +9,32 @@ from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Counts, Schemes, Springs
 
 
-def _steps(o, c) -> int:
-    return 2 * len(o["problems"]) * len(o["schemes"]) * sum(o["steps_per_period"]) * o["periods"]
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    runs = 2 * len(options["problems"]) * len(options["schemes"])
+    return runs * sum(options["steps_per_period"]) * options["periods"]
 
 
-@experiment("energy_error", reads=lambda o: [f"reference/{name}" for name in o["problems"]], steps=_steps)
+@experiment(
+    "energy_error",
+    reads=lambda options: [f"reference/{problem}" for problem in options["problems"]],
+    steps=_number_of_steps,
+)
 def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Count) -> xr.Dataset:
-    """Largest energy error over ``periods`` periods of every scheme on every problem at every step size."""
+    """Compute the largest energy error of every scheme on every problem at every step size.
+
+    The error is max |E − E₀|/|E₀| over ``periods`` periods, in percent, eq. (17) of Xie (1996). The step size is T/N,
+    with N = ``steps_per_period`` and T the period that he printed or the exact one. ``max_energy_error`` has the shape
+    (period_used, problem, steps_per_period, scheme).
+
+    Raises
+    ------
+    FileNotFoundError
+        If the reference of a problem, which holds its exact period, has not been made.
+    """
     period_used = ["printed", "exact"]
     shape = (len(period_used), len(problems), len(steps_per_period), len(schemes))
     error, period = np.full(shape, np.nan), np.empty(shape[:2])

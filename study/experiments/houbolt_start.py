@@ -1,4 +1,6 @@
-"""Which start did the paper give Houbolt's method? The printed errors under every candidate."""
+"""Ways to start Houbolt's method, of which Xie (1996) does not say which one he took."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -6,18 +8,24 @@ import xarray as xr
 from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Counts, Springs
 from study.problem.named import printed_periods
 from study.scheme.houbolt import Houbolt, starts
 
 
-@experiment(
-    "houbolt_start",
-    steps=lambda o, c: len(starts) * len(o["problems"]) * sum(o["steps_per_period"]) * o["periods"],
-)
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    runs = len(starts) * len(options["problems"])
+    return runs * sum(options["steps_per_period"]) * options["periods"]
+
+
+@experiment("houbolt_start", steps=_number_of_steps)
 def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
-    """Largest energy error of Houbolt's method over ``periods`` printed periods, by how it is started."""
+    """Compute the largest energy error of Houbolt's method for every way to start it.
+
+    The error is max |E − E₀|/|E₀| over ``periods`` printed periods, in percent, of shape
+    (problem, steps_per_period, start). The ways are those of ``study.scheme.houbolt.starts``.
+    """
     error = np.empty((len(problems), len(steps_per_period), len(starts)))
     for p, problem in enumerate(problems):
         progress(f"starts of Houbolt's method on {problem}")

@@ -1,4 +1,6 @@
-"""How large may a step be? Energy error and failure of every scheme from fine steps to one step per period."""
+"""Energy error and failure of the schemes from small steps to steps as long as the period."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -6,25 +8,29 @@ import xarray as xr
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.pipeline import labels
+from study.pipeline.checks import step_beyond_run
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Schemes, Sizes, Springs
 from study.problem.named import printed_periods
 
 
-def _steps(o, c) -> float:
-    return len(o["problems"]) * len(o["schemes"]) * sum(o["periods"] / part for part in o["dt_over_period"])
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    of_scheme = sum(options["periods"] / part for part in options["dt_over_period"])
+    return len(options["problems"]) * len(options["schemes"]) * of_scheme
 
 
-def _too_large(o, c) -> str | None:
-    if max(o["dt_over_period"]) > o["periods"]:
-        return f"dt_over_period: a step is longer than the {o['periods']} periods of the run."
-    return None
+def _check(options: Options, configuration: Mapping) -> str | None:
+    return step_beyond_run(max(options["dt_over_period"]), options["periods"])
 
 
-@experiment("large_steps", check=_too_large, steps=_steps)
+@experiment("large_steps", check=_check, steps=_number_of_steps)
 def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, periods: Count) -> xr.Dataset:
-    """Largest energy error, status and failing step over ``periods`` printed periods, by relative step size."""
+    """Compute energy error and failure of every scheme from small steps to steps as long as the period.
+
+    The largest error is max |E − E₀|/|E₀| over ``periods`` printed periods, and the drift is (E − E₀)/|E₀| at the end,
+    both in percent. All variables have the shape (problem, scheme, dt_over_period).
+    """
     dims = ("problem", "scheme", "dt_over_period")
     shape = (len(problems), len(schemes), len(dt_over_period))
     error, drift = np.empty(shape), np.empty(shape)

@@ -1,5 +1,6 @@
-"""Very long runs: what drifts, what the phase loses, and how round-off grows, in double and in single precision."""
+"""Energy and phase errors of very long runs, and the growth of their round-off, in double and single precision."""
 
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import cast
 
@@ -13,32 +14,33 @@ from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Length, OneStepSchemes, RisingCounts, Spring
 from study.problem.definition import Problem
-from study.problem.named import problems
+from study.problem.named import problems as problems_by_name
 from study.scheme.base import OneStep, Scheme
 from study.scheme.compensated import Compensated
-from study.scheme.named import schemes as registry
+from study.scheme.named import schemes as schemes_by_name
 
-#: Arithmetic: whether in double precision, and whether displacement and velocity are summed with compensation. The last
-#: is what the others are held against.
+#: Arithmetics: whether each is in double precision, and whether it sums displacement and velocity with compensation.
+#: The last one is the reference of the others.
 ARITHMETIC = {
     "float32": (False, False),
     "float32_compensated": (False, True),
     "float64": (True, False),
     "float64_compensated": (True, True),
 }
-#: Step sizes: how many bits they have. Those of single precision have squares that it rounds, shorter ones do not.
+#: Kinds of step sizes, by the number of their bits. Single precision, of 24 bits, rounds the squares of the first kind
+#: and represents those of the second exactly.
 BITS = {"any": 24, "short": 12}
 OBSERVED = ("energy_drift", "max_energy_error", "mean_energy_error", "oscillations")
 
 
 def _step_sizes(step: float, runs: int) -> np.ndarray:
-    """Step sizes around ``step`` with the bits of ``BITS``, (step, run); all arithmetics hold them exactly.
+    """Step sizes close to ``step`` of each kind in ``BITS``, (kind, run); all arithmetics represent them exactly.
 
-    Neighbours are the least apart that the short ones can be. Round-off makes every run its own, and at the end of long
-    ones all phases of the orbit are met.
+    Neighbours differ by one unit in the last place of a short step size. So the runs have independent round-off, and
+    long ones end at different phases of the orbit.
     """
     sizes = []
     for bits in BITS.values():
@@ -49,9 +51,16 @@ def _step_sizes(step: float, runs: int) -> np.ndarray:
 
 
 def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, crossing: Fraction) -> np.ndarray:
-    """What the mean period, from the start to the last crossing, adds up to over the length of the run, in periods.
+    """Delay at the end of each run in periods, (run,); NaN for runs without an upward crossing of zero.
 
-    In fractions: single precision does not count the steps of long runs, and double leaves few digits to their phase.
+    The mean period T̄ is taken from the start to the last upward crossing; the delay is (T̄/T − 1) times the length of
+    the run in periods. It is computed in fractions: single precision cannot count the steps of long runs, and double
+    precision leaves few digits to their phase.
+
+    Parameters
+    ----------
+    period, crossing
+        Exact period T, and the exact time of the first upward crossing over T.
     """
     late = np.full(len(dt), np.nan)
     for lane in np.flatnonzero(ds.crossings.values > 0):
@@ -64,7 +73,7 @@ def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, 
 
 
 def _measured(problem: Problem, scheme: Scheme, dt: np.ndarray, length: int, steps: int, double: bool, *exact) -> dict:
-    """What every run shows at the end, (run,): errors of the energy in percent and of the phase in periods."""
+    """Errors of the energy in percent and of the phase in periods, and the status, at the end of every run, (run,)."""
     with jax.enable_x64(double):
         ds = run(problem, scheme, dt=dt, steps=steps, observe=OBSERVED)
     return {
@@ -78,15 +87,21 @@ def _measured(problem: Problem, scheme: Scheme, dt: np.ndarray, length: int, ste
 
 
 def growth(periods: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Exponent k of rms(values) ~ periods^k over the last two decades of lengths, and its standard error.
+    """Exponent k of the law rms(values) ~ periods^k over the last two decades of lengths, and its standard error.
 
-    Least squares of the logarithms. The error is that of the jackknife over runs, as the lengths of one run share their
-    round-off. NaN with fewer than three lengths or two runs, and where all is zero or something no number.
+    k is the least squares slope of log rms over log periods. Its error is the jackknife estimate over runs, because
+    the values of one run at several lengths share their round-off. Both are NaN if there are fewer than three lengths
+    or two runs, if all values are zero, or if one is not finite.
 
     Parameters
     ----------
     periods, values
-        Lengths (periods,) and what the runs showed (..., periods, run).
+        Lengths in ascending order (periods,), and the values of the runs (..., periods, run).
+
+    Returns
+    -------
+    exponent, error : numpy.ndarray
+        Each of shape (...).
     """
     late = periods >= periods[-1] / 100
     runs = values.shape[-1]
@@ -97,49 +112,63 @@ def growth(periods: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     squares = values[..., late, :] ** 2
     total = squares.sum(axis=-1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # the slope is linear in the logarithms: of all runs, and of all but one
+        # the slope is linear in the logarithms; it is taken over all runs, and over all but one
         whole, without = (x @ np.log(s) / (2 * x @ x) for s in (total, total - squares))
     error = np.sqrt((runs - 1) * without.var(axis=-1))
     known = np.isfinite(whole[..., 0] + error)
     return np.where(known, whole[..., 0], np.nan), np.where(known, error, np.nan)
 
 
-def _steps(o, c) -> int:
-    runs = len(o["schemes"]) * len(ARITHMETIC) * len(BITS) * o["runs"]
-    return runs * o["steps_per_period"] * sum(o["periods"])
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    runs = len(options["schemes"]) * len(ARITHMETIC) * len(BITS) * options["runs"]
+    return runs * options["steps_per_period"] * sum(options["periods"])
 
 
-def _no_law(o, c) -> str | None:
-    lengths = o["periods"]
+def _check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse lengths that are too few for a law of growth."""
+    lengths = options["periods"]
     if sum(length >= lengths[-1] / 100 for length in lengths) < 3:
         return "periods: a law of growth takes three lengths within the last two decades."
     return None
 
 
-@experiment("long_times", reads=lambda o: [f"reference/{o['problem']}"], check=_no_law, steps=_steps)
+@experiment(
+    "long_times",
+    reads=lambda options: [f"reference/{options['problem']}"],
+    check=_check,
+    steps=_number_of_steps,
+)
 def long_times(
     problem: Spring, schemes: OneStepSchemes, steps_per_period: Count, periods: RisingCounts, runs: Length
 ) -> xr.Dataset:
-    """Errors of energy and phase by length of the run, how much of them is round-off, and their laws of growth.
+    """Measure the errors of energy and phase of very long runs, their round-off, and the laws of its growth.
 
-    Every length is run in every arithmetic with ``runs`` step sizes close to a part of the period, those of 24 bits and
-    those of 12. What a run differs by from the same run in compensated double precision is its round-off.
+    Every length is run in every arithmetic with ``runs`` step sizes close to T/N, with T the exact period and
+    N = ``steps_per_period``, once with 24 bits and once with 12. The round-off of a run is its difference from the run
+    with the same step size in compensated double precision.
 
     Parameters
     ----------
     schemes
-        One-step schemes; of no other can the sums be compensated.
+        One-step schemes, because only their sums can be compensated.
     periods
         Lengths of the runs, ascending.
+
+    Returns
+    -------
+    xarray.Dataset
+        What :func:`summary` returns.
 
     Raises
     ------
     ValueError
         If the exact motion does not cross zero, where oscillations are counted.
     TypeError
-        If a scheme is none of one step.
+        If a scheme is not a one-step scheme.
+    FileNotFoundError
+        If the reference of the problem has not been made.
     """
-    definition, reference = problems[problem], datasets.open(f"reference/{problem}")
+    definition, reference = problems_by_name[problem], datasets.open(f"reference/{problem}")
     period = Fraction(reference.period.item()) + Fraction(reference.period_remainder.item())
     exact = period, Fraction(first_crossing(reference, 0.0))
     dt, lengths = _step_sizes(float(period / steps_per_period), runs), np.asarray(periods)
@@ -148,7 +177,8 @@ def long_times(
     for s, name in enumerate(schemes):
         progress(f"long times of {name} on {problem}")
         for a, (double, compensated) in enumerate(ARITHMETIC.values()):
-            scheme = Compensated(cast(OneStep, registry[name])) if compensated else registry[name]
+            plain = schemes_by_name[name]
+            scheme = Compensated(cast(OneStep, plain)) if compensated else plain
             for k, length in enumerate(lengths.tolist()):
                 steps = length * steps_per_period
                 measured = _measured(definition, scheme, dt.ravel(), length, steps, double, *exact)
@@ -168,15 +198,23 @@ def long_times(
 
 
 def summary(observed: dict[str, np.ndarray], lengths: np.ndarray) -> xr.Dataset:
-    """Means, sizes and laws of growth of what the runs showed, each (scheme, arithmetic, step, periods, run).
+    """Means, root mean squares and laws of growth of the errors over runs, as a dataset.
 
-    Sizes are root mean squares of the runs. NaN where one of them failed.
+    Its errors have the shape (scheme, arithmetic, step, periods), exponents and their errors
+    (quantity, scheme, arithmetic, step). They are NaN if one of the runs failed.
+
+    Parameters
+    ----------
+    observed
+        Errors, status and failing step of every run, each (scheme, arithmetic, step, periods, run).
+    lengths
+        Lengths of the runs in periods, (periods,).
     """
     along, mean, rms = ("scheme", "arithmetic", "step", "periods"), {}, {}
     observed = dict(observed)
     for kind, of in (("energy", "mean_energy_error"), ("phase", "phase_error")):
         round_off = observed[of] - observed[of][:, -1:]
-        round_off[:, -1] = np.nan  # nothing to hold it against
+        round_off[:, -1] = np.nan  # the reference itself
         observed[f"{kind}_round_off"] = round_off
     for name in ("energy_error", "mean_energy_error", "phase_error", "energy_round_off", "phase_round_off"):
         mean[name], rms[name] = observed[name].mean(axis=-1), np.sqrt(np.mean(observed[name] ** 2, axis=-1))

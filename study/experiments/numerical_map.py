@@ -1,4 +1,6 @@
-"""Phase portraits of the numerical map: where its iterates lie from many initial states, at growing step sizes."""
+"""Phase portraits of the numerical map, which takes a state to that after one step: iterates of many initial states."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -7,27 +9,36 @@ from study.marching.result import STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Numbers, RecordedSteps, Schemes, Sizes, Spring
-from study.problem.named import problems
+from study.problem.named import problems as problems_by_name
 
 
-def _iterates(o, c) -> int:
-    return len(o["schemes"]) * len(o["dt"]) * o["u0"]["count"] * o["steps"]
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    return len(options["schemes"]) * len(options["dt"]) * options["u0"]["count"] * options["steps"]
 
 
-@experiment("stability/numerical_map", steps=_iterates, values=lambda o, c: 3 * _iterates(o, c))
+def _numbers_held(options: Options, configuration: Mapping) -> float:
+    return 3 * _number_of_steps(options, configuration)
+
+
+@experiment("stability/numerical_map", steps=_number_of_steps, values=_numbers_held)
 def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, steps: RecordedSteps) -> xr.Dataset:
-    """Displacement and velocity after every step, from rest at many displacements.
+    """Compute the iterates of the schemes from rest at many initial displacements, at several step sizes.
 
     Parameters
     ----------
     dt
-        Step sizes.
+        Step sizes in seconds.
     u0
         ``first``, ``last`` and ``count`` of the initial displacements.
     steps
-        Iterates of each.
+        Number of iterates after each initial state.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``u`` and ``v`` have the shape (scheme, dt, u0, iterate), ``status`` has (scheme, dt, u0).
     """
     starts = np.linspace(u0["first"], u0["last"], int(u0["count"]))
     of_lanes = np.tile(starts, len(dt)), np.repeat(dt, len(starts))
@@ -39,7 +50,7 @@ def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, ste
     dims = ("scheme", "dt", "u0")
 
     def iterates(name, units):
-        with np.errstate(over="ignore"):  # a run on its way out of all numbers leaves those of single precision first
+        with np.errstate(over="ignore"):  # a run that diverges overflows in single precision first
             values = np.stack([one[name].values for one in runs]).astype(np.float32)
         return (*dims, "iterate"), values.reshape(*shape, -1), {**runs[0][name].attrs, "units": units}
 
@@ -55,5 +66,5 @@ def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, ste
             "u0": ("u0", starts, {"long_name": "initial displacement", "units": "1"}),
             "iterate": ("iterate", np.arange(steps + 1), {"long_name": "steps taken", "units": "1"}),
         },
-        attrs={"title": f"Iterates of the schemes on the {problems[problem].title}", "problem": problem},
+        attrs={"title": f"Iterates of the schemes on the {problems_by_name[problem].title}", "problem": problem},
     )

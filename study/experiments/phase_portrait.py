@@ -1,6 +1,6 @@
-"""Figures 1 to 4 of Xie (1996): what every scheme makes of an orbit."""
+"""Phase portraits and energy errors of the schemes at one step size, as in Figures 1 to 4 of Xie (1996)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -8,10 +8,11 @@ from typing_extensions import TypedDict
 
 from study.marching.run import run
 from study.pipeline import labels
+from study.pipeline.checks import less_than_a_step
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Schemes, Size, Spring, section
-from study.problem.named import problems
+from study.problem.named import problems as problems_by_name
 
 
 @section
@@ -21,30 +22,40 @@ class _Portrait(TypedDict):
     duration: Size
 
 
-def _length(o, c) -> str | None:
-    if o["duration"] < o["dt"]:
-        return f"{o['problem']}: a duration of {o['duration']} is less than one step of {o['dt']}."
-    return None
+def _check(options: Options, configuration: Mapping) -> str | None:
+    return less_than_a_step(f"{options['problem']}.duration", options["duration"], options["dt"])
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    return len(options["schemes"]) * options["duration"] / options["dt"]
+
+
+def _numbers_held(options: Options, configuration: Mapping) -> float:
+    return 4 * _number_of_steps(options, configuration)
 
 
 @experiment(
     "phase_portrait",
     model=dict[Spring, _Portrait],
-    split=lambda o: {problem: {"problem": problem, **portrait} for problem, portrait in o.items()},
-    check=_length,
-    steps=lambda o, c: len(o["schemes"]) * o["duration"] / o["dt"],
-    values=lambda o, c: 4 * len(o["schemes"]) * o["duration"] / o["dt"],
+    split=lambda options: {problem: {"problem": problem, **portrait} for problem, portrait in options.items()},
+    check=_check,
+    steps=_number_of_steps,
+    values=_numbers_held,
 )
 def phase_portrait(problem: str, schemes: Sequence[str], dt: float, duration: float) -> xr.Dataset:
-    """Displacement, velocity and energy error of every scheme at the step size ``dt`` up to ``duration``."""
+    """Compute displacement, velocity and energy error of every scheme over time at one step size.
+
+    ``dt`` and ``duration`` are in seconds. The energy error is (E − E₀)/|E₀| in percent. The variables have the shape
+    (scheme, t).
+    """
     progress(f"phase portraits of {problem}")
     steps = round(duration / dt)
     runs = [run(problem, scheme, dt=dt, steps=steps, observe=["trajectory", "energy_error"]) for scheme in schemes]
     dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(labels.scheme_coordinates(schemes))
     dataset["dt"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})
     dataset.attrs = {
-        "title": f"Phase portraits and energy error of the {problems[problem].title} at one step size",
+        "title": f"Phase portraits and energy error of the {problems_by_name[problem].title} at one step size",
         "problem": problem,
-        "problem_title": problems[problem].title,
+        "problem_title": problems_by_name[problem].title,
     }
     return dataset

@@ -1,4 +1,6 @@
-"""What every scheme needs by target error and length of the run, from the work-precision dataset."""
+"""Steps, time and forces that every scheme needs to keep an error, from the work-precision dataset."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -7,7 +9,8 @@ from study import datasets
 from study.analysis.comparison import MEASURES
 from study.analysis.recommendation import candidates
 from study.pipeline import labels
-from study.pipeline.experiment import experiment
+from study.pipeline.checks import unlisted
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Counts, Names, Springs, Tolerances
 
 _NEEDS = {
@@ -17,29 +20,41 @@ _NEEDS = {
 }
 
 
-def _not_there(o, c) -> str | None:
-    work, accuracy = c["work_precision"]["schemes"], c["accuracy"]
-    for key, there in (("problems", work["problems"]), ("measures", MEASURES), ("periods", accuracy["periods"])):
-        strange = [one for one in o[key] if one not in there]
-        if strange:
-            return f"{key}: there is no {strange[0]} among {', '.join(map(str, there))}."
-    return None
+def _check(options: Options, configuration: Mapping) -> str | None:
+    problems = configuration["work_precision"]["schemes"]["problems"]
+    periods = configuration["accuracy"]["periods"]
+    return (
+        unlisted("problems", options["problems"], "work_precision.schemes.problems", problems)
+        or unlisted("measures", options["measures"], "the measures of error", MEASURES)
+        or unlisted("periods", options["periods"], "accuracy.periods", periods)
+    )
 
 
-@experiment("recommendation", reads=lambda o: ["work_precision"], check=_not_there)
+@experiment("recommendation", reads=lambda options: ["work_precision"], check=_check)
 def recommendation(problems: Springs, measures: Names, errors: Tolerances, periods: Counts) -> xr.Dataset:
-    """What every scheme needs to keep an error, and the cheapest of them; NaN and empty where none keeps it."""
+    """Find what every scheme needs to keep each error, and which scheme is the cheapest.
+
+    The needs have the shape (problem, measure, error, periods, scheme) and are NaN for a scheme that does not keep the
+    error. ``cheapest_scheme``, of shape (problem, measure, error, periods), is empty if no scheme keeps it.
+
+    Parameters
+    ----------
+    measures
+        Measures of error, variables of the dataset ``accuracy``.
+    errors
+        Largest errors that may be made, as fractions: 0.01 is 1 percent.
+    periods
+        Lengths of the runs in exact periods.
+    """
     data = datasets.open("work_precision")
     schemes = data.scheme.values.tolist()
     dims = ("problem", "measure", "error", "periods")
-    shape = tuple(map(len, (problems, measures, errors, periods)))
+    shape = (len(problems), len(measures), len(errors), len(periods))
     cheapest = np.full(shape, "", dtype=object)
     needs = {name: np.full((*shape, len(schemes)), np.nan) for name in _NEEDS}
     for at in np.ndindex(shape):
-        problem, measure, error, length = (
-            values[i] for values, i in zip((problems, measures, errors, periods), at, strict=True)
-        )
-        table = candidates(data, problem, error, measure, length)
+        p, m, e, n = at
+        table = candidates(data, problems[p], errors[e], measures[m], periods[n])
         if not table.empty:
             cheapest[at] = table.index[0]
         for name, values in needs.items():

@@ -1,6 +1,6 @@
-"""How many steps a period are enough, at every amplitude and for long: a number for each scheme."""
+"""Steps per period that a scheme needs to keep the energy at all amplitudes, by length of the run."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -9,25 +9,29 @@ from study import datasets
 from study.marching.run import run
 from study.observer.fate import LEVELS, Excursions, Fate
 from study.pipeline import labels
+from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
-from study.pipeline.experiment import MULTI_OUTPUT_FUSION, experiment
+from study.pipeline.experiment import MULTI_OUTPUT_FUSION, Options, experiment
 from study.pipeline.options import Counts, RisingCounts, Schemes, Springs
-from study.problem.named import problems as registry
+from study.problem.named import problems as problems_by_name
 
 
 def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray, lengths: Sequence[int]) -> np.ndarray:
-    """Fewest steps a period among the candidates from which on all are enough, (levels, lengths); NaN if none is."""
-    definition = registry[problem]
+    """Fewest steps per period that keep the energy within each level, (levels, lengths).
+
+    All larger candidates keep it too, at all amplitudes. NaN if the largest candidate does not.
+    """
+    definition = problems_by_name[problem]
     observer = Excursions(Fate.of(definition).rest)
     u0, period = lanes.u0.values, lanes.period.values
     needed = np.full((len(LEVELS), len(lengths)), np.nan)
     open_still = np.ones(needed.shape, bool)
-    # from the finest down; what has failed once is settled
+    # from the finest step size on; a level and length that is exceeded once is settled
     for steps in sorted(candidates, reverse=True):
         for k, length in enumerate(lengths):
             if not open_still[:, k].any():
                 continue
-            # a run of its own for each length: of a run that fails later nothing is told
+            # each length has a run of its own, because a run that fails later tells nothing about shorter ones
             runs = run(definition, scheme, dt=period / steps, steps=int(steps * length), u0=u0, observe=[observer])
             kept = np.array([np.isinf(runs[name]).all() for name in observer.variables])
             open_still[:, k] &= kept
@@ -35,44 +39,48 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
     return needed
 
 
-def _steps(o, c) -> int:
-    return (
-        len(o["problems"])
-        * len(o["schemes"])
-        * sum(o["steps_per_period"])
-        * sum(o["periods"])
-        * c["atlas"]["amplitudes"]["count"]
-    )
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    runs = len(options["problems"]) * len(options["schemes"]) * configuration["atlas"]["amplitudes"]["count"]
+    return runs * sum(options["steps_per_period"]) * sum(options["periods"])
 
 
-def _without_amplitudes(o, c) -> str | None:
-    for name in o["problems"]:
-        if name not in c["atlas"]["problems"]:
-            return f"problems: '{name}' is none of atlas.problems, whose amplitudes it takes."
-    return None
+def _check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse problems whose amplitudes are not computed."""
+    return unlisted("problems", options["problems"], "atlas.problems", configuration["atlas"]["problems"])
 
 
 @experiment(
     "stability/robustness",
     section="robustness",
-    split=lambda o: {problem: {**o, "problems": [problem]} for problem in o["problems"]},
+    split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
     along="problem",
-    reads=lambda o: ["reference/amplitudes"],
-    check=_without_amplitudes,
-    steps=_steps,
+    reads=lambda options: ["reference/amplitudes"],
+    check=_check,
+    steps=_number_of_steps,
     environment=MULTI_OUTPUT_FUSION,
 )
 def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: RisingCounts) -> xr.Dataset:
-    """Fewest steps a period that keep the energy within 1, 5 and 10 percent at all amplitudes, by length of the run.
+    """Find the fewest steps per period that keep the energy within 1, 5 and 10 percent at all amplitudes.
 
-    The amplitudes are those of ``results/reference/amplitudes``, the period is the exact one at each amplitude.
+    The amplitudes are those of ``results/reference/amplitudes``; the period T in Δt = T/N is the exact one at each
+    amplitude. The percentages are errors of the energy over its height above rest.
 
     Parameters
     ----------
     steps_per_period
-        Among which the answer is looked for.
+        Candidates of N.
     periods
-        Lengths of the runs.
+        Lengths of the runs in periods T, ascending.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``steps_needed`` has the shape (problem, scheme, level, periods).
+
+    Raises
+    ------
+    FileNotFoundError
+        If ``results/reference/amplitudes.nc`` has not been made.
     """
     exact = datasets.open("reference/amplitudes")
     needed = np.empty((len(problems), len(schemes), len(LEVELS), len(periods)))

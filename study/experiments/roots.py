@@ -1,6 +1,10 @@
-"""Which of several roots? The effective equation of a large step, and what Newton's start and tolerance make of it."""
+"""Roots of the effective equation of a large step, and the root that Newton's iteration finds.
 
-from collections.abc import Sequence
+The equation is u + κΔt² p(u) = ũ with the predictor ũ. Which of several roots is found depends on where the iteration
+starts and on its tolerance.
+"""
+
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Annotated, cast
 
@@ -16,22 +20,22 @@ from study.equilibrium.balance import balance, load
 from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
-from study.pipeline.options import Numbers, RecordedSteps, Schemes, Size, Spring, Tolerances
+from study.pipeline.experiment import Options, experiment
+from study.pipeline.options import Numbers, RecordedSteps, Schemes, Size, Spring, StepSizes, Tolerances
 from study.problem.definition import Problem
-from study.problem.named import problems
-from study.scheme.named import schemes as registry
+from study.problem.named import problems as problems_by_name
+from study.scheme.named import schemes as schemes_by_name
 from study.scheme.newmark import Newmark
 
-#: Runs that differ by so much in displacement no longer answer the same question.
+#: Difference of the displacements of two runs from which on they count as parted.
 PARTED = 0.1
-#: Where Newton's iteration may start: from the acceleration before the step, or from none.
+#: Starts of Newton's iteration, as factors of the acceleration before the step.
 GUESSES = {"last_acceleration": 1.0, "none": 0.0}
 
 
 @eqx.filter_jit
 def _newton(problem: Problem, coefficient, predictor, guess):
-    """Displacement that Newton finds from each guess of it, and in how many iterations."""
+    """Displacement that Newton's iteration finds, NaN if none, and its iterations, both (guesses, predictors)."""
 
     def one(predictor, guess):
         a, effort = balance(
@@ -44,7 +48,15 @@ def _newton(problem: Problem, coefficient, predictor, guess):
 
 
 class _Inexact(Newmark):
-    """Newmark's method with a choice of where Newton's iteration starts and ends."""
+    """Newmark's method with a choice of tolerance and start of Newton's iteration.
+
+    Attributes
+    ----------
+    tolerance
+        Relative tolerance of the iteration.
+    part_of_last
+        Factor of the acceleration before the step at which the iteration starts.
+    """
 
     tolerance: float = eqx.field(default=1e-12, kw_only=True)
     part_of_last: float = eqx.field(default=1.0, kw_only=True)
@@ -55,8 +67,11 @@ class _Inexact(Newmark):
 
 
 def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequence[float]) -> np.ndarray:
-    """Steps until a run leaves that of the finest tolerance, (guesses, tolerances, step sizes); ``steps`` if never."""
-    newmark = cast(Newmark, registry["average_acceleration"])
+    """Steps until a run parts from the run with Newmark's own tolerance, (starts, tolerances, step sizes).
+
+    ``steps`` if it never does.
+    """
+    newmark = cast(Newmark, schemes_by_name["average_acceleration"])
     inexact = partial(_Inexact, newmark.beta, newmark.gamma)
     exact = run(problem, newmark, dt=dt, steps=steps).u.values
     together = np.empty((len(GUESSES), len(tolerances), len(dt)), int)
@@ -70,49 +85,68 @@ def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequen
     return together
 
 
-def _no_equation(o, c) -> str | None:
-    for name in o["schemes"]:
+def _check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse schemes whose step is not one effective equation."""
+    for name in options["schemes"]:
         try:
-            effective_coefficient(registry[name])
+            effective_coefficient(schemes_by_name[name])
         except ValueError as error:
             return f"schemes: {error}"
-    if o["dt"]["first"] <= 0:
-        return f"dt: first must be greater than zero, not {o['dt']['first']}."
     return None
 
 
-@experiment(
-    "stability/roots",
-    check=_no_equation,
-    values=lambda o, c: 3 * o["dt"]["count"] * o["steps"] + 4001 * o["dt"]["count"] * o["predictor"]["count"],
-    steps=lambda o, c: o["dt"]["count"] * o["steps"] * (1 + len(GUESSES) * len(o["tolerances"])),
-)
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    runs = 1 + len(GUESSES) * len(options["tolerances"])
+    return options["dt"]["count"] * options["steps"] * runs
+
+
+def _numbers_held(options: Options, configuration: Mapping) -> float:
+    # a run holds three numbers a step; roots are sought among 4001 displacements
+    return options["dt"]["count"] * (3 * options["steps"] + 4001 * options["predictor"]["count"])
+
+
+@experiment("stability/roots", check=_check, values=_numbers_held, steps=_number_of_steps)
 def roots(
     problem: Spring,
     schemes: Schemes,
-    dt: Numbers,
+    dt: StepSizes,
     predictor: Numbers,
     paper_dt: Size,
     tolerances: Annotated[Tolerances, Len(3, 3)],
     steps: RecordedSteps,
 ) -> xr.Dataset:
-    """Number of roots over step size and predictor, Newton's choice at one step size, and how long tolerances agree.
+    """Count the roots of the effective equation, and find the roots that Newton's iteration takes.
+
+    A step of the schemes solves u + κΔt² p(u) = ũ, with the predictor ũ and the effective coefficient κ of the scheme.
 
     Parameters
     ----------
     schemes
-        Those with a single effective equation a step.
+        Schemes whose step is one effective equation.
     dt, predictor
         ``first``, ``last`` and ``count`` of the step sizes, and of the predictors ũ.
     paper_dt
-        Step size at which Newton's choice is looked at.
-    tolerances, steps
-        Of Newton in the average acceleration method, and how long its runs are.
+        Step size of Xie (1996), at which Newton's iteration is started from every guess.
+    tolerances
+        Tolerances of Newton's iteration in runs of the average acceleration method.
+    steps
+        Length of these runs.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``number_of_roots`` has the shape (scheme, dt, predictor), ``root`` and ``newton_iterations`` have
+        (scheme, guess, predictor), ``steps_together`` has (start, newton_tolerance, dt).
+
+    Raises
+    ------
+    ValueError
+        If a step of a scheme is not one such equation.
     """
     progress(f"roots of the effective equation of {problem}")
-    definition = problems[problem]
+    definition = problems_by_name[problem]
     step_sizes, predictors = (np.linspace(one["first"], one["last"], int(one["count"])) for one in (dt, predictor))
-    kappa = np.array([effective_coefficient(registry[name]) for name in schemes])
+    kappa = np.array([effective_coefficient(schemes_by_name[name]) for name in schemes])
     count = np.stack([number_of_roots(definition, k * step_sizes**2, predictors) for k in kappa])
     found, iterations = zip(
         *(map(np.asarray, _newton(definition, k * paper_dt**2, predictors, predictors)) for k in kappa), strict=True
@@ -151,7 +185,7 @@ def roots(
             ),
             "unique_up_to": (
                 "scheme",
-                [unique_up_to(definition, registry[name], predictors) for name in schemes],
+                [unique_up_to(definition, schemes_by_name[name], predictors) for name in schemes],
                 {"long_name": "step size up to which the effective equation has one root", "units": "s"},
             ),
             "paper_dt": ((), paper_dt, {"long_name": "step size of the paper", "units": "s"}),

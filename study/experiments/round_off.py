@@ -1,5 +1,6 @@
-"""Where refinement ends: the error at very small steps, and what compensated summation buys."""
+"""Error at very small steps, where round-off dominates, with plain and with compensated summation."""
 
+from collections.abc import Mapping
 from fractions import Fraction
 
 import numpy as np
@@ -9,59 +10,66 @@ from study import datasets
 from study.analysis.comparison import flagged
 from study.marching.run import run
 from study.pipeline import labels
+from study.pipeline.checks import no_multiple
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Counts, Schemes, Spring
-from study.problem.named import problems
+from study.problem.named import problems as problems_by_name
 from study.scheme.base import OneStep
 from study.scheme.compensated import Compensated
-from study.scheme.named import schemes as registry
+from study.scheme.named import schemes as schemes_by_name
 
-#: The run ends this part of a period after a whole number of them, where displacement and velocity both tell phases.
+#: A run ends this part of a period after a whole number of periods, where displacement and velocity both show a delay.
 PHASE = Fraction(1, 8)
 
 
-def _phases(o, c) -> str | None:
-    odd = [parts for parts in o["steps_per_period"] if (parts * PHASE).denominator > 1]
-    if odd:
-        return f"steps_per_period: {odd[0]} is no multiple of {PHASE.denominator}."
-    known = c["references"]["steps_per_period"]
-    if not any(steps % PHASE.denominator == 0 for steps in known):
-        return f"references.steps_per_period has no multiple of {PHASE.denominator}, which round_off needs."
-    return None
+def _check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse step sizes that do not meet the end of the run, and references that are not sampled there."""
+    refused = no_multiple("steps_per_period", options["steps_per_period"], PHASE.denominator)
+    if refused is None and all(n % PHASE.denominator for n in configuration["references"]["steps_per_period"]):
+        return f"steps_per_period: references.steps_per_period must hold a multiple of {PHASE.denominator}."
+    return refused
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    return 2 * len(options["schemes"]) * sum(options["steps_per_period"]) * (options["periods"] + 1)
 
 
 @experiment(
     "round_off",
-    reads=lambda o: [f"reference/{o['problem']}"],
-    check=_phases,
-    steps=lambda o, c: 2 * len(o["schemes"]) * sum(o["steps_per_period"]) * (o["periods"] + 1),
+    reads=lambda options: [f"reference/{options['problem']}"],
+    check=_check,
+    steps=_number_of_steps,
 )
 def round_off(problem: Spring, schemes: Schemes, steps_per_period: Counts, periods: Count) -> xr.Dataset:
-    """Error at the end of ``periods`` periods and an eighth, plain and compensated, by steps per period.
+    """Measure the error of the schemes at very small steps, with plain and with compensated summation.
 
-    A multi-step scheme keeps displacements and adds nothing to them; its compensated error is NaN.
+    The error at t = (``periods`` + 1/8) T is √(Δu² + Δv²), with Δu and Δv relative to the largest displacement and
+    velocity. It has the shape (scheme, summation, steps_per_period). The compensated error is NaN for schemes that are
+    not one-step schemes, because they do not sum increments.
 
     Raises
     ------
     ValueError
-        If a number of steps per period does not divide the end of the run, or the reference lacks its phase.
+        If a number of steps per period is no multiple of 8, or the reference lacks the phase 1/8.
+    FileNotFoundError
+        If the reference of the problem has not been made.
     """
+    refused = no_multiple("steps_per_period", steps_per_period, PHASE.denominator)
+    if refused is not None:
+        raise ValueError(f"round_off.{refused}")
     reference = datasets.open(f"reference/{problem}")
-    odd = [parts for parts in steps_per_period if (parts * PHASE).denominator > 1]
-    if odd:
-        raise ValueError(f"round_off.steps_per_period: {odd[0]} is no multiple of {PHASE.denominator}.")
     if float(PHASE) not in reference.phase:
         raise ValueError(f"the reference of '{problem}' lacks the phase {PHASE}; add 8 to references.steps_per_period.")
     at = reference.sel(t=reference.t[reference.phase == float(PHASE)].item())
-    u, v, force = at.u.item(), at.v.item(), float(problems[problem].force(at.u.item()))
+    u, v, force = at.u.item(), at.v.item(), float(problems_by_name[problem].force(at.u.item()))
     exact_period = Fraction(reference.period.item()) + Fraction(reference.period_remainder.item())
     end = exact_period * (periods + PHASE)
     summation = ["plain", "compensated"]
     error = np.full((len(schemes), len(summation), len(steps_per_period)), np.nan)
     for s, name in enumerate(schemes):
         progress(f"round-off of {name} on {problem}")
-        plain = registry[name]
+        plain = schemes_by_name[name]
         for c, scheme in enumerate([plain, Compensated(plain)] if isinstance(plain, OneStep) else [plain]):
             for k, parts in enumerate(steps_per_period):
                 steps = int(parts * (periods + PHASE))
@@ -96,5 +104,5 @@ def round_off(problem: Spring, schemes: Schemes, steps_per_period: Counts, perio
             "summation": ("summation", summation, {"long_name": "how displacement and velocity are summed"}),
             **labels.steps_per_period_coordinate(steps_per_period),
         },
-        attrs={"title": f"Round-off at small steps on the {problems[problem].title}", "problem": problem},
+        attrs={"title": f"Round-off at small steps on the {problems_by_name[problem].title}", "problem": problem},
     )

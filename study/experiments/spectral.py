@@ -1,4 +1,4 @@
-"""Linear theory of every scheme: spectral radius, period, damping, overshoot, order and stability limit."""
+"""Linear theory of the schemes: spectral radius, period, damping, overshoot, order and stability limit."""
 
 from typing import Annotated
 
@@ -14,12 +14,12 @@ from study.equilibrium.state import Motion
 from study.pipeline import labels
 from study.pipeline.command import progress
 from study.pipeline.experiment import experiment
-from study.pipeline.options import Schemes, section
+from study.pipeline.options import IN_ORDER, Schemes, section
 from study.scheme.base import Scheme
-from study.scheme.named import schemes as registry
+from study.scheme.named import schemes as schemes_by_name
 from study.scheme.rederived import Rederived
 
-#: Variables over step sizes, with what they are.
+#: Variables over step sizes, with their long names.
 _OVER_STEPS = {
     "spectral_radius": "spectral radius of the amplification matrix",
     "period_elongation": "relative elongation of the damped period; NaN where nothing swings",
@@ -30,7 +30,7 @@ _OVER_STEPS = {
     "velocity_overshoot": f"largest velocity of {OVERSHOOT_STEPS} steps from rest over that of the undamped motion, "
     "less one; NaN where unstable",
 }
-#: Variables that are one number, with what they are.
+#: Variables that are one number for each damping ratio, with their long names.
 _NUMBERS = {
     "stability_limit": "largest ωΔt up to which the spectral radius is at most one; infinite where it always is",
     "infinite_frequency_radius": "spectral radius at infinite frequency",
@@ -41,13 +41,13 @@ _NUMBERS = {
 
 
 def _state(scheme: Scheme):
-    """What a step of the scheme hands to the next: shapes only."""
+    """Shapes of the state that a step of the scheme hands to the next."""
     return jax.eval_shape(lambda: scheme.start(oscillator(), jnp.ones(()), jnp.zeros(()), 1.0)[0])
 
 
 def _vectors(name: str) -> int:
-    """How many vectors of the size of u a step of the scheme hands to the next."""
-    return sum(leaf.size for leaf in jax.tree.leaves(_state(registry[name])))
+    """Number of vectors of the size of u in the state that a step hands to the next."""
+    return sum(leaf.size for leaf in jax.tree.leaves(_state(schemes_by_name[name])))
 
 
 def _order_rederived(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float) -> float:
@@ -80,32 +80,34 @@ class _Exponents(TypedDict):
     per_decade: Annotated[int, Ge(1), Le(1000)]
 
 
-def _in_order(o, c) -> str | None:
-    first, last = (o["exponents"][key] for key in ("first", "last"))
-    return None if first < last else f"exponents: first, {first}, must be less than last, {last}."
-
-
-@experiment("spectral", check=_in_order)
+@experiment("spectral")
 def spectral(
     schemes: Schemes,
-    exponents: _Exponents,
+    exponents: Annotated[_Exponents, IN_ORDER],
     damping_ratios: Annotated[list[Annotated[float, Ge(0), Lt(1)]], Len(1, 100)],
 ) -> xr.Dataset:
-    """What the amplification matrix of every scheme tells, by step size and damping of the oscillator.
+    """Compute the linear theory of every scheme, by step size and damping of the oscillator.
+
+    The oscillator is ü + 2ξω u̇ + ω² u = 0 with T = 2π/ω. See :class:`study.analysis.linear_theory.LinearTheory`.
 
     Parameters
     ----------
     exponents
-        ``first`` and ``last`` power of ten of Δt/T, and ``per_decade`` points in between.
+        Δt/T runs from 10 to the power ``first`` to 10 to the power ``last``, with ``per_decade`` points in a decade.
     damping_ratios
-        ξ, each 0 ≤ ξ < 1.
+        Damping ratios 0 ≤ ξ < 1.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables of shape (scheme, dt_over_period, damping_ratio) or (scheme, damping_ratio).
     """
     decades = exponents["last"] - exponents["first"]
     dt_over_period = np.logspace(exponents["first"], exponents["last"], round(decades * exponents["per_decade"]) + 1)
     found: dict[str, list] = {name: [] for name in (*_OVER_STEPS, *_NUMBERS)}
     for name in schemes:
         progress(f"linear theory of {name}")
-        of_scheme = [_of_scheme(registry[name], dt_over_period, ratio) for ratio in damping_ratios]
+        of_scheme = [_of_scheme(schemes_by_name[name], dt_over_period, ratio) for ratio in damping_ratios]
         for variable, values in found.items():
             values.append([of_ratio[variable] for of_ratio in of_scheme])
     dims = ("scheme", "damping_ratio")

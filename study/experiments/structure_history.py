@@ -1,6 +1,6 @@
-"""Histories of structures: the motion, the energy and, of the chain, the energies of its stiff springs."""
+"""Histories of structures: motion and energy error over time, or the energies of the stiff springs of the chain."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import jax
@@ -13,12 +13,14 @@ from study.marching.run import run
 from study.observer.base import Observer
 from study.observer.motion import Quantity
 from study.pipeline import labels
+from study.pipeline.checks import LARGEST_SAMPLE
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Name, Schemes, Size, Structure, section
 from study.problem.chains import oscillatory_energy
 from study.problem.definition import Problem
-from study.problem.named import problems, time_scales
+from study.problem.named import problems as problems_by_name
+from study.problem.named import time_scales
 
 
 def _observers(problem: str, definition: Problem) -> list[str | Observer]:
@@ -44,28 +46,53 @@ class _History(TypedDict):
     every: Count
 
 
-def _length(o, c) -> str | None:
-    steps = round(o["periods"] * o["steps_per_period"])
-    if steps < o["every"] or steps % o["every"]:
-        return f"every, {o['every']}, does not divide the number of steps, {steps}."
+def _check(options: Options, configuration: Mapping) -> str | None:
+    steps = round(options["periods"] * options["steps_per_period"])
+    if steps < options["every"] or steps % options["every"]:
+        return f"every, {options['every']}, does not divide the number of steps, {steps}."
     return None
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    return len(options["schemes"]) * options["periods"] * options["steps_per_period"]
+
+
+def _numbers_held(options: Options, configuration: Mapping) -> float:
+    return LARGEST_SAMPLE * _number_of_steps(options, configuration) / options["every"]
 
 
 @experiment(
     "structure_history",
     model=dict[Name, _History],
     split=dict,
-    reads=lambda o: [f"reference/{o['problem']}"],
-    check=_length,
-    steps=lambda o, c: len(o["schemes"]) * o["periods"] * o["steps_per_period"],
-    values=lambda o, c: 600 * len(o["schemes"]) * o["periods"] * o["steps_per_period"] / o["every"],
+    reads=lambda options: [f"reference/{options['problem']}"],
+    check=_check,
+    steps=_number_of_steps,
+    values=_numbers_held,
 )
 def structure_history(
     problem: str, schemes: Sequence[str], steps_per_period: int, periods: float, every: int
 ) -> xr.Dataset:
-    """What is worth seeing of every scheme at one step size, and of the reference where it has the time."""
+    """Record the motion of a structure over time with every scheme at one step size, and its reference.
+
+    The history of the chain is the energies of its stiff springs. Others are displacement and velocity, and the energy
+    error if the structure does not start with zero energy. Histories have the shape (scheme, t, ...), those of the
+    reference (t_reference, ...).
+
+    Parameters
+    ----------
+    steps_per_period, periods
+        Steps in the time scale of the structure (``study.problem.named.time_scales``), and number of time scales.
+    every
+        Number of steps from one sample to the next.
+
+    Raises
+    ------
+    FileNotFoundError
+        If the reference of the structure has not been made.
+    """
     progress(f"histories of {problem}")
-    definition = problems[problem]
+    definition = problems_by_name[problem]
     observe = _observers(problem, definition)
     dt, steps = time_scales[problem] / steps_per_period, round(periods * steps_per_period)
     runs = [run(problem, scheme, dt=dt, steps=steps, observe=observe, every=every) for scheme in schemes]

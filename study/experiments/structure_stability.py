@@ -1,5 +1,6 @@
-"""Structures that are stiff or chaotic: how runs end, and what becomes of neighbours, at growing step sizes."""
+"""Stability on structures that are stiff or chaotic: how runs end and how fast neighbours part, over step sizes."""
 
+from collections.abc import Mapping
 from itertools import product
 
 import numpy as np
@@ -11,34 +12,37 @@ from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, NEWTON_FAILED, STAT
 from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Counts, Schemes, Sizes, StructureLengths
 from study.problem.loads import excited
-from study.problem.named import problems as registry
+from study.problem.named import problems as problems_by_name
 from study.problem.named import time_scales
 
 OBSERVED = ("lyapunov_exponent", "energy_balance", "newton_iterations")
 
 
-def _steps(o, c) -> float:
-    periods = sum(one["periods"] for one in o["lengths"])
-    return 1.5 * periods * len(o["schemes"]) * len(o["excitations"]) * sum(o["steps_per_period"])
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    periods = sum(length["periods"] for length in options["lengths"])
+    # every run is repeated over half its length
+    runs = 1.5 * len(options["schemes"]) * len(options["excitations"])
+    return runs * periods * sum(options["steps_per_period"])
 
 
-def _too_short(o, c) -> str | None:
-    for one in o["lengths"]:
-        if one["periods"] * min(o["steps_per_period"]) < 2:
-            return f"lengths: {one['periods']} periods of '{one['problem']}' are less than two steps."
+def _check(options: Options, configuration: Mapping) -> str | None:
+    for length in options["lengths"]:
+        if length["periods"] * min(options["steps_per_period"]) < 2:
+            return f"lengths: {length['periods']} periods of '{length['problem']}' are less than two steps."
     return None
 
 
-@experiment("stability/structures", check=_too_short, steps=_steps)
+@experiment("stability/structures", check=_check, steps=_number_of_steps)
 def structure_stability(
     lengths: StructureLengths, schemes: Schemes, excitations: Sizes, steps_per_period: Counts
 ) -> xr.Dataset:
-    """Outcome, Lyapunov exponent of the numerical map and error of the balance of energies, over excitation and step.
+    """Find how the runs of every scheme on structures end, over excitation and step size.
 
-    The exponent is the largest one, over the second half of the runs.
+    The Lyapunov exponent λ is the largest one of the numerical map. Its mean over the second half of a run of N steps
+    is taken, (N λ_N − M λ_M)/(N − M) with M = ⌊N/2⌋, times the time scale.
 
     Parameters
     ----------
@@ -48,6 +52,11 @@ def structure_stability(
         Factors of the initial velocity and of the load of the structure.
     steps_per_period
         Steps in the time scale of the structure (``study.problem.named.time_scales``).
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables of shape (problem, scheme, excitation, steps_per_period).
     """
     names = [one["problem"] for one in lengths]
     shape = (len(names), len(schemes), len(excitations), len(steps_per_period))
@@ -55,16 +64,16 @@ def structure_stability(
     status, failed_at_step, apart_at_step = np.zeros(shape, np.int32), np.empty(shape, int), np.empty(shape, int)
     iterations = np.empty(shape)
     for p, one in enumerate(lengths):
-        scale, problem = time_scales[one["problem"]], registry[one["problem"]]
-        excited_problems = [excited(problem, factor) for factor in excitations]
+        scale, definition = time_scales[one["problem"]], problems_by_name[one["problem"]]
+        excited_problems = [excited(definition, factor) for factor in excitations]
         for s, scheme in enumerate(schemes):
             progress(f"stability of {scheme} on {one['problem']}")
-            for (e, definition), (k, parts) in product(enumerate(excited_problems), enumerate(steps_per_period)):
+            for (e, problem), (k, parts) in product(enumerate(excited_problems), enumerate(steps_per_period)):
                 steps, at = round(one["periods"] * parts), (p, s, e, k)
                 half, whole = (
-                    run(definition, scheme, dt=scale / parts, steps=n, observe=OBSERVED) for n in (steps // 2, steps)
+                    run(problem, scheme, dt=scale / parts, steps=n, observe=OBSERVED) for n in (steps // 2, steps)
                 )
-                # without the first half, in which a displacement becomes a motion of the stiffest mode
+                # without the first half, in which the perturbation turns into the stiffest mode
                 rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
                 exponent[at], imbalance[at] = rate * scale, whole.max_energy_imbalance
                 outcome[at] = outcome_of_balance(whole, exponent[at] * one["periods"])

@@ -1,6 +1,6 @@
-"""What becomes of the schemes on structures: error, balance of energy, momentum and effort, or how they fail."""
+"""The schemes on structures: errors against the reference, balance of energy, momentum, effort and failure."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated
 
 import jax
@@ -16,19 +16,20 @@ from study.observer.effort import NewtonIterations
 from study.observer.energy import EnergyBalance
 from study.observer.momentum import MomentumErrors
 from study.pipeline import labels
+from study.pipeline.checks import LARGEST_SAMPLE, no_multiple
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Counts, Schemes, StructureLengths, section
 from study.problem.definition import Problem
-from study.problem.named import problems
+from study.problem.named import problems as problems_by_name
 
-#: What a run is asked for, and the variables that only some problems have.
+#: Observers of every run; structures with positions also have their momenta observed.
 OBSERVERS = ["trajectory", "energy_balance", "newton_iterations"]
 ATTRIBUTES = {
     "displacement_error": {"long_name": "largest error of the displacement over its largest size", "units": "1"},
     "velocity_error": {"long_name": "largest error of the velocity over its largest size", "units": "1"},
     "max_energy_imbalance": EnergyBalance.variables["max_energy_imbalance"],
-    # of what is held the support takes linear momentum, and its change is no error
+    # a support takes linear momentum, so the error of that is NaN for structures that are held
     **MomentumErrors.variables,
     "iterations_per_step": {"long_name": "Newton iterations per step", "units": "1"},
     "max_newton_iterations": NewtonIterations.variables["max_newton_iterations"],
@@ -43,14 +44,14 @@ def _norm(values: np.ndarray) -> np.ndarray:
 
 
 def _held(definition: Problem, displacements: np.ndarray) -> bool:
-    """Whether a support takes linear momentum: internal forces that do not add up to nothing."""
+    """Whether a support takes linear momentum: the internal forces at some of the displacements do not sum to zero."""
     forces = np.asarray(jax.vmap(definition.force)(displacements)).reshape(-1, *np.shape(definition.positions))
     return bool(np.abs(forces.sum(axis=1)).max() > 1e-6 * np.abs(forces).sum(axis=1).max())
 
 
 def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, reference: xr.Dataset) -> dict:
-    """Every variable of one run."""
-    observe = OBSERVERS + (["momentum_errors"] if problems[problem].positions is not None else [])
+    """All variables of one run; NaN if it failed or the structure lacks them."""
+    observe = OBSERVERS + (["momentum_errors"] if problems_by_name[problem].positions is not None else [])
     every = steps_per_period // reference.samples_per_period
     ds = run(
         problem,
@@ -61,7 +62,7 @@ def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, 
         every=every,
     )
     exact = reference.isel(t=slice(ds.sizes["t"] - 1))
-    # NaN of a run that failed stays
+    # a run that failed has NaN, which the maximum keeps
     error = {
         name: np.max(_norm(ds[name].values[1:] - exact[name].values)) / _norm(exact[name].values).max()
         for name in ("u", "v")
@@ -83,36 +84,52 @@ class _Structures(TypedDict):
     steps_per_period: Counts
 
 
-def _samples(o, c) -> str | None:
-    samples = c["structures"]["samples_per_period"]
-    for steps in o["steps_per_period"]:
-        if steps % samples:
-            return f"steps_per_period: {steps} is no multiple of samples_per_period, {samples}."
-    if round(o["periods"] * samples) < 1 or abs(o["periods"] * samples - round(o["periods"] * samples)) > 1e-9:
-        return f"lengths: {o['periods']} periods of '{o['problem']}' are no whole number of samples, {samples} in each."
-    return None
+def _jobs(options: Options) -> dict[str, Options]:
+    """The options of one job for each structure."""
+    shared = {key: options[key] for key in ("schemes", "steps_per_period")}
+    return {length["problem"]: {**length, **shared} for length in options["lengths"]}
+
+
+def _check(options: Options, configuration: Mapping) -> str | None:
+    per_period, periods = configuration["structures"]["samples_per_period"], options["periods"]
+    samples = periods * per_period
+    if round(samples) < 1 or abs(samples - round(samples)) > 1e-9:
+        problem = options["problem"]
+        return f"lengths: {periods} periods of '{problem}' are no whole number of samples, {per_period} in each."
+    return no_multiple("steps_per_period", options["steps_per_period"], per_period, "samples_per_period")
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    return options["periods"] * len(options["schemes"]) * sum(options["steps_per_period"])
+
+
+def _numbers_held(options: Options, configuration: Mapping) -> float:
+    return LARGEST_SAMPLE * options["periods"] * configuration["structures"]["samples_per_period"]
 
 
 @experiment(
     "structures",
     model=_Structures,
-    split=lambda o: {
-        one["problem"]: {**one, "schemes": o["schemes"], "steps_per_period": o["steps_per_period"]}
-        for one in o["lengths"]
-    },
+    split=_jobs,
     along="problem",
-    reads=lambda o: [f"reference/{o['problem']}"],
-    check=_samples,
-    values=lambda o, c: 600 * o["periods"] * c["structures"]["samples_per_period"],
-    steps=lambda o, c: o["periods"] * len(o["schemes"]) * sum(o["steps_per_period"]),
+    reads=lambda options: [f"reference/{options['problem']}"],
+    check=_check,
+    values=_numbers_held,
+    steps=_number_of_steps,
 )
 def structures(problem: str, schemes: Sequence[str], steps_per_period: Sequence[int], periods: float) -> xr.Dataset:
-    """Every scheme on one structure, by steps per period, against the reference of ``reference/PROBLEM``.
+    """Measure the errors, balances and effort of every scheme on a structure, by steps per period.
+
+    The error of the displacement is max |u − u_ref| / max |u_ref| over the samples of ``reference/PROBLEM``, with
+    Euclidean norms over the unknowns; that of the velocity is defined likewise. The step size is the time scale of the
+    structure over ``steps_per_period``. Variables have the shape (problem, scheme, steps_per_period) or (problem,).
 
     Raises
     ------
     ValueError
-        If the reference has no sample at whole steps.
+        If a number of steps per period is no multiple of the samples of the reference in a period.
+    FileNotFoundError
+        If the reference of the structure has not been made.
     """
     reference = datasets.open(f"reference/{problem}")
     for steps in steps_per_period:
@@ -124,7 +141,8 @@ def structures(problem: str, schemes: Sequence[str], steps_per_period: Sequence[
     dims = ("problem", "scheme", "steps_per_period")
     shape = (1, len(schemes), len(steps_per_period))
     values = {name: np.empty(shape) for name in ATTRIBUTES}
-    held = problems[problem].positions is not None and _held(problems[problem], reference.u.values)
+    definition = problems_by_name[problem]
+    held = definition.positions is not None and _held(definition, reference.u.values)
     for s, scheme in enumerate(schemes):
         progress(f"{scheme} on {problem}")
         for k, steps in enumerate(steps_per_period):
@@ -135,7 +153,7 @@ def structures(problem: str, schemes: Sequence[str], steps_per_period: Sequence[
     whole = {"status": np.int32, "failed_at_step": np.int64}
     of_reference = {
         "displacement_uncertainty": (reference.u_uncertainty.max() / _norm(reference.u.values).max()).item(),
-        "unknowns": np.size(problems[problem].u0),
+        "unknowns": np.size(definition.u0),
         "period": reference.period.item(),
         "periods": periods,
     }

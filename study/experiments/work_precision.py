@@ -1,6 +1,7 @@
-"""What accuracy costs: the time, the forces and the Newton iterations of every scheme beside its errors."""
+"""Work and precision of the schemes: time, force evaluations and Newton iterations beside the errors."""
 
 import os
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
@@ -11,24 +12,25 @@ from study import datasets
 from study.marching.timing import Timed
 from study.observer.energy import EnergyDrift
 from study.pipeline import labels
+from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment, merged
+from study.pipeline.experiment import Options, experiment, merged
 from study.pipeline.options import Count, Counts, Schemes, Springs
-from study.problem.named import problems as registry
+from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: Seconds that a run that is timed takes, about: a call takes a tenth of a millisecond, which that makes small.
+#: Least time of a timed run in seconds, about: the tenth of a millisecond that a call takes is small beside it.
 LONG_ENOUGH = 0.004
-#: Steps of the run that tells how many these are.
+#: Steps of a first run, whose time gives the number of steps of the timed runs.
 FIRST_STEPS = 10_000
 
 
-def _not_there(o, c) -> str | None:
+def _check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse problems, schemes and step sizes whose errors are not measured."""
     for key in ("problems", "schemes", "steps_per_period"):
-        there = c["accuracy"][key]
-        strange = [one for one in o[key] if one not in there]
-        if strange:
-            return f"{key}: there is no {strange[0]} among accuracy.{key}, {', '.join(map(str, there))}."
+        refused = unlisted(key, options[key], f"accuracy.{key}", configuration["accuracy"][key])
+        if refused is not None:
+            return refused
     return None
 
 
@@ -37,27 +39,34 @@ merged("work_precision", of=("work_precision/schemes", "work_precision/solvers")
 
 @experiment(
     "work_precision/schemes",
-    reads=lambda o: ["accuracy", *(f"reference/{name}" for name in o["problems"])],
-    check=_not_there,
+    reads=lambda options: ["accuracy", *(f"reference/{problem}" for problem in options["problems"])],
+    check=_check,
     timed=True,
     temporary=True,
     environment={"OMP_NUM_THREADS": "1"},
 )
 def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Counts, repeats: Count) -> xr.Dataset:
-    """Cost of a step in three currencies, by steps per exact period, beside the errors of ``accuracy``.
+    """Measure time, force evaluations and Newton iterations of a step of every scheme, beside its errors.
 
-    The schemes take turns, so that a slow moment of the machine meets all of them. A run that failed has no cost.
+    The errors are the dataset ``accuracy``, which the costs complement. The schemes are timed in turns, so that a slow
+    moment of the machine affects all of them. Times of a step have the shape
+    (problem, scheme, steps_per_period, repeat), in nanoseconds; they are NaN for a run that failed.
+
+    Raises
+    ------
+    FileNotFoundError
+        If ``accuracy`` or the reference of a problem has not been made.
     """
     accuracy = datasets.open("accuracy").sel(problem=problems, scheme=schemes, steps_per_period=steps_per_period)
-    shape = tuple(map(len, (problems, schemes, steps_per_period)))
+    shape = (len(problems), len(schemes), len(steps_per_period))
     per_step = np.full((*shape, repeats), np.nan)
     chosen = [schemes_by_name[scheme] for scheme in schemes]
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
         period = datasets.open(f"reference/{problem}").period.item()
-        # compiled side by side, as nothing else runs then, and timed one after the other
+        # compiled at the same time, because nothing is timed yet, and timed one after the other
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            timed = list(pool.map(partial(Timed, registry[problem], reductions=(EnergyDrift(),)), chosen))
+            timed = list(pool.map(partial(Timed, problems_by_name[problem], reductions=(EnergyDrift(),)), chosen))
         for k, parts in enumerate(steps_per_period):
             dt = period / parts
             steps = [int(FIRST_STEPS * max(1, LONG_ENOUGH / one.run(dt, FIRST_STEPS)[0])) for one in timed]

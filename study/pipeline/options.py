@@ -93,6 +93,8 @@ def _rising(values: list, registries: Mapping[str, Any]) -> list:
 
 _FEW = Len(1, 1000)
 _DISTINCT = Checked(_distinct)
+#: ``first`` must be less than ``last``.
+IN_ORDER = Checked(_in_order)
 
 #: A number of steps, periods or repeats.
 Count = Annotated[int, Ge(1), Le(10_000_000)]
@@ -132,15 +134,24 @@ class _Numbers(TypedDict):
 
 
 @section
+class _StepSizes(TypedDict):
+    first: Size
+    last: Size
+    count: Length
+
+
+@section
 class _PowersOfTen(TypedDict):
     first: Annotated[float, Ge(-9), Le(9)]
     last: Annotated[float, Ge(-9), Le(9)]
     count: Length
 
 
-#: So many numbers from ``first`` to ``last``; of the powers of ten ``first`` and ``last`` are the exponents.
-Numbers = Annotated[_Numbers, Checked(_in_order)]
-PowersOfTen = Annotated[_PowersOfTen, Checked(_in_order)]
+#: ``count`` evenly spaced numbers, or step sizes, from ``first`` to ``last``.
+Numbers = Annotated[_Numbers, IN_ORDER]
+StepSizes = Annotated[_StepSizes, IN_ORDER]
+#: ``count`` powers of ten; ``first`` and ``last`` are exponents, between which the exponents are evenly spaced.
+PowersOfTen = Annotated[_PowersOfTen, IN_ORDER]
 
 
 @section

@@ -7,7 +7,7 @@ from typing import Any
 import grimp
 
 #: Modules that declare options and do not touch results.
-_DECLARATIONS = ("study.pipeline.experiment", "study.pipeline.options")
+_DECLARATIONS = ("study.pipeline.experiment", "study.pipeline.options", "study.pipeline.checks")
 #: Every module of ``study`` runs under the settings of the package.
 _SETTINGS = "study.settings"
 #: The registry of problems imports all modules of its package by itself, which the imports do not show.

@@ -220,7 +220,7 @@ def test_what_the_integrations_do_not_agree_on_is_no_truth():
         CubicSpring(-1.0, -1.0).force, u0=0.5, damping=0.3, load=lambda t: 0.5 * jnp.cos(1.2 * t), title="chaotic"
     )
     assert exact.trajectory(chaotic, [50.0]).u_certified < 1e-25
-    with pytest.raises(RouteFailed, match=r"up to t = 900 the truth of 'chaotic' is known to .* only"):
+    with pytest.raises(RouteFailed, match=r"the exact solution of 'chaotic' up to t = 900 is known to .* only"):
         exact.trajectory(chaotic, [900.0])
 
 

@@ -6,7 +6,7 @@ import pytest
 import reference.diffrax
 import study
 from reference import closed_form, sundials
-from reference.structures import structure
+from reference.structures import structure_reference
 from study.problem.named import time_scales
 
 RTOL = 1e-10
@@ -24,24 +24,24 @@ def test_two_solvers_agree_on_a_stiff_chain():
     np.testing.assert_allclose(energy, energy[0], rtol=1e-6)
 
 
-@pytest.mark.parametrize("name", closed_form.STRUCTURES)
+@pytest.mark.parametrize("name", closed_form.STRUCTURE_TRAJECTORIES)
 def test_closed_forms_solve_the_equation_of_motion(name):
     """By central differences of their own, and from the problem's start."""
     problem, h = study.problems[name], 1e-6
     t = np.array([0.3, 1.1, 2.7])
-    u, _ = closed_form.structure(name, problem, t)
-    (_, before), (_, after) = (closed_form.structure(name, problem, t + shift) for shift in (-h, h))
+    u, _ = closed_form.structure_trajectory(name, problem, t)
+    (_, before), (_, after) = (closed_form.structure_trajectory(name, problem, t + shift) for shift in (-h, h))
     forces = np.stack([problem.force(each) for each in u])
     loads = 0.0 if problem.load is None else np.stack([problem.load(time) for time in t])
     np.testing.assert_allclose((after - before) / (2 * h) + forces, loads, atol=1e-6 * np.abs(forces).max())
-    at_rest, speed = closed_form.structure(name, problem, [0.0])
+    at_rest, speed = closed_form.structure_trajectory(name, problem, [0.0])
     np.testing.assert_allclose(at_rest[0], problem.u0, atol=1e-15)
     np.testing.assert_allclose(speed[0], problem.v0, atol=1e-15)
 
 
 def test_the_period_of_the_pendulum_is_the_printed_one():
     problem, quarter = study.problems["pendulum"], time_scales["pendulum"] / 4
-    u, v = closed_form.structure("pendulum", problem, [quarter - 1e-3, quarter, quarter + 1e-3])
+    u, v = closed_form.structure_trajectory("pendulum", problem, [quarter - 1e-3, quarter, quarter + 1e-3])
     assert v[0] > v[1] > v[2] and abs(u[1] - u.max()) < 1e-9
 
 
@@ -49,9 +49,9 @@ def test_the_period_of_the_pendulum_is_the_printed_one():
     ("stiff_soft", "closed form", "diffrax Dopri8"), ("duffing_periodic", "diffrax Dopri8", "CVODE Adams"),
 ])  # fmt: skip
 def test_the_error_bar_is_the_difference_of_the_best_two_routes(name, route, witness):
-    ds = structure(name, periods=0.3, samples_per_period=10, rtol=1e-9)
+    ds = structure_reference(name, periods=0.3, samples_per_period=10, rtol=1e-9)
     assert (ds.route, ds.witness) == (route, witness)
-    loose = structure(name, periods=0.3, samples_per_period=10, rtol=1e-6)
+    loose = structure_reference(name, periods=0.3, samples_per_period=10, rtol=1e-6)
     assert 0 < ds.u_uncertainty.max() < 1e-6 and ds.u_uncertainty.max() < loose.u_uncertainty.max()
     if route == "closed form":
         np.testing.assert_array_equal(ds.u, loose.u)

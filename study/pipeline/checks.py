@@ -1,0 +1,38 @@
+"""Checks of options that several experiments declare.
+
+Each returns the sentence that refuses the options, or ``None``. The sentence follows the name of the experiment's
+section and a dot, so it starts with a key of that section.
+"""
+
+from collections.abc import Collection, Iterable
+
+#: Numbers in one sample of the largest structure: displacement and velocity of its 300 unknowns.
+LARGEST_SAMPLE = 600
+
+
+def unlisted(key: str, values: Iterable, source: str, listed: Collection) -> str | None:
+    """Refuse a value that the list ``listed`` lacks; ``source`` says which list that is."""
+    for value in values:
+        if value not in listed:
+            return f"{key}: there is no {value} among {source}, {', '.join(map(str, listed))}."
+    return None
+
+
+def no_multiple(key: str, values: Iterable[int], divisor: int, source: str = "") -> str | None:
+    """Refuse a value that ``divisor`` does not divide; ``source`` is the key of the divisor, if it has one."""
+    for value in values:
+        if value % divisor:
+            return f"{key}: {value} is no multiple of {source + ', ' if source else ''}{divisor}."
+    return None
+
+
+def less_than_a_step(key: str, duration: float, dt: float) -> str | None:
+    """Refuse a duration that is shorter than one step."""
+    return f"{key}, {duration}, is less than one step, {dt}." if duration < dt else None
+
+
+def step_beyond_run(dt_over_period: float, periods: float) -> str | None:
+    """Refuse a largest step size, in periods, that is longer than the whole run."""
+    if dt_over_period > periods:
+        return f"dt_over_period: a step is longer than the {periods} periods of the run."
+    return None
