@@ -1,5 +1,5 @@
 # `make` sets everything up and reproduces the study; `make test` sets everything up and runs the tests;
-# `make benchmark` measures how fast it is.
+# `make check` looks at style and types; `make benchmark` measures how fast the study is.
 
 PYTHON ?= python3
 CONFIG ?= config/study.yaml
@@ -10,18 +10,19 @@ BIN := .venv/bin
 study: .venv/ready
 	$(BIN)/snakemake --configfile $(CONFIG)
 
+# the least coverage stands in pyproject.toml
 test: .venv/ready
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --cov=study --cov=reference --cov-report=term
 
-# ratios of times: to C, to OpenSees where it is installed, and of the study to itself
-benchmark: .venv/ready
-	$(BIN)/python tests/benchmarks/benchmark.py results/benchmark.nc
-
-# what the tests do not look at: format, types
+# what the tests do not look at: style, format, types
 check: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+# ratios of times: to C, to OpenSees where it is installed, and of the study to itself
+benchmark: .venv/ready
+	$(BIN)/python tests/benchmarks/benchmark.py results/benchmark.nc
 
 .venv/ready: requirements.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -32,10 +33,10 @@ check: .venv/ready
 	$(BIN)/pip install --quiet --no-deps --no-build-isolation --editable .
 	touch $@
 
-# renew requirements.txt after a change of the dependencies in pyproject.toml
+# bring requirements.txt in line with pyproject.toml; other pins stay, unless `make lock UPGRADE=--upgrade` renews them
 lock: .venv/ready
-	$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-annotate --upgrade \
+	$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-annotate $(UPGRADE) \
 	  --extra pipeline --extra test --python-version 3.11 pyproject.toml -o requirements.txt
 
 clean:
-	rm -rf results .snakemake
+	rm -rf results .snakemake build report.html .coverage

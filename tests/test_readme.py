@@ -1,0 +1,177 @@
+"""README and CONTRIBUTING: their examples run, and what they state agrees with the code and the results."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import jax
+import matplotlib
+import pytest
+import yaml
+
+import study
+from paper import products
+from paper.claims import ledger
+from study.pipeline import configuration
+from study.pipeline.experiment import discover
+from tests import small_results
+
+PROJECT = Path(__file__).parent.parent
+README, CONTRIBUTING = ((PROJECT / name).read_text() for name in ("README.md", "CONTRIBUTING.md"))
+TEXTS = {"README.md": README, "CONTRIBUTING.md": CONTRIBUTING}
+
+
+def _blocks(text: str, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+
+
+def test_the_examples_of_the_readme_run_in_order(tmp_path, monkeypatch):
+    """Under JAX's usual rules, which are less strict than those of the tests."""
+    small_results.write_to(tmp_path / "results")
+    monkeypatch.chdir(tmp_path)
+    matplotlib.use("agg")
+    seen: dict = {}
+    with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
+        for number, block in enumerate(_blocks(README, "python"), start=1):
+            exec(compile(block, f"README.md, example {number}", "exec"), seen)
+    assert {"chain", "pendulum", "runs", "theory"} <= set(seen)
+    assert (seen["runs"].status == 0).any() and seen["how"].shape == seen["runs"].status.shape
+    assert seen["theory"].order() == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [block.split("#")[0].split()[1:] for block in "".join(_blocks(README, "sh")).splitlines() if "bin/study " in block],
+    ids=lambda words: words[0],
+)
+def test_the_commands_of_the_readme_run(words, tmp_path):
+    small_results.write_to(tmp_path / "results")
+    environment = os.environ | {"PYTHONPATH": str(PROJECT)}
+    command = [sys.executable, "-m", "study", *words]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-4000:]
+
+
+#: Runs the files of CONTRIBUTING as modules and each of their products; prints the text of the claim and the number.
+_EXAMPLES = """
+import json, sys, types
+from pathlib import Path
+
+files = json.loads(sys.argv[1])
+modules = {}
+for path, source in files.items():
+    name = path.removesuffix(".py").replace("/", ".")
+    modules[path] = sys.modules[name] = types.ModuleType(name)
+    exec(compile(source, path, "exec"), vars(modules[path]))
+
+import study
+from paper.products import PRODUCTS, reader
+from paper import products
+from study.pipeline import configuration
+from study.pipeline.experiment import DECLARED
+
+scheme, cubic = modules["study/scheme/implicit_euler.py"].implicit_euler, modules["study/problem/cubic.py"].cubic()
+peak = modules["study/observer/peak.py"].Peak()
+ds = study.run(cubic, scheme, dt=7.4163 / 1000, steps=1000, observe=["trajectory", peak])
+assert ds.peak == 1 and ds.status == 0 and abs(ds.u[-1] - 1) < 0.1, ds
+
+experiment = DECLARED["study.experiments.last_displacement", "last_displacement"]
+options = json.loads(sys.argv[2])
+configuration.check([experiment], options)
+made = experiment.function(**options["last_displacement"])
+study.datasets.write(made.assign_attrs(source=study.datasets.SOURCE), Path("last_displacement.nc"))
+one = [p for p in PRODUCTS.values() if p.module in {m.__name__ for m in modules.values()}]
+assert sorted(p.kind for p in one) == ["claim", "figure", "numbers", "table"], one
+for product in one:
+    print(product.kind, products.made(product, reader(Path("."))))
+"""
+
+
+def test_the_examples_of_contributing_run(tmp_path):
+    """In a process of their own, as declarations stay."""
+    files = {block.split("\n")[0].removeprefix("# "): block for block in _blocks(CONTRIBUTING, "python")}
+    options = yaml.safe_load(next(block for block in _blocks(CONTRIBUTING, "yaml") if "last_displacement" in block))
+    environment = os.environ | {"PYTHONPATH": str(PROJECT), "MPLBACKEND": "agg"}
+    command = [sys.executable, "-c", _EXAMPLES, json.dumps(files), json.dumps(options)]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-4000:]
+    assert "numbers {'last_displacement': '" in done.stdout and "holds=True" in done.stdout
+
+
+def test_the_table_of_datasets_names_what_the_short_study_makes():
+    experiments = discover("reference", "study.experiments")
+    short = configuration.check(experiments, yaml.safe_load((PROJECT / "config" / "study.yaml").read_text()))
+    made = configuration.datasets_of(experiments, short)
+    rows = re.findall(r"^\| `([\w/]+)` \|", README, re.MULTILINE)
+    patterns = {row: re.compile(re.sub("[A-Z]+", r"\\w+", row)) for row in rows}
+    assert len(rows) > 20 and len(set(rows)) == len(rows)
+    assert [row for row, pattern in patterns.items() if not any(map(pattern.fullmatch, made))] == []
+    assert [name for name in made if not any(pattern.fullmatch(name) for pattern in patterns.values())] == []
+
+
+def _stated(pattern: str) -> list[int]:
+    """Numbers that the README states, by a pattern with a group for each."""
+    found = re.findall(pattern, " ".join(README.split()))
+    assert len(found) == 1, f"the README states {pattern!r} {len(found)} times"
+    return list(map(int, found[0] if isinstance(found[0], tuple) else found))
+
+
+def _claims_of_the_paper() -> list[ledger.Claim]:
+    products.discover(["claims"])
+    return [claim for claim in ledger.CLAIMS if claim.section not in ledger.OURS]
+
+
+def test_the_counts_of_the_readme_are_those_of_the_code():
+    assert _stated(r"of (\d+) schemes:") == [len(study.schemes)]
+    assert _stated(r"the paper's (\d+) checkable claims") == [len(_claims_of_the_paper())]
+
+
+def check_the_results_of_the_readme(results: Path) -> None:
+    """Compare the README's counts of cells and claims with a study; verdicts on cost depend on the machine."""
+    numbers = json.loads((results / "numbers.json").read_text())
+    (cells,) = _stated(r"tables of the paper hold (\d+) errors")
+    (twice,) = _stated(r"reproduces (\d+) of them to the printed digit")
+    (once,) = _stated(r"if they were rounded once, it reproduces (\d+)")
+    made = [int(numbers[name]) for name in ("cells", "cells_rounded_twice", "cells_rounded_once")]
+    assert made == [cells, twice, once]
+    stated = _stated(r"(\d+) are reproduced, (\d+) are reproduced with a qualification and (\d+) is not")
+    decided = [int(numbers[f"claims_{name}"]) for name in ("reproduced", "qualified", "not_reproduced")]
+    on_cost = sum("cpu_time" in claim.product.reads.values() for claim in _claims_of_the_paper())
+    assert 0 < on_cost < 8
+    assert sum(stated) == sum(decided) == int(numbers["claims"])
+    # each verdict that differs changes two counts
+    assert sum(abs(a - b) for a, b in zip(stated, decided, strict=True)) <= 2 * on_cost
+
+
+def test_the_results_of_the_readme_are_those_of_the_study():
+    results = PROJECT / "results"
+    if not (results / "numbers.json").exists():
+        pytest.skip("results/numbers.json is not there; `make` makes it")
+    check_the_results_of_the_readme(results)
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_files_that_are_named_exist(name):
+    """Other than those that CONTRIBUTING has its readers add."""
+    added = {block.split("\n")[0].removeprefix("# ") for block in _blocks(CONTRIBUTING, "python")}
+    named = set(re.findall(r"[`(]((?:study|paper|tests|config|docs|\.github|\.ci)/[\w./-]*)[`)]", TEXTS[name]))
+    named |= set(re.findall(r"`([\w.-]+\.(?:md|cff|toml|txt))`", TEXTS[name]))
+    assert len(named) > 3
+    assert [path for path in sorted(named - added) if not (PROJECT / path).exists()] == []
+
+
+def test_the_rooms_of_the_readme_are_those_of_the_tree():
+    (tree,) = (block for block in _blocks(README, "") if "snakefile" in block)
+    stated = set(re.findall(r"^  (\w+)/", tree, re.MULTILINE))
+    assert stated == {path.parent.name for path in (PROJECT / "study").glob("*/__init__.py")}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_a_target_stands_before_the_configuration(name):
+    """Or Snakemake reads the target as one more configuration."""
+    commands = [line for line in TEXTS[name].splitlines() if "snakemake " in line and "--configfile" in line]
+    assert not any(re.search(r"--configfile \S+ +results/", line) for line in commands)
+    assert commands or name != "README.md"

@@ -1,0 +1,136 @@
+"""The package as `pip install` makes it: its wheel, with the dependencies of the core and without the checkout."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tomllib
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+
+import study
+from tests import small_results
+
+PROJECT = Path(__file__).parent.parent
+METADATA = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
+EXTRAS = METADATA["optional-dependencies"]
+
+#: What the extras `reference`, `paper`, `pipeline` and `test` install, by the names under which it is imported.
+BEYOND_THE_CORE = (
+    *("diffrax", "heyoka", "mpmath", "optimistix", "sksundae", "sympy", "annotated_types"),
+    *("bokeh", "matplotlib", "typst"),
+    *("grimp", "pydantic", "snakemake", "yaml"),
+    *("hypothesis", "importlinter", "pytest", "selenium"),
+)
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory) -> Path:
+    """The wheel, built from a copy, as building leaves files beside the sources."""
+    source, target = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(PROJECT / name, source)
+    for name in ("study", "reference", "paper"):
+        shutil.copytree(PROJECT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", target, source]
+    subprocess.run([*command, "--quiet"], check=True)
+    (built,) = target.glob("*.whl")
+    return built
+
+
+@pytest.fixture(scope="module")
+def python(wheel, tmp_path_factory) -> Path:
+    """The Python of a fresh environment with the wheel and the core's dependencies; the others cannot be imported."""
+    folder = tmp_path_factory.mktemp("environment")
+    venv.create(folder, with_pip=False)
+    scheme = {"base": str(folder), "platbase": str(folder)}
+    packages = Path(sysconfig.get_path("purelib", "venv", scheme))
+    python = folder / "bin" / "python"
+    command = [sys.executable, "-m", "pip", "--python", python, "install", "--no-deps", "--no-index", "--quiet", wheel]
+    subprocess.run(command, check=True)
+    installed = sorted({sysconfig.get_path("purelib"), sysconfig.get_path("platlib")})
+    blocked = f"import sys; sys.modules.update(dict.fromkeys({BEYOND_THE_CORE}))"
+    (packages / "core.pth").write_text("\n".join([*installed, blocked, ""]))
+    return python
+
+
+def _run(command: list, folder: Path) -> str:
+    """What a command prints in a folder that is not the checkout, with no path to the checkout."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-4000:]
+    return done.stdout
+
+
+def test_the_wheel_holds_study_and_reference_and_no_paper(wheel):
+    names = zipfile.ZipFile(wheel).namelist()
+    assert {name.partition("/")[0] for name in names if ".dist-info/" not in name} == {"study", "reference"}
+    assert "study/py.typed" in names
+    for room in ("study", "reference"):
+        sources = {path.relative_to(PROJECT).as_posix() for path in (PROJECT / room).rglob("*.py")}
+        assert sources == {name for name in names if name.startswith(f"{room}/") and name.endswith(".py")}
+
+
+def test_the_core_runs_a_scheme_away_from_the_checkout(python, tmp_path):
+    run = "study.run('softening', 'rk4', dt=0.05, steps=100, observe=['max_energy_error']).max_energy_error.item()"
+    file, error = _run([python, "-c", f"import study; print(study.__file__, {run})"], tmp_path).split()
+    assert Path(file).is_relative_to(python.parent.parent)
+    assert float(error) == eval(run, {"study": study})
+
+
+def test_the_core_recommends_a_scheme_from_a_folder_of_results(python, tmp_path):
+    results = small_results.write_to(tmp_path / "elsewhere")
+    code = (
+        "import study; print(study.recommend('softening', error=0.01, measure='max_trajectory_error', periods=30, "
+        f"folder={str(results)!r}).index[0])"
+    )
+    assert _run([python, "-c", code], tmp_path).strip() == "central_difference"
+
+
+@pytest.mark.parametrize("form", ["module", "script"])
+def test_the_command_line_lists_schemes(python, tmp_path, form):
+    command = [python, "-m", "study"] if form == "module" else [python.parent / "study"]
+    printed = _run([*command, "list", "schemes"], tmp_path)
+    assert "average_acceleration" in printed and "rk4" in printed
+
+
+def test_the_extras_are_out_of_reach_of_the_core(python, tmp_path):
+    """Or the tests above could not fail."""
+    code = "import importlib.util as i; i.find_spec('jax'); import diffrax"
+    done = subprocess.run([python, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert "import of diffrax halted" in done.stderr
+
+
+def test_the_version_is_stated_once_and_cited(wheel):
+    assert wheel.name.startswith(f"time_integration_study-{METADATA['version']}-")
+    assert yaml.safe_load((PROJECT / "CITATION.cff").read_text())["version"] == METADATA["version"]
+    newest = re.search(r"^## (?:\[?)(\d+\.\d+\.\d+)", (PROJECT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert newest is not None and newest[1] == METADATA["version"]
+
+
+def test_the_environment_for_conda_holds_the_dependencies_of_the_pipeline():
+    environment = yaml.safe_load((PROJECT / "config" / "environment.yaml").read_text())
+    listed = environment["dependencies"][-1]["pip"]
+    wanted = {*METADATA["dependencies"], *EXTRAS["reference"], *EXTRAS["paper"], *EXTRAS["pipeline"]}
+    assert sorted(listed, key=str.lower) == listed
+    assert set(listed) == wanted - {"time-integration-study[reference,paper]"}
+
+
+def test_pinned_packages_name_no_registry_and_satisfy_the_declared_bounds():
+    text = (PROJECT / "requirements.txt").read_text()
+    assert "://" not in text and "index-url " not in text.replace("--no-emit-index-url ", "")
+    pinned: dict[str, list[str]] = {}
+    for name, version in re.findall(r"^([\w.-]+)==([^\s;\\]+)", text, re.MULTILINE):
+        pinned.setdefault(name, []).append(version)
+    declared = [*METADATA["dependencies"], *(one for extra in EXTRAS if extra != "opensees" for one in EXTRAS[extra])]
+    for requirement in map(Requirement, declared):
+        if requirement.name != METADATA["name"]:
+            versions = pinned[requirement.name.lower()]
+            assert all(version in requirement.specifier for version in versions), (requirement, versions)
