@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks
+from paper.figures.style import PAGE, legend_size, letter, looks
 from paper.products import figure
 
 SCHEME = "hht_alpha"
@@ -34,6 +34,6 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
         energy.plot(periods, 1 + one.energy_error / 100, label=one.scheme_title.item(), markevery=(0.1, 0.3), **look)
     energy.set(xlabel="elapsed periods", ylabel="energy $E/E_0$", yscale="log")
     energy.set_ylim(bottom=1e-3)
-    energy.legend(loc="upper left", bbox_to_anchor=(1, 1))
+    energy.legend(loc="upper left", bbox_to_anchor=(1, 1), fontsize=legend_size(portrait.sizes["scheme"], most=12))
     letter(energy, 2, "all schemes")
     return figure

@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, looks
+from paper.figures.style import PAGE, legend_size, looks
 from paper.products import figure
 
 
@@ -20,5 +20,5 @@ def draw(round_off: xr.Dataset) -> Figure:
         ax.plot(run.steps_per_period, run.sel(summation="plain"), label=title, **look)
         ax.plot(run.steps_per_period, run.sel(summation="compensated"), **{**look, "markerfacecolor": "white"})
     ax.set(xscale="log", yscale="log", xlabel="steps per period", ylabel="error after 10⅛ periods")
-    figure.legend(loc="outside right center")
+    figure.legend(loc="outside right center", fontsize=legend_size(round_off.sizes["scheme"], most=12))
     return figure

@@ -44,8 +44,6 @@ OUTCOME_STYLES = {
 _COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"]
 _LINES = ["-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)), (0, (1, 1))]
 _MARKERS = ["o", "s", "v", "^", "D", "P", "X"]
-#: Entries of a legend of full size beside a panel.
-_ENTRIES = 7
 
 plt.rcParams.update(
     {
@@ -94,10 +92,14 @@ def thinned(widest: float, by: float, index: int) -> float:
     return max(widest - by * index, 0.5)
 
 
+def legend_size(entries: int, most: int) -> float:
+    """Size of the type in a legend with room for ``most`` entries of full size."""
+    return plt.rcParams["legend.fontsize"] * min(1.0, most / max(entries, 1))
+
+
 def legend_beside(axes: Axes) -> None:
     """A legend to the right of a panel, in smaller type if it has more than seven entries."""
-    entries = len(axes.get_legend_handles_labels()[0])
-    size = plt.rcParams["legend.fontsize"] * min(1.0, _ENTRIES / max(entries, 1))
+    size = legend_size(len(axes.get_legend_handles_labels()[0]), most=7)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=3, fontsize=size)
 
 
