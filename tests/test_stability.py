@@ -226,7 +226,7 @@ def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(springs, monkeypatc
     tiles = [atlas(scheme, **arguments, tile=tile, tiles=3) for tile in range(3)]
     for tile, (part, _) in enumerate(tiles):
         study.datasets.write(part.assign_attrs(source=study.datasets.SOURCE), f"{tile}.nc")
-    gather = [sys.executable, "-m", "study.gather", "gathered.nc", "scheme,amplitude", *(f"{k}.nc" for k in range(3))]
+    gather = [sys.executable, "-m", "study.pipeline.gather", "gathered.nc", "scheme,amplitude", *(f"{k}.nc" for k in range(3))]
     subprocess.run(gather, check=True)
     xr.testing.assert_identical(xr.load_dataset("gathered.nc").drop_attrs(), whole.drop_attrs())
 

@@ -179,7 +179,7 @@ def test_lanes_balance_as_single_runs():
 
 @pytest.fixture
 def small_truss(monkeypatch):
-    monkeypatch.setattr(structures, "TRUSS", (4, 1))
+    monkeypatch.setattr(trusses, "TRUSS", (4, 1))
 
 
 def test_what_a_spinning_truss_conserves(small_truss):
