@@ -72,7 +72,9 @@ def test_parts_that_cannot_be_read_are_not_gathered(dataset, tmp_path, damage):
         datasets.write(dataset, path)
     damage(parts[1])
     done = subprocess.run(
-        [sys.executable, "-m", "study.pipeline.gather", tmp_path / "whole.nc", "lane", *parts], capture_output=True, text=True
+        [sys.executable, "-m", "study.pipeline.gather", tmp_path / "whole.nc", "lane", *parts],
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "two.nc" in done.stderr
     assert not (tmp_path / "whole.nc").exists()
