@@ -2,36 +2,15 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import study
 from study import datasets
 from study.experiments.accuracy import accuracy
 
 
-def _harmonic(steps, stretch=1.0, decay=0.0):
-    """Reference of cos(2πt) as the pipeline writes it, and a problem that moves with another period and damping."""
-    phase = np.linspace(0, 1, 64 * steps + 1)
-    reference = xr.Dataset(
-        {
-            "u": ("t", np.cos(2 * np.pi * phase)),
-            "v": ("t", -2 * np.pi * np.sin(2 * np.pi * phase)),
-            "period": 1.0,
-            "period_remainder": 0.0,
-        },
-        coords={"t": phase, "phase": ("t", phase)},
-        attrs={"problem": "harmonic"},
-    )
-    omega = 2 * np.pi / stretch
-    problem = study.Problem(
-        lambda u: (omega**2 + decay**2) * u, u0=1.0, v0=-decay, damping=2 * decay if decay else None
-    )
-    return reference, problem
-
-
-def test_what_the_reference_cannot_tell_is_flagged(tmp_path, monkeypatch):
+def test_what_the_reference_cannot_tell_is_flagged(cosine, monkeypatch):
     """Each measure by its own uncertainty: a coarse reference hides the trajectory and not the energy."""
-    reference, _ = _harmonic(8)
+    reference = cosine
     doubts = {"u_uncertainty": 1e-3, "period_uncertainty": 1e-12, "energy_drift": 1e-15}
     reference = reference.assign(doubts)
     reference.attrs["source"] = datasets.SOURCE

@@ -11,35 +11,33 @@ from reference.amplitudes import amplitudes
 from study.analysis.outcomes import OUTCOMES
 from study.experiments.atlas import atlas
 
-#: More amplitudes than a tile of an ensemble has lanes.
-MANY = {"first": -1.0, "last": 1.0, "count": 150}
-
-
-EXPONENTS = {"first": -1.0, "last": 1.0, "count": 6}
-
-
 GRID = {"first": -1.5, "last": 0.0, "count": 7}
 
 
-@pytest.fixture
-def springs(tmp_path, monkeypatch):
-    """A folder with the exact periods over two decades of amplitude."""
+@pytest.fixture(scope="module")
+def many():
+    """Exact periods at more amplitudes than two tiles of an ensemble have lanes."""
+    dataset = amplitudes(["softening", "double_well"], {"first": -1.0, "last": 1.0, "count": 150})
+    return dataset.assign_attrs(source=study.datasets.SOURCE)
+
+
+@pytest.mark.parametrize(
+    "scheme, problem",
+    [
+        ("average_acceleration", "softening"),
+        ("bathe", "double_well"),
+        ("gauss4", "softening"),
+        ("rk4", "double_well"),
+    ],
+)
+def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, monkeypatch, scheme, problem):
     monkeypatch.chdir(tmp_path)
-    dataset = amplitudes(["hardening", "softening", "double_well"], EXPONENTS)
-    study.datasets.write(dataset.assign_attrs(source=study.datasets.SOURCE), "results/reference/amplitudes.nc")
-    return dataset
-
-
-@pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "gauss4", "rk4"])
-def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(springs, monkeypatch, scheme):
-    many = amplitudes(["softening", "double_well"], MANY)
-    study.datasets.write(many.assign_attrs(source=study.datasets.SOURCE), "results/reference/amplitudes.nc")
-    portraits = {"points": 3, "samples": 5}
+    study.datasets.write(many, "results/reference/amplitudes.nc")
     arguments = {
-        "problems": ["softening", "double_well"],
+        "problems": [problem],
         "dt_over_period": GRID,
         "periods": 20,
-        "portraits": portraits,
+        "portraits": {"points": 3, "samples": 5},
     }
     whole, _ = atlas(scheme, **arguments, tile=0, tiles=1)
     monkeypatch.setenv("OMP_NUM_THREADS", "1")

@@ -18,17 +18,28 @@ OPTIONS = {
 }
 
 
-@pytest.fixture(autouse=True)
-def exact(tmp_path, monkeypatch):
-    """The exact orbits, where the maps look for them."""
-    monkeypatch.chdir(tmp_path)
-    orbits = amplitudes(OPTIONS["problems"], {"first": -0.5, "last": 0.5, "count": 5})
-    orbits.attrs = datasets.provenance("orbits", "a test")
-    datasets.write(orbits, "results/reference/amplitudes.nc")
-    return orbits
+@pytest.fixture(scope="module")
+def orbits(tmp_path_factory):
+    """The exact orbits, and the folder where the maps look for them."""
+    exact, folder = (
+        amplitudes(OPTIONS["problems"], {"first": -0.5, "last": 0.5, "count": 5}),
+        tmp_path_factory.mktemp("exact"),
+    )
+    exact.attrs = datasets.provenance("orbits", "a test")
+    datasets.write(exact, folder / "results" / "reference" / "amplitudes.nc")
+    return exact, folder
 
 
-def test_an_exact_orbit_is_closed_and_keeps_its_energy(exact):
+@pytest.fixture(scope="module")
+def whole(orbits):
+    """The maps and the samples, in one part."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(orbits[1])
+        return atlas(**OPTIONS, tile=0, tiles=1)
+
+
+def test_an_exact_orbit_is_closed_and_keeps_its_energy(orbits):
+    exact, _ = orbits
     for name in OPTIONS["problems"]:
         problem, orbit = study.problems[name], exact.sel(problem=name).isel(amplitude=3)
         energy = [problem.energy(u, v) for u, v in zip(orbit.orbit_u.values, orbit.orbit_v.values, strict=True)]
@@ -37,8 +48,8 @@ def test_an_exact_orbit_is_closed_and_keeps_its_energy(exact):
         assert orbit.orbit_u[0] == orbit.orbit_u[-1] == orbit.orbit_u.max()
 
 
-def test_samples_are_those_of_the_run():
-    maps, portraits = atlas(**OPTIONS, tile=0, tiles=1)
+def test_samples_are_those_of_the_run(whole):
+    maps, portraits = whole
     assert dict(portraits.sizes) == {"scheme": 1, "problem": 2, "amplitude": 3, "dt_over_period": 3, "sample": 13}
     assert set(portraits.amplitude.values) <= set(maps.amplitude.values)
     one = portraits.isel(scheme=0, amplitude=1, dt_over_period=1).sel(problem="double_well")
@@ -53,8 +64,8 @@ def test_samples_are_those_of_the_run():
     assert 15 < 12 * every * one.dt_over_period < 20
 
 
-def test_tiles_make_up_the_whole():
-    whole = atlas(**OPTIONS, tile=0, tiles=1)
+def test_tiles_make_up_the_whole(orbits, whole, monkeypatch):
+    monkeypatch.chdir(orbits[1])
     parts = zip(*(atlas(**OPTIONS, tile=tile, tiles=2) for tile in (0, 1)), strict=True)
     for product, made in zip(whole, parts, strict=True):
         gathered = xr.concat(made, "amplitude", data_vars="minimal", coords="minimal", combine_attrs="override")

@@ -1,22 +1,9 @@
 """How many steps are enough."""
 
-import pytest
 import xarray as xr
 
 import study
-from reference.amplitudes import amplitudes
 from study.experiments.robustness import robustness
-
-EXPONENTS = {"first": -1.0, "last": 1.0, "count": 6}
-
-
-@pytest.fixture
-def springs(tmp_path, monkeypatch):
-    """A folder with the exact periods over two decades of amplitude."""
-    monkeypatch.chdir(tmp_path)
-    dataset = amplitudes(["hardening", "softening", "double_well"], EXPONENTS)
-    study.datasets.write(dataset.assign_attrs(source=study.datasets.SOURCE), "results/reference/amplitudes.nc")
-    return dataset
 
 
 def test_the_steps_that_are_enough_are_enough(springs):

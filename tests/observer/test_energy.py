@@ -1,8 +1,5 @@
 """Energy errors and the balance of energy."""
 
-from functools import partial
-
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -12,52 +9,22 @@ import study
 N, DT, STEPS = 5, 0.05, 20
 
 
-def _elongations(u):
-    return jnp.concatenate([u[:1], jnp.diff(u)])
-
-
-def _hardening(strain):
-    return strain * strain / 2 + strain**4 / 4
-
-
-class _Pull(eqx.Module):
-    """A load on the last of n unknowns."""
-
-    n: int = eqx.field(static=True, default=N)
-
-    def __call__(self, t):
-        return jnp.zeros(self.n).at[-1].set(0.3 * jnp.cos(2 * t))
-
-
-def _chain(structure=None, density=_hardening, **keywords):
-    """Springs in a row that hang on a wall, stretched."""
-    energy = study.StrainEnergy(_elongations, density)
-    return study.Problem(
-        potential=energy, u0=np.linspace(0.2, 1, N), v0=np.linspace(0.5, -0.5, N), tangent=structure, **keywords
-    )
-
-
-_damped_chain = partial(
-    _chain, mass=np.array([1.0, 2.0, 1.0, 1.0, 1.5]), damping=study.Rayleigh(0.1, 0.02), load=_Pull()
-)
-
-
 def _balance(problem, scheme, dt, steps, **arguments):
     ds = study.run(problem, scheme, dt=dt, steps=steps, observe=["energy_balance"], **arguments)
     assert (ds.status == 0).all()
     return ds
 
 
-def test_the_trapezoidal_rule_balances_a_linear_structure_to_round_off():
-    problem = _damped_chain(density=lambda e: e * e / 2)
+def test_the_trapezoidal_rule_balances_a_linear_structure_to_round_off(damped_chain):
+    problem = damped_chain(linear=True)
     ds = _balance(problem, "average_acceleration", dt=0.2, steps=200)
     assert ds.max_energy_imbalance < 1e-11
     assert ds.dissipated_energy > 0.1 and abs(ds.work_of_load) > 0.01
 
 
 @pytest.mark.parametrize("scheme", ["average_acceleration", "implicit_midpoint", "energy_momentum", "rk4", "gauss4"])
-def test_the_balance_closes_with_the_second_order(scheme):
-    problem = _damped_chain("tridiagonal")
+def test_the_balance_closes_with_the_second_order(damped_chain, scheme):
+    problem = damped_chain("tridiagonal")
     errors = [_balance(problem, scheme, 4 / n, n).max_energy_imbalance.item() for n in (100, 200, 400)]
     assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx(2, abs=0.1)
 
@@ -90,8 +57,8 @@ def test_half_of_the_work_of_a_load_that_stays_is_dissipated():
     assert ds.dissipated_energy.item() == pytest.approx(0.5, rel=1e-10)
 
 
-def test_lanes_balance_as_single_runs():
-    problem, starts = _damped_chain("tridiagonal"), np.linspace(0.2, 1, N) * np.array([[0.5], [1.0], [1.5]])
+def test_lanes_balance_as_single_runs(damped_chain):
+    problem, starts = damped_chain("tridiagonal"), np.linspace(0.2, 1, N) * np.array([[0.5], [1.0], [1.5]])
     lanes = _balance(problem, "average_acceleration", DT, STEPS, u0=starts)
     assert lanes.dissipated_energy.dims == ("lane",)
     for lane, u0 in enumerate(starts):

@@ -7,11 +7,6 @@ import pytest
 import study
 from study.problem import tangent
 
-N = 5
-
-
-ZERO = np.zeros(N)
-
 
 def _chain(u):
     """Springs r + r³ in a row, the first of which hangs on a wall."""
@@ -65,19 +60,15 @@ def test_one_unknown_has_no_structure():
     [("diagonal", 0), ("tridiagonal", 1), (1, 1), (4, 4), ("dense", "dense"), ("matrix_free", "matrix_free")],
 )
 def test_a_structure_may_be_declared_that_holds_more(declared, structure):
-    problem = study.Problem(jnp.sinh, ZERO, ZERO, tangent=declared)
+    problem = study.Problem(jnp.sinh, np.zeros(5), tangent=declared)
     assert problem.tangent == structure
-
-
-def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
-    return study.Problem(force, u0, np.zeros_like(u0) if v0 is None else v0, title="tried", **keywords)
 
 
 def test_too_many_unknowns_want_their_structure_declared():
     many = np.zeros(tangent.FINDABLE + 1)
     with pytest.raises(ValueError, match="'tried' has 1001 unknowns, too many to find the structure of its tangent"):
-        _problem(u0=many)
-    assert _problem(u0=many, tangent="tridiagonal").tangent == 1
+        study.Problem(_chain, many, title="tried")
+    assert study.Problem(_chain, many, tangent="tridiagonal").tangent == 1
 
 
 def test_a_structure_is_looked_at_where_the_force_has_a_derivative():

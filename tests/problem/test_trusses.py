@@ -1,15 +1,9 @@
 """Trusses."""
 
 import numpy as np
-import pytest
 
 import study
 from study.problem import trusses
-
-
-@pytest.fixture
-def small_truss(monkeypatch):
-    monkeypatch.setattr(trusses, "TRUSS", (4, 1))
 
 
 def test_a_cantilever_comes_to_rest_where_its_forces_balance(small_truss):

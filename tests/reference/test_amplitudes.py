@@ -7,16 +7,11 @@ import pytest
 import study
 from reference.amplitudes import amplitudes
 
-EXPONENTS = {"first": -1.0, "last": 1.0, "count": 6}
 
-
-@pytest.fixture
-def springs(tmp_path, monkeypatch):
-    """A folder with the exact periods over two decades of amplitude."""
-    monkeypatch.chdir(tmp_path)
-    dataset = amplitudes(["hardening", "softening", "double_well"], EXPONENTS)
-    study.datasets.write(dataset.assign_attrs(source=study.datasets.SOURCE), "results/reference/amplitudes.nc")
-    return dataset
+@pytest.fixture(scope="module")
+def springs():
+    """Exact periods over two decades of amplitude."""
+    return amplitudes(["hardening", "softening", "double_well"], {"first": -1.0, "last": 1.0, "count": 6})
 
 
 def test_after_a_period_a_motion_is_at_rest_where_it_was(springs):

@@ -1,8 +1,7 @@
 """Schemes on several unknowns: what does not depend on the form of the tangent, the coordinates or the coupling."""
 
-from functools import cache, partial
+from functools import cache
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -21,28 +20,6 @@ def _hardening(strain):
     return strain * strain / 2 + strain**4 / 4
 
 
-class _Pull(eqx.Module):
-    """A load on the last of n unknowns."""
-
-    n: int = eqx.field(static=True, default=N)
-
-    def __call__(self, t):
-        return jnp.zeros(self.n).at[-1].set(0.3 * jnp.cos(2 * t))
-
-
-def _chain(structure=None, density=_hardening, **keywords):
-    """Springs in a row that hang on a wall, stretched."""
-    energy = study.StrainEnergy(_elongations, density)
-    return study.Problem(
-        potential=energy, u0=np.linspace(0.2, 1, N), v0=np.linspace(0.5, -0.5, N), tangent=structure, **keywords
-    )
-
-
-_damped_chain = partial(
-    _chain, mass=np.array([1.0, 2.0, 1.0, 1.0, 1.5]), damping=study.Rayleigh(0.1, 0.02), load=_Pull()
-)
-
-
 def _phase(problem, scheme, dt=DT, steps=STEPS, **arguments):
     ds = study.run(problem, scheme, dt=dt, steps=steps, **arguments)
     assert (ds.status == 0).all()
@@ -53,18 +30,19 @@ def _phase(problem, scheme, dt=DT, steps=STEPS, **arguments):
 WAYS = ["average_acceleration", "hht_alpha", "park", "bathe", "kr_alpha", "chung_lee", "energy_momentum", "gauss4"]
 
 
-@cache
-def _of_dense_tangent(scheme):
-    return _phase(_damped_chain("dense"), scheme)
+@pytest.fixture(scope="module")
+def of_dense_tangent(damped_chain):
+    """A function that gives the motion of a scheme with a dense tangent."""
+    return cache(lambda scheme: _phase(damped_chain("dense"), scheme))
 
 
 # iterations end at ten digits of a solution
 @pytest.mark.parametrize("structure, tolerance", [("tridiagonal", 1e-11), (2, 1e-11), ("matrix_free", 1e-9)])
 @pytest.mark.parametrize("scheme", WAYS)
-def test_the_form_of_the_tangent_makes_no_difference(scheme, structure, tolerance):
+def test_the_form_of_the_tangent_makes_no_difference(damped_chain, of_dense_tangent, scheme, structure, tolerance):
     """With damping and a load."""
-    trajectory = _phase(_damped_chain(structure), scheme)
-    np.testing.assert_allclose(trajectory, _of_dense_tangent(scheme), rtol=0, atol=tolerance)
+    trajectory = _phase(damped_chain(structure), scheme)
+    np.testing.assert_allclose(trajectory, of_dense_tangent(scheme), rtol=0, atol=tolerance)
 
 
 def test_uncoupled_oscillators_are_as_many_single_ones(kind):
