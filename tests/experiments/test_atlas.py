@@ -1,8 +1,5 @@
 """Maps of outcomes over amplitude and step size."""
 
-import subprocess
-import sys
-
 import pytest
 import xarray as xr
 
@@ -10,6 +7,7 @@ import study
 from reference.amplitudes import amplitudes
 from study.analysis.outcomes import OUTCOMES
 from study.experiments.atlas import atlas
+from study.pipeline import gather
 
 GRID = {"first": -1.5, "last": 0.0, "count": 7}
 
@@ -44,15 +42,7 @@ def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, mon
     tiles = [atlas(scheme, **arguments, tile=tile, tiles=3) for tile in range(3)]
     for tile, (part, _) in enumerate(tiles):
         study.datasets.write(part.assign_attrs(source=study.datasets.SOURCE), f"{tile}.nc")
-    gather = [
-        sys.executable,
-        "-m",
-        "study.pipeline.gather",
-        "gathered.nc",
-        "scheme,amplitude",
-        *(f"{k}.nc" for k in range(3)),
-    ]
-    subprocess.run(gather, check=True)
+    gather.main("gathered.nc", "scheme,amplitude", [f"{tile}.nc" for tile in range(3)])
     xr.testing.assert_identical(xr.load_dataset("gathered.nc").drop_attrs(), whole.drop_attrs())
 
 

@@ -21,10 +21,8 @@ OPTIONS = {
 @pytest.fixture(scope="module")
 def orbits(tmp_path_factory):
     """The exact orbits, and the folder where the maps look for them."""
-    exact, folder = (
-        amplitudes(OPTIONS["problems"], {"first": -0.5, "last": 0.5, "count": 5}),
-        tmp_path_factory.mktemp("exact"),
-    )
+    folder = tmp_path_factory.mktemp("exact")
+    exact = amplitudes(OPTIONS["problems"], {"first": -0.5, "last": 0.5, "count": 5})
     exact.attrs = datasets.provenance("orbits", "a test")
     datasets.write(exact, folder / "results" / "reference" / "amplitudes.nc")
     return exact, folder

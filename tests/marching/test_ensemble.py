@@ -23,12 +23,12 @@ def test_a_lane_of_an_ensemble_is_a_single_run(kind):
     assert lanes.t.dims == ("lane", "sample")
 
 
-def test_lanes_end_after_their_own_steps(kind):
+def test_lanes_end_after_their_own_steps(state_kind):
     steps, u0 = np.array([40, 3, 170, 1, 90]), np.linspace(0.5, 2.0, 5)
     observe = ["max_energy_error", "energy_drift", "newton_iterations"]
-    lanes = study.run("hardening", kind, dt=0.004, u0=u0, steps=steps, observe=observe)
+    lanes = study.run("hardening", state_kind, dt=0.004, u0=u0, steps=steps, observe=observe)
     for lane in range(5):
-        one = study.run("hardening", kind, dt=0.004, u0=u0[lane], steps=int(steps[lane]), observe=observe)
+        one = study.run("hardening", state_kind, dt=0.004, u0=u0[lane], steps=int(steps[lane]), observe=observe)
         for name in one.data_vars:
             np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
 

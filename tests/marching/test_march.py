@@ -33,8 +33,8 @@ def test_reductions_agree_with_the_trajectory(kind):
     assert ds.u[0] == problem.u0 and ds.status == 0 and ds.failed_at_step == -1
 
 
-def test_storing_every_tenth_step_takes_them_out_of_the_whole(kind):
-    whole, tenth = (study.run("softening", kind, dt=0.05, steps=200, every=k) for k in (1, 10))
+def test_storing_every_tenth_step_takes_them_out_of_the_whole(state_kind):
+    whole, tenth = (study.run("softening", state_kind, dt=0.05, steps=200, every=k) for k in (1, 10))
     np.testing.assert_allclose(tenth.u, whole.u[::10], atol=1e-11)
     np.testing.assert_array_equal(tenth.t, whole.t[::10])
 

@@ -44,6 +44,5 @@ def test_momenta_in_space_are_those_in_the_plane():
 
 def test_momenta_want_to_know_where_the_masses_stand():
     with pytest.raises(ValueError, match="of 'tried' needs Problem\\(positions=...\\), which it was made without."):
-        study.run(
-            study.Problem(jnp.sinh, np.zeros(5), title="tried"), "rk4", dt=0.1, steps=1, observe=["momentum_errors"]
-        )
+        problem = study.Problem(jnp.sinh, np.zeros(5), title="tried")
+        study.run(problem, "rk4", dt=0.1, steps=1, observe=["momentum_errors"])

@@ -1,5 +1,6 @@
 """What a problem with several unknowns is told, what it finds by itself, and what it refuses with a sentence."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -180,7 +181,7 @@ def test_rayleigh_damping_is_of_mass_and_stiffness(structure, mass):
     whole = np.eye(N) if mass is None else np.diag(np.broadcast_to(mass, N)) if np.ndim(mass) < 2 else mass
     damping = a * whole + b * np.asarray(jax.jacfwd(_chain)(jnp.zeros(N)))
     u, v, rhs = np.linspace(0, 1, N), np.linspace(1, 2, N), np.ones(N)
-    found, effort = balance(problem, *map(jnp.asarray, (rhs, u, v)), 0.01, 0.1, jnp.zeros(N))
+    found, effort = eqx.filter_jit(balance)(problem, *map(jnp.asarray, (rhs, u, v, 0.01, 0.1, ZERO)))
     found = np.asarray(found)
     assert effort.converged
     residual = whole @ found + damping @ (v + 0.1 * found) + np.asarray(_chain(jnp.asarray(u + 0.01 * found))) - rhs

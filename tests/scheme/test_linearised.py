@@ -1,5 +1,7 @@
 """The derivative of a step, which carries a neighbour along."""
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,16 +12,17 @@ from study.scheme.linearised import Linearised
 
 def test_the_derivative_of_a_step_is_that_of_differences(kind):
     scheme, problem, dt = study.schemes[kind], study.problems["hardening"], jnp.asarray(0.012)
-    state, _ = scheme.start(problem, jnp.asarray(1.1), jnp.asarray(3.0), dt)
+    state, _ = jax.jit(partial(scheme.start, problem))(jnp.asarray(1.1), jnp.asarray(3.0), dt)
     direction = jax.tree.map(lambda part: 0.3 * jnp.ones_like(part), state)
 
+    @jax.jit
     def step(state):
         return scheme.step(problem, state, jnp.asarray(0.0), dt)[0]
 
     def moved(part):
         return jax.tree.leaves(step(jax.tree.map(lambda x, d: x + part * d, state, direction)))
 
-    _, tangent = jax.jvp(step, (state,), (direction,))
+    _, tangent = jax.jit(lambda *along: jax.jvp(step, *along))((state,), (direction,))
     for exact, ahead, behind in zip(jax.tree.leaves(tangent), moved(1e-5), moved(-1e-5), strict=True):
         np.testing.assert_allclose(exact, (ahead - behind) / 2e-5, rtol=1e-6, atol=1e-6)
 

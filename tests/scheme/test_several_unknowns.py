@@ -26,8 +26,9 @@ def _phase(problem, scheme, dt=DT, steps=STEPS, **arguments):
     return np.stack([ds.u.values, ds.v.values])
 
 
-#: One scheme of each way to ask for tangents and solutions.
-WAYS = ["average_acceleration", "hht_alpha", "park", "bathe", "kr_alpha", "chung_lee", "energy_momentum", "gauss4"]
+#: One scheme of each way to ask for tangents and solutions, and those that make matrices of the tangent.
+WAYS = ["average_acceleration", "hht_alpha", "kr_alpha", "chung_lee", "energy_momentum", "gauss4"]
+MATRICES = ["average_acceleration", "kr_alpha", "gauss4"]
 
 
 @pytest.fixture(scope="module")
@@ -36,9 +37,15 @@ def of_dense_tangent(damped_chain):
     return cache(lambda scheme: _phase(damped_chain("dense"), scheme))
 
 
-# iterations end at ten digits of a solution
-@pytest.mark.parametrize("structure, tolerance", [("tridiagonal", 1e-11), (2, 1e-11), ("matrix_free", 1e-9)])
-@pytest.mark.parametrize("scheme", WAYS)
+@pytest.mark.parametrize(
+    "scheme, structure, tolerance",
+    [
+        *((scheme, "tridiagonal", 1e-11) for scheme in WAYS),
+        *((scheme, 2, 1e-11) for scheme in MATRICES),
+        # iterations end at ten digits of a solution
+        *((scheme, "matrix_free", 1e-9) for scheme in WAYS),
+    ],
+)
 def test_the_form_of_the_tangent_makes_no_difference(damped_chain, of_dense_tangent, scheme, structure, tolerance):
     """With damping and a load."""
     trajectory = _phase(damped_chain(structure), scheme)
@@ -54,8 +61,8 @@ def test_uncoupled_oscillators_are_as_many_single_ones(kind):
         load=lambda t: jnp.full(N, jnp.cos(t)), **common,
     )  # fmt: skip
     single = study.Problem(spring.force, 1.0, 0.5, potential=spring.potential, load=jnp.cos, **common)
-    of_lanes = np.moveaxis(_phase(single, kind, u0=u0), 1, 2)
-    np.testing.assert_allclose(_phase(together, kind), of_lanes, rtol=0, atol=1e-12)
+    alone = np.stack([_phase(single, kind, u0=each) for each in u0], axis=-1)
+    np.testing.assert_allclose(_phase(together, kind), alone, rtol=0, atol=1e-12)
 
 
 LENGTH = 3.0443
@@ -80,9 +87,13 @@ def test_no_direction_is_special(scheme):
     np.testing.assert_allclose(turned, straight @ turn.T, rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", [name for name, scheme in study.schemes.items() if not scheme.needs_mass])
+#: The first scheme of every class that takes massless unknowns.
+WITHOUT_MASS = {type(scheme): name for name, scheme in reversed(list(study.schemes.items())) if not scheme.needs_mass}
+
+
+@pytest.mark.parametrize("name", WITHOUT_MASS.values())
 def test_a_joint_without_mass_leaves_the_springs_in_series(name):
-    """6 and 3 are 2."""
+    """Springs of 6 and 3 in series are one of 2."""
     stiffness, (u0, v0) = np.array([6.0, 3.0]), (0.9, 0.6)
     springs = study.StrainEnergy(_elongations, lambda e: stiffness * e * e / 2)
     # the joint starts in balance
