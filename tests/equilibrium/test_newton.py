@@ -18,6 +18,14 @@ def test_convergence_is_quadratic_down_to_round_off():
     assert float(a + problem.force(1.5 + 1e-4 * a)) == pytest.approx(0.0, abs=1e-11 * abs(float(a)))
 
 
+def test_a_far_guess_is_given_the_iterations_that_it_needs():
+    """On the steep side of an exponential each iteration comes nearer by one unit of the exponent."""
+    problem = study.Problem(jnp.expm1, u0=1.0)
+    a, effort = balance(problem, *map(jnp.asarray, (0.0, 0.5, 0.0, 1.0, 0.0, 40.0)))
+    assert effort.converged and 40 < effort.iterations < MAX_ITERATIONS
+    assert float(a + problem.force(0.5 + a)) == pytest.approx(0.0, abs=1e-15)
+
+
 def _corrected(spring, u, c_u, a):
     """Another Newton iteration, and by which part of the displacement it moves."""
     force, tangent = jax.jvp(jax.vmap(spring.force), (u + c_u * a,), (jnp.ones_like(u),))
