@@ -2,10 +2,14 @@
 
 import gc
 
+import equinox as eqx
 import jax
+import jax.numpy as jnp
+import numpy as np
 import pytest
 
 import study
+from study.problem import trusses
 
 # as the pipeline's jobs do: what has been imported stays, and is not looked through for garbage again and again
 gc.freeze()
@@ -18,11 +22,10 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
 
 
-@pytest.fixture(scope="module", autouse=True)
-def forget_programs():
-    """Programs of one file of tests are of no use to the next, and thousands of them slow everything down."""
-    yield
-    jax.clear_caches()
+def pytest_runtest_teardown(item, nextitem):
+    """Forget compiled programs between folders: another folder hardly uses them, and thousands slow everything down."""
+    if nextitem is None or nextitem.path.parent != item.path.parent:
+        jax.clear_caches()
 
 
 @pytest.fixture(params=list(study.schemes))
@@ -45,3 +48,69 @@ KINDS = {type(scheme): name for name, scheme in reversed(list(study.schemes.item
 def kind(request) -> str:
     """The name of one scheme of every class in turn, where its parameters make no difference."""
     return request.param
+
+
+def _state_of(name: str) -> str:
+    """Type, shapes and precision of what a scheme carries from step to step."""
+    spring = study.problems["hardening"]
+    state, _ = jax.eval_shape(lambda: study.schemes[name].start(spring, np.float64(1.0), np.float64(0.0), 0.01))
+    return f"{jax.tree.structure(state)} {jax.tree.leaves(state)}"
+
+
+#: A scheme for every kind of state, one that iterates where there is one.
+STATES = {_state_of(name): name for name in sorted(KINDS.values(), key=lambda name: not study.schemes[name].explicit)}
+
+
+@pytest.fixture(params=STATES.values())
+def state_kind(request) -> str:
+    """The name of one scheme for every kind of state in turn, where what a step computes makes no difference."""
+    return request.param
+
+
+class _Pull(eqx.Module):
+    """A load on the last of n unknowns."""
+
+    n: int = eqx.field(static=True)
+
+    def __call__(self, t):
+        return jnp.zeros(self.n).at[-1].set(0.3 * jnp.cos(2 * t))
+
+
+def _elongations(u):
+    return jnp.concatenate([u[:1], jnp.diff(u)])
+
+
+def _linear(strain):
+    return strain * strain / 2
+
+
+def _hardening(strain):
+    return strain * strain / 2 + strain**4 / 4
+
+
+def _damped_chain(structure=None, linear=False) -> study.Problem:
+    n = 5
+    return study.Problem(
+        potential=study.StrainEnergy(_elongations, _linear if linear else _hardening),
+        u0=np.linspace(0.2, 1, n),
+        v0=np.linspace(0.5, -0.5, n),
+        mass=np.array([1.0, 2.0, 1.0, 1.0, 1.5]),
+        damping=study.Rayleigh(0.1, 0.02),
+        load=_Pull(n),
+        tangent=structure,
+    )
+
+
+@pytest.fixture(scope="session")
+def damped_chain():
+    """A function that makes five masses in a row on stretched springs, damped and loaded.
+
+    Its arguments are the structure of the tangent and whether the springs are linear.
+    """
+    return _damped_chain
+
+
+@pytest.fixture
+def small_truss(monkeypatch):
+    """Trusses of four cells."""
+    monkeypatch.setattr(trusses, "TRUSS", (4, 1))

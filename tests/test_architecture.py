@@ -1,9 +1,10 @@
-"""The arrows of the design: who may import whom."""
+"""The rules of the design: who may import whom, how long a file is, and what every scheme states."""
 
 import re
 import tomllib
 from pathlib import Path
 
+import pytest
 import yaml
 from importlinter.cli import lint_imports
 
@@ -12,11 +13,20 @@ from paper.published import printed_energy_errors
 from study.problem.named import time_scales
 
 PROJECT = Path(__file__).parent.parent
+SOURCES = [path for folder in ("study", "reference", "paper", "tests") for path in (PROJECT / folder).rglob("*.py")]
 
 
 def test_the_arrows_of_the_design_hold(monkeypatch):
     monkeypatch.chdir(PROJECT)
     assert lint_imports(config_filename=str(PROJECT / "pyproject.toml"), no_cache=True) == 0
+
+
+@pytest.mark.parametrize("path", sorted(SOURCES), ids=lambda path: path.relative_to(PROJECT).as_posix())
+def test_a_file_is_short_and_uses_what_is_public(path):
+    lines = path.read_text().splitlines()
+    assert len(lines) <= 320
+    private = "jax." + "_src"
+    assert not [number for number, line in enumerate(lines, 1) if private in line]
 
 
 def test_environment_for_conda_holds_the_dependencies():

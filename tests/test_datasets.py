@@ -49,6 +49,23 @@ def test_an_interrupted_write_leaves_what_was_there(dataset, tmp_path, monkeypat
     assert [p.name for p in tmp_path.iterdir()] == ["one.nc"]
 
 
+def test_a_dataset_is_renamed_into_place(dataset, tmp_path, monkeypatch):
+    """A reader that has opened the former file reads on, and no reader sees half of the new one."""
+    path, written = tmp_path / "one.nc", []
+    datasets.write(dataset, path)
+    before, to_netcdf = path.read_bytes(), xr.Dataset.to_netcdf
+
+    def watched(self, target, **options):
+        to_netcdf(self, target, **options)
+        written.append(target.stat().st_ino)
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", watched)
+    with path.open("rb") as reader:
+        datasets.write(dataset.isel(t=slice(10)), path)
+        assert reader.read() == before
+    assert written == [path.stat().st_ino] and path.read_bytes() != before
+
+
 def test_a_missing_dataset_says_what_to_run(dataset, tmp_path):
     with pytest.raises(FileNotFoundError, match="`snakemake .*energy_error.nc` makes"):
         study.open("energy_error", tmp_path)
@@ -90,10 +107,12 @@ def test_parts_that_cannot_be_read_are_not_gathered(dataset, tmp_path, damage):
         datasets.write(dataset, path)
     damage(parts[1])
     done = subprocess.run(
-        [sys.executable, "-m", "study.gather", tmp_path / "whole.nc", "lane", *parts], capture_output=True, text=True
+        [sys.executable, "-m", "study.pipeline.gather", tmp_path / "whole.nc", "lane", *parts],
+        capture_output=True,
+        text=True,
     )
-    assert done.returncode == 1 and done.stderr.startswith("study.gather: ") and done.stderr.count("\n") == 1
-    assert "two.nc" in done.stderr and not (tmp_path / "whole.nc").exists()
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "two.nc" in done.stderr
+    assert not (tmp_path / "whole.nc").exists()
 
 
 def test_a_foreign_dataset_is_refused(tmp_path):

@@ -1,0 +1,55 @@
+"""Matrices of every form, and the same as dense NumPy arrays."""
+
+from types import SimpleNamespace
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from study.algebra.matrices import Banded, MatrixFree
+
+HALF_BANDWIDTHS = {"tridiagonal": 1, "pentadiagonal": 2}
+
+
+def _band_of(matrix, k):
+    """(2k + 1, n), entry by entry as the docstring of Banded says."""
+    n = len(matrix)
+    bands = np.zeros((2 * k + 1, n))
+    for i in range(n):
+        for j in range(max(i - k, 0), min(i + k + 1, n)):
+            bands[k + j - i, i] = matrix[i, j]
+    return bands
+
+
+def _dominant(rng, n, k):
+    """Entries within k of a diagonal that outweighs them: no elimination needs to pivot."""
+    matrix = np.where(np.abs(np.subtract.outer(np.arange(n), np.arange(n))) <= k, rng.uniform(-1, 1, (n, n)), 0.0)
+    return matrix + (2 * k + 1) * np.diag(rng.choice([-1.0, 1.0], n))
+
+
+def _matrix(form, n, rng):
+    """A matrix of the form, and the same as a dense one."""
+    whole = _dominant(rng, n, HALF_BANDWIDTHS.get(form, n if form in ("dense", "matrix_free") else 0))
+    match form:
+        case "number":
+            return jnp.asarray(whole[0, 0]), whole[0, 0] * np.eye(n)
+        case "diagonal":
+            return jnp.asarray(np.diag(whole)), whole
+        case "tridiagonal":
+            return Banded(tuple(jnp.asarray(_band_of(whole, 1)))), whole
+        case "pentadiagonal":
+            return Banded(jnp.asarray(_band_of(whole, 2))), whole
+        case "dense":
+            return jnp.asarray(whole), whole
+    return _matrix_free(whole), whole
+
+
+def _matrix_free(whole):
+    return MatrixFree(eqx.Partial(jnp.matmul, jnp.asarray(whole)), jnp.asarray(np.diag(whole).copy()))
+
+
+@pytest.fixture(scope="session")
+def make():
+    """Functions that make the diagonals of a band, a matrix that needs no pivots, and a matrix of a form."""
+    return SimpleNamespace(band_of=_band_of, dominant=_dominant, matrix=_matrix, matrix_free=_matrix_free)

@@ -1,0 +1,152 @@
+"""Errors against a reference solution, checked on motions whose errors are known."""
+
+import equinox as eqx
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.optimize import brentq
+
+import study
+from study.analysis.comparison import against
+from study.equilibrium.state import Motion
+
+
+def _harmonic(steps, stretch=1.0, decay=0.0):
+    """Reference of cos(2πt) as the pipeline writes it, and a problem that moves with another period and damping."""
+    phase = np.linspace(0, 1, 64 * steps + 1)
+    reference = xr.Dataset(
+        {
+            "u": ("t", np.cos(2 * np.pi * phase)),
+            "v": ("t", -2 * np.pi * np.sin(2 * np.pi * phase)),
+            "period": 1.0,
+            "period_remainder": 0.0,
+        },
+        coords={"t": phase, "phase": ("t", phase)},
+        attrs={"problem": "harmonic"},
+    )
+    omega = 2 * np.pi / stretch
+    problem = study.Problem(
+        lambda u: (omega**2 + decay**2) * u, u0=1.0, v0=-decay, damping=2 * decay if decay else None
+    )
+    return reference, problem
+
+
+def _observed(steps, periods, **motion):
+    reference, problem = _harmonic(steps, **motion)
+    dt, observers = against(reference, steps, longest=2 * steps)
+    return study.run(problem, "rk4", dt=dt, steps=steps * periods, observe=observers)
+
+
+def test_a_faithful_motion_has_no_error():
+    ds = _observed(400, 10)
+    assert ds.max_trajectory_error < 1e-7
+    assert abs(ds.period_elongation) < 1e-9 and abs(ds.phase_error) < 1e-8 and abs(ds.amplitude_decay) < 1e-9
+
+
+def test_a_longer_period_is_measured():
+    ds = _observed(400, 10, stretch=1.01)
+    assert ds.period_elongation.item() == pytest.approx(0.01, abs=1e-8)
+    # the tenth upward crossing comes at 9.75 of the longer periods
+    assert ds.phase_error.item() == pytest.approx(9.75 * 0.01, abs=1e-7)
+    t = np.arange(1, 4001) / 400
+    errors = np.abs(np.cos(2 * np.pi * t / 1.01) - np.cos(2 * np.pi * t))
+    assert ds.max_trajectory_error.item() == pytest.approx(errors.max(), abs=1e-6)
+    assert ds.rms_trajectory_error.item() == pytest.approx(np.sqrt(np.mean(errors**2)), abs=1e-6)
+
+
+def test_a_decay_of_the_amplitude_is_measured():
+    ds = _observed(400, 10, decay=0.05)
+    assert ds.amplitude_decay.item() == pytest.approx(1 - np.exp(-0.05), abs=1e-7)
+
+
+def test_after_one_crossing_there_is_a_phase_and_no_mean_period():
+    ds = _observed(400, 1, stretch=1.01)
+    assert ds.phase_error.item() == pytest.approx(0.75 * 0.01, abs=1e-8)
+    assert np.isnan(ds.period_elongation)
+
+
+def test_a_crossing_never_leaves_its_step():
+    """Where velocity says nothing of the way between two steps, at rest or running back."""
+    reference, problem = _harmonic(50)
+    _, (_, period, _) = against(reference, 50, longest=50)
+    for before, after in ((0.0, 1.0), (1.0, 0.0), (-5.0, 1e-9), (0.0, 0.0)):
+        state = Motion(np.array(0.3), np.array(after), np.array(0.0))
+        earlier = tuple(map(np.array, (-0.2, before, 0.0)))
+        carried = (np.array(6), earlier, np.array(0), np.array(0.0), np.array(0.0))
+        *_, first, last = period.update(carried, problem, state, 0.0, None)
+        assert 6 <= first == last <= 7
+
+
+def test_interpolation_between_exact_steps_is_of_sixth_order():
+    """Phase and amplitude of the exact motion itself, sampled: what is left is the observers' own error."""
+    reference, problem = _harmonic(400)
+    errors = []
+    for steps in (25, 50):
+        _, (_, period, amplitude) = against(reference, steps, longest=steps)
+        states = [
+            Motion(np.cos(2 * np.pi * t), -2 * np.pi * np.sin(2 * np.pi * t), np.array(0.0))
+            for t in np.arange(3 * steps + 1) / steps
+        ]
+        observed = {}
+        for observer in (period, amplitude):
+            carried, update = observer.start(problem, states[0]), eqx.filter_jit(observer.update)
+            for state in states[1:]:
+                carried = update(carried, problem, state, 0.0, None)
+            observed |= observer.result(carried, problem, states[-1])
+        errors.append(abs(observed["phase_error"]))
+        assert abs(observed["amplitude_decay"]) < 1e-12
+    assert errors[0] < 1e-8 and errors[0] / errors[1] > 50
+
+
+def test_a_motion_without_crossings_has_no_period():
+    reference, _ = _harmonic(50)
+    dt, observers = against(reference, 50, longest=50)
+    ds = study.run(study.Problem(lambda u: 0.0 * u, u0=1.0), "rk4", dt=dt, steps=100, observe=observers)
+    assert np.isnan(ds.period_elongation) and np.isnan(ds.amplitude_decay) and ds.status == 0
+
+
+def test_phases_that_the_reference_lacks_are_refused():
+    reference, _ = _harmonic(8)
+    with pytest.raises(ValueError, match="'harmonic' has no phases of 7 steps per period; add 7 to references"):
+        against(reference, 7, longest=8)
+
+
+def test_times_of_the_truth_are_those_of_the_run():
+    """The lag of a rounded step size is known: over a million steps it would otherwise look like an error."""
+    reference, problem = _harmonic(400, stretch=1 + 1e-5)
+    # the motion of a period that the stored one lacks by 1e-5 has no error when the remainder is known
+    errors = []
+    for remainder in (0.0, 1e-5):
+        dt, observers = against(reference.assign(period_remainder=remainder), 400, longest=400)
+        ds = study.run(problem, "rk4", dt=dt, steps=4000, observe=observers)
+        errors.append(ds.max_trajectory_error.item())
+    # the last time that the motion is fastest is at 9.75 periods
+    assert errors[0] == pytest.approx(2 * np.pi * 9.75 * 1e-5, rel=1e-2)
+    assert errors[1] < 1e-2 * errors[0]
+
+
+def test_amplitudes_are_counted_from_the_equilibrium():
+    """Which is not the middle between the turning points."""
+    phase = np.linspace(0, 1, 513)
+    u = 0.9 + 0.4 * np.cos(2 * np.pi * phase) + 0.1 * np.cos(4 * np.pi * phase)
+    v = -0.8 * np.pi * np.sin(2 * np.pi * phase) - 0.4 * np.pi * np.sin(4 * np.pi * phase)
+    reference = xr.Dataset(
+        {"u": ("t", u), "v": ("t", v), "period": 1.0, "period_remainder": 0.0},
+        coords={"t": phase, "phase": ("t", phase)},
+        attrs={"problem": "lopsided"},
+    )
+    _, (*_, amplitude) = against(reference, 8, longest=8)
+    # the spring's force is zero where the acceleration is
+    rest = brentq(lambda x: 0.4 * np.cos(x) + 0.4 * np.cos(2 * x), 0, np.pi / 2)
+    expected = 0.9 + 0.4 * np.cos(rest) + 0.1 * np.cos(2 * rest)
+    assert float(amplitude.rest) == pytest.approx(expected, abs=1e-5)
+    assert abs(expected - (u.max() + u.min()) / 2) > 0.04
+
+
+def test_a_motion_that_has_come_to_rest_elsewhere_has_no_phase():
+    reference, _ = _harmonic(50)
+    dt, observers = against(reference, 50, longest=50)
+    # 40 periods of a motion that is damped out after a few and drifts away from the level
+    problem = study.Problem(lambda u: (2 * np.pi) ** 2 * (u - 0.1), u0=1.0, damping=2.0)
+    ds = study.run(problem, "rk4", dt=dt, steps=2000, observe=observers)
+    assert np.isnan(ds.phase_error) and np.isnan(ds.period_elongation)

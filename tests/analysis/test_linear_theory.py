@@ -1,0 +1,211 @@
+"""Linear theory out of the code, against closed forms, against the run itself, and against what is claimed."""
+
+import re
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax.flatten_util import ravel_pytree
+
+import study
+from study.analysis.linear_theory import LinearTheory
+from study.scheme.rederived import Rederived
+
+PARTS = np.logspace(-3, 3, 121)
+
+#: Of the runs that linear theory is held against.
+STEPS = 2000
+
+
+#: Stability limits without damping as printed or derived by others, infinite where there is none.
+LIMITS = {
+    "central_difference": 2.0,
+    "linear_acceleration": 2 * np.sqrt(3),
+    "fox_goodwin": np.sqrt(6),
+    "rk4": 2 * np.sqrt(2),
+    "symplectic_euler": 2.0,
+    "tchamwa_wielgosz": 2 / np.sqrt(2 * 1.033 - 1),
+    "chung_lee": np.sqrt(2 / (2 * 28 / 27 - 1.5)),
+}
+
+
+#: Spectral radii at infinite frequency as claimed by those who made the schemes.
+AT_INFINITY = {
+    "average_acceleration": 1.0,
+    "newmark_dissipative": 0.9 / 1.1,
+    "houbolt": 0.0,
+    "hht_alpha": 0.9 / 1.1,
+    "hht_alpha_one_force": 0.9 / 1.1,
+    "wbz_alpha": 0.8,
+    "generalized_alpha": 0.8,
+    "kr_alpha": 0.8,
+    "bdf2": 0.0,
+    "park": 0.0,
+    "bathe": 0.0,
+    "tr_bdf2": 0.0,
+    "rho_bathe": 0.5,
+    "implicit_midpoint": 1.0,
+    "energy_momentum": 1.0,
+    "average_vector_field": 1.0,
+    "gauss4": 1.0,
+}
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_stability_limits(name):
+    assert LinearTheory(study.schemes[name], PARTS).stability_limit() == pytest.approx(LIMITS[name], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", AT_INFINITY)
+def test_radii_at_infinite_frequency(name):
+    theory = LinearTheory(study.schemes[name], PARTS)
+    # where two or three roots meet they approach it slowly, and half or two thirds of the digits are lost
+    assert theory.infinite_frequency_radius() == pytest.approx(AT_INFINITY[name], abs=1e-3)
+    assert theory.stability_limit() == np.inf
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
+def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
+    """What a scheme claims is the order of its roots, but for those whose errors in phase and start do not add up."""
+    scheme = study.schemes[scheme_name]
+    expected = {
+        # conjugate to velocity Verlet, and to the generalized-α method: the map is as good, the start is not
+        ("symplectic_euler", 0.0): 2,
+        ("symplectic_euler", 0.1): 2,
+        ("kr_alpha", 0.0): 2,
+        ("kr_alpha", 0.1): 2,
+        # Numerov's formula
+        ("fox_goodwin", 0.0): 4,
+    }.get((scheme_name, damping_ratio), scheme.damped_order if damping_ratio else scheme.order)
+    theory = LinearTheory(scheme, np.logspace(-3, 0, 301), damping_ratio)
+    assert theory.order() == pytest.approx(expected, abs=0.12)
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
+@pytest.mark.parametrize("name", ["hht_alpha_one_force", "wbz_alpha", "generalized_alpha"])
+def test_an_alpha_method_must_carry_its_acceleration(name, damping_ratio):
+    """Re-derived from the equation of motion it drops to first order, in linear theory and in a run."""
+    scheme, parts = study.schemes[name], np.logspace(-3, 0, 301)
+    assert LinearTheory(scheme, parts, damping_ratio).order() == pytest.approx(2, abs=0.05)
+    assert LinearTheory(Rederived(scheme), parts, damping_ratio).order() == pytest.approx(1, abs=0.05)
+    damped = study.Problem(lambda u: u + u**3, u0=1.0, damping=2 * damping_ratio)
+    fine = study.run(damped, "rk4", dt=1e-3, steps=2000).u.values[-1]
+    for method, order in ((scheme, 2), (Rederived(scheme), 1)):
+        errors = [
+            abs(study.run(damped, method, dt=2 / n, steps=n, every=n).u.values[-1] - fine) for n in (400, 800, 1600)
+        ]
+        assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx(order, abs=0.1)
+
+
+def _unit_oscillator(v0=0.0, damping_ratio=0.0):
+    damping = np.float64(2 * damping_ratio) if damping_ratio else None
+    return study.Problem(_identity, 1.0, v0, potential=_half_square, damping=damping)
+
+
+def _identity(u):
+    return u
+
+
+def _half_square(u):
+    return u * u / 2
+
+
+def _is_the_power_of_the_matrix(scheme, damping_ratio):
+    dt = 0.3
+    # as long as other runs here, so that they share a program
+    ds = study.run(_unit_oscillator(0.5, damping_ratio), scheme, dt=dt, steps=STEPS)
+    start, _ = scheme.start(_unit_oscillator(0.5, damping_ratio), jnp.asarray(1.0), jnp.asarray(0.5), dt)
+    (matrix,) = LinearTheory(scheme, np.array([dt / (2 * np.pi)]), damping_ratio).matrices
+    states = [np.asarray(ravel_pytree(start)[0])]
+    for _ in range(20):
+        states.append(matrix @ states[-1])
+    np.testing.assert_allclose(ds.u[:21], np.stack(states)[:, 0], atol=1e-12)
+    np.testing.assert_allclose(ds.v[:21], np.stack(states)[:, 1], atol=1e-12)
+
+
+def test_the_run_is_the_power_of_the_matrix(scheme):
+    """On the linear oscillator n steps are the n-th power of the amplification matrix."""
+    _is_the_power_of_the_matrix(scheme, 0.0)
+
+
+def test_the_run_is_the_power_of_the_matrix_with_damping_too(kind):
+    _is_the_power_of_the_matrix(study.schemes[kind], 0.1)
+
+
+@pytest.mark.parametrize("part", [1 / 20, 1 / 50])
+def test_principal_roots_tell_the_motion_of_a_run(scheme, part):
+    """Amplitude decay and elongation of the matrix are those that a run shows over many periods."""
+    motion = LinearTheory(scheme, np.array([1e-3, 1e-2, part])).motion()
+    u = study.run(_unit_oscillator(), scheme, dt=2 * np.pi * part, steps=STEPS).u.values
+    # fitted to the later half, where what is not a principal root has died away: u = Re(c λⁿ)
+    n = np.arange(STEPS // 2, STEPS + 1)
+    rate = 2 * np.pi * part / (1 + motion.period_elongation[-1])
+    decay = -np.log1p(-motion.amplitude_decay[-1]) * rate / (2 * np.pi)
+    basis = np.exp(-decay * (n - n[0]))[:, None] * np.stack([np.cos(rate * n), np.sin(rate * n)], axis=1)
+    amplitude, *_ = np.linalg.lstsq(basis, u[n], rcond=None)
+    np.testing.assert_allclose(basis @ amplitude, u[n], atol=1e-9 * max(np.abs(u[n]).max(), 1e-3))
+
+
+def test_damping_of_the_oscillator_is_seen(scheme):
+    """With 10 % damping the spectral radius at small steps is exp(−ξΩ)."""
+    radius = LinearTheory(scheme, np.array([1e-3]), 0.1).spectral_radius[0]
+    assert radius == pytest.approx(np.exp(-0.1 * 2 * np.pi * 1e-3), abs=5e-6)
+
+
+def test_wilson_overshoots_and_the_generalized_alpha_method_does_not():
+    """At Δt = 10 T Wilson's displacement grows to hundreds of times the initial one."""
+    at_ten = int(np.argmin(np.abs(PARTS - 10)))
+    wilson, average = (
+        LinearTheory(study.schemes[name], PARTS).overshoot()[0, at_ten]
+        for name in ("wilson_theta", "average_acceleration")
+    )
+    assert wilson > 100
+    assert average == pytest.approx(0, abs=1e-10)
+    unstable = LinearTheory(study.schemes["central_difference"], PARTS).overshoot()[:, at_ten]
+    assert np.isnan(unstable).all()
+
+
+def test_an_overshoot_that_comes_late_is_seen():
+    """Symplectic Euler keeps u² ± Ω u u̇/ω + (u̇/ω)² = 1, by which both reach 1/√(1 − Ω²/4)."""
+    part = 0.158  # of the period, with which it takes them more than 32 steps
+    overshoot = LinearTheory("symplectic_euler", np.array([part])).overshoot()
+    np.testing.assert_allclose(overshoot[:, 0], 1 / np.sqrt(1 - (np.pi * part) ** 2) - 1, rtol=0.01)
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        ({"dt_over_period": [0.2, 0.1]}, "dt_over_period must be positive and ascending"),
+        ({"dt_over_period": [0.0, 0.1]}, "dt_over_period must be positive and ascending"),
+        ({"dt_over_period": 0.1}, "of shape (points,), not 0.1"),
+        ({"dt_over_period": "a"}, "dt_over_period must be positive and ascending"),
+        ({"dt_over_period": PARTS, "damping_ratio": "a"}, "damping_ratio must be at least 0 and less than 1, not a"),
+        ({"dt_over_period": PARTS, "damping_ratio": 1.0}, "damping_ratio must be at least 0 and less than 1, not 1.0"),
+    ],
+)
+def test_mistakes_get_a_sentence(arguments, sentence):
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        LinearTheory(study.schemes["rk4"], **arguments)
+
+
+def test_a_scheme_can_be_named():
+    assert LinearTheory("rk4", PARTS).stability_limit() == pytest.approx(2 * np.sqrt(2), abs=1e-7)
+    with pytest.raises(KeyError, match="there is no scheme 'rk5'; did you mean 'rk4'"):
+        LinearTheory("rk5", PARTS)
+
+
+@pytest.mark.parametrize("parts", [np.array([0.1]), np.array([0.1, 0.5]), PARTS])
+def test_a_stability_limit_does_not_depend_on_the_grid(parts):
+    assert LinearTheory("central_difference", parts).stability_limit() == pytest.approx(2, abs=1e-7)
+
+
+@pytest.mark.parametrize("name, at", [("kahan_li8", 3.118), ("extrapolation12", 3.1414)])
+def test_narrow_windows_of_instability_are_found(name, at):
+    """Below π, between two points of a coarse grid, the motion grows; further on it is stable again."""
+    theory = LinearTheory(name, np.array([at, 3.3]) / (2 * np.pi))
+    assert theory.spectral_radius[0] > 1 + 1e-5 and theory.spectral_radius[1] < 1 + 1e-10
+    assert theory.stability_limit() < at
+
+
+def test_a_grid_too_coarse_for_an_order_gives_none():
+    assert np.isnan(LinearTheory(study.schemes["rk4"], np.array([0.01, 0.1])).order())

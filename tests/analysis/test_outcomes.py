@@ -1,0 +1,50 @@
+"""Outcomes of runs."""
+
+import numpy as np
+import pytest
+
+import study
+from study.analysis.outcomes import OUTCOMES, outcomes
+from study.observer.fate import Fate
+
+
+@pytest.mark.parametrize(
+    "problem, u0, scheme, dt, steps, outcome",
+    [
+        ("hardening", 1.5, "average_acceleration", 0.15 / 200, 4000, "accurate"),
+        ("hardening", -1.5, "average_acceleration", 0.15 / 10, 400, "bounded"),
+        ("hardening", 1.5, "houbolt", 0.15 / 10, 4000, "damped_to_rest"),
+        ("double_well", 0.5, "houbolt", 6.0, 100, "in_the_wrong_well"),
+        ("double_well", -0.5, "rk4", 0.02, 1000, "accurate"),
+        ("double_well", 0.5, "average_acceleration", 2.5, 400, "chaotic"),
+        ("softening", 0.05, "central_difference", 0.25, 400, "growing"),
+        ("softening", 4.0, "houbolt", 1.0, 400, "newton_not_converged"),
+        ("hardening", 1.5, "central_difference", 0.15, 400, "not_finite"),
+    ],
+)
+def test_how_runs_end(problem, u0, scheme, dt, steps, outcome):
+    definition = study.problems[problem]
+    runs = study.run(problem, scheme, dt=dt, steps=steps, u0=[u0], observe=[Fate.of(definition), "lyapunov_exponent"])
+    ended, began = outcomes(runs)
+    assert OUTCOMES[ended[0]] == outcome
+    assert np.isnan(began[0]) == (outcome == "accurate" or runs.status.item() > 0)
+    assert np.isnan(began[0]) or 0 < began[0] <= steps * dt
+
+
+def test_a_motion_that_is_damped_out_of_chaos_was_not_chaotic():
+    # neighbours part at first, then all come to rest
+    definition = study.problems["softening"]
+    observe = [Fate.of(definition), "lyapunov_exponent"]
+    runs = study.run(
+        definition, "wilson_theta", dt=np.linspace(0.05, 0.4, 64), steps=4000, u0=[10.0] * 64, observe=observe
+    )
+    ended, _ = outcomes(runs)
+    chaotic = ended == OUTCOMES.index("chaotic")
+    assert (runs.lyapunov_exponent.values[chaotic] > 0).all()
+
+
+@pytest.mark.parametrize("observe", [["max_energy_error"], ["lyapunov_exponent"], [Fate.of("double_well")]])
+def test_no_outcome_of_what_was_not_observed(observe):
+    runs = study.run("double_well", "average_acceleration", dt=2.5, steps=10, u0=[0.5], observe=observe)
+    with pytest.raises(ValueError, match=r"observe study.Fate.of\(problem\) and 'lyapunov_exponent'"):
+        outcomes(runs)

@@ -1,0 +1,107 @@
+"""The recommendation, on data whose errors and costs are known."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import study
+from study import datasets
+from study.analysis.recommendation import candidates
+
+STEPS = np.array([8, 16, 32, 64, 128])
+
+
+@pytest.fixture
+def data(monkeypatch):
+    """Two schemes whose errors are powers of the step and of the length of the run, one dear and of high order."""
+    steps = xr.DataArray(STEPS.astype(float), dims="steps_per_period")
+    periods = xr.DataArray([1.0, 10.0, 100.0], dims="periods")
+    errors = xr.concat([1.0 * steps**-2.0 * periods, 10.0 * steps**-4.0 * periods], "scheme").expand_dims(problem=1)
+    errors = errors.transpose("problem", "scheme", "steps_per_period", "periods").assign_attrs(units="1")
+    cost = xr.DataArray([10.0, 40.0], dims="scheme").expand_dims(problem=1, steps_per_period=5)
+    ds = xr.Dataset(
+        {
+            "max_trajectory_error": errors,
+            "max_energy_error": (100 * errors).assign_attrs(units="percent"),
+            "flagged": xr.zeros_like(errors, int).expand_dims(measure=2).copy(),
+            "uncertainty": xr.zeros_like(errors[:, 0, 0]).expand_dims(measure=2).copy(),
+            "median_time_per_step": cost,
+            "force_evaluations_per_step": cost / 10,
+        },
+        {
+            "problem": ["spring"],
+            "scheme": ["low", "high"],
+            "steps_per_period": STEPS,
+            "periods": [1, 10, 100],
+            "measure": ["max_trajectory_error", "max_energy_error"],
+        },
+    )
+    monkeypatch.setattr(datasets, "open", lambda name, folder: ds)
+    return ds
+
+
+def test_the_needed_steps_are_those_of_the_power_law(data):
+    table = study.recommend("spring", error=0.01, periods=10)
+    assert table.index.tolist() == ["low", "high"]
+    assert table.steps_per_period["low"] == pytest.approx((10 / 0.01) ** 0.5)
+    assert table.steps_per_period["high"] == pytest.approx((100 / 0.01) ** 0.25)
+    assert table.time["low"] == pytest.approx(10e-9 * 10 * (10 / 0.01) ** 0.5)
+    assert table.force_evaluations["high"] == pytest.approx(4 * 10 * (100 / 0.01) ** 0.25)
+
+
+def test_percent_and_lengths_between_are_understood(data):
+    same = study.recommend("spring", error=0.01, periods=10, measure="max_energy_error")
+    np.testing.assert_allclose(same, study.recommend("spring", error=0.01, periods=10))
+    between = study.recommend("spring", error=0.01, periods=3.0)
+    assert between.steps_per_period["low"] == pytest.approx((3 / 0.01) ** 0.5)
+
+
+def test_nothing_is_extrapolated(data):
+    assert study.recommend("spring", error=1e-5, periods=10).index.tolist() == ["high"]
+    assert study.recommend("spring", error=100.0, periods=10).steps_per_period.tolist() == [8.0, 8.0]
+    with pytest.raises(
+        ValueError, match=r"no scheme keeps max_trajectory_error to 1e-09 over 10 .* the smallest error is 3.7e-07"
+    ):
+        study.recommend("spring", error=1e-9, periods=10)
+    assert candidates(data, "spring", 1e-9, "max_trajectory_error", 10).empty
+    with pytest.raises(ValueError, match="periods must be within what was run, 1 to 100, not 1000"):
+        study.recommend("spring", error=0.01, periods=1000)
+
+
+def test_what_the_reference_cannot_tell_counts_as_its_uncertainty(data):
+    data.flagged.loc[{"measure": "max_trajectory_error", "scheme": "high"}] = 1
+    data.uncertainty.loc[{"measure": "max_trajectory_error"}] = 1e-3
+    assert study.recommend("spring", error=0.02, periods=1).steps_per_period["high"] < 128
+    assert "high" not in study.recommend("spring", error=0.009, periods=1).index
+
+
+def test_what_was_not_measured_says_so(data):
+    data.max_trajectory_error[:] = np.nan
+    with pytest.raises(ValueError, match="max_trajectory_error is not measured over 10 periods"):
+        study.recommend("spring", error=0.01, periods=10)
+
+
+def test_an_error_that_falls_and_rises_again_counts_by_its_finer_steps(data):
+    data.max_trajectory_error.loc[{"scheme": "low", "steps_per_period": 8}] = 1e-9  # an accident of coarse steps
+    data.max_trajectory_error.loc[{"scheme": "high", "steps_per_period": 16}] = np.nan  # a failure
+    table = study.recommend("spring", error=0.01, periods=10)
+    assert table.steps_per_period["low"] == pytest.approx((10 / 0.01) ** 0.5)
+    assert table.steps_per_period["high"] == 32
+
+
+@pytest.mark.parametrize(
+    "arguments, error, sentence",
+    [
+        ({"problem": "sprin"}, KeyError, "have no problem 'sprin'; did you mean 'spring'?"),
+        ({"measure": "max_energy"}, KeyError, "no measure of error 'max_energy'; did you mean 'max_energy_error'?"),
+        ({"error": 0.0}, ValueError, "error must be greater than zero, not 0.0."),
+        ({"error": "0.1"}, TypeError, "error must be a number, not '0.1'."),
+        ({"periods": True}, TypeError, "periods must be a number, not True."),
+        ({"problem": None}, TypeError, "problem must be the name of a problem"),
+        ({"error": float("nan")}, ValueError, "error must be greater than zero, not nan."),
+    ],
+)
+def test_mistakes_get_a_sentence(data, arguments, error, sentence):
+    with pytest.raises(error) as caught:
+        study.recommend(**({"problem": "spring", "error": 0.01} | arguments))
+    assert sentence in str(caught.value)

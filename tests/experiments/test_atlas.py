@@ -1,0 +1,68 @@
+"""Maps of outcomes over amplitude and step size."""
+
+import pytest
+import xarray as xr
+
+import study
+from reference.amplitudes import amplitudes
+from study.analysis.outcomes import OUTCOMES
+from study.experiments.atlas import atlas
+from study.pipeline import gather
+
+GRID = {"first": -1.5, "last": 0.0, "count": 7}
+
+
+@pytest.fixture(scope="module")
+def many():
+    """Exact periods at more amplitudes than two tiles of an ensemble have lanes."""
+    dataset = amplitudes(["softening", "double_well"], {"first": -1.0, "last": 1.0, "count": 150})
+    return dataset.assign_attrs(source=study.datasets.SOURCE)
+
+
+@pytest.mark.parametrize(
+    "scheme, problem",
+    [
+        ("average_acceleration", "softening"),
+        ("bathe", "double_well"),
+        ("gauss4", "softening"),
+        ("rk4", "double_well"),
+    ],
+)
+def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, monkeypatch, scheme, problem):
+    monkeypatch.chdir(tmp_path)
+    study.datasets.write(many, "results/reference/amplitudes.nc")
+    arguments = {
+        "problems": [problem],
+        "dt_over_period": GRID,
+        "periods": 20,
+        "portraits": {"points": 3, "samples": 5},
+    }
+    whole, _ = atlas(scheme, **arguments, tile=0, tiles=1)
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    tiles = [atlas(scheme, **arguments, tile=tile, tiles=3) for tile in range(3)]
+    for tile, (part, _) in enumerate(tiles):
+        study.datasets.write(part.assign_attrs(source=study.datasets.SOURCE), f"{tile}.nc")
+    gather.main("gathered.nc", "scheme,amplitude", [f"{tile}.nc" for tile in range(3)])
+    xr.testing.assert_identical(xr.load_dataset("gathered.nc").drop_attrs(), whole.drop_attrs())
+
+
+def test_a_tile_that_is_not_there_is_refused():
+    with pytest.raises(ValueError, match="there is no tile -1 among 3"):
+        atlas("rk4", ["hardening"], GRID, 20, {"points": 3, "samples": 5}, tile=-1, tiles=3)
+
+
+def test_the_samples_of_an_orbit_that_closes_do_not_fall_into_one_place(springs):
+    _, samples = atlas("rk4", ["hardening"], GRID, 100, {"points": 7, "samples": 20}, tile=0, tiles=1)
+    for every in samples.every.values.tolist():
+        assert every >= 2 and all(every % n for n in range(2, every))
+
+
+def test_a_map_shows_the_linear_limit_at_small_amplitude(springs):
+    fine = {"first": -0.7, "last": -0.3, "count": 41}
+    one, _ = atlas("central_difference", ["hardening"], fine, 300, {"points": 2, "samples": 2}, tile=0, tiles=6)
+    one = one.squeeze()
+    lost = one.outcome.values >= OUTCOMES.index("growing")
+    first = one.dt_over_period.values[lost.argmax()]
+    limit = 2 / (one.highest_frequency * one.period).item()
+    # the tangent is as stiff as that at one end of the swing only
+    assert limit * 0.9 < first < 1.15 * limit

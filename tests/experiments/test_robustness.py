@@ -1,0 +1,31 @@
+"""How many steps are enough."""
+
+import xarray as xr
+
+import study
+from study.experiments.robustness import robustness
+
+
+def test_the_steps_that_are_enough_are_enough(springs):
+    ds = robustness(["hardening"], ["average_acceleration", "houbolt"], [8, 16, 32, 64, 128], [10, 50])
+    needed = ds.steps_needed.sel(problem="hardening", scheme="average_acceleration")
+    assert (needed.sel(level=1) > needed.sel(level=10)).all() and needed.notnull().all()
+    assert ds.steps_needed.sel(scheme="houbolt", periods=50, level=1).isnull().all()
+    one, enough = springs.sel(problem="hardening"), int(needed.sel(level=5, periods=50).item())
+    for steps, kept in ((enough, True), (enough // 2, False)):
+        runs = study.run(
+            "hardening",
+            "average_acceleration",
+            dt=one.period.values / steps,
+            u0=one.u0.values,
+            steps=50 * steps,
+            observe=["max_energy_error"],
+        )
+        assert bool((runs.max_energy_error <= 5).all()) == kept
+
+
+def test_how_many_steps_are_enough_does_not_depend_on_longer_runs(springs):
+    """Also where runs fail later."""
+    short = robustness(["double_well"], ["average_acceleration"], [3, 4, 5, 20], [20])
+    both = robustness(["double_well"], ["average_acceleration"], [3, 4, 5, 20], [20, 200])
+    xr.testing.assert_equal(short.steps_needed.isel(periods=0, drop=True), both.steps_needed.isel(periods=0, drop=True))

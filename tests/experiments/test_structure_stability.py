@@ -1,0 +1,27 @@
+"""Outcomes of runs of structures."""
+
+import numpy as np
+
+from study.analysis.outcomes import OUTCOMES
+from study.equilibrium.newton import MAX_ITERATIONS
+from study.experiments.structure_stability import structure_stability
+
+
+def test_a_coarse_step_can_tame_chaos():
+    one = [{"problem": "duffing_chaotic", "periods": 200}]
+    ds = structure_stability(one, ["central_difference", "rk4"], [1], [14, 80]).squeeze()
+    assert ds.lyapunov_exponent.sel(scheme="central_difference", steps_per_period=14) < -0.3
+    assert (ds.lyapunov_exponent.sel(steps_per_period=80) > 0.3).all()
+
+
+def test_structures_end_as_their_energies_say():
+    one = [{"problem": "pendulum", "periods": 20}]
+    ds = structure_stability(one, ["central_difference", "energy_momentum"], [0.5, 1], [4, 320]).squeeze()
+    names = np.array(OUTCOMES)[ds.outcome.values]
+    # four steps in its time scale are beyond the limit of stability of its small oscillations, 2
+    assert (names[0, :, 0] == "growing").all() and (names[:, :, 1] == "accurate").all()
+    assert names[1, 0, 0] == "newton_not_converged" and ds.status.sel(scheme="energy_momentum")[0, 0] == 1
+    iterations = ds.max_newton_iterations
+    assert (iterations.sel(scheme="central_difference") == 0).all()
+    assert iterations.sel(scheme="energy_momentum").values[:, 1].max() < MAX_ITERATIONS == iterations.max()
+    assert ds.apart_at_step.max() < 20 * 320 and ds.apart_at_step.min() == -1

@@ -1,0 +1,87 @@
+"""Ensembles are many single runs."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import xarray as xr
+
+import study
+from study.marching import ensemble
+from study.marching.march import March, march
+from study.marching.result import COMPLETED, NEWTON_FAILED
+from study.scheme.linearised import Linearised
+
+
+def test_a_lane_of_an_ensemble_is_a_single_run(kind):
+    u0, dt = np.linspace(0.5, 2.0, 7), np.linspace(0.001, 0.02, 7)
+    observe = ["trajectory", "max_energy_error", "newton_iterations"]
+    lanes = study.run("hardening", kind, dt=dt, u0=u0, steps=40, observe=observe)
+    for lane in range(7):
+        one = study.run("hardening", kind, dt=dt[lane], u0=u0[lane], steps=40, observe=observe)
+        for name in one.data_vars:
+            np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
+    assert lanes.t.dims == ("lane", "sample")
+
+
+def test_lanes_end_after_their_own_steps(state_kind):
+    steps, u0 = np.array([40, 3, 170, 1, 90]), np.linspace(0.5, 2.0, 5)
+    observe = ["max_energy_error", "energy_drift", "newton_iterations"]
+    lanes = study.run("hardening", state_kind, dt=0.004, u0=u0, steps=steps, observe=observe)
+    for lane in range(5):
+        one = study.run("hardening", state_kind, dt=0.004, u0=u0[lane], steps=int(steps[lane]), observe=observe)
+        for name in one.data_vars:
+            np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize("group, workers", [(1, "1"), (3, "2")])
+def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
+    """Of lanes in another order and in smaller ensembles, some of which fail or take many Newton iterations."""
+    dt, u0 = np.linspace(0.001, 0.2, 700), np.linspace(0.1, 3.0, 700)
+
+    def result(scheme, lanes):
+        observe = ["max_energy_error", "newton_iterations"]
+        return study.run("softening", scheme, dt=dt[lanes], u0=u0[lanes], steps=200, observe=observe)
+
+    before = {scheme: result(scheme, slice(None)) for scheme in ("average_acceleration", "houbolt", "rk4")}
+    monkeypatch.setattr(ensemble, "GROUP", group)
+    monkeypatch.setenv("OMP_NUM_THREADS", workers)
+    assert ensemble.cores() == int(workers)
+    for scheme, ds in before.items():
+        for lanes in (slice(None), np.random.default_rng(0).permutation(700), [699], slice(100, 107)):
+            xr.testing.assert_identical(result(scheme, lanes), ds.isel(lane=lanes))
+
+
+def test_an_ensemble_on_an_accelerator_is_one_tile(monkeypatch):
+    arguments = {"dt": 0.01, "u0": np.linspace(0.5, 2.0, 20), "steps": 50, "observe": ["max_energy_error"]}
+    on_cpu = study.run("hardening", "rk4", **arguments)
+    monkeypatch.setattr(ensemble.jax, "default_backend", lambda: "gpu")
+    xr.testing.assert_allclose(study.run("hardening", "rk4", **arguments), on_cpu, rtol=1e-12)
+
+
+def test_a_pause_changes_no_bit_of_an_ensemble(monkeypatch):
+    arguments = {"dt": np.linspace(0.001, 0.1, 300), "steps": 500, "observe": ["trajectory", "max_energy_error"]}
+    at_once = study.run("softening", "average_acceleration", **arguments, every=10)
+    monkeypatch.setattr(ensemble, "PAUSE", 70 * 512)
+    xr.testing.assert_identical(study.run("softening", "average_acceleration", **arguments, every=10), at_once)
+
+
+def test_a_failed_lane_leaves_the_others_alone():
+    dt = [0.001, 0.9, 0.002]
+    lanes = study.run("hardening", "central_difference", dt=dt, steps=100, observe=["trajectory", "max_energy_error"])
+    assert lanes.status.values.tolist() == [0, 2, 0]
+    assert np.isnan(lanes.max_energy_error[1]) and np.isfinite(lanes.max_energy_error[[0, 2]]).all()
+    failed = int(lanes.failed_at_step[1])
+    assert np.isfinite(lanes.u[1, :failed]).all() and np.isnan(lanes.u[1, failed:]).all()
+    assert np.isfinite(lanes.u[[0, 2]]).all()
+
+
+def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
+    definition = March(
+        study.problems["double_well"], Linearised(study.schemes["average_acceleration"]), (), (), lanes=True
+    )
+    numbers = np.asarray(1000), np.asarray(1)
+    (progress, _), outcome = march(definition, jnp.full(2, 0.5), jnp.asarray([0.1, 3.5]), *numbers)
+    assert outcome.status.tolist() == [COMPLETED, NEWTON_FAILED] and outcome.failed_at_step[1] < 1000
+    # NaN, on which Newton's iteration ends at once
+    assert all(np.isnan(part[1]) and np.isfinite(part[0]) for part in jax.tree.leaves(progress.state.inner))

@@ -1,0 +1,161 @@
+"""The compiled march of a single run: what it observes, and how it fails."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import jax
+import numpy as np
+import pytest
+import xarray as xr
+
+import study
+from study.marching import run as runs
+from study.marching.march import March, march
+from study.problem import chains
+
+
+def test_reductions_agree_with_the_trajectory(kind):
+    problem = study.problems["hardening"]
+    ds = study.run(
+        "hardening",
+        kind,
+        dt=0.15 / 20,
+        steps=300,
+        observe=["trajectory", "energy_error", "max_energy_error", "energy_drift"],
+    )
+    energy = 0.5 * ds.v**2 + 50 * ds.u**2 + 250 * ds.u**4
+    error = 100 * (energy - energy[0]) / energy[0]
+    np.testing.assert_allclose(ds.energy_error, error, atol=1e-10)
+    assert ds.max_energy_error.item() == pytest.approx(np.abs(error).max().item(), rel=1e-10)
+    assert ds.energy_drift.item() == pytest.approx(error[-1].item(), abs=1e-10)
+    assert ds.u[0] == problem.u0 and ds.status == 0 and ds.failed_at_step == -1
+
+
+def test_storing_every_tenth_step_takes_them_out_of_the_whole(state_kind):
+    whole, tenth = (study.run("softening", state_kind, dt=0.05, steps=200, every=k) for k in (1, 10))
+    np.testing.assert_allclose(tenth.u, whole.u[::10], atol=1e-11)
+    np.testing.assert_array_equal(tenth.t, whole.t[::10])
+
+
+def test_newton_iterations_are_counted():
+    ds = study.run("hardening", "average_acceleration", dt=0.15 / 20, steps=100, observe=["newton_iterations"])
+    assert 100 < ds.newton_iterations.item() < 600
+    assert 2 <= ds.max_newton_iterations.item() <= 10
+
+
+@pytest.mark.parametrize("u0", [4.0, [4.0, 5.0]])
+def test_a_number_of_samples_fits_runs_of_every_length(u0):
+    arguments = {"problem": "softening", "scheme": "rk4", "dt": 0.05, "u0": u0}
+    whole = study.run(**arguments, steps=50).u
+    for steps in (7, 30, 50):
+        some = study.run(**arguments, steps=steps, every=3, samples=10).u
+        ended = np.arange(11) * 3 > steps
+        np.testing.assert_array_equal(some.t, whole.t[:31:3])
+        np.testing.assert_allclose(some.isel(t=~ended), whole[..., :31:3].isel(t=~ended), rtol=1e-12)
+        assert some.isel(t=ended).isnull().all()
+    with pytest.raises(ValueError, match="samples must be a whole number of at least 1, not 0"):
+        study.run(**arguments, steps=7, samples=0)
+
+
+@pytest.mark.parametrize("every", [1, 10, 1000])
+def test_a_pause_changes_nothing(monkeypatch, every):
+    """Also where it falls between two samples."""
+    arguments = {"dt": 0.002, "steps": 3000, "every": every, "observe": ["trajectory", "max_energy_error"]}
+    at_once = study.run("softening", "houbolt", **arguments)
+    monkeypatch.setattr(runs, "PAUSE", 257)
+    xr.testing.assert_allclose(study.run("softening", "houbolt", **arguments), at_once, rtol=1e-10, atol=1e-12)
+
+
+def test_a_failure_ends_a_run_at_its_pause(monkeypatch):
+    monkeypatch.setattr(runs, "PAUSE", 8)
+    ds = study.run("double_well", "central_difference", dt=2.5, steps=10**12, observe=["max_energy_error"])
+    assert ds.status == 2 and ds.failed_at_step < 100
+
+
+@pytest.mark.parametrize("u0", ["1.5", "[1.0] * 2000"], ids=["alone", "ensemble"])
+def test_a_long_run_can_be_interrupted(tmp_path, u0):
+    """Ctrl-C is heard while a run of a million million steps is under way, and leaves what was written."""
+    code = (
+        # who runs the tests in the background has interrupts switched off
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "import study; study.datasets.write(study.run('hardening', 'rk4', dt=1e-4, steps=10), 'kept.nc'); "
+        "print('ready', flush=True); "
+        f"study.run('hardening', 'rk4', dt=1e-4, u0={u0}, steps=10**12, observe=['max_energy_error'])"
+    )
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, **pipes) as process:
+        try:
+            assert process.stdout.readline() == b"ready\n"
+            time.sleep(2)
+            process.send_signal(signal.SIGINT)
+            _, error = process.communicate(timeout=60)
+        finally:
+            process.kill()  # which it would otherwise survive by weeks
+    assert process.returncode != 0 and b"KeyboardInterrupt" in error
+    assert xr.load_dataset(tmp_path / "kept.nc").status == 0
+
+
+def test_blow_up_is_recorded_with_its_step():
+    ds = study.run("double_well", "central_difference", dt=2.5, steps=1000)
+    step = ds.failed_at_step.item()
+    assert ds.status.attrs["flag_meanings"].split()[ds.status.item()] == "not_finite"
+    assert np.isfinite(ds.u[:step]).all() and np.isnan(ds.u[step:]).all()
+
+
+def test_failure_of_newton_is_recorded_with_its_step():
+    ds = study.run("softening", "average_acceleration", dt=1.14, steps=100, observe=["max_energy_error"])
+    assert ds.status.attrs["flag_meanings"].split()[ds.status.item()] == "newton_not_converged"
+    assert ds.failed_at_step >= 1
+    assert np.isnan(ds.max_energy_error)
+
+
+def test_failure_of_the_start_is_step_zero():
+    ds = study.run("softening_large", "houbolt", dt=0.54, steps=10)
+    assert ds.status == 1
+    assert ds.failed_at_step == 0
+
+
+def test_step_size_and_count_share_one_compilation():
+    march._cached.clear_cache()
+    for dt, steps in ((0.01, 10), (0.02, 20), (0.03, 30)):
+        study.run("hardening", "houbolt", dt=dt, steps=steps, observe=["max_energy_error"])
+    assert march._cached._cache_size() == 1
+
+
+def test_what_a_problem_lacks_is_not_in_the_loop():
+    """No load, no damping, no mass: nothing of time or of a linear solve is computed in the compiled loop."""
+    problem, scheme = study.problems["hardening"], study.schemes["central_difference"]
+
+    def compiled(of):
+        numbers = map(np.asarray, (of.u0, 0.01, 10, 1))
+        return march.lower(March(of, scheme, (), ()), *numbers).compile().compiled.as_text()
+
+    text = compiled(problem)
+    assert "cosine" not in text and "custom-call" not in text and "divide" not in text
+    loaded = study.Problem(problem.force, u0=1.5, load=lambda t: jax.numpy.cos(t), mass=2.0)
+    text = compiled(loaded)
+    assert "cosine" in text and "divide" in text
+
+
+def test_time_does_not_drift_over_many_steps():
+    """The load of the last step is f(n Δt) to round-off, as time is a product and not a sum."""
+    steps = 10**6
+    problem = study.Problem(lambda u: 0.0 * u, u0=0.0, load=lambda t: t)
+    ds = study.run(problem, "central_difference", dt=0.1, steps=steps, every=steps)
+    end = 0.1 * steps
+    # ü = t: velocity by the trapezoidal rule, exact for a linear function
+    assert ds.v[-1].item() == pytest.approx(end**2 / 2, rel=1e-12)
+
+
+def test_memory_grows_with_the_unknowns_and_no_faster():
+    """Numbers that the compiled march of a bar keeps for each unknown, its tridiagonal tangent among them."""
+
+    def kept(n):
+        definition = March(chains.impact_bar(n), study.schemes["average_acceleration"], (), ())
+        arguments = definition, np.zeros(n), np.float64(1 / n), np.asarray(1), np.asarray(1)
+        return march.lower(*arguments).compile().compiled.memory_analysis().temp_size_in_bytes / 8 / n
+
+    assert kept(1000) == pytest.approx(kept(100_000), rel=0.05)
+    assert kept(100_000) < 25

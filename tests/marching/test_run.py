@@ -1,0 +1,80 @@
+"""``study.run`` as a person uses it: labels, and a sentence for every mistake."""
+
+import numpy as np
+import pytest
+
+import study
+
+
+def test_the_contract_of_the_labels():
+    ds = study.run("hardening", "rk4", dt=0.0075, steps=20, observe=["trajectory", "max_energy_error"])
+    assert ds.u.dims == ("t",) and ds.v.attrs["units"] == "s-1"
+    assert ds.t.attrs["long_name"] == "elapsed time"
+    assert ds.max_energy_error.attrs["units"] == "percent"
+    for variable in ds.variables.values():
+        assert variable.attrs["long_name"]
+
+
+def test_vectors_have_components():
+    problem = study.Problem(lambda u: u, u0=[1.0, 2.0], v0=[0.0, 0.0])
+    ds = study.run(problem, "average_acceleration", dt=0.1, steps=5)
+    assert ds.u.dims == ("t", "component")
+    lanes = study.run(problem, "average_acceleration", dt=0.1, steps=5, u0=[[1.0, 2.0], [3.0, 4.0], [0.0, 1.0]])
+    assert lanes.u.dims == ("lane", "t", "component") and lanes.sizes["lane"] == 3
+    np.testing.assert_allclose(lanes.u[0], ds.u, rtol=1e-12)
+
+
+def test_objects_of_ones_own():
+    problem = study.Problem(force=lambda u: 4 * u, u0=1.0, potential=lambda u: 2 * u**2, title="mine")
+    ds = study.run(problem, study.Newmark(beta=1 / 6, gamma=0.5), dt=0.01, steps=100, observe=["max_energy_error"])
+    assert ds.max_energy_error < 0.1
+
+
+@pytest.mark.parametrize(
+    "arguments, error, sentence",
+    [
+        ({"problem": "hardning"}, KeyError, "there is no problem 'hardning'; did you mean 'hardening'?"),
+        ({"scheme": "houbold"}, KeyError, "there is no scheme 'houbold'; did you mean 'houbolt'?"),
+        ({"scheme": "zzz"}, KeyError, "there is no scheme 'zzz'; known are average_acceleration, "),
+        ({"observe": ["trajectry"]}, KeyError, "there is no observer 'trajectry'; did you mean 'trajectory'?"),
+        ({"problem": 3}, TypeError, "3 is no problem: give a name or a study.Problem."),
+        ({"scheme": None}, TypeError, "None is no scheme: give a name or a study.Scheme."),
+        ({"dt": 0.0}, ValueError, "dt must be finite and greater than zero, not 0.0."),
+        ({"dt": -1.0}, ValueError, "dt must be finite and greater than zero, not -1.0."),
+        ({"dt": float("nan")}, ValueError, "dt must be finite and greater than zero, not nan."),
+        ({"dt": [0.1, 0.0]}, ValueError, "dt must be finite and greater than zero"),
+        ({"dt": [[0.1]]}, ValueError, "dt must be a number or one per lane"),
+        ({"dt": "fast"}, ValueError, "dt must be a number or an array of numbers, not 'fast'."),
+        ({"steps": 0}, ValueError, "steps must be a whole number of at least 1, not 0."),
+        ({"steps": 1.5}, ValueError, "steps must be a whole number of at least 1, not 1.5."),
+        ({"steps": 10**20}, ValueError, "steps must be a whole number of at least 1 and at most 46"),
+        ({"dt": True}, ValueError, "dt must be a number or an array of numbers, not True."),
+        ({"observe": None}, TypeError, "observe must be a list of observers; known are trajectory"),
+        ({"steps": True}, ValueError, "steps must be a whole number of at least 1, not True."),
+        ({"steps": [10, 20]}, ValueError, "'u' is recorded along time, which takes one number of steps for all lanes"),
+        ({"steps": [10, 0]}, ValueError, "steps must be whole numbers of at least 1, not [10  0]."),
+        ({"steps": [[10]]}, ValueError, "steps must be a whole number or one per lane (lanes,), not of shape (1, 1)."),
+        ({"every": 3}, ValueError, "every must divide the number of steps; 3 does not divide 10."),
+        ({"u0": [[1.0]]}, ValueError, "u0 must have the shape () of the problem"),
+        ({"u0": float("inf")}, ValueError, "u0 must be finite"),
+        ({"u0": "high"}, ValueError, "u0 must be a number or an array of numbers, not 'high'."),
+        ({"u0": []}, ValueError, "an ensemble needs at least one lane"),
+        ({"u0": [1.0, 2.0], "dt": [0.1, 0.1, 0.1]}, ValueError,
+         "the lanes of an ensemble need arrays of one length, not dt 3, u0 2."),
+        ({"dt": "0.1"}, ValueError, "dt must be a number or an array of numbers, not '0.1'."),
+        ({"u0": [[1.0], [1, 2]]}, ValueError, "u0 must be a number or an array of numbers, not [[1.0], [1, 2]]."),
+        ({"scheme": "newmark"}, KeyError, "there is no scheme 'newmark'; did you mean 'newmark_dissipative'?"),
+        ({"scheme": "HHT"}, KeyError, "did you mean 'hht_alpha' or 'hht_alpha_one_force'?"),
+        ({"steps": 10**12}, ValueError, "1000000000001 samples of 'u', 'v' need 14901 GiB, and this machine has "),
+        ({"steps": 10**9, "u0": [1.0] * 1000}, ValueError, "samples of 'u', 'v' need 14901"),
+        ({"problem": "fpu_chain", "observe": [study.Fate(0.0)]}, ValueError, "it has more than one unknown."),
+        ({"problem": "duffing_chaotic", "observe": study.Fate(0.0)}, ValueError, "damping or a load change its"),
+        ({"problem": study.Problem(lambda u: u, u0=1.0, title="bare"), "observe": ["max_energy_error"]}, ValueError,
+         "max_energy_error of 'bare' needs Problem(potential=...), which it was made without."),
+    ],
+)  # fmt: skip
+def test_mistakes_get_a_sentence(arguments, error, sentence):
+    arguments = {"problem": "hardening", "scheme": "rk4", "dt": 0.01, "steps": 10} | arguments
+    with pytest.raises(error) as caught:
+        study.run(**arguments)
+    assert sentence in str(caught.value)

@@ -1,0 +1,75 @@
+"""Runs in single precision."""
+
+import jax
+import numpy as np
+import pytest
+
+import study
+
+
+def test_schemes_run_in_single_precision(kind):
+    arguments = {"dt": 2.0**-8, "steps": 64, "observe": ["trajectory", "max_energy_error"]}
+    double = study.run("hardening", kind, **arguments)
+    with jax.enable_x64(False):
+        single = study.run("hardening", kind, **arguments)
+    assert single.u.dtype == np.float32 and single.status == 0
+    difference = np.abs(single.u - double.u).max().item()
+    # by more than nothing, and by no more than some hundred round-offs; differences over Δt² lose more
+    assert 1e-8 < difference < (2e-3 if kind == "houbolt" else 5e-5)
+
+
+def test_an_ensemble_keeps_its_precision_on_every_core(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "2")
+    with jax.enable_x64(False):
+        ds = study.run("hardening", "rk4", dt=0.005, u0=np.linspace(1, 2, 300), steps=10)
+    assert ds.u.dtype == np.float32 and (ds.status == 0).all()
+
+
+def test_problems_are_made_and_checked_in_double_precision():
+    with jax.enable_x64(False):
+        problem = study.Problem(potential=lambda u: u**2 / 2 + u**4 / 4, u0=1.0)
+        ds = study.run(problem, "average_acceleration", dt=0.1, steps=100, observe=["max_energy_error"])
+    assert ds.status == 0 and 0 < ds.max_energy_error < 1
+
+
+def test_steps_that_single_precision_cannot_count_are_refused():
+    with jax.enable_x64(False), pytest.raises(ValueError, match="steps must be a whole number of at least 1 and at mo"):
+        study.run("hardening", "rk4", dt=0.01, steps=2**31, observe=["max_energy_error"])
+
+
+def test_a_structure_in_single_precision():
+    """Tolerances of several unknowns follow the precision too."""
+    with jax.enable_x64(False):
+        ds = study.run("fpu_chain", "energy_momentum", dt=0.01, steps=100, observe=["max_energy_error"])
+    assert ds.status == 0 and ds.max_energy_error < 1e-2
+
+
+def _single_round_off(scheme, dt, steps):
+    """Of the mean energy error of every run, against compensated double precision."""
+    observed = []
+    for double, method in ((False, scheme), (True, study.Compensated(scheme))):
+        with jax.enable_x64(double):
+            ds = study.run("hardening", method, dt=dt, steps=steps, observe=["mean_energy_error"])
+        observed.append(ds.mean_energy_error.values.astype(float))
+    return np.sqrt(np.mean((observed[0] - observed[1]) ** 2))
+
+
+def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
+    """Newmark's form of central difference; the same scheme as kicks and drifts, velocity Verlet, does not."""
+    short = np.ldexp(np.arange(3936, 4064), -19)
+    long = short + np.ldexp(1365, -31)
+    newmark, verlet = study.schemes["central_difference"], study.Composition((1.0,), of_order=2)
+    steady = _single_round_off(newmark, short, 60_000)
+    assert _single_round_off(newmark, long, 60_000) > 3 * steady
+    assert _single_round_off(verlet, long, 60_000) < 2 * steady
+
+
+def test_single_precision_comes_back_bit_for_bit():
+    """Without a drift: the numbers near the orbit are finite in number."""
+    with jax.enable_x64(False):
+        ds = study.run("hardening", "yoshida4", dt=np.ldexp(3972, -19), steps=200_000)
+    states = list(zip(ds.u.values.tolist(), ds.v.values.tolist(), strict=True))
+    first = {state: step for step, state in reversed(list(enumerate(states)))}
+    closed = next(step for step, state in enumerate(states) if first[state] < step)
+    cycle = closed - first[states[closed]]
+    assert cycle > 20 and states[closed:] == states[closed - cycle : -cycle]

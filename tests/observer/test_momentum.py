@@ -1,0 +1,48 @@
+"""Linear and angular momentum."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from study.problem import trusses
+
+
+def test_what_a_spinning_truss_conserves(small_truss):
+    """Energy-momentum all of it; the midpoint rule the momenta."""
+    problem = trusses.spinning_truss()
+    ours, midpoint = (
+        study.run(problem, name, dt=0.1, steps=100, observe=["max_energy_error", "momentum_errors"])
+        for name in ("energy_momentum", "implicit_midpoint")
+    )
+    for ds in (ours, midpoint):
+        assert ds.status == 0
+        assert ds.max_linear_momentum_error < 1e-10 and ds.max_angular_momentum_error < 1e-10
+    assert ours.max_energy_error < 1e-8 < 1e-3 < midpoint.max_energy_error
+
+
+def test_momenta_in_space_are_those_in_the_plane():
+    """Two masses on a spring, in their plane and turned out of it; Houbolt's method keeps no angular momentum."""
+    places, speeds = np.array([[-1.0, 0.0], [1.0, 0.0]]), np.array([[0.3, -1.0], [0.1, 1.0]])
+    turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0][:, :2].T
+
+    def observed(places, speeds, scheme):
+        def strains(u):
+            first, second = places + u.reshape(places.shape)
+            return (jnp.linalg.norm(second - first) - 2)[None]
+
+        energy = study.StrainEnergy(strains, lambda e: 5 * e * e)
+        pair = study.Problem(potential=energy, u0=np.zeros(places.size), v0=speeds.ravel(), positions=places)
+        return study.run(pair, scheme, dt=0.1, steps=50, observe=["momentum_errors"])
+
+    plane, space = observed(places, speeds, "houbolt"), observed(places @ turn, speeds @ turn, "houbolt")
+    for name in ("max_linear_momentum_error", "max_angular_momentum_error"):
+        assert space[name].item() == pytest.approx(plane[name].item(), abs=1e-12)
+    assert plane.max_linear_momentum_error < 1e-12 and plane.max_angular_momentum_error > 1e-3
+    assert observed(places @ turn, speeds @ turn, "energy_momentum").max_angular_momentum_error < 1e-12
+
+
+def test_momenta_want_to_know_where_the_masses_stand():
+    with pytest.raises(ValueError, match="of 'tried' needs Problem\\(positions=...\\), which it was made without."):
+        problem = study.Problem(jnp.sinh, np.zeros(5), title="tried")
+        study.run(problem, "rk4", dt=0.1, steps=1, observe=["momentum_errors"])

@@ -1,0 +1,19 @@
+"""Named problems."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+
+
+@pytest.mark.parametrize("name", ["stiff_soft", "stiff_soft_sine", "elastic_pendulum", "fpu_chain", "impact_bar"])
+def test_forces_of_named_structures_are_slopes_of_their_energies(name):
+    """By differences along a random direction."""
+    problem = study.problems[name]
+    rng = np.random.default_rng(0)
+    u, direction = rng.normal(size=(2, problem.u0.size)) / problem.u0.size
+    energy, step = jax.jit(problem.potential), 1e-5
+    slope = (energy(u + step * direction) - energy(u - step * direction)) / (2 * step)
+    assert float(slope) == pytest.approx(float(problem.force(jnp.asarray(u)) @ direction), rel=1e-7)

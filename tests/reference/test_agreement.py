@@ -1,0 +1,136 @@
+"""Every route to the reference against the others, and in what it refuses."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import reference.diffrax
+import study
+from reference import agreement, closed_form, exact, scipy, sundials, taylor
+from reference.solution import RouteFailed, StepLimit
+from study.problem.named import printed_periods
+from study.problem.springs import CubicSpring
+
+ROUTES = list(agreement.ROUTES)
+
+
+@pytest.fixture
+def duffing():
+    """A forced and damped Duffing oscillator before chaos sets in: no period to fold."""
+    return study.Problem(
+        CubicSpring(-1.0, -1.0).force,
+        u0=0.5,
+        v0=0.1,
+        damping=0.3,
+        load=lambda t: 0.2 * jnp.cos(1.2 * t),
+        title="Duffing",
+    )
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_routes_meet_the_exact_period(route):
+    _, period = agreement.ROUTES[route]
+    for name in printed_periods:
+        found = period(study.problems[name], printed_periods[name], 1e-15)
+        assert found == pytest.approx(float(closed_form.period(study.problems[name])), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "route, whole_periods, anywhere",
+    [("cvode_adams", 1e-11, 1e-10), ("cvode_bdf", 1e-9, 1e-7), ("dopri8", 2e-12, 1e-11), ("tsit5", 2e-12, 1e-10),
+     ("heyoka", 1e-13, 5e-12)],
+)  # fmt: skip
+def test_what_the_tightest_tolerance_delivers_over_a_hundred_periods(route, whole_periods, anywhere):
+    problem = study.problems["hardening"]
+    found = exact.period(problem, 0.15)
+    t = agreement.instants(float(found[0]))
+    trajectory, _ = agreement.ROUTES[route]
+    errors = agreement.errors(problem, exact.folded(problem, t, *found), trajectory(problem, t, 1e-15))
+    assert errors["u_error_at_periods"][-1] < whole_periods
+    assert errors["u_error"][-1] < anywhere
+    assert np.all(np.diff(errors["u_error"]) >= 0)
+
+
+def test_how_a_route_ended_is_told():
+    """A limit of steps stops the ladder of a trajectory, and keeps no period from being found."""
+    ds = agreement.agreement(["hardening"], [1e-9, 1e-13, 1e-15]).squeeze("problem")
+    ended = [agreement.FINISHED, agreement.STEP_LIMIT, agreement.NOT_TRIED]
+    np.testing.assert_array_equal(ds.status.sel(route="kvaerno5"), ended)
+    assert np.isnan(ds.u_error.sel(route="kvaerno5").values[1:]).all()
+    assert (ds.period_status == agreement.FINISHED).all()
+    assert (ds.period_error.min("tolerance") < 1e-12).all()
+
+
+def test_a_damped_and_forced_problem_has_a_truth_and_every_route_meets_it(duffing):
+    t = np.linspace(1.0, 60.0, 60)
+    truth = exact.trajectory(duffing, t)
+    assert truth.u_certified < 1e-30
+    for name, (trajectory, _) in agreement.ROUTES.items():
+        solution = trajectory(duffing, t, 1e-12 if name != "kvaerno5" else 1e-8)
+        allowed = {"cvode_bdf": 1e-8, "kvaerno5": 1e-5}.get(name, 1e-9)
+        np.testing.assert_allclose(solution.u, truth.u, atol=allowed, err_msg=name)
+        np.testing.assert_allclose(solution.v, truth.v, atol=allowed, err_msg=name)
+
+
+def test_a_problem_without_period_says_so(duffing):
+    for _, period in agreement.ROUTES.values():
+        with pytest.raises(ValueError, match=r"finds no period of 'Duffing': it is (damped|loaded)"):
+            period(duffing, 5.0, 1e-9)
+        resting = study.Problem(lambda u: u, u0=0.0, title="resting")
+        with pytest.raises(ValueError, match="it starts in balance"):
+            period(resting, 5.0, 1e-9)
+        moving = study.Problem(lambda u: u, u0=1.0, v0=1.0, title="moving")
+        with pytest.raises(ValueError, match="it does not start from rest"):
+            period(moving, 5.0, 1e-9)
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_a_tolerance_out_of_reach_is_refused(route):
+    trajectory, _ = agreement.ROUTES[route]
+    with pytest.raises(ValueError, match=r"cannot reach a tolerance of 1e-17; ask for .* or more"):
+        trajectory(study.problems["hardening"], np.array([0.1]), 1e-17)
+
+
+@pytest.mark.parametrize("t", [[], [np.nan], [-1.0], [0.2, 0.1], [0.1, 0.1]])
+def test_times_that_do_not_increase_are_refused(t):
+    for trajectory, _ in agreement.ROUTES.values():
+        with pytest.raises(ValueError, match="needs times that are finite and increase from zero on"):
+            trajectory(study.problems["hardening"], np.array(t), 1e-6)
+    with pytest.raises(ValueError, match="needs times that are finite and increase from zero on"):
+        exact.trajectory(study.problems["hardening"], t)
+
+
+def test_more_than_one_unknown_is_refused_where_it_must_be():
+    two = study.Problem(lambda u: u, u0=[1.0, 2.0], v0=[0.0, 0.0], title="two")
+    for trajectory in (taylor.trajectory, scipy.trajectory):
+        with pytest.raises(ValueError, match="'two' has 2 unknowns"):
+            trajectory(two, np.array([1.0]), 1e-6)
+    for _, period in agreement.ROUTES.values():
+        with pytest.raises(ValueError, match="it has more than one unknown"):
+            period(two, 1.0, 1e-6)
+
+
+@pytest.mark.parametrize("estimate", [-1.0, 0.0, np.nan])
+def test_a_period_needs_a_sensible_estimate(estimate):
+    for _, period in agreement.ROUTES.values():
+        with pytest.raises(ValueError, match="needs a rough period of 'hardening spring' that is greater than zero"):
+            period(study.problems["hardening"], estimate, 1e-6)
+
+
+def test_tolerances_must_fall():
+    with pytest.raises(ValueError, match=r"the tolerances must fall, not \[1e-12, 0.0001\]"):
+        agreement.agreement(["hardening"], [1e-12, 1e-4])
+
+
+def test_a_limit_of_steps_names_the_route():
+    with pytest.raises(StepLimit, match="CVODE Adams did not finish 'hardening spring'"):
+        sundials.trajectory(study.problems["hardening"], np.array([1.0]), max_num_steps=10)
+    with pytest.raises(StepLimit, match="diffrax Dopri8 did not finish 'hardening spring': The maximum number"):
+        reference.diffrax.trajectory(study.problems["hardening"], np.array([1.0]), max_steps=10)
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_a_turning_point_that_is_not_met_says_so(route):
+    _, period = agreement.ROUTES[route]
+    with pytest.raises(RouteFailed, match="met no turning point of 'hardening spring'"):
+        period(study.problems["hardening"], 0.01, 1e-9)

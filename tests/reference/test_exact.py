@@ -1,0 +1,88 @@
+"""The reference solution and its certificate."""
+
+from fractions import Fraction
+
+import jax.numpy as jnp
+import mpmath
+import numpy as np
+import pytest
+
+import study
+from reference import closed_form, exact, taylor
+from reference.solution import RouteFailed
+from study.problem.named import printed_periods
+from study.problem.springs import CubicSpring
+
+CUBIC = ["hardening", "double_well"]
+
+
+@pytest.mark.parametrize("name", list(printed_periods))
+def test_period_is_certified_to_thirty_digits(name):
+    period, certified = exact.period(study.problems[name], printed_periods[name])
+    assert certified < 1e-36
+    with mpmath.workdps(50):
+        assert abs(closed_form.period(study.problems[name]) / mpmath.mpf(str(period)) - 1) < 1e-36
+
+
+@pytest.mark.parametrize("name", list(printed_periods))
+def test_motion_is_certified_and_closes_after_a_period(name):
+    problem = study.problems[name]
+    period, _ = exact.period(problem, printed_periods[name])
+    truth = exact.trajectory(problem, [period * k / 16 for k in range(17)])
+    assert truth.u_certified < 1e-34 and truth.v_certified < 1e-33
+    assert (truth.u[-1], truth.v[-1]) == pytest.approx((float(problem.u0), 0.0), rel=0, abs=1e-30)
+    energy = np.array([problem.energy(u, v) for u, v in zip(truth.u, truth.v, strict=True)])
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-14)
+
+
+def test_folding_is_the_long_integration():
+    """The truth of the hundredth period, folded, against a run of 128 bits through all of them."""
+    problem = study.problems["softening"]
+    t = np.array([113.7, 113.9, 114.05])
+    truth = exact.folded(problem, t, *exact.period(problem, 1.14))
+    last = taylor.trajectory(problem, t, bits=128)
+    np.testing.assert_array_equal(truth.u, [float(u) for u in last.u])
+    np.testing.assert_array_equal(truth.v, [float(v) for v in last.v])
+
+
+@pytest.mark.parametrize("name", CUBIC)
+def test_truth_after_a_hundred_thousand_periods_is_the_closed_form(name):
+    """At any time, in any order, also at whole periods, where rounding decides which side of them a time lies."""
+    problem, found = study.problems[name], exact.period(study.problems[name], printed_periods[name])
+    once = float(found[0])
+    t = np.concatenate(
+        [np.random.default_rng(1).uniform(0, 1e5 * once, 20), once * np.array([1e5, 1.0, 0.0, 99_999.0])]
+    )
+    truth = exact.folded(problem, t, *found)
+    u, v = closed_form.trajectory(problem, t)
+    np.testing.assert_array_equal(truth.u, np.array(u, float))
+    np.testing.assert_allclose(truth.v, np.array(v, float), rtol=1e-15, atol=1e-30)
+    assert truth.u_certified < 1e-30
+
+
+def test_a_time_that_is_not_finite_is_refused():
+    problem = study.problems["hardening"]
+    with pytest.raises(ValueError, match="'hardening spring' is asked for at a time that is not finite"):
+        exact.folded(problem, [np.nan], *exact.period(problem, 0.15))
+
+
+def test_a_period_needs_no_closed_form():
+    quintic = study.Problem(lambda u: u + u**5, u0=1.0, title="quintic")
+    period, certified = exact.period(quintic, 5.0)
+    assert certified < 1e-36
+    assert taylor.period(quintic, 5.0) == pytest.approx(float(period), rel=1e-14)
+
+
+def test_what_the_integrations_do_not_agree_on_is_no_truth():
+    chaotic = study.Problem(
+        CubicSpring(-1.0, -1.0).force, u0=0.5, damping=0.3, load=lambda t: 0.5 * jnp.cos(1.2 * t), title="chaotic"
+    )
+    assert exact.trajectory(chaotic, [50.0]).u_certified < 1e-25
+    with pytest.raises(RouteFailed, match=r"the exact solution of 'chaotic' up to t = 900 is known to .* only"):
+        exact.trajectory(chaotic, [900.0])
+
+
+def test_phases_hold_every_step_of_every_step_size():
+    parts = exact.phases([8, 11])
+    assert len(parts) == 8 + 11 - 1 + 1
+    assert Fraction(3, 8) in parts and Fraction(10, 11) in parts and parts[0] == 0 and parts[-1] == 1

@@ -1,0 +1,93 @@
+"""Every scheme converges with the order that it claims, free, damped and forced, with one unknown and with two."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+
+#: Steps within the asymptotic range and above round-off, by expected order.
+STEPS = {1: [6400, 12800, 25600], 2: [800, 1600, 3200], 4: [80, 160, 320], 6: [60, 85, 120], 8: [20, 28, 40]}
+
+
+#: In place of extrapolation of twelfth order, which double precision leaves no room to fit; linear theory shows it.
+SIXTH = study.Extrapolation((1, 2, 3))
+
+
+@pytest.fixture
+def scheme(scheme):
+    """Every scheme in turn."""
+    return SIXTH if scheme.order == 12 else scheme
+
+
+def _driven_along(exact, damping=None, mass=None):
+    """A problem whose exact solution is known: the load is what the chosen motion needs."""
+    u0, v0, _ = exact(0.0)
+    coupling = jnp.asarray([[2.0, -1.0], [-1.0, 3.0]]) if jnp.ndim(u0) else 2.0
+
+    def force(u):
+        return (coupling @ u if jnp.ndim(u) else coupling * u) + u**3
+
+    def load(t):
+        u, v, a = exact(t)
+        inertia = a if mass is None else jnp.asarray(mass) @ a if np.ndim(mass) == 2 else mass * a
+        resistance = 0.0 if damping is None else jnp.asarray(damping) @ v if np.ndim(damping) == 2 else damping * v
+        return inertia + resistance + force(u)
+
+    def potential(u):
+        return (u @ coupling @ u / 2 if jnp.ndim(u) else u**2) + jnp.sum(u**4) / 4
+
+    return study.Problem(force, u0, v0, potential=potential, load=load, damping=damping, mass=mass, title="driven")
+
+
+def _one(t):
+    return jnp.cos(t) + 0.3 * jnp.sin(2 * t), -jnp.sin(t) + 0.6 * jnp.cos(2 * t), -jnp.cos(t) - 1.2 * jnp.sin(2 * t)
+
+
+def _two(t):
+    u, v, a = _one(t)
+    return (
+        jnp.stack([u, 0.5 * jnp.cos(0.7 * t)]),
+        jnp.stack([v, -0.35 * jnp.sin(0.7 * t)]),
+        jnp.stack([a, -0.245 * jnp.cos(0.7 * t)]),
+    )
+
+
+def _observed_orders(problem, scheme, exact, duration, steps):
+    errors = []
+    for n in steps:
+        end = study.run(problem, scheme, dt=duration / n, steps=n, every=n).isel(t=-1)
+        errors.append(np.max(np.abs(end.u.values - np.asarray(exact(duration)[0]))))
+    return -np.diff(np.log(errors)) / np.diff(np.log(steps))
+
+
+def test_order_of_one_damped_and_driven_oscillator(scheme):
+    orders = _observed_orders(_driven_along(_one, damping=0.3), scheme, _one, 3.0, STEPS[scheme.damped_order])
+    assert orders == pytest.approx(scheme.damped_order, abs=0.1)
+
+
+def test_a_load_alone_leaves_mclachlans_method_its_order():
+    """It asks for ü that does not depend on u̇, as damping would make it."""
+    scheme = study.schemes["mclachlan4"]
+    assert scheme.damped_order < scheme.order
+    orders = _observed_orders(_driven_along(_one), scheme, _one, 3.0, STEPS[scheme.order])
+    assert orders == pytest.approx(scheme.order, abs=0.1)
+
+
+def test_order_of_two_coupled_unknowns(kind):
+    scheme = SIXTH if study.schemes[kind].order == 12 else study.schemes[kind]
+    problem = _driven_along(_two, damping=np.diag([0.2, 0.4]) + 0.1, mass=np.array([[2.0, 0.5], [0.5, 1.0]]))
+    steps = STEPS[scheme.damped_order]
+    orders = _observed_orders(problem, scheme, _two, 3.0, steps)
+    assert orders == pytest.approx(scheme.damped_order, abs=0.1)
+
+
+def test_order_on_the_hardening_spring(scheme):
+    """Free, undamped and from rest, where the displacement of Fox and Goodwin's method is Numerov's, of order 4."""
+    period = 0.151532834447260357127078726219
+    expected = 4 if scheme is study.schemes["fox_goodwin"] else scheme.order
+    steps = STEPS | {1: [1600, 3200, 6400], 2: [1600, 3200, 6400], 4: [50, 100, 200], 6: [30, 42, 60], 8: [12, 17, 24]}
+    counts = steps[expected]
+    # after a quarter of the period the exact displacement is zero
+    errors = [abs(study.run("hardening", scheme, dt=period / 4 / n, steps=n, every=n).u.values[-1]) for n in counts]
+    assert -np.diff(np.log(errors)) / np.diff(np.log(counts)) == pytest.approx(expected, abs=0.1)

@@ -1,0 +1,35 @@
+"""The derivative of a step, which carries a neighbour along."""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import study
+from study.scheme.linearised import Linearised
+
+
+def test_the_derivative_of_a_step_is_that_of_differences(kind):
+    scheme, problem, dt = study.schemes[kind], study.problems["hardening"], jnp.asarray(0.012)
+    state, _ = jax.jit(partial(scheme.start, problem))(jnp.asarray(1.1), jnp.asarray(3.0), dt)
+    direction = jax.tree.map(lambda part: 0.3 * jnp.ones_like(part), state)
+
+    @jax.jit
+    def step(state):
+        return scheme.step(problem, state, jnp.asarray(0.0), dt)[0]
+
+    def moved(part):
+        return jax.tree.leaves(step(jax.tree.map(lambda x, d: x + part * d, state, direction)))
+
+    _, tangent = jax.jit(lambda *along: jax.jvp(step, *along))((state,), (direction,))
+    for exact, ahead, behind in zip(jax.tree.leaves(tangent), moved(1e-5), moved(-1e-5), strict=True):
+        np.testing.assert_allclose(exact, (ahead - behind) / 2e-5, rtol=1e-6, atol=1e-6)
+
+
+def test_a_neighbour_that_a_step_has_brought_to_the_run_stays_with_it():
+    scheme, problem, dt = Linearised(study.schemes["rk4"]), study.problems["hardening"], jnp.asarray(0.01)
+    start, _ = scheme.start(problem, jnp.asarray(1.0), jnp.asarray(0.0), dt)
+    together = start._replace(distance=jax.tree.map(jnp.zeros_like, start.distance))
+    state, _ = scheme.step(problem, together, jnp.asarray(0.0), dt)
+    assert all(part == 0 for part in jax.tree.leaves(state.distance))

@@ -1,0 +1,58 @@
+"""Parameters that are refused."""
+
+import numpy as np
+import pytest
+
+import study
+
+
+@pytest.mark.parametrize(
+    "make, name",
+    [
+        (lambda x: study.Newmark(beta=x, gamma=0.5), "beta"),
+        (lambda x: study.Newmark(beta=0.25, gamma=x), "gamma"),
+        (lambda x: study.WilsonTheta(theta=x), "theta"),
+        (lambda x: study.HHTAlpha(alpha=x, beta=0.3025, gamma=0.6), "alpha"),
+        (lambda x: study.HHTAlpha(alpha=-0.1, beta=x, gamma=0.6), "beta"),
+        (lambda x: study.GeneralizedAlpha(alpha_m=0.0, alpha_f=x, beta=0.25, gamma=0.5), "alpha_f"),
+        (study.GeneralizedAlpha.chung_hulbert, "rho_inf"),
+        (study.GeneralizedAlpha.hht, "rho_inf"),
+        (study.GeneralizedAlpha.wbz, "rho_inf"),
+        (study.KolayRicles, "rho_inf"),
+        (lambda x: study.Bathe(gamma=x), "gamma"),
+        (study.Bathe.of_one_stiffness, "rho_inf"),
+        (study.ExplicitAlpha.hulbert_chung, "rho_b"),
+        (study.ExplicitAlpha.chung_lee, "beta"),
+        (study.NohBathe, "p"),
+        (study.TchamwaWielgosz, "phi"),
+    ],
+)
+@pytest.mark.parametrize("value", [-0.5, float("nan"), float("inf"), "a", None, [0.25], 1j, np.array([0.25, 0.3])])
+def test_parameters_out_of_range_are_refused(make, name, value):
+    with pytest.raises(ValueError, match=rf"{name}=.*{name} must be"):
+        make(value)
+
+
+@pytest.mark.parametrize(
+    "make, sentence",
+    [
+        (lambda: study.BackwardDifferences((1.0, 1.0)), "weights must be those of a derivative"),
+        (lambda: study.BackwardDifferences((2.0, -2.0)), "weights must be those of a derivative"),
+        (lambda: study.BackwardDifferences("ab"), "weights must be a tuple of finite numbers"),
+        (lambda: study.BackwardDifferences((1.0, float("nan"))), "weights must be a tuple of finite numbers"),
+        (lambda: study.Splitting((0.0, 1.0), (float("nan"),), of_order=1), "kicks must be a tuple of finite numbers"),
+        (lambda: study.Composition(1.0, of_order=2), "weights must be a tuple of finite numbers"),
+        (lambda: study.Composition((1.0,), of_order="x"), "of_order must be a whole number of at least 1"),
+        (lambda: study.Extrapolation((True, 2)), "sequence must be a tuple of finite numbers"),
+        (lambda: study.Extrapolation(3), "sequence must be a tuple of finite numbers"),
+        (lambda: study.Splitting((0.0, 1.0), (0.5,), of_order=1), "kicks must be numbers that add up to one"),
+        (lambda: study.Splitting((1.0,), (1.0,), of_order=1), "one drift more than kicks, not 1 for 1"),
+        (lambda: study.Composition((0.5, 0.2, 0.3), of_order=2), "weights must be the same from both ends"),
+        (lambda: study.Composition((), of_order=2), "weights must be a tuple of finite numbers"),
+        (lambda: study.Extrapolation((2, 1)), "sequence must be whole numbers that rise from at least 1"),
+        (lambda: study.AverageVectorField(points=0), "points must be a whole number of at least 1"),
+    ],
+)
+def test_weights_that_make_no_scheme_are_refused(make, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        make()

@@ -1,0 +1,123 @@
+"""Schemes on several unknowns: what does not depend on the form of the tangent, the coordinates or the coupling."""
+
+from functools import cache
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from study.problem.springs import CubicSpring
+
+N, DT, STEPS = 5, 0.05, 20
+
+
+def _elongations(u):
+    return jnp.concatenate([u[:1], jnp.diff(u)])
+
+
+def _hardening(strain):
+    return strain * strain / 2 + strain**4 / 4
+
+
+def _phase(problem, scheme, dt=DT, steps=STEPS, **arguments):
+    ds = study.run(problem, scheme, dt=dt, steps=steps, **arguments)
+    assert (ds.status == 0).all()
+    return np.stack([ds.u.values, ds.v.values])
+
+
+#: One scheme of each way to ask for tangents and solutions, and those that make matrices of the tangent.
+WAYS = ["average_acceleration", "hht_alpha", "kr_alpha", "chung_lee", "energy_momentum", "gauss4"]
+MATRICES = ["average_acceleration", "kr_alpha", "gauss4"]
+
+
+@pytest.fixture(scope="module")
+def of_dense_tangent(damped_chain):
+    """A function that gives the motion of a scheme with a dense tangent."""
+    return cache(lambda scheme: _phase(damped_chain("dense"), scheme))
+
+
+@pytest.mark.parametrize(
+    "scheme, structure, tolerance",
+    [
+        *((scheme, "tridiagonal", 1e-11) for scheme in WAYS),
+        *((scheme, 2, 1e-11) for scheme in MATRICES),
+        # iterations end at ten digits of a solution
+        *((scheme, "matrix_free", 1e-9) for scheme in WAYS),
+    ],
+)
+def test_the_form_of_the_tangent_makes_no_difference(damped_chain, of_dense_tangent, scheme, structure, tolerance):
+    """With damping and a load."""
+    trajectory = _phase(damped_chain(structure), scheme)
+    np.testing.assert_allclose(trajectory, of_dense_tangent(scheme), rtol=0, atol=tolerance)
+
+
+def test_uncoupled_oscillators_are_as_many_single_ones(kind):
+    spring, u0 = CubicSpring(4.0, 0.5), np.linspace(-1, 2, N)
+    common = {"mass": 2.0, "damping": 0.3}
+    # one energy a strain: the mean force of a whole potential would couple them
+    together = study.Problem(
+        potential=study.StrainEnergy(lambda u: u, spring.potential), u0=u0, v0=np.full(N, 0.5), tangent=0,
+        load=lambda t: jnp.full(N, jnp.cos(t)), **common,
+    )  # fmt: skip
+    single = study.Problem(spring.force, 1.0, 0.5, potential=spring.potential, load=jnp.cos, **common)
+    alone = np.stack([_phase(single, kind, u0=each) for each in u0], axis=-1)
+    np.testing.assert_allclose(_phase(together, kind), alone, rtol=0, atol=1e-12)
+
+
+LENGTH = 3.0443
+
+
+ELASTIC = study.StrainEnergy(lambda u: (jnp.vdot(u, u) - LENGTH**2)[None], lambda e: 1e3 / (8 * LENGTH**3) * e**2)
+
+
+@pytest.mark.parametrize(
+    "scheme",
+    ["average_acceleration", "central_difference", "hht_alpha", "bathe", "rk4", "gauss4", "implicit_midpoint",
+     "energy_momentum", "average_vector_field"],
+)  # fmt: skip
+def test_no_direction_is_special(scheme):
+    """A turn of the coordinates turns the motion of an elastic pendulum."""
+    turn = np.array([[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]])
+    u0, v0 = np.array([LENGTH, 0.0]), np.array([0.0, 7.72])
+    straight, turned = (
+        _phase(study.Problem(potential=ELASTIC, u0=t @ u0, v0=t @ v0, mass=10.0), scheme, dt=0.02, steps=100)
+        for t in (np.eye(2), turn)
+    )
+    np.testing.assert_allclose(turned, straight @ turn.T, rtol=0, atol=1e-9)
+
+
+#: The first scheme of every class that takes massless unknowns.
+WITHOUT_MASS = {type(scheme): name for name, scheme in reversed(list(study.schemes.items())) if not scheme.needs_mass}
+
+
+@pytest.mark.parametrize("name", WITHOUT_MASS.values())
+def test_a_joint_without_mass_leaves_the_springs_in_series(name):
+    """Springs of 6 and 3 in series are one of 2."""
+    stiffness, (u0, v0) = np.array([6.0, 3.0]), (0.9, 0.6)
+    springs = study.StrainEnergy(_elongations, lambda e: stiffness * e * e / 2)
+    # the joint starts in balance
+    series = study.Problem(potential=springs, u0=[u0 / 3, u0], v0=[v0 / 3, v0], mass=[0.0, 2.0])
+    single = study.Problem(lambda u: 2 * u, u0, v0, potential=lambda u: u * u, mass=2.0)
+    both = _phase(series, name)
+    np.testing.assert_allclose(both[..., 1], _phase(single, name), rtol=0, atol=1e-9)
+    # Wilson's balance is beyond the end of the step
+    if name != "wilson_theta":
+        np.testing.assert_allclose(both[0, :, 0], both[0, :, 1] / 3, rtol=0, atol=1e-9)
+
+
+def _of_chain(u):
+    return jnp.sum(_hardening(_elongations(u)))
+
+
+@pytest.mark.parametrize("structure", ["tridiagonal", "matrix_free"])
+def test_a_mean_force_of_the_whole_potential_couples_all(structure):
+    problem = study.Problem(potential=_of_chain, u0=np.linspace(0, 1, N), v0=np.zeros(N), tangent=structure)
+    with pytest.raises(ValueError, match=r"makes the tangent of 'unnamed problem' full: give it a StrainEnergy"):
+        study.run(problem, "energy_momentum", dt=DT, steps=1)
+
+
+def test_a_mean_force_of_the_whole_potential_keeps_its_energy():
+    problem = study.Problem(potential=_of_chain, u0=np.linspace(0, 1, N), v0=np.zeros(N), tangent="dense")
+    ds = study.run(problem, "energy_momentum", dt=0.3, steps=200, observe=["max_energy_error"])
+    assert ds.status == 0 and ds.max_energy_error < 1e-9
