@@ -37,9 +37,9 @@ class _Sources:
         found = set(modules).union(*map(self._graph.find_upstream_modules, modules))
         paths = [self._root.joinpath(*name.split(".")) for name in sorted(found)]
         files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
-        # the numbers that were printed in 1996 are a source too
-        printed = (self._root / "paper" / "published").glob("*.csv") if "paper.published" in found else []
-        return [str(path) for path in [*files, *sorted(printed)]]
+        # beside the modules lie numbers that were printed in 1996, and scripts of the page
+        beside = (path for folder in {path.parent for path in files} for path in folder.glob("*.*"))
+        return [str(path) for path in [*files, *sorted(path for path in beside if path.suffix in (".csv", ".js"))]]
 
 
 def _step(name: str, message: str, outputs: Iterable[str], jobs: dict[str, dict], **more: Any) -> dict[str, Any]:
@@ -75,7 +75,9 @@ def _of_all(kind: str, products: list[Product], sources: _Sources) -> dict[str, 
     chosen = [one for one in products if one.kind == kind]
     files = [file for one in chosen for file in _data(one)]
     modules = sources.of(f"paper.{name}.__main__", *(one.module for one in chosen))
-    return _step(name, name.capitalize(), [output], {"": _job((f"paper.{name}", "results", output), [*files, *modules])})
+    return _step(
+        name, name.capitalize(), [output], {"": _job((f"paper.{name}", "results", output), [*files, *modules])}
+    )
 
 
 def _data(product: Product) -> list[str]:
@@ -109,10 +111,8 @@ def check_datasets(products: Iterable[Product], datasets: Iterable[str]) -> None
     for one in products:
         for file in one.files:
             if file.endswith(".nc") and file.removesuffix(".nc") not in known:
-                raise ValueError(
-                    f"the {one.kind} '{one.name}' reads '{file.removesuffix('.nc')}', a dataset that this configuration "
-                    "does not make."
-                )
+                name = file.removesuffix(".nc")
+                raise ValueError(f"{one} reads '{name}', a dataset that this configuration does not make.")
 
 
 def main(root: str) -> None:

@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-from study import settings as xla
+from study import settings
 
 
 def test_jax_in_use_before_the_import_is_told():
@@ -34,8 +34,8 @@ def test_a_cache_that_has_grown_too_large_loses_its_older_half(tmp_path, monkeyp
     for age in range(10):
         (tmp_path / f"program{age}").write_bytes(bytes(100))
         os.utime(tmp_path / f"program{age}", (0, 1000 - age))
-    xla._prune(tmp_path)
+    settings._prune(tmp_path)
     assert len(list(tmp_path.iterdir())) == 10
-    monkeypatch.setattr(xla, "_CACHE_SIZE", 999)
-    xla._prune(tmp_path)
+    monkeypatch.setattr(settings, "_CACHE_SIZE", 999)
+    settings._prune(tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {f"program{age}" for age in range(5)}

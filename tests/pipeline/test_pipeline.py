@@ -3,7 +3,6 @@
 import csv
 import hashlib
 import json
-import os
 import shutil
 import signal
 import subprocess
@@ -18,9 +17,9 @@ from study.pipeline import configuration
 from study.pipeline.experiment import discover
 from study.pipeline.sources import Sources
 from study.pipeline.steps import steps_of
+from tests.pipeline.additions import ADDED
+from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, make
 
-PROJECT = Path(__file__).parents[2]
-SMALL = Path("tests", "pipeline", "small.yaml")
 #: Products of measured times, which differ from run to run, and what is made of them.
 TIMED = {
     "cpu_time",
@@ -39,35 +38,11 @@ TIMED = {
 pytestmark = pytest.mark.slow
 
 
-def _copy(target: Path) -> Path:
-    """Copy what is tracked and what is new, so that sources can be edited."""
-    listed = subprocess.run(
-        ["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=PROJECT, capture_output=True, text=True
-    ).stdout.split()
-    for name in listed:
-        if (PROJECT / name).exists():
-            (target / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(PROJECT / name, target / name)
-    return target
-
-
-def _snakemake(folder: Path, *arguments: str, overlays=(SMALL,)) -> subprocess.CompletedProcess:
-    environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
-    command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", *map(str, overlays)]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
-
-
-def _made(folder: Path, *products: str, **options) -> None:
-    """Make products below the results, or all."""
-    done = _snakemake(folder, *(f"results/{product}" for product in products), **options)
-    assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
-
-
 @pytest.fixture(scope="module")
 def project(tmp_path_factory) -> Path:
     """A copy of the project with everything made."""
-    folder = _copy(tmp_path_factory.mktemp("project"))
-    _made(folder)
+    folder = copied(tmp_path_factory.mktemp("project"))
+    make(folder)
     return folder
 
 
@@ -79,7 +54,7 @@ def copy(project, tmp_path) -> Path:
 
 def _would_run(folder: Path) -> set[str]:
     """The products that a further call would make again, under ``results`` and without ending."""
-    done = _snakemake(folder, "--summary")
+    done = call_snakemake(folder, "--summary")
     assert done.returncode == 0, done.stderr[-4000:]
     rows = list(csv.DictReader(done.stdout.splitlines(), delimiter="\t"))
     assert len(rows) > 50
@@ -96,7 +71,7 @@ def _hashes(folder: Path) -> dict[str, str]:
     }
 
 
-def test_everything_is_made(project):
+def test_everything_ismake(project):
     results = project / "results"
     assert (results / "manuscript.pdf").read_bytes().startswith(b"%PDF")
     assert (results / "explorer.html").stat().st_size > 1e6
@@ -136,9 +111,9 @@ def test_a_second_call_has_nothing_to_do(project):
 
 
 def test_one_core_gives_the_same_bytes_as_two(project, tmp_path):
-    again = _copy(tmp_path)
+    again = copied(tmp_path)
     products = {"energy_drift.nc", "sensitivity.nc", "figures/energy_drift.svg", "stability/tiles/rk4_0.nc"}
-    done = _snakemake(again, "--cores", "1", *(f"results/{product}" for product in products))
+    done = call_snakemake(again, "--cores", "1", *(f"results/{product}" for product in products))
     assert done.returncode == 0, done.stderr[-4000:]
     made = _hashes(again)
     assert products <= set(made)
@@ -184,7 +159,7 @@ def test_a_failed_job_leaves_what_was_there_and_is_made_anew(copy):
     (copy / SMALL).write_text(yaml.safe_dump(settings | {"houbolt_start": {"periods": 50}}))
     module.write_text(source.replace("error = np.empty(", "raise ValueError('broken')\n    error = np.empty("))
     assert module.read_text() != source
-    assert _snakemake(copy, "results/houbolt_start.nc").returncode != 0
+    assert call_snakemake(copy, "results/houbolt_start.nc").returncode != 0
     assert product.read_bytes() == before
     module.write_text(source)
     assert "houbolt_start" in _would_run(copy)
@@ -208,7 +183,7 @@ def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
         interrupted.communicate()
     assert interrupted.returncode != 0 and sum(path.exists() for path in missing) == 1
     there = {path: path.stat().st_mtime_ns for path in (stability / "tiles").iterdir()}
-    _made(copy, "stability/atlas.nc")
+    make(copy, "stability/atlas.nc")
     assert {path: path.stat().st_mtime_ns for path in there} == there
     assert _hashes(copy)["stability/atlas.nc"] == _hashes(project)["stability/atlas.nc"]
 
@@ -224,7 +199,7 @@ def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
 def test_a_wrong_configuration_stops_before_any_work(project, tmp_path, text, sentence):
     (tmp_path / "wrong.yaml").write_text(text)
     before = _hashes(project)
-    done = _snakemake(project, overlays=[SMALL, tmp_path / "wrong.yaml"])
+    done = call_snakemake(project, overlays=[SMALL, tmp_path / "wrong.yaml"])
     assert done.returncode != 0
     assert sentence in done.stdout + done.stderr and "Traceback" not in done.stderr
     assert _hashes(project) == before
@@ -232,88 +207,15 @@ def test_a_wrong_configuration_stops_before_any_work(project, tmp_path, text, se
 
 @pytest.mark.parametrize("arguments", [["--lint"], ["--rulegraph"], ["--report", "report.html"]])
 def test_the_tools_of_snakemake_work(project, arguments):
-    done = _snakemake(project, *arguments)
+    done = call_snakemake(project, *arguments)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
 
 
-#: One file for each kind of thing that a reader may add.
-ADDED = {
-    "study/scheme/mine.py": '''"""A scheme of one's own."""
-
-from study.scheme.newmark import Newmark
-
-mine = Newmark(beta=0.26, gamma=0.52, title="Mine")
-''',
-    "study/experiments/last_displacement.py": '''"""Displacement after a number of steps."""
-
-import xarray as xr
-
-from study.marching.run import run
-from study.pipeline.experiment import experiment
-from study.pipeline.options import Count, Spring
-
-
-@experiment("last_displacement", reads=lambda options: ["reference/hardening"])
-def last_displacement(problem: Spring = "hardening", steps: Count = 100) -> xr.Dataset:
-    """Displacement of a scheme of one's own after a number of steps."""
-    end = run(problem, "mine", dt=0.001, steps=steps, every=steps).isel(t=-1)
-    return xr.Dataset({"u": ((), end.u.item(), end.u.attrs)}, attrs={"title": "Last displacement"})
-''',
-    "paper/figures/last.py": '''"""The last displacement."""
-
-import matplotlib.pyplot as plt
-
-from paper.products import figure
-
-
-@figure("The last displacement.", asks={"energy_error.periods": 100}, last="last_displacement")
-def draw(last):
-    """One point."""
-    picture, axes = plt.subplots()
-    axes.plot(0, last.u, "o")
-    return picture
-''',
-    "paper/tables/last.py": '''"""The last displacement."""
-
-import pandas as pd
-
-from paper.products import table
-
-
-@table(last="last_displacement")
-def tabulate(last):
-    """One row."""
-    return pd.DataFrame({"u": [f"{last.u.item():.3f}"]})
-''',
-    "paper/claims/last.py": '''"""A claim of one's own."""
-
-from paper.claims.ledger import Finding, claim
-
-
-@claim("structures", "The last displacement is finite.", "its size", reads=["last_displacement"])
-def is_finite(data):
-    """Whether it is."""
-    size = abs(data["last_displacement"].u.item())
-    return Finding(f"{size:.2f}", size < 10)
-''',
-    "paper/numbers/last.py": '''"""A number of one's own."""
-
-from paper.products import numbers
-
-
-@numbers(last="last_displacement")
-def of_last(last):
-    """The last displacement."""
-    return {"last_displacement": f"{last.u.item():.2f}"}
-''',
-}
-
-
-def test_what_is_added_in_one_file_is_made(copy):
+def test_what_is_added_in_one_file_ismake(copy):
     for name, text in ADDED.items():
         (copy / name).write_text(text)
     (copy / SMALL).write_text((copy / SMALL).read_text() + "\nlast_displacement: {steps: 50}\n")
-    _made(copy, "last_displacement.nc", "figures/last.png", "tables/last.csv", "claims.csv", "numbers.json")
+    make(copy, "last_displacement.nc", "figures/last.png", "tables/last.csv", "claims.csv", "numbers.json")
     results = copy / "results"
     assert 0 < abs(study.open("last_displacement", results).u.item()) < 1.5
     assert "The last displacement is finite." in (results / "claims.csv").read_text()
@@ -326,7 +228,7 @@ def test_an_undeclared_read_fails_before_any_run(copy):
         "    end = run(", '    from study import datasets\n\n    datasets.open("spectral")\n    end = run('
     )
     (copy / "study/experiments/last_displacement.py").write_text(text)
-    done = _snakemake(copy, "results/last_displacement.nc")
+    done = call_snakemake(copy, "results/last_displacement.nc")
     assert done.returncode != 0
     log = (copy / "results" / "logs" / "last_displacement.log").read_text()
     assert "the dataset 'spectral' is read without being declared" in log
@@ -345,4 +247,4 @@ def test_an_undeclared_read_fails_before_any_run(copy):
 )
 def test_what_is_accepted_runs_to_the_end(copy, changes):
     (copy / "changes.yaml").write_text(yaml.safe_dump(changes))
-    _made(copy, overlays=[SMALL, "changes.yaml"])
+    make(copy, overlays=[SMALL, "changes.yaml"])
