@@ -22,7 +22,7 @@ def copied(target: Path) -> Path:
     return target
 
 
-def callcall_snakemake(folder: Path, *arguments: str, overlays=(SMALL,)) -> subprocess.CompletedProcess:
+def call_snakemake(folder: Path, *arguments: str, overlays=(SMALL,)) -> subprocess.CompletedProcess:
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", *map(str, overlays)]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
