@@ -60,7 +60,7 @@ def _tanh_period(spring: TanhSpring, u0):
 
     def integrand(x):
         drop = u0 * x**2
-        # ln(cosh u₀ / cosh(u₀ − drop)) in a form that is exact for small drops and does not overflow for large u₀
+        # ln(cosh u₀ / cosh(u₀ − drop)) in a form that is accurate for small drops and does not overflow for large u₀
         tail = mpmath.exp(-2 * u0) * mpmath.expm1(2 * drop) / (1 + mpmath.exp(2 * (drop - u0)))
         logarithm = drop + mpmath.log1p(-tail)
         return 2 * u0 * x / mpmath.sqrt(2 * spring.S * logarithm)

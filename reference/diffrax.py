@@ -49,8 +49,8 @@ class ClassicalRungeKutta(diffrax.AbstractERK):
 def _solver(method: str):
     """Diffrax's solver; an implicit method solves its equations by the chord iteration.
 
-    Diffrax's default is the very chord iteration, which fails in every second step on these problems and needs six to
-    ten times as many steps.
+    Diffrax's default, ``VeryChord``, fails in every second step on these problems, and needs six to ten times as many
+    steps.
     """
     solver = getattr(diffrax, method)
     if issubclass(solver, diffrax.AbstractImplicitSolver):

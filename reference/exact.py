@@ -198,9 +198,9 @@ def _witnessed(problem: Problem, times: Sequence[hy.real]) -> float:
 
 
 def _uncertainty(values: np.ndarray, rates: np.ndarray, t: float, certified: float) -> float:
-    """Uncertainty of stored values: max |Δ| ≤ (ulp(max |u|) + max |u̇| ulp(t))/2 + the certified difference.
+    """Uncertainty of stored values: (ulp(max |u|) + max |u̇| ulp(t))/2 plus the certified difference.
 
-    ulp is the unit in the last place. The values and the times up to ``t`` are rounded; ``rates`` are derivatives.
+    ulp is the unit in the last place: the values u and the times up to t are rounded. ``rates`` are the derivatives u̇.
     """
     return 0.5 * (np.spacing(np.max(np.abs(values))) + np.max(np.abs(rates)) * np.spacing(t)) + certified
 

@@ -1,4 +1,4 @@
-"""Ways to start Houbolt's method, of which Xie (1996) does not say which one he took."""
+"""Energy error of Houbolt's method by the way it is started, which Xie (1996) does not state."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""Phase portraits of the numerical map, which takes a state to that after one step: iterates of many initial states."""
+"""Phase portraits of the numerical map, which takes each state to the state one step later."""
 
 from collections.abc import Mapping
 

@@ -32,7 +32,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 @experiment("recommendation", reads=lambda options: ["work_precision"], check=_check)
 def recommendation(problems: Springs, measures: Names, errors: Tolerances, periods: Counts) -> xr.Dataset:
-    """Find what every scheme needs to keep each error, and which scheme is the cheapest.
+    """Find the steps, time and forces that every scheme needs to keep each error, and the cheapest scheme.
 
     The needs have the shape (problem, measure, error, periods, scheme) and are NaN for a scheme that does not keep the
     error. ``cheapest_scheme``, of shape (problem, measure, error, periods), is empty if no scheme keeps it.

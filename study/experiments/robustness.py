@@ -31,7 +31,7 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
         for k, length in enumerate(lengths):
             if not open_still[:, k].any():
                 continue
-            # each length has a run of its own, because a run that fails later tells nothing about shorter ones
+            # each length has a run of its own, because a run that fails has no errors of its earlier steps
             runs = run(definition, scheme, dt=period / steps, steps=int(steps * length), u0=u0, observe=[observer])
             kept = np.array([np.isinf(runs[name]).all() for name in observer.variables])
             open_still[:, k] &= kept

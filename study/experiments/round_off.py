@@ -19,7 +19,7 @@ from study.scheme.base import OneStep
 from study.scheme.compensated import Compensated
 from study.scheme.named import schemes as schemes_by_name
 
-#: A run ends this part of a period after a whole number of periods, where displacement and velocity both show a delay.
+#: A run ends this part of a period after whole periods, where displacement and velocity both show a delay.
 PHASE = Fraction(1, 8)
 
 

@@ -19,7 +19,7 @@ from study.pipeline.options import Count, Counts, Schemes, Springs
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: Least time of a timed run in seconds, about: the tenth of a millisecond that a call takes is small beside it.
+#: Approximate time of a timed run in seconds, which is long compared with the tenth of a millisecond of a call.
 LONG_ENOUGH = 0.004
 #: Steps of a first run, whose time gives the number of steps of the timed runs.
 FIRST_STEPS = 10_000

@@ -62,7 +62,7 @@ def harmonic(monkeypatch, tmp_path) -> xr.Dataset:
         attrs={"problem": "hardening"},
     )
     monkeypatch.setattr(experiment.datasets, "open", lambda name: reference)
-    monkeypatch.setattr(experiment, "problems", {"hardening": HARMONIC})
+    monkeypatch.setattr(experiment, "problems_by_name", {"hardening": HARMONIC})
     return long_times("hardening", ["average_acceleration"], 20, [1, 4, 10], runs=4)
 
 
