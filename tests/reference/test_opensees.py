@@ -91,14 +91,14 @@ def test_the_alpha_method_of_finite_elements_weights_displacements(theirs):
     assert abs(weighted - two) > 1
 
 
-def test_what_opensees_cannot_do_says_so(theirs):
+def test_what_opensees_lacks_is_refused(theirs):
     with pytest.raises(ValueError, match="OpenSees has no material that is the spring of 'softening spring'"):
         opensees.trajectory("softening", "houbolt", DT, 1)
     with pytest.raises(ValueError, match="OpenSees does not step 'rk4'; it steps average_acceleration"):
         opensees.trajectory("hardening", "rk4", DT, 1)
 
 
-def test_where_it_is_not_installed_a_sentence_says_how_to_get_it(monkeypatch):
+def test_without_opensees_a_sentence_says_how_to_get_it(monkeypatch):
     def absent(name):
         raise RuntimeError("Failed to import openseespy on Linux.")
 
