@@ -18,7 +18,7 @@ jax.config.update("jax_numpy_dtype_promotion", "strict")
 
 
 def pytest_collection_modifyitems(items):
-    """The pipeline first: at the end it would leave every core but its own without work."""
+    """Slow tests run first; at the end they would leave the other workers idle."""
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
 
 

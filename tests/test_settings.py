@@ -7,7 +7,7 @@ import sys
 from study import settings
 
 
-def test_jax_in_use_before_the_import_is_told():
+def test_a_warning_if_jax_was_in_use_before_the_import():
     code = "import jax.numpy as jnp; jnp.ones(3).sum(); import study"
     environment = {name: value for name, value in os.environ.items() if name != "XLA_FLAGS"}
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)

@@ -13,7 +13,7 @@ HALF_BANDWIDTHS = {"tridiagonal": 1, "pentadiagonal": 2}
 
 
 def _band_of(matrix, k):
-    """(2k + 1, n), entry by entry as the docstring of Banded says."""
+    """Diagonals (2k + 1, n) of a matrix, entry by entry as the docstring of Banded says."""
     n = len(matrix)
     bands = np.zeros((2 * k + 1, n))
     for i in range(n):
@@ -23,7 +23,7 @@ def _band_of(matrix, k):
 
 
 def _dominant(rng, n, k):
-    """Entries within k of a diagonal that outweighs them: no elimination needs to pivot."""
+    """A matrix of half bandwidth k whose diagonal dominates, so that no elimination needs to pivot."""
     matrix = np.where(np.abs(np.subtract.outer(np.arange(n), np.arange(n))) <= k, rng.uniform(-1, 1, (n, n)), 0.0)
     return matrix + (2 * k + 1) * np.diag(rng.choice([-1.0, 1.0], n))
 

@@ -37,7 +37,7 @@ def test_solve_undoes_times(make, form, seed, n):
 
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 7, 8, 13])
 def test_tridiagonal_elimination_of_any_length(make, n):
-    """Turns of the loop take four rows; what is left over is written out."""
+    """The loop takes four rows a turn; the remaining rows are written out."""
     rng = np.random.default_rng(n)
     whole, rhs = make.dominant(rng, n, 1), rng.normal(size=n)
     for bands in (make.band_of(whole, 1), tuple(make.band_of(whole, 1))):
@@ -48,7 +48,7 @@ def test_tridiagonal_elimination_of_any_length(make, n):
 @pytest.mark.parametrize("half_bandwidth", [2, 3, 7])
 @pytest.mark.parametrize("more", [1, 6, 8])
 def test_elimination_of_blocks(make, half_bandwidth, more):
-    """Of as many rows as blocks hold and of others; seven unknowns of a block are LAPACK's."""
+    """With and without an incomplete last block; blocks of seven unknowns go to LAPACK."""
     n = half_bandwidth + more
     rng = np.random.default_rng(n)
     whole, rhs = make.dominant(rng, n, half_bandwidth), rng.normal(size=n)
@@ -91,14 +91,14 @@ def test_gmres_of_any_matrix(make, seed):
 
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_a_force_at_one_place_is_felt_at_all(make, symmetric):
-    """A right side of zeros but for one: what is zero of it must not end the iteration."""
+    """All entries of the right side but one are zero, which must not end the iteration."""
     n = 6
     whole = 2.1 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
     found = _solve(make.matrix_free(whole), jnp.asarray(np.eye(n)[0]), symmetric)
     np.testing.assert_allclose(found, np.linalg.solve(whole, np.eye(n)[0]), atol=1e-9)
 
 
-def test_nothing_asked_of_a_matrix_free_system_is_nothing(make):
+def test_a_right_side_of_zeros_has_the_solution_zero(make):
     whole = 2.1 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1)
     np.testing.assert_array_equal(_solve(make.matrix_free(whole), jnp.zeros(6), True), np.zeros(6))
 

@@ -66,7 +66,7 @@ def test_after_one_crossing_there_is_a_phase_and_no_mean_period():
 
 
 def test_a_crossing_never_leaves_its_step():
-    """Where velocity says nothing of the way between two steps, at rest or running back."""
+    """Also if the velocities at both ends contradict the crossing: zero or backwards."""
     reference, problem = _harmonic(50)
     _, (_, period, _) = against(reference, 50, longest=50)
     for before, after in ((0.0, 1.0), (1.0, 0.0), (-5.0, 1e-9), (0.0, 0.0)):
@@ -78,7 +78,7 @@ def test_a_crossing_never_leaves_its_step():
 
 
 def test_interpolation_between_exact_steps_is_of_sixth_order():
-    """Phase and amplitude of the exact motion itself, sampled: what is left is the observers' own error."""
+    """Phase and amplitude of the exact motion itself show the observers' own error."""
     reference, problem = _harmonic(400)
     errors = []
     for steps in (25, 50):
@@ -111,8 +111,8 @@ def test_phases_that_the_reference_lacks_are_refused():
         against(reference, 7, longest=8)
 
 
-def test_times_of_the_truth_are_those_of_the_run():
-    """The lag of a rounded step size is known: over a million steps it would otherwise look like an error."""
+def test_the_reference_is_taken_at_the_times_of_the_run():
+    """The lag of a rounded step size is accounted for; over a million steps it would look like an error."""
     reference, problem = _harmonic(400, stretch=1 + 1e-5)
     # the motion of a period that the stored one lacks by 1e-5 has no error when the remainder is known
     errors = []
@@ -126,7 +126,7 @@ def test_times_of_the_truth_are_those_of_the_run():
 
 
 def test_amplitudes_are_counted_from_the_equilibrium():
-    """Which is not the middle between the turning points."""
+    """The equilibrium of a lopsided spring is not the middle between its turning points."""
     phase = np.linspace(0, 1, 513)
     u = 0.9 + 0.4 * np.cos(2 * np.pi * phase) + 0.1 * np.cos(4 * np.pi * phase)
     v = -0.8 * np.pi * np.sin(2 * np.pi * phase) - 0.4 * np.pi * np.sin(4 * np.pi * phase)
@@ -143,7 +143,7 @@ def test_amplitudes_are_counted_from_the_equilibrium():
     assert abs(expected - (u.max() + u.min()) / 2) > 0.04
 
 
-def test_a_motion_that_has_come_to_rest_elsewhere_has_no_phase():
+def test_a_motion_that_has_come_to_rest_has_no_phase():
     reference, _ = _harmonic(50)
     dt, observers = against(reference, 50, longest=50)
     # 40 periods of a motion that is damped out after a few and drifts away from the level

@@ -66,7 +66,7 @@ def test_radii_at_infinite_frequency(name):
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
-    """What a scheme claims is the order of its roots, but for those whose errors in phase and start do not add up."""
+    """The roots have the order that a scheme claims, except where errors of the start lower that of the motion."""
     scheme = study.schemes[scheme_name]
     expected = {
         # conjugate to velocity Verlet, and to the generalized-α method: the map is as good, the start is not
@@ -84,7 +84,7 @@ def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 @pytest.mark.parametrize("name", ["hht_alpha_one_force", "wbz_alpha", "generalized_alpha"])
 def test_an_alpha_method_must_carry_its_acceleration(name, damping_ratio):
-    """Re-derived from the equation of motion it drops to first order, in linear theory and in a run."""
+    """An acceleration from the equation of motion lowers the order to one, in linear theory and in a run."""
     scheme, parts = study.schemes[name], np.logspace(-3, 0, 301)
     assert LinearTheory(scheme, parts, damping_ratio).order() == pytest.approx(2, abs=0.05)
     assert LinearTheory(Rederived(scheme), parts, damping_ratio).order() == pytest.approx(1, abs=0.05)
@@ -133,8 +133,8 @@ def test_the_run_is_the_power_of_the_matrix_with_damping_too(kind):
 
 
 @pytest.mark.parametrize("part", [1 / 20, 1 / 50])
-def test_principal_roots_tell_the_motion_of_a_run(scheme, part):
-    """Amplitude decay and elongation of the matrix are those that a run shows over many periods."""
+def test_principal_roots_predict_the_motion_of_a_run(scheme, part):
+    """A run decays and turns as the principal roots of the matrix predict, over many periods."""
     motion = LinearTheory(scheme, np.array([1e-3, 1e-2, part])).motion()
     u = study.run(_unit_oscillator(), scheme, dt=2 * np.pi * part, steps=STEPS).u.values
     # fitted to the later half, where what is not a principal root has died away: u = Re(c λⁿ)

@@ -44,7 +44,7 @@ def test_a_motion_that_is_damped_out_of_chaos_was_not_chaotic():
 
 
 @pytest.mark.parametrize("observe", [["max_energy_error"], ["lyapunov_exponent"], [Fate.of("double_well")]])
-def test_no_outcome_of_what_was_not_observed(observe):
+def test_outcomes_need_their_observers(observe):
     runs = study.run("double_well", "average_acceleration", dt=2.5, steps=10, u0=[0.5], observe=observe)
     with pytest.raises(ValueError, match=r"observe study.Fate.of\(problem\) and 'lyapunov_exponent'"):
         outcomes(runs)

@@ -13,7 +13,7 @@ STEPS = np.array([8, 16, 32, 64, 128])
 
 @pytest.fixture
 def data(monkeypatch):
-    """Two schemes whose errors are powers of the step and of the length of the run, one dear and of high order."""
+    """A cheap scheme of order two and an expensive one of order four; errors grow with the length of the run."""
     steps = xr.DataArray(STEPS.astype(float), dims="steps_per_period")
     periods = xr.DataArray([1.0, 10.0, 100.0], dims="periods")
     errors = xr.concat([1.0 * steps**-2.0 * periods, 10.0 * steps**-4.0 * periods], "scheme").expand_dims(problem=1)
@@ -68,14 +68,14 @@ def test_nothing_is_extrapolated(data):
         study.recommend("spring", error=0.01, periods=1000)
 
 
-def test_what_the_reference_cannot_tell_counts_as_its_uncertainty(data):
+def test_flagged_errors_count_as_the_uncertainty_of_the_reference(data):
     data.flagged.loc[{"measure": "max_trajectory_error", "scheme": "high"}] = 1
     data.uncertainty.loc[{"measure": "max_trajectory_error"}] = 1e-3
     assert study.recommend("spring", error=0.02, periods=1).steps_per_period["high"] < 128
     assert "high" not in study.recommend("spring", error=0.009, periods=1).index
 
 
-def test_what_was_not_measured_says_so(data):
+def test_missing_measures_are_reported(data):
     data.max_trajectory_error[:] = np.nan
     with pytest.raises(ValueError, match="max_trajectory_error is not measured over 10 periods"):
         study.recommend("spring", error=0.01, periods=10)

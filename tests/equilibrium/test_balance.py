@@ -79,7 +79,7 @@ def _linear_springs(moduli, e):
 @pytest.mark.parametrize("stiffness", [1e3, 1e7, 1e9, 1e11])
 @pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "energy_momentum", "gauss4"])
 def test_stiff_links_are_no_failure_of_newton(scheme, stiffness):
-    """Their force is known to round-off of the displacement times the stiffness only, however small it is."""
+    """Round-off of the displacement, times the stiffness, limits how well their force is known."""
     moduli = np.array([0.5, 0.5 * stiffness, 0.5 * stiffness])
     # the moduli are arguments of one program
     energy = study.StrainEnergy(_along, eqx.Partial(_linear_springs, moduli))

@@ -27,7 +27,7 @@ def test_a_far_guess_is_given_the_iterations_that_it_needs():
 
 
 def _corrected(spring, u, c_u, a):
-    """Another Newton iteration, and by which part of the displacement it moves."""
+    """One more Newton iteration, and its correction relative to the displacement."""
     force, tangent = jax.jvp(jax.vmap(spring.force), (u + c_u * a,), (jnp.ones_like(u),))
     correction = (a + force) / (1 + c_u * tangent)
     a = a - correction
@@ -35,7 +35,7 @@ def _corrected(spring, u, c_u, a):
 
 
 @pytest.mark.parametrize("problem, steps_per_period", [("hardening", 40), ("hardening", 60), ("softening", 40)])
-def test_a_third_correction_that_is_foretold_to_be_round_off_is_not_made(problem, steps_per_period):
+def test_no_third_correction_if_it_is_predicted_to_be_round_off(problem, steps_per_period):
     spring, c_u = study.problems[problem], (printed_periods[problem] / steps_per_period) ** 2 / 4
     u0 = jnp.linspace(0.3, 1.0, 64) * spring.u0
     guess = -jax.vmap(spring.force)(u0)
@@ -49,14 +49,14 @@ def test_a_third_correction_that_is_foretold_to_be_round_off_is_not_made(problem
 
 
 def test_failure_is_reported_within_the_bound():
-    """√|u| sgn u − like forces send Newton from side to side for ever."""
+    """Under a force like a root of the displacement the iteration jumps from side to side for ever."""
     problem = study.Problem(lambda u: jnp.cbrt(u), u0=1.0)
     _, effort = balance(problem, 0.0, jnp.asarray(1.0), jnp.asarray(0.0), 1e9, 1.0, jnp.asarray(1.0))
     assert not effort.converged
     assert effort.iterations <= MAX_ITERATIONS
 
 
-def test_what_is_not_finite_ends_the_iteration_at_once():
+def test_a_number_that_is_not_finite_ends_the_iteration():
     problem = study.Problem(lambda u: jnp.log(u), u0=1.0)
     a, effort = balance(problem, 0.0, jnp.asarray(-1.0), jnp.asarray(0.0), 0.1, 1.0, jnp.asarray(0.0))
     assert np.isnan(a)

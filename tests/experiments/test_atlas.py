@@ -46,7 +46,7 @@ def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, mon
     xr.testing.assert_identical(xr.load_dataset("gathered.nc").drop_attrs(), whole.drop_attrs())
 
 
-def test_a_tile_that_is_not_there_is_refused():
+def test_an_unknown_tile_is_refused():
     with pytest.raises(ValueError, match="there is no tile -1 among 3"):
         atlas("rk4", ["hardening"], GRID, 20, {"points": 3, "samples": 5}, tile=-1, tiles=3)
 

@@ -7,7 +7,7 @@ from study.experiments.bifurcation import bifurcation
 from study.marching.march import NEWTON_FAILED
 
 
-def test_a_bifurcation_diagram_tells_order_from_chaos():
+def test_a_bifurcation_diagram_separates_order_from_chaos():
     ds = bifurcation("double_well", "average_acceleration", {"first": 1.0, "last": 2.6, "count": 5}, 600, 50, 1e-10)
     regular, chaotic = ds.isel(dt=0), ds.isel(dt=-1)
     assert regular.lyapunov_exponent < 0.05 < chaotic.lyapunov_exponent

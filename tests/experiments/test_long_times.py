@@ -15,7 +15,7 @@ HARMONIC = study.Problem(lambda u: OMEGA**2 * u, potential=lambda u: OMEGA**2 * 
 
 
 def _period(scheme, dt):
-    """Of the scheme on the harmonic oscillator, by linear theory."""
+    """Period of the scheme on the harmonic oscillator, by linear theory."""
     half = OMEGA * dt / 2
     return np.pi * dt / {"average_acceleration": np.arctan, "central_difference": np.arcsin}[scheme](half)
 
@@ -32,7 +32,7 @@ def test_a_law_of_growth_is_recovered_with_its_error(exponent):
 
 
 def test_the_error_of_an_exponent_is_its_scatter():
-    """Of random walks, whose lengths share their past."""
+    """Checked on random walks, in which longer lengths contain the shorter ones."""
     periods = np.array([10, 32, 100, 316, 1000])
     walks = np.random.default_rng(1).normal(size=(200, 1000, 32)).cumsum(axis=1)[:, periods - 1]
     found, error = growth(periods, walks)
@@ -40,7 +40,7 @@ def test_the_error_of_an_exponent_is_its_scatter():
     assert error.mean() == pytest.approx(found.std(), rel=0.2)
 
 
-def test_no_law_is_made_of_nothing():
+def test_values_without_growth_have_no_law():
     periods = np.array([1, 10, 100])
     for values in (np.zeros((3, 4)), np.full((3, 4), np.nan), np.ones((3, 1))):
         assert np.isnan(growth(periods, values)).all()

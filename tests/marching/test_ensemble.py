@@ -36,7 +36,7 @@ def test_lanes_end_after_their_own_steps(state_kind):
 
 @pytest.mark.parametrize("group, workers", [(1, "1"), (3, "2")])
 def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
-    """Of lanes in another order and in smaller ensembles, some of which fail or take many Newton iterations."""
+    """Lanes in another order and in smaller ensembles; some lanes fail or take many Newton iterations."""
     dt, u0 = np.linspace(0.001, 0.2, 700), np.linspace(0.1, 3.0, 700)
 
     def result(scheme, lanes):

@@ -61,7 +61,7 @@ def test_a_number_of_samples_fits_runs_of_every_length(u0):
 
 @pytest.mark.parametrize("every", [1, 10, 1000])
 def test_a_pause_changes_nothing(monkeypatch, every):
-    """Also where it falls between two samples."""
+    """Also between two samples."""
     arguments = {"dt": 0.002, "steps": 3000, "every": every, "observe": ["trajectory", "max_energy_error"]}
     at_once = study.run("softening", "houbolt", **arguments)
     monkeypatch.setattr(runs, "PAUSE", 257)
@@ -76,7 +76,7 @@ def test_a_failure_ends_a_run_at_its_pause(monkeypatch):
 
 @pytest.mark.parametrize("u0", ["1.5", "[1.0] * 2000"], ids=["alone", "ensemble"])
 def test_a_long_run_can_be_interrupted(tmp_path, u0):
-    """Ctrl-C is heard while a run of a million million steps is under way, and leaves what was written."""
+    """Ctrl-C ends a run of a million million steps, and files written before stay."""
     code = (
         # who runs the tests in the background has interrupts switched off
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
@@ -150,7 +150,7 @@ def test_time_does_not_drift_over_many_steps():
 
 
 def test_memory_grows_with_the_unknowns_and_no_faster():
-    """Numbers that the compiled march of a bar keeps for each unknown, its tridiagonal tangent among them."""
+    """The compiled march of a bar keeps as many numbers per unknown for a long bar as for a short one."""
 
     def kept(n):
         definition = March(chains.impact_bar(n), study.schemes["average_acceleration"], (), ())

@@ -24,7 +24,7 @@ def test_vectors_have_components():
     np.testing.assert_allclose(lanes.u[0], ds.u, rtol=1e-12)
 
 
-def test_objects_of_ones_own():
+def test_problems_and_schemes_of_the_user():
     problem = study.Problem(force=lambda u: 4 * u, u0=1.0, potential=lambda u: 2 * u**2, title="mine")
     ds = study.run(problem, study.Newmark(beta=1 / 6, gamma=0.5), dt=0.01, steps=100, observe=["max_energy_error"])
     assert ds.max_energy_error < 0.1

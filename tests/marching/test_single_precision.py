@@ -38,14 +38,14 @@ def test_steps_that_single_precision_cannot_count_are_refused():
 
 
 def test_a_structure_in_single_precision():
-    """Tolerances of several unknowns follow the precision too."""
+    """Tolerances for several unknowns depend on the precision too."""
     with jax.enable_x64(False):
         ds = study.run("fpu_chain", "energy_momentum", dt=0.01, steps=100, observe=["max_energy_error"])
     assert ds.status == 0 and ds.max_energy_error < 1e-2
 
 
 def _single_round_off(scheme, dt, steps):
-    """Of the mean energy error of every run, against compensated double precision."""
+    """Round-off of the mean energy error over all runs, against compensated double precision."""
     observed = []
     for double, method in ((False, scheme), (True, study.Compensated(scheme))):
         with jax.enable_x64(double):
@@ -65,7 +65,7 @@ def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
 
 
 def test_single_precision_comes_back_bit_for_bit():
-    """Without a drift: the numbers near the orbit are finite in number."""
+    """Without a drift the state returns, since few numbers lie near the orbit."""
     with jax.enable_x64(False):
         ds = study.run("hardening", "yoshida4", dt=np.ldexp(3972, -19), steps=200_000)
     states = list(zip(ds.u.values.tolist(), ds.v.values.tolist(), strict=True))

@@ -15,7 +15,7 @@ HARMONIC = study.Problem(lambda u: OMEGA**2 * u, potential=lambda u: OMEGA**2 * 
 
 
 def _period(scheme, dt):
-    """Of the scheme on the harmonic oscillator, by linear theory."""
+    """Period of the scheme on the harmonic oscillator, by linear theory."""
     half = OMEGA * dt / 2
     return np.pi * dt / {"average_acceleration": np.arctan, "central_difference": np.arcsin}[scheme](half)
 
@@ -70,7 +70,7 @@ def test_a_level_that_is_crossed_once_has_no_mean_period():
 
 
 def test_a_crossing_never_leaves_its_step():
-    """Where velocities say nothing of the way between two steps: at rest, running back, or far too fast."""
+    """Also if the velocities at both ends contradict the crossing: zero, backwards, or far too large."""
     for start in (0.0, -5.0, 1e9, 1e-300):
         for end in (0.0, -5.0, 1e9, 1e-300):
             part = _crossing((jnp.asarray(-0.2), jnp.asarray(start)), (jnp.asarray(0.3), jnp.asarray(end)), 0.1, 0.0)

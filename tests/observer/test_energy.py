@@ -29,13 +29,13 @@ def test_the_balance_closes_with_the_second_order(damped_chain, scheme):
     assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx(2, abs=0.1)
 
 
-def test_what_rests_is_in_balance():
+def test_a_problem_at_rest_is_in_balance():
     ds = _balance(study.Problem(potential=lambda u: u @ u, u0=np.zeros(3)), "average_acceleration", DT, STEPS)
     assert ds.max_energy_imbalance == 0
 
 
 def test_a_blow_up_is_no_loss():
-    """Of the energy that was there at the start it is many times as much."""
+    """The imbalance is relative to the energy at the start, of which a blow-up is many times as much."""
     stiff = study.Problem(lambda u: 100 * u, 1.0, potential=lambda u: 50 * u * u)
     assert _balance(stiff, "central_difference", 0.25, 20).max_energy_imbalance > 1e4
 
@@ -48,7 +48,7 @@ def test_an_oscillator_dissipates_all_that_it_had():
 
 
 def test_half_of_the_work_of_a_load_that_stays_is_dissipated():
-    """f²/k is the work, half of it the energy of the spring in the end."""
+    """The load does the work f²/k; half of it is left in the spring."""
     problem = study.Problem(
         lambda u: 9 * u, 0.0, potential=lambda u: 4.5 * u * u, mass=2.0, damping=1.2, load=lambda t: jnp.asarray(3.0)
     )

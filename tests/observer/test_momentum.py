@@ -8,8 +8,8 @@ import study
 from study.problem import trusses
 
 
-def test_what_a_spinning_truss_conserves(small_truss):
-    """Energy-momentum all of it; the midpoint rule the momenta."""
+def test_conservation_in_a_spinning_truss(small_truss):
+    """Energy-momentum conserves the energy and both momenta, the midpoint rule the momenta."""
     problem = trusses.spinning_truss()
     ours, midpoint = (
         study.run(problem, name, dt=0.1, steps=100, observe=["max_energy_error", "momentum_errors"])
@@ -42,7 +42,7 @@ def test_momenta_in_space_are_those_in_the_plane():
     assert observed(places @ turn, speeds @ turn, "energy_momentum").max_angular_momentum_error < 1e-12
 
 
-def test_momenta_want_to_know_where_the_masses_stand():
+def test_momenta_need_the_positions_of_the_masses():
     with pytest.raises(ValueError, match="of 'tried' needs Problem\\(positions=...\\), which it was made without."):
         problem = study.Problem(jnp.sinh, np.zeros(5), title="tried")
         study.run(problem, "rk4", dt=0.1, steps=1, observe=["momentum_errors"])

@@ -16,7 +16,7 @@ def test_a_power_law_is_found(order):
     assert observed_order(error) == pytest.approx(order, abs=1e-9)
 
 
-def test_no_order_is_made_of_what_is_no_power_law():
+def test_errors_that_follow_no_power_law_have_no_order():
     steps = np.array([8, 16, 32, 64, 128, 256])
     crossing = xr.DataArray(
         1e-3 * np.array([8, 4, 1, 0.01, -0.2, -0.3]),

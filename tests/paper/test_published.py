@@ -35,7 +35,7 @@ def test_every_cell_agrees_with_the_print(problem, scheme_name):
         assert same(twice(ours), printed)
 
 
-def test_the_cell_that_tells_the_start_of_houbolt():
+def test_one_printed_cell_decides_the_start_of_houbolt():
     for start, digit in {
         "linear_acceleration": 97.3,
         "central_difference": 97.4,

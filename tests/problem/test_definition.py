@@ -146,7 +146,7 @@ def test_a_narrow_mass_is_held_as_a_band():
 
 
 @pytest.mark.parametrize("scheme", ["rk4", "central_difference", "kr_alpha", "linear_acceleration", "fox_goodwin"])
-def test_schemes_with_a_limit_of_stability_want_a_mass_everywhere(scheme):
+def test_schemes_with_a_limit_of_stability_need_a_mass_everywhere(scheme):
     with pytest.raises(ValueError) as caught:
         study.run(_problem(mass=[1.0, 1.0, 0.0, 1.0, 1.0]), scheme, dt=0.1, steps=1)
     assert "needs a mass at every unknown, and that of 'tried' is singular: take an implicit scheme" in str(
@@ -156,7 +156,7 @@ def test_schemes_with_a_limit_of_stability_want_a_mass_everywhere(scheme):
 
 @pytest.mark.parametrize("mass", [[1.0, 1.0, 0.0, 1.0, 1.0], np.diag([1.0, 1.0, 0.0, 1.0, 1.0])])
 def test_an_implicit_scheme_takes_a_massless_unknown(mass):
-    """Where nothing is inert the springs are in balance."""
+    """At a massless unknown the springs are in balance."""
     problem = _problem(u0=np.array([0.0, 0.3, 0.6, 0.9, 1.2]), mass=mass)
     ds = study.run(problem, "average_acceleration", dt=0.1, steps=10)
     assert ds.status == 0

@@ -36,7 +36,7 @@ def test_the_structure_of_the_tangent_is_found(force, structure):
 
 
 def test_an_unknown_without_mass_and_stiffness_needs_pivots():
-    """Its neighbour pulls it, and it its neighbour: a band without pivoting would divide by zero."""
+    """Only its neighbour holds it: elimination of a band without pivoting would divide by zero."""
     stiffness = 2 * np.eye(8) - np.eye(8, k=1) - np.eye(8, k=-1)
     stiffness[0, 0] = 0
     mass = np.ones(8)
@@ -64,15 +64,15 @@ def test_a_structure_may_be_declared_that_holds_more(declared, structure):
     assert problem.tangent == structure
 
 
-def test_too_many_unknowns_want_their_structure_declared():
+def test_too_many_unknowns_need_a_declared_structure():
     many = np.zeros(tangent.FINDABLE + 1)
     with pytest.raises(ValueError, match="'tried' has 1001 unknowns, too many to find the form of its tangent"):
         study.Problem(_chain, many, title="tried")
     assert study.Problem(_chain, many, tangent="tridiagonal").tangent == 1
 
 
-def test_a_structure_is_looked_at_where_the_force_has_a_derivative():
-    """The root is real for short steps only; what couples far unknowns is found, and a narrow band refused."""
+def test_a_structure_is_sought_where_the_force_has_a_derivative():
+    """The potential is real near the start only; its far coupling is found, and a narrow band refused."""
     n = 200
 
     def potential(u):

@@ -16,7 +16,7 @@ ROUTES = list(agreement.ROUTES)
 
 @pytest.fixture
 def duffing():
-    """A forced and damped Duffing oscillator before chaos sets in: no period to fold."""
+    """A forced and damped Duffing oscillator before chaos sets in; its motion has no period."""
     return study.Problem(
         CubicSpring(-1.0, -1.0).force,
         u0=0.5,
@@ -40,7 +40,7 @@ def test_routes_meet_the_exact_period(route):
     [("cvode_adams", 1e-11, 1e-10), ("cvode_bdf", 1e-9, 1e-7), ("dopri8", 2e-12, 1e-11), ("tsit5", 2e-12, 1e-10),
      ("heyoka", 1e-13, 5e-12)],
 )  # fmt: skip
-def test_what_the_tightest_tolerance_delivers_over_a_hundred_periods(route, whole_periods, anywhere):
+def test_errors_at_the_tightest_tolerance_over_a_hundred_periods(route, whole_periods, anywhere):
     problem = study.problems["hardening"]
     found = exact.period(problem, 0.15)
     t = agreement.instants(float(found[0]))
@@ -51,8 +51,8 @@ def test_what_the_tightest_tolerance_delivers_over_a_hundred_periods(route, whol
     assert np.all(np.diff(errors["u_error"]) >= 0)
 
 
-def test_how_a_route_ended_is_told():
-    """A limit of steps stops the ladder of a trajectory, and keeps no period from being found."""
+def test_the_status_of_a_route():
+    """A route that reaches its limit of steps tries no smaller tolerance; its periods are found nevertheless."""
     ds = agreement.agreement(["hardening"], [1e-9, 1e-13, 1e-15]).squeeze("problem")
     ended = [agreement.FINISHED, agreement.STEP_LIMIT, agreement.NOT_TRIED]
     np.testing.assert_array_equal(ds.status.sel(route="kvaerno5"), ended)
@@ -61,7 +61,7 @@ def test_how_a_route_ended_is_told():
     assert (ds.period_error.min("tolerance") < 1e-12).all()
 
 
-def test_a_damped_and_forced_problem_has_a_truth_and_every_route_meets_it(duffing):
+def test_every_route_solves_a_damped_and_forced_problem(duffing):
     t = np.linspace(1.0, 60.0, 60)
     truth = exact.trajectory(duffing, t)
     assert truth.u_certified < 1e-30
@@ -100,7 +100,7 @@ def test_times_that_do_not_increase_are_refused(t):
         exact.trajectory(study.problems["hardening"], t)
 
 
-def test_more_than_one_unknown_is_refused_where_it_must_be():
+def test_routes_for_one_unknown_refuse_more():
     two = study.Problem(lambda u: u, u0=[1.0, 2.0], v0=[0.0, 0.0], title="two")
     for trajectory in (taylor.trajectory, scipy.trajectory):
         with pytest.raises(ValueError, match="'two' has 2 unknowns"):

@@ -14,7 +14,7 @@ def springs():
     return amplitudes(["hardening", "softening", "double_well"], {"first": -1.0, "last": 1.0, "count": 6})
 
 
-def test_after_a_period_a_motion_is_at_rest_where_it_was(springs):
+def test_after_a_period_a_motion_is_back_at_its_start(springs):
     for name in springs.problem.values:
         one, parts = springs.sel(problem=name), 20_000
         ends = study.run(name, "rk4", dt=one.period.values / parts, u0=one.u0.values, steps=parts, every=parts)

@@ -15,7 +15,7 @@ CUBIC = ["hardening", "double_well"]
 
 
 @pytest.mark.parametrize("name", CUBIC)
-def test_closed_form_is_the_truth(name):
+def test_the_closed_form_is_the_reference(name):
     problem = study.problems[name]
     period, _ = exact.period(problem, printed_periods[name])
     times = [period * k / 16 for k in range(17)]
@@ -65,7 +65,7 @@ def test_a_damped_spring_has_no_closed_form():
         closed_form.period(damped)
 
 
-def test_what_has_no_closed_form_says_so():
+def test_problems_without_a_closed_form_are_refused():
     with pytest.raises(ValueError, match="the trajectory of 'softening spring' has no closed form"):
         closed_form.trajectory(study.problems["softening"], np.zeros(1))
     with pytest.raises(ValueError, match="no closed form is known for 'own'"):

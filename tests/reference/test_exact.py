@@ -36,7 +36,7 @@ def test_motion_is_certified_and_closes_after_a_period(name):
 
 
 def test_folding_is_the_long_integration():
-    """The truth of the hundredth period, folded, against a run of 128 bits through all of them."""
+    """The reference of the hundredth period, folded, against a run of 128 bits through all hundred."""
     problem = study.problems["softening"]
     t = np.array([113.7, 113.9, 114.05])
     truth = exact.folded(problem, t, *exact.period(problem, 1.14))
@@ -46,8 +46,8 @@ def test_folding_is_the_long_integration():
 
 
 @pytest.mark.parametrize("name", CUBIC)
-def test_truth_after_a_hundred_thousand_periods_is_the_closed_form(name):
-    """At any time, in any order, also at whole periods, where rounding decides which side of them a time lies."""
+def test_the_reference_after_a_hundred_thousand_periods_is_the_closed_form(name):
+    """At times in any order, among them whole periods, where rounding decides on which side a time lies."""
     problem, found = study.problems[name], exact.period(study.problems[name], printed_periods[name])
     once = float(found[0])
     t = np.concatenate(
@@ -73,7 +73,7 @@ def test_a_period_needs_no_closed_form():
     assert taylor.period(quintic, 5.0) == pytest.approx(float(period), rel=1e-14)
 
 
-def test_what_the_integrations_do_not_agree_on_is_no_truth():
+def test_digits_on_which_the_integrations_differ_are_refused():
     chaotic = study.Problem(
         CubicSpring(-1.0, -1.0).force, u0=0.5, damping=0.3, load=lambda t: 0.5 * jnp.cos(1.2 * t), title="chaotic"
     )

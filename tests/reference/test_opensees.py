@@ -98,7 +98,7 @@ def test_what_opensees_cannot_do_says_so(theirs):
         opensees.trajectory("hardening", "rk4", DT, 1)
 
 
-def test_where_it_is_not_installed_a_sentence_says_how_to_get_it(monkeypatch):
+def test_without_opensees_a_sentence_says_how_to_get_it(monkeypatch):
     def absent(name):
         raise RuntimeError("Failed to import openseespy on Linux.")
 

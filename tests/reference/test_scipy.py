@@ -8,7 +8,7 @@ from reference import exact, scipy
 
 
 @pytest.mark.parametrize("method", ["DOP853", "Radau"])
-def test_scipy_meets_the_truth_and_refuses_what_it_cannot(method):
+def test_scipy_meets_the_reference_and_refuses_tolerances_out_of_reach(method):
     problem, t = study.problems["double_well"], np.linspace(0.5, 8.0, 16)
     solution = scipy.trajectory(problem, t, 1e-9, method=method)
     np.testing.assert_allclose(solution.u, exact.trajectory(problem, t).u, atol=1e-6)

@@ -26,7 +26,7 @@ def test_two_solvers_agree_on_a_stiff_chain():
 
 @pytest.mark.parametrize("name", closed_form.STRUCTURE_TRAJECTORIES)
 def test_closed_forms_solve_the_equation_of_motion(name):
-    """By central differences of their own, and from the problem's start."""
+    """By central differences of the closed form, and at the problem's start."""
     problem, h = study.problems[name], 1e-6
     t = np.array([0.3, 1.1, 2.7])
     u, _ = closed_form.structure_trajectory(name, problem, t)
@@ -74,7 +74,7 @@ def _modes(t):
 
 @pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=["CVODE", "diffrax"])
 def test_coupled_oscillators_move_in_their_modes(trajectory):
-    """Through a mass that is a matrix, too."""
+    """Two masses coupled by a mass matrix."""
     problem = study.Problem(lambda u: STIFFNESS @ u, U0, V0, mass=MASS)
     t = np.linspace(0.5, 10, 20)
     solution = trajectory(problem, t, RTOL)

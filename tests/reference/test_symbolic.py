@@ -14,7 +14,7 @@ from study.problem.springs import CubicSpring
 
 
 def test_every_route_solves_the_same_constants():
-    """Not constants that were rounded on their way to a solver."""
+    """Constants reach the solvers without being rounded."""
     problem = study.Problem(CubicSpring(100.0, 10.0).force, u0=0.1, damping=1 / 3, mass=1.0000000000000047)
     states, (_, rate) = ["u", "v"], first_order(problem)[1]
     u, v = hy.make_vars(*states)
@@ -39,7 +39,7 @@ def test_translation_keeps_the_function():
             assert compiled(np.array([x]))[0] == pytest.approx(float(function(x)), rel=1e-13)
 
 
-def test_what_is_not_smooth_is_refused():
+def test_forces_that_are_not_smooth_are_refused():
     with pytest.raises(ValueError, match="'abs' has no translation"):
         first_order(study.Problem(lambda u: jnp.abs(u) * u, u0=1.0))
     with pytest.raises(ValueError, match="has 2 unknowns"):

@@ -8,8 +8,8 @@ from reference import exact, work_precision
 from reference.solution import Solution
 
 
-def test_errors_of_a_late_and_damped_solution_are_told():
-    """A truth that is 1e-6 of a period late, with an amplitude that is 1e-6 smaller."""
+def test_errors_of_a_late_and_of_a_damped_solution():
+    """A solution that is 1e-6 of a period late, and one whose amplitude is 1e-6 smaller."""
     problem = study.problems["hardening"]
     exact_period, certified = exact.period(problem, 0.15)
     period = float(exact_period)

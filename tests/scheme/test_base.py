@@ -8,7 +8,7 @@ import study
 
 
 def test_forces_are_counted(scheme):
-    """Against a force, and a potential, that count how often they are evaluated in a step."""
+    """Against a force and a potential that count their evaluations in a step."""
     calls = []
 
     def counted(function):

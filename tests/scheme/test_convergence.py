@@ -21,7 +21,7 @@ def scheme(scheme):
 
 
 def _driven_along(exact, damping=None, mass=None):
-    """A problem whose exact solution is known: the load is what the chosen motion needs."""
+    """A problem whose load is the one that the chosen motion needs, so that the exact solution is known."""
     u0, v0, _ = exact(0.0)
     coupling = jnp.asarray([[2.0, -1.0], [-1.0, 3.0]]) if jnp.ndim(u0) else 2.0
 
@@ -67,7 +67,7 @@ def test_order_of_one_damped_and_driven_oscillator(scheme):
 
 
 def test_a_load_alone_leaves_mclachlans_method_its_order():
-    """It asks for ü that does not depend on u̇, as damping would make it."""
+    """The method asks for an acceleration that does not depend on the velocity."""
     scheme = study.schemes["mclachlan4"]
     assert scheme.damped_order < scheme.order
     orders = _observed_orders(_driven_along(_one), scheme, _one, 3.0, STEPS[scheme.order])
@@ -83,7 +83,7 @@ def test_order_of_two_coupled_unknowns(kind):
 
 
 def test_order_on_the_hardening_spring(scheme):
-    """Free, undamped and from rest, where the displacement of Fox and Goodwin's method is Numerov's, of order 4."""
+    """Free, undamped and from rest Fox and Goodwin's displacement is Numerov's, of order 4."""
     period = 0.151532834447260357127078726219
     expected = 4 if scheme is study.schemes["fox_goodwin"] else scheme.order
     steps = STEPS | {1: [1600, 3200, 6400], 2: [1600, 3200, 6400], 4: [50, 100, 200], 6: [30, 42, 60], 8: [12, 17, 24]}

@@ -52,7 +52,7 @@ def test_limits(one, other, problem):
 
 
 def test_velocity_verlet_is_registered_once():
-    """Under the name of central difference, which it is with damping and a load too."""
+    """It is central difference, also with damping and a load, and an alias of its name."""
     assert study.schemes["velocity_verlet"] is study.schemes["central_difference"]
     assert "velocity_verlet" not in list(study.schemes)
     problem = study.Problem(

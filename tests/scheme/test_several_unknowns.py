@@ -47,7 +47,7 @@ def of_dense_tangent(damped_chain):
     ],
 )
 def test_the_form_of_the_tangent_makes_no_difference(damped_chain, of_dense_tangent, scheme, structure, tolerance):
-    """With damping and a load."""
+    """The chain has damping and a load."""
     trajectory = _phase(damped_chain(structure), scheme)
     np.testing.assert_allclose(trajectory, of_dense_tangent(scheme), rtol=0, atol=tolerance)
 
@@ -77,7 +77,7 @@ ELASTIC = study.StrainEnergy(lambda u: (jnp.vdot(u, u) - LENGTH**2)[None], lambd
      "energy_momentum", "average_vector_field"],
 )  # fmt: skip
 def test_no_direction_is_special(scheme):
-    """A turn of the coordinates turns the motion of an elastic pendulum."""
+    """Rotated coordinates rotate the motion of an elastic pendulum."""
     turn = np.array([[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]])
     u0, v0 = np.array([LENGTH, 0.0]), np.array([0.0, 7.72])
     straight, turned = (

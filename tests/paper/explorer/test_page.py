@@ -94,7 +94,7 @@ def page(datasets, tmp_path_factory):
 
 @pytest.fixture
 def browser(page, tmp_path):
-    """A browser that shows the page; whatever it would load is refused."""
+    """A browser that shows the page and can load nothing else."""
     from selenium import webdriver
 
     options = webdriver.ChromeOptions()

@@ -9,7 +9,7 @@ from paper.figures.outcome_map import outcome_map
 from paper.figures.style import OUTCOME_STYLES
 
 
-def test_every_cell_is_drawn_where_it_lies():
+def test_every_cell_is_drawn_in_its_place():
     amplitudes, parts = np.logspace(-1.5, 1.5, 12), np.logspace(-2, 0, 8)
     outcome = np.random.default_rng(0).integers(0, len(OUTCOME_STYLES), (12, 8))
     ones = ("amplitude", np.ones(12))

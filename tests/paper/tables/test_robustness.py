@@ -6,7 +6,7 @@ import xarray as xr
 from paper.tables.robustness import tabulate
 
 
-def test_the_longest_runs_count_and_what_is_not_enough_is_told():
+def test_the_longest_runs_count_and_the_most_steps_stand_for_failure():
     needed = np.array([[[20.0, 40.0], [10.0, np.nan]]])  # one problem: levels, then lengths of runs
     robustness = xr.Dataset(
         {

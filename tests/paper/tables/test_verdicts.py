@@ -9,7 +9,7 @@ NAMES = ["accurate", "bounded", "damped_to_rest", "in_the_wrong_well", "chaotic"
 
 
 def atlas() -> xr.Dataset:
-    """One scheme on two springs, three amplitudes and four step sizes; the first amplitude is out of what is told."""
+    """One scheme on two springs, three amplitudes and four step sizes; the first amplitude is left out of the table."""
     outcome = np.zeros((1, 2, 3, 4), np.int8)
     outcome[0, :, 0] = 5
     outcome[0, 0, 1] = [0, 0, 1, 4]
