@@ -1,11 +1,9 @@
 """The rules of the design: who may import whom, how long a file is, and what every scheme states."""
 
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
-import yaml
 from importlinter.cli import lint_imports
 
 import study
@@ -27,13 +25,6 @@ def test_a_file_is_short_and_uses_what_is_public(path):
     assert len(lines) <= 320
     private = "jax." + "_src"
     assert not [number for number, line in enumerate(lines, 1) if private in line]
-
-
-def test_environment_for_conda_holds_the_dependencies():
-    project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
-    environment = yaml.safe_load((PROJECT / "config" / "environment.yaml").read_text())
-    wanted = project["dependencies"] + project["optional-dependencies"]["pipeline"]
-    assert set(environment["dependencies"][-1]["pip"]) == set(wanted)
 
 
 def test_every_scheme_explains_itself(scheme):
