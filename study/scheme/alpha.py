@@ -175,12 +175,6 @@ class GeneralizedAlpha(OneStep):
 
 
 hht_alpha = HHTAlpha(alpha=-0.1, beta=0.3025, gamma=0.6)
-
-
 hht_alpha_one_force = GeneralizedAlpha.hht(rho_inf=0.9 / 1.1)
-
-
 wbz_alpha = GeneralizedAlpha.wbz(rho_inf=0.8)
-
-
 generalized_alpha = GeneralizedAlpha.chung_hulbert(rho_inf=0.8)

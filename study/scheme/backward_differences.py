@@ -93,6 +93,4 @@ class BackwardDifferences(Scheme):
 
 
 bdf2 = BackwardDifferences((3 / 2, -2.0, 1 / 2), title="BDF2")
-
-
 park = BackwardDifferences((10 / 6, -15 / 6, 1.0, -1 / 6), title="Park", source="Park (1975)", doi="10.1115/1.3423600")

@@ -82,15 +82,7 @@ class Bathe(OneStep):
 
 
 _noh = {"source": "Noh and Bathe (2019)", "doi": "10.1016/j.compstruc.2018.11.001"}
-
-
 _bank = {"source": "Bank et al. (1985)", "doi": "10.1109/T-ED.1985.22232"}
-
-
 bathe = Bathe()
-
-
 rho_bathe = Bathe.of_one_stiffness(0.5, title="ρ∞-Bathe", **_noh)
-
-
 tr_bdf2 = Bathe.of_one_stiffness(0.0, title="TR-BDF2", **_bank)

@@ -208,9 +208,5 @@ class AverageVectorField(OneStep):
 
 
 implicit_midpoint = ImplicitMidpoint()
-
-
 energy_momentum = EnergyMomentum()
-
-
 average_vector_field = AverageVectorField()

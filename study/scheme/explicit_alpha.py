@@ -82,6 +82,4 @@ class ExplicitAlpha(OneStep):
 
 
 chung_lee = ExplicitAlpha.chung_lee(beta=28 / 27)
-
-
 hulbert_chung = ExplicitAlpha.hulbert_chung(rho_b=0.8)

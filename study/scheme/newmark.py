@@ -93,17 +93,9 @@ class Newmark(OneStep):
 
 
 average_acceleration = Newmark(beta=0.25, gamma=0.5, title="Average acceleration")
-
-
 central_difference = Newmark(beta=0.0, gamma=0.5, title="Central difference")
-
-
 newmark_dissipative = Newmark(beta=0.3025, gamma=0.6, title="Newmark, γ = 0.6")
-
-
 linear_acceleration = Newmark(beta=1 / 6, gamma=0.5, title="Linear acceleration")
-
-
 fox_goodwin = Newmark(
     beta=1 / 12, gamma=0.5, title="Fox-Goodwin", source="Fox and Goodwin (1949)", doi="10.1017/S0305004100025007"
 )

@@ -197,9 +197,5 @@ class Gauss4(OneStep):
 
 
 rk4 = RungeKutta4()
-
-
 nystrom4 = Nystrom4()
-
-
 gauss4 = Gauss4()

@@ -175,14 +175,8 @@ def _mirrored(*half: float) -> tuple[float, ...]:
 
 
 _mclachlan = {"source": "McLachlan (1995)", "doi": "10.1137/0916010"}
-
-
 _outer, _inner = 0.40518861839525227722, -0.28714404081652408900
-
-
 symplectic_euler = Splitting((0.0, 1.0), (1.0,), of_order=1, title="Symplectic Euler")
-
-
 mclachlan4 = Splitting(
     (_outer, _inner, *(0.5 - _outer - _inner,) * 2, _inner, _outer),
     _mirrored(-3 / 73, 17 / 59),
@@ -193,8 +187,6 @@ mclachlan4 = Splitting(
 
 
 yoshida4 = Composition(_mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, title="Yoshida, order 4")
-
-
 yoshida6 = Composition(
     _mirrored(0.78451361047755726382, 0.23557321335935813368, -1.17767998417887100695),
     of_order=6,
