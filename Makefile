@@ -1,5 +1,5 @@
-# `make` sets everything up and reproduces the study; `make test` sets everything up and runs the tests;
-# `make check` looks at style and types; `make benchmark` measures how fast the study is.
+# `make` installs everything and makes the study; `make test` installs everything and runs the tests;
+# `make check` checks style and types; `make benchmark` measures speed.
 
 PYTHON ?= python3
 CONFIG ?= config/study.yaml
@@ -10,17 +10,17 @@ BIN := .venv/bin
 study: .venv/ready
 	$(BIN)/snakemake --configfile $(CONFIG)
 
-# the least coverage stands in pyproject.toml
+# pyproject.toml states the least coverage
 test: .venv/ready
 	$(BIN)/pytest -n auto --cov=study --cov=reference --cov-report=term
 
-# what the tests do not look at: style, format, types
+# style, format and types
 check: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# ratios of times: to C, to OpenSees where it is installed, and of the study to itself
+# times beside C, OpenSees where it is installed, and other parts of the study
 benchmark: .venv/ready
 	$(BIN)/python tests/benchmarks/benchmark.py results/benchmark.nc
 

@@ -134,7 +134,7 @@ def _document(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, 
 
 
 @page(
-    "Every run of the maps of stability, to look at.",
+    "Explorer of the maps of stability: outcome, orbit and energy of each run.",
     name="explorer",
     atlas="stability/atlas",
     portraits="stability/portraits",

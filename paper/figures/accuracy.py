@@ -20,7 +20,7 @@ PROBLEMS = ("hardening", "softening")
 
 
 @figure(
-    "Every measure of error against the step size.",
+    "Errors of displacement, phase, amplitude and energy against step size.",
     accuracy="accuracy",
     asks={"accuracy.schemes": SCHEMES, "accuracy.problems": list(PROBLEMS), "accuracy.periods": [100]},
 )

@@ -13,7 +13,7 @@ from paper.published import SCHEMES
 
 
 @figure(
-    "How runs end over step size and amplitude, 1996.",
+    "Outcome of each run over step size and amplitude, with the schemes of 1996.",
     atlas="stability/atlas",
     spectral="spectral",
     asks={

@@ -23,7 +23,7 @@ def _others(schemes: list[str]) -> str | None:
 
 
 @figure(
-    "How runs end over step size and amplitude, schemes of today.",
+    "Outcome of each run over step size and amplitude, with later schemes.",
     atlas="stability/atlas",
     spectral="spectral",
     asks={

@@ -9,7 +9,10 @@ from paper.figures.style import PAGE, letter
 from paper.products import figure
 
 
-@figure("Order and chaos of average acceleration.", bifurcation="stability/bifurcation")
+@figure(
+    "Bifurcation diagram and Lyapunov exponent of average acceleration in the double well.",
+    bifurcation="stability/bifurcation",
+)
 def draw(bifurcation: xr.Dataset) -> Figure:
     """Iterates, Lyapunov exponent, and steps until a perturbation is of order one, over the step size."""
     figure, axes = plt.subplots(3, 1, figsize=(PAGE, 0.8 * PAGE), sharex=True, height_ratios=[1.6, 1, 1])

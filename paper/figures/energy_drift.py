@@ -13,7 +13,11 @@ from paper.published import printed_energy_errors
 _MARKED = {20: (21.5, -70), 25: (26.5, -40)}
 
 
-@figure("Runge-Kutta caught by resonances.", drift="energy_drift", asks=OF_THE_DRIFT)
+@figure(
+    "Energy drift of the Runge-Kutta method over step size, with its resonances.",
+    drift="energy_drift",
+    asks=OF_THE_DRIFT,
+)
 def draw(drift: xr.Dataset) -> Figure:
     """Signed drift (above) and steps per oscillation at the end (below) over the step size."""
     figure, (above, below) = plt.subplots(2, 1, figsize=(PAGE, 0.55 * PAGE), sharex=True)

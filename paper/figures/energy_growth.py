@@ -15,7 +15,7 @@ FLOOR = 1e-13
 
 
 @figure(
-    "Energy error where stiff modes are not resolved.",
+    "Energy error of structures that turn, where the step does not resolve stiff modes.",
     histories=["structure_history/stiff_bar", "structure_history/stiff_truss"],
     asks={
         "structure_history.stiff_bar.problem": one_of("structure_history.stiff_bar.problem", TURNING),

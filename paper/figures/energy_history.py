@@ -18,7 +18,7 @@ def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
 
 
 @figure(
-    "Energy error against time.",
+    "Energy error of the seven schemes against time.",
     portraits=["phase_portrait/hardening", "phase_portrait/softening"],
     asks={
         "phase_portrait.hardening": steps_of_portrait("phase_portrait.hardening", STRETCH),

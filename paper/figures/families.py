@@ -12,7 +12,7 @@ TOP = 3
 
 
 @figure(
-    "Speed against error for every scheme.",
+    "Error against time of every scheme, by family.",
     data="work_precision",
     asks={
         "work_precision.schemes.schemes": ["rk4"],

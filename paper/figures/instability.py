@@ -11,7 +11,7 @@ SCHEME = "hht_alpha"
 
 
 @figure(
-    "The α-method growing without bound.",
+    "Unbounded growth of the α-method on the softening spring.",
     portrait="phase_portrait/softening_large",
     reference="reference/softening_large",
     asks={"phase_portrait.softening_large.schemes": [SCHEME]},

@@ -39,7 +39,7 @@ def classify(run: xr.Dataset) -> np.ndarray:
 
 
 @figure(
-    "Where a step is small enough.",
+    "Energy error and failures over step size, by scheme and problem.",
     large_steps="large_steps",
     asks={"large_steps.schemes": SCHEMES, "large_steps.dt_over_period": rising("large_steps.dt_over_period")},
 )

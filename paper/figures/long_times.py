@@ -23,7 +23,7 @@ def _guide(ax: Axes, round_off: xr.DataArray, beside: float, law: tuple[float, s
     ax.annotate(label, (x[-1], end), xytext=(4, 0), textcoords="offset points", color="0.4", va="center", fontsize=7)
 
 
-@figure("Energy and phase over very long times, and round-off.", long_times="long_times")
+@figure("Errors of energy and phase over very long times, and the part of round-off.", long_times="long_times")
 def draw(long_times: xr.Dataset) -> Figure:
     """Errors and round-off in double precision (above), and round-off in single precision (below)."""
     figure, axes = plt.subplots(2, 2, figsize=(PAGE, 0.72 * PAGE), sharex=True)

@@ -20,7 +20,7 @@ def total(history: xr.Dataset) -> xr.DataArray:
 
 
 @figure(
-    "Energies of the stiff springs of the Fermi-Pasta-Ulam chain.",
+    "Oscillatory energies of the stiff springs of the Fermi-Pasta-Ulam chain.",
     exchange="structure_history/energy_exchange",
     long_times="structure_history/long_times",
     asks={

@@ -12,7 +12,11 @@ from paper.products import figure
 from paper.published import printed_energy_errors
 
 
-@figure("How the printed numbers were rounded.", energy_error="energy_error", asks=OF_THE_TABLES)
+@figure(
+    "Computed errors minus printed ones, for all cells of the tables of 1996.",
+    energy_error="energy_error",
+    asks=OF_THE_TABLES,
+)
 def draw(energy_error: xr.Dataset) -> Figure:
     """One panel for the step sizes of the printed periods, one for those of the exact periods."""
     figure, axes = plt.subplots(1, 2, figsize=(PAGE, 0.42 * PAGE), sharex=True)

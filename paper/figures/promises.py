@@ -29,7 +29,7 @@ def _points(ax, values, rows, label, **look) -> None:
 
 
 @figure(
-    "Linear theory beside what the springs show.",
+    "Period elongation and loss of amplitude: linear theory beside the springs.",
     spectral="spectral",
     accuracy="accuracy",
     asks={

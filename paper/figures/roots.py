@@ -10,7 +10,7 @@ from paper.products import figure
 
 
 @figure(
-    "Roots of the effective equation, and Newton's choice.",
+    "Roots of the effective equation of a step, and the root that Newton finds.",
     roots="stability/roots",
     asks={"stability.roots.schemes": ["houbolt"]},
 )

@@ -8,7 +8,7 @@ from paper.figures.style import PAGE, legend_size, looks
 from paper.products import figure
 
 
-@figure("Round-off, and what compensated summation buys.", round_off="round_off")
+@figure("Error at very small steps, with plain and with compensated summation.", round_off="round_off")
 def draw(round_off: xr.Dataset) -> Figure:
     """Error over steps per period, filled markers for plain and open ones for compensated sums."""
     figure, ax = plt.subplots(figsize=(0.8 * PAGE, 0.35 * PAGE))

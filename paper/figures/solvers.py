@@ -14,7 +14,7 @@ SCHEMES = {"central_difference": "0.7", "rk4": "0.4"}
 
 
 @figure(
-    "General solvers beside schemes at fixed steps.",
+    "Error against cost of general solvers, beside two schemes at fixed steps.",
     data="work_precision",
     asks={"work_precision.schemes.schemes": list(SCHEMES), "work_precision.solvers.periods": [100]},
 )

@@ -9,7 +9,7 @@ from paper.products import figure
 
 
 @figure(
-    "A mass on a stiff spring, its velocity.",
+    "Velocity of a mass on a stiff spring.",
     history="structure_history/stiff_soft",
     asks={"structure_history.stiff_soft.problem": "stiff_soft"},
 )

@@ -1,4 +1,4 @@
-"""How runs of structures end over step size and excitation."""
+"""Outcome of runs of structures over step size and excitation."""
 
 import textwrap
 
@@ -12,7 +12,7 @@ from paper.figures.style import PAGE
 from paper.products import figure
 
 
-@figure("How runs of structures end over step size and excitation.", structures="stability/structures")
+@figure("Outcome of runs of structures over step size and excitation.", structures="stability/structures")
 def draw(structures: xr.Dataset) -> Figure:
     """One row per structure, one column per scheme; a cell is a run."""
     problems, schemes = structures.problem.values, structures.scheme.values

@@ -22,7 +22,7 @@ COLUMNS = 3
 BEYOND = 100
 
 
-@figure("Error of the displacement of structures.", structures="structures")
+@figure("Error of the displacement of structures against step size.", structures="structures")
 def draw(structures: xr.Dataset) -> Figure:
     """One panel per structure; a failed run leaves a gap."""
     shown = structures.sel(scheme=[name for name in SHOWN if name in structures.scheme.values])

@@ -8,7 +8,7 @@ from paper.figures.style import PAGE, SOLVERS, letter, looks
 from paper.products import figure
 
 
-@figure("What a tolerance delivers.", agreement="reference_agreement")
+@figure("True error of general solvers against the tolerance asked for.", agreement="reference_agreement")
 def draw(agreement: xr.Dataset) -> Figure:
     """One panel per problem: the largest error of the displacement over a hundred periods, over the tolerance."""
     figure, (axes,) = plt.subplots(

@@ -52,13 +52,18 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
     return figure
 
 
-@figure("Every measure of error against time.", data="work_precision", asks=_ASKS)
+@figure("Errors of displacement, period, amplitude and energy against time.", data="work_precision", asks=_ASKS)
 def over_time(data: xr.Dataset) -> Figure:
     """Errors over the time of a run; heyoka, the fastest of the general solvers, in grey."""
     return _draw(data, "time_per_run", "time of 100 periods (s)")
 
 
-@figure("Every measure of error against forces.", name="force_evaluations", data="work_precision", asks=_ASKS)
+@figure(
+    "Errors of displacement, period, amplitude and energy against force evaluations.",
+    name="force_evaluations",
+    data="work_precision",
+    asks=_ASKS,
+)
 def over_forces(data: xr.Dataset) -> Figure:
     """Errors over the forces evaluated, where a force is expensive: each Newton iteration takes one."""
     return _draw(data, "force_evaluations", "forces in 100 periods")

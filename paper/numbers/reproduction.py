@@ -61,7 +61,7 @@ def _caught(drift: xr.Dataset) -> np.ndarray:
 
 @numbers(drift="energy_drift", asks=OF_THE_DRIFT)
 def of_drift(drift: xr.Dataset) -> dict:
-    """Runge-Kutta caught by resonances."""
+    """Energy drift of the Runge-Kutta method over step size, with its resonances."""
     parts, caught = drift.steps_per_period, _caught(drift)
     # NaN where no run is held at twenty steps
     near_20 = parts.where(caught == 20)
