@@ -20,7 +20,8 @@ from case import Case
 
 from study.datasets import provenance, write
 
-REPEATS = 9
+#: Turns of each case; ratios of fewer are not worth quoting.
+REPEATS = int(os.environ.get("REPEATS", "9"))
 COMPILE_AT_MOST = 0.3
 
 _COMPILE = """

@@ -19,6 +19,7 @@ from study.pipeline.sources import Sources
 from study.pipeline.steps import steps_of
 from tests.pipeline.additions import ADDED
 from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, make
+from tests.test_readme import check_the_results_of_the_readme
 
 #: Products of measured times, which differ from run to run, and what is made of them.
 TIMED = {
@@ -104,6 +105,10 @@ def test_the_ledger_is_decided(project):
         assert claim["verdict"] == "reproduced" or claim["reason"], claim["claim"]
     numbers = json.loads((project / "results" / "numbers.json").read_text())
     assert numbers["cells_rounded_twice"] == "97"
+
+
+def test_the_readme_states_what_the_study_finds(project):
+    check_the_results_of_the_readme(project / "results")
 
 
 def test_a_second_call_has_nothing_to_do(project):
