@@ -28,7 +28,7 @@ def test_a_file_is_short_and_uses_what_is_public(path):
 
 
 def test_every_scheme_explains_itself(scheme):
-    text = type(scheme).__doc__
+    text = type(scheme).__doc__ or ""
     assert "References" in text and re.search(r"\d{4}", text)
     assert scheme.title and scheme.family and scheme.source
     assert scheme.order in (1, 2, 4, 6, 8, 12) and scheme.damped_order <= scheme.order

@@ -38,7 +38,7 @@ def test_names_are_listed(capsys):
 
 
 def test_a_recommendation_is_printed(capsys, monkeypatch):
-    asked = {}
+    asked: dict[str, object] = {}
 
     def recommend(problem, **options):
         asked.update(options, problem=problem)

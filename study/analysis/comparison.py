@@ -8,7 +8,6 @@ import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
 from study.datasets import flags
-from study.observer.base import Reduction
 from study.observer.crossings import crosses_upwards
 from study.observer.errors import AmplitudeDecay, PeriodError, TrajectoryError
 
@@ -39,7 +38,9 @@ def _at_phases(reference: xr.Dataset, steps: int) -> xr.Dataset:
     return reference.isel(t=at)
 
 
-def against(reference: xr.Dataset, steps: int, longest: int) -> tuple[float, tuple[Reduction, ...]]:
+def against(
+    reference: xr.Dataset, steps: int, longest: int
+) -> tuple[float, tuple[TrajectoryError, PeriodError, AmplitudeDecay]]:
     """Step size and observers that compare a run of ``steps`` steps per exact period with the reference.
 
     Parameters

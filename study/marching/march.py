@@ -231,3 +231,8 @@ def march(
     now, initial = definition.start(u0, dt, samples) if progress is None else progress
     now = definition.proceed(now, initial, dt, until, every, each_step, steps)
     return (now, initial), definition.result(now)
+
+
+def compiled(*arguments) -> Any:
+    """:func:`march`, compiled for such arguments before they are run; its attribute ``compiled`` is JAX's program."""
+    return march.lower(*arguments).compile()  # type: ignore[attr-defined]  # missing in the stubs of eqx.filter_jit

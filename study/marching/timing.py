@@ -5,7 +5,7 @@ import time
 import jax
 import numpy as np
 
-from study.marching.march import March, march
+from study.marching.march import March, compiled
 from study.marching.result import COMPLETED
 from study.observer.base import Reduction
 from study.problem.definition import Problem
@@ -24,7 +24,7 @@ class Timed:
     def __init__(self, problem: Problem, scheme: Scheme, reductions: tuple[Reduction, ...]):
         self._march, self._u0 = March(problem, scheme, reductions, ()), np.asarray(problem.u0)
         start = time.perf_counter()
-        self._compiled = march.lower(*self._arguments(1.0, 1)).compile()  # type: ignore[attr-defined]
+        self._compiled = compiled(*self._arguments(1.0, 1))
         self.compile_time = time.perf_counter() - start
         self.run(1e-9, 1000)
 

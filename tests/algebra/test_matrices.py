@@ -87,12 +87,14 @@ def test_every_form_but_one_can_be_written_out(make, form, n):
 def test_a_matrix_becomes_a_band_and_comes_back(make, n, half_bandwidth):
     whole = make.dominant(np.random.default_rng(n), n, half_bandwidth)
     band = linear.banded(whole, 0)
+    assert isinstance(band, linear.Banded)
     np.testing.assert_array_equal(band.bands, make.band_of(whole, half_bandwidth))
     np.testing.assert_array_equal(_dense(band, n), whole)
 
 
 def test_a_band_is_as_wide_as_asked_at_least():
-    assert linear.banded(np.eye(9), 2).half_bandwidth == 2
+    band = linear.banded(np.eye(9), 2)
+    assert isinstance(band, linear.Banded) and band.half_bandwidth == 2
 
 
 def test_a_wide_band_stays_a_matrix(make):

@@ -1,6 +1,7 @@
 """Errors against a reference solution, checked on motions whose errors are known."""
 
 import equinox as eqx
+import jax
 import numpy as np
 import pytest
 import xarray as xr
@@ -87,7 +88,7 @@ def test_interpolation_between_exact_steps_is_of_sixth_order():
             Motion(np.cos(2 * np.pi * t), -2 * np.pi * np.sin(2 * np.pi * t), np.array(0.0))
             for t in np.arange(3 * steps + 1) / steps
         ]
-        observed = {}
+        observed: dict[str, jax.Array] = {}
         for observer in (period, amplitude):
             carried, update = observer.start(problem, states[0]), eqx.filter_jit(observer.update)
             for state in states[1:]:

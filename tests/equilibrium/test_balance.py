@@ -57,9 +57,9 @@ def test_every_form_of_mass_and_damping(mass, damping):
     )
     u, v, rhs = np.array([0.3, -0.2]), np.array([1.0, 2.0]), np.array([0.5, 10.0])
     numbers = [jnp.asarray(number) for number in (rhs, u, v, 0.1, 0.4, np.zeros(2))]
-    a, effort = eqx.filter_jit(balance)(problem, *numbers)
+    solution, effort = eqx.filter_jit(balance)(problem, *numbers)
     M, C = (_dense(x, default) for x, default in ((mass, 1.0), (damping, 0.0)))
-    a = np.asarray(a)
+    a = np.asarray(solution)
     x = u + 0.1 * a
     assert effort.converged
     np.testing.assert_allclose(M @ a + C @ (v + 0.4 * a) + stiffness @ x + x**3, rhs, atol=1e-12)

@@ -1,5 +1,7 @@
 """The samples beside the maps of stability."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,7 +11,7 @@ from reference.amplitudes import amplitudes
 from study import datasets
 from study.experiments.atlas import atlas
 
-OPTIONS = {
+OPTIONS: dict[str, Any] = {
     "scheme": "rk4",
     "problems": ["double_well", "softening"],
     "dt_over_period": {"first": -2, "last": 0, "count": 9},

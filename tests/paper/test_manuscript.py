@@ -46,7 +46,7 @@ def _pattern(node):
     if isinstance(node, ast.Constant):
         return re.escape(node.value) if isinstance(node.value, str) else None
     if isinstance(node, ast.JoinedStr):
-        return "".join(re.escape(part.value) if isinstance(part, ast.Constant) else ".+" for part in node.values)
+        return "".join(re.escape(str(part.value)) if isinstance(part, ast.Constant) else ".+" for part in node.values)
     return "|".join(["claims", *OURS.values()]) if isinstance(node, ast.Name) and node.id == "prefix" else None
 
 

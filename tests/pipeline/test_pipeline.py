@@ -183,6 +183,7 @@ def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
     target = "results/stability/atlas.nc"
     command = [sys.executable, "-c", code, "--cores", "1", target, "--configfile", str(SMALL)]
     with subprocess.Popen(command, cwd=copy, stderr=subprocess.PIPE, text=True) as interrupted:
+        assert interrupted.stderr is not None
         assert any("Finished jobid" in line for line in interrupted.stderr)
         interrupted.send_signal(signal.SIGINT)
         interrupted.communicate()

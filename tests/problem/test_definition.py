@@ -79,7 +79,7 @@ def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
         ({"mass": True}, "mass must be a real number or an array of real numbers, not True."),
         ({"u0": np.full(N, 1j)}, "u0 must be a real number or an array of real numbers, not array("),
         ({"potential": lambda u: jnp.sum(u**2)}, "the force of 'tried' is not the gradient of its potential: along"),
-        ({"force": lambda u: {}["stiffness"] * u},
+        ({"force": lambda u: {"mass": 1.0}["stiffness"] * u},
          "force of 'tried' must be written with jax.numpy for u0's shape: KeyError: 'stiffness'"),
         ({"force": lambda u: u / jnp.sqrt(jnp.sum(u * u)), "u0": np.ones(N), "damping": study.Rayleigh(0.1, 0.1)},
          "the stiffness of 'tried' at u = 0, on which its Rayleigh damping is based, is not finite."),
@@ -181,8 +181,8 @@ def test_rayleigh_damping_is_of_mass_and_stiffness(structure, mass):
     whole = np.eye(N) if mass is None else np.diag(np.broadcast_to(mass, N)) if np.ndim(mass) < 2 else mass
     damping = a * whole + b * np.asarray(jax.jacfwd(_chain)(jnp.zeros(N)))
     u, v, rhs = np.linspace(0, 1, N), np.linspace(1, 2, N), np.ones(N)
-    found, effort = eqx.filter_jit(balance)(problem, *map(jnp.asarray, (rhs, u, v, 0.01, 0.1, ZERO)))
-    found = np.asarray(found)
+    acceleration, effort = eqx.filter_jit(balance)(problem, *map(jnp.asarray, (rhs, u, v, 0.01, 0.1, ZERO)))
+    found = np.asarray(acceleration)
     assert effort.converged
     residual = whole @ found + damping @ (v + 0.1 * found) + np.asarray(_chain(jnp.asarray(u + 0.01 * found))) - rhs
     np.testing.assert_allclose(residual, 0.0, atol=1e-8)

@@ -7,6 +7,7 @@ import pytest
 import study
 from reference import opensees
 from study.problem.named import printed_periods
+from study.scheme.alpha import hht_alpha
 from study.scheme.houbolt import History
 
 DT, STEPS = printed_periods["hardening"] / 20, 200
@@ -78,7 +79,7 @@ def test_houbolts_recurrence_is_the_same_and_its_start_is_not(theirs):
 
 def test_the_alpha_method_of_finite_elements_weights_displacements(theirs):
     """Its balance is M ü₁ + p((1 + α) u₁ − α u₀) = 0, not the one of 1996, which weights two forces."""
-    problem, scheme = study.problems["hardening"], study.schemes["hht_alpha"]
+    problem, scheme = study.problems["hardening"], hht_alpha
     u = np.concatenate([[float(problem.u0)], theirs("hht_alpha").u])
     v = np.concatenate([[0.0], theirs("hht_alpha").v])
     a = -float(problem.force(u[0]))

@@ -9,7 +9,7 @@ import study
 
 def test_forces_are_counted(scheme):
     """Against a force and a potential that count their evaluations in a step."""
-    calls = []
+    calls: list[jax.Array] = []
 
     def counted(function):
         def call(u):

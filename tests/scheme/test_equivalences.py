@@ -8,6 +8,10 @@ from hypothesis import strategies as st
 
 import study
 from study.problem.springs import CubicSpring
+from study.scheme.alpha import hht_alpha
+from study.scheme.backward_differences import bdf2, park
+from study.scheme.bathe import tr_bdf2
+from study.scheme.explicit_alpha import chung_lee
 
 VELOCITY_VERLET = study.Composition((1.0,), of_order=2)
 
@@ -77,11 +81,11 @@ def test_two_equal_sub_steps_are_two_steps(once, twice, problem, dt):
 
 def test_tr_bdf2_is_as_bank_and_others_print_it():
     """Its second stage as a backward difference: y₁ = [y_γ − (1 − γ)² y₀]/(γ(2 − γ)) + (1 − γ)/(2 − γ) Δt ẏ₁."""
-    scheme, dt = study.schemes["tr_bdf2"], 0.15 / 40
-    g, force = scheme.gamma, study.problems["hardening"].force
+    dt = 0.15 / 40
+    g, force = tr_bdf2.gamma, study.problems["hardening"].force
     assert g == pytest.approx(2 - np.sqrt(2))
     half = study.run("hardening", "average_acceleration", dt=g * dt, steps=1).isel(t=1)
-    whole = study.run("hardening", scheme, dt=dt, steps=1).isel(t=1)
+    whole = study.run("hardening", tr_bdf2, dt=dt, steps=1).isel(t=1)
     old = np.array([1.5, 0.0])
     between, new = (np.array([ds.u.item(), ds.v.item()]) for ds in (half, whole))
     slope = np.array([new[1], -float(force(new[0]))])
@@ -100,13 +104,13 @@ def test_bathe_is_the_euler_method_through_three_points():
 
 def test_parks_method_is_the_mean_of_bdf2_and_bdf3():
     bdf3 = (11 / 6, -3.0, 3 / 2, -1 / 3)
-    mean = np.mean([(*study.schemes["bdf2"].weights, 0.0), bdf3], axis=0)
-    np.testing.assert_allclose(study.schemes["park"].weights, mean, rtol=1e-15)
+    mean = np.mean([(*bdf2.weights, 0.0), bdf3], axis=0)
+    np.testing.assert_allclose(park.weights, mean, rtol=1e-15)
     assert study.BackwardDifferences(bdf3).order == 3
 
 
 def test_the_other_end_of_chung_and_lees_range_is_hulbert_and_chungs():
-    one, other = study.schemes["chung_lee"], study.ExplicitAlpha.hulbert_chung(0.5)
+    one, other = chung_lee, study.ExplicitAlpha.hulbert_chung(0.5)
     assert (one.alpha_m, one.beta, one.gamma) == pytest.approx((other.alpha_m, other.beta, other.gamma))
 
 
@@ -157,7 +161,7 @@ def test_central_difference_enters_no_iteration():
 
 def test_alpha_method_of_1996_weights_two_forces():
     """(1 + α) p(u₁) − α p(u₀), not p at the weighted displacement: the step satisfies eq. (12) with the former."""
-    scheme, dt = study.schemes["hht_alpha"], 0.15 / 20
+    scheme, dt = hht_alpha, 0.15 / 20
     force = study.problems["hardening"].force
     ds = study.run("hardening", scheme, dt=dt, steps=1)
     u0, u1 = ds.u.values

@@ -97,6 +97,7 @@ def browser(page, tmp_path):
     """A browser that shows the page and can load nothing else."""
     from selenium import webdriver
 
+    assert CHROMIUM and DRIVER  # needs_browser skips the test otherwise
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM
     for argument in (

@@ -3,6 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 
 from paper.figures.outcome_map import outcome_map
@@ -19,8 +20,9 @@ def test_every_cell_is_drawn_in_its_place():
     )
     figure, ax = plt.subplots(dpi=100)
     outcome_map(ax, one, np.inf)
-    figure.canvas.draw()
-    drawn = np.asarray(figure.canvas.buffer_rgba())[::-1, :, :3]
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    drawn = np.asarray(canvas.buffer_rgba())[::-1, :, :3]
     places = np.stack(np.meshgrid(parts, amplitudes), axis=-1).reshape(-1, 2)
     columns, rows = ax.transData.transform(places).astype(int).T
     colours = 255 * np.array([to_rgb(colour) for _, colour in OUTCOME_STYLES.values()])

@@ -63,7 +63,9 @@ def test_a_legend_of_seven_has_the_full_size():
     for index in range(7):
         ax.plot([0, 1], label=str(index))
     legend_beside(ax)
-    assert ax.get_legend().get_texts()[0].get_fontsize() == plt.rcParams["legend.fontsize"]
+    legend = ax.get_legend()
+    assert legend is not None
+    assert legend.get_texts()[0].get_fontsize() == plt.rcParams["legend.fontsize"]
     plt.close(figure)
 
 
