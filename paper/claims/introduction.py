@@ -42,7 +42,7 @@ def solutions_are_periodic(data):
     "The period can be found analytically or by integration with very small steps.",
     "relative error of the period by CVODE, diffrax and heyoka at their tightest tolerance",
     reads=["reference_agreement"],
-    asks={"references.problems": list(PERIODS)},
+    asks={"references.problems": list(PERIODS), "agreement.tolerances": [1e-15]},
 )
 def period_by_every_route(data):
     best = by_name(data["reference_agreement"].period_error.min("tolerance").max("problem"))

@@ -14,12 +14,9 @@ from snakemake.utils import update_config
 import study
 from study.pipeline import configuration
 from study.pipeline.experiment import discover
-from study.pipeline.sources import Sources
-from study.pipeline.steps import steps_of
 
 PROJECT = Path(__file__).parents[2]
 EXPERIMENTS = discover("reference", "study.experiments")
-SOURCES = Sources(PROJECT, "study", "reference", "paper")
 
 
 def _shipped(name: str) -> dict:
@@ -64,7 +61,7 @@ def test_every_dataset_is_made_once(config):
 
 @pytest.mark.parametrize("whole", [{}, [], None, "x", 3, [{}]])
 def test_what_is_no_configuration_is_told(whole):
-    with pytest.raises(ValueError, match="^the configuration (must be a mapping|lacks 'references')"):
+    with pytest.raises(ValueError, match="^the configuration (must be a mapping|lacks '\\w+')"):
         _check(whole)
 
 
@@ -199,8 +196,6 @@ def test_any_configuration_is_accepted_or_refused_in_one_sentence(config):
         return
     finally:
         assert repr(config) == repr(before)
-    # what is accepted can be planned, and names no file outside of the results
-    for step in steps_of(EXPERIMENTS, whole, SOURCES):
-        assert step.jobs
-        for output in step.outputs:
-            assert output.startswith("results/") and ".." not in output
+    # what is accepted names no file outside of the results
+    names = configuration.datasets_of(EXPERIMENTS, whole)
+    assert len(names) == len(set(names)) and not any(".." in name or name.startswith("/") for name in names)

@@ -72,7 +72,7 @@ def _hashes(folder: Path) -> dict[str, str]:
     }
 
 
-def test_everything_ismake(project):
+def test_everything_is_made(project):
     results = project / "results"
     assert (results / "manuscript.pdf").read_bytes().startswith(b"%PDF")
     assert (results / "explorer.html").stat().st_size > 1e6
@@ -199,7 +199,7 @@ def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
     [
         ("{cpu_time: {repeat: 3}}", "cpu_time has no key 'repeat'; did you mean 'repeats'?"),
         ("{large_steps: {problems: [hardening]}}", "large_steps.problems"),  # the manuscript asks for all springs
-        ("[1, 2]", "the configuration"),
+        ("[1, 2]", "Config file must be given as JSON or YAML with keys at top level"),
     ],
 )
 def test_a_wrong_configuration_stops_before_any_work(project, tmp_path, text, sentence):
@@ -217,7 +217,7 @@ def test_the_tools_of_snakemake_work(project, arguments):
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
 
 
-def test_what_is_added_in_one_file_ismake(copy):
+def test_what_is_added_in_one_file_is_made(copy):
     for name, text in ADDED.items():
         (copy / name).write_text(text)
     (copy / SMALL).write_text((copy / SMALL).read_text() + "\nlast_displacement: {steps: 50}\n")
@@ -243,8 +243,11 @@ def test_an_undeclared_read_fails_before_any_run(copy):
 @pytest.mark.parametrize(
     "changes",
     [
-        {"phase_portrait": {"hardening": {"dt": 0.011, "duration": 0.5}}, "sensitivity": {"duration": 5.0}},
-        {"spectral": {"damping_ratios": [0.0, 0.3], "exponents": {"first": -2, "per_decade": 15}}},
+        {
+            "phase_portrait": {"hardening": {"dt": 0.011, "duration": 0.5}},
+            "sensitivity": {"duration": 5.0},
+            "spectral": {"damping_ratios": [0.0, 0.3], "exponents": {"first": -2, "per_decade": 15}},
+        },
         {
             "stability": {"bifurcation": {"shown": 7, "steps": 40}, "numerical_map": {"dt": [2]}},
             "cpu_time": {"repeats": 1},
