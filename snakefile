@@ -11,6 +11,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import yaml
+
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
@@ -27,11 +29,13 @@ os.environ |= {
     "PATH": os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]),
     "PYTHONPATH": PROJECT,
     "PYTHONSAFEPATH": "1",
+    # what a user declines for his own runs is part of what the study is
+    "STUDY_SETTINGS": "precision,compiler,cache",
 }
 
 
-def said(*module, given=None):
-    """What a module prints; a mistake that it tells ends the workflow with its sentence."""
+def printed_by(*module, given=None):
+    """What a module prints; the workflow ends with its sentence if it refuses something."""
     done = subprocess.run([sys.executable, "-m", *module], input=given, capture_output=True, text=True)
     if done.returncode:
         lines = done.stderr.strip().splitlines()
@@ -41,15 +45,15 @@ def said(*module, given=None):
 
 def planned():
     """The plan of datasets and that of the paper, which are kept until a source or the configuration changes."""
-    text = json.dumps(config)
+    text = yaml.safe_dump(config)
     sources = sorted(path for room in ("study", "reference", "paper") for path in Path(PROJECT, room).rglob("*.py"))
     key = hashlib.sha256("\0".join([sys.version, PROJECT, ROOT, text]).encode())
     for path in sources:
         key.update(str(path).encode() + path.read_bytes())
     kept = Path(".snakemake", "plans", f"{key.hexdigest()}.json")
     if not kept.exists():
-        data = said("study.pipeline.plan", ROOT, text)
-        paper = said("paper.plan", ROOT, given=data)
+        data = printed_by("study.pipeline.plan", ROOT, text)
+        paper = printed_by("paper.plan", ROOT, given=data)
         kept.parent.mkdir(parents=True, exist_ok=True)
         unfinished = kept.with_suffix(f".{os.getpid()}")
         unfinished.write_text(json.dumps([json.loads(data), json.loads(paper)]))
@@ -68,8 +72,8 @@ if not writable:
 
 
 onerror:
-    # what was there before a failed job is put back, and looks new; an old date and no record of how it was made have
-    # it made anew next time, whatever the cause of the failure
+    # Snakemake puts back the files that a failed job was to replace, and they look new; with an old date and without a
+    # record of their making, the next call makes them again
     for job in workflow.scheduler.failed:
         for product in job.output:
             if Path(product).exists():

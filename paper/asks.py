@@ -88,4 +88,9 @@ OF_THE_DRIFT: dict[str, Any] = {
     "energy_drift.problem": "softening",
     "energy_drift.scheme": "rk4",
     "energy_drift.steps_per_period": spans("energy_drift.steps_per_period", 20, 25),
+    "energy_drift.steps_per_period.step": lambda step: (
+        f"energy_drift.steps_per_period.step must be at most 0.5 to show windows of resonance, not {step}."
+        if step > 0.5
+        else None
+    ),
 }

@@ -112,7 +112,7 @@ def check_datasets(products: Iterable[Product], datasets: Iterable[str]) -> None
         for file in one.files:
             if file.endswith(".nc") and file.removesuffix(".nc") not in known:
                 name = file.removesuffix(".nc")
-                raise ValueError(f"{one} reads '{name}', a dataset that this configuration does not make.")
+                raise ValueError(f"{one.label} reads '{name}', a dataset that this configuration does not make.")
 
 
 def main(root: str) -> None:
@@ -123,8 +123,9 @@ def main(root: str) -> None:
     SystemExit
         If the paper asks of the configuration what is not there.
     """
-    plan, products = json.load(sys.stdin), discover()
+    plan = json.load(sys.stdin)
     try:
+        products = discover()
         check_datasets(products, plan["datasets"])
         check(products, plan["configuration"])
     except ValueError as error:

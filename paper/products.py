@@ -9,6 +9,7 @@ import functools
 import importlib
 import inspect
 import pkgutil
+import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -85,6 +86,10 @@ def declare(product: Product) -> None:
 def _declared(kind: str, name: str, caption: str, asks: Asks | None, reads: dict) -> Callable:
     def enter(function: Callable) -> Callable:
         module = function.__module__
+        if name and kind != "numbers" and not re.fullmatch(r"[a-z0-9_]+", name):
+            raise ValueError(
+                f"{module} declares '{name}'; a {kind} has a name of small letters, digits and underscores."
+            )
         product = Product(kind, name or module.rpartition(".")[-1], module, function, reads, caption, asks or {})
         try:
             inspect.signature(function).bind(**reads)

@@ -16,7 +16,7 @@ from study.datasets import flags
 from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Counts, FallingTolerances, Springs
+from study.pipeline.options import FallingTolerances, Repeats, RisingCounts, Springs
 from study.problem.definition import Problem
 from study.problem.named import printed_periods
 from study.problem.named import problems as problems_by_name
@@ -112,9 +112,16 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return unlisted("periods", options["periods"], "accuracy.periods", configuration["accuracy"]["periods"])
 
 
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    """Steps of a scheme, of thirty nanoseconds each, in the time that all solvers may take together."""
+    runs = len(options["problems"]) * len(SOLVERS) * len(options["tolerances"]) * len(RUNS)
+    return runs * options["longest"] / 30e-9
+
+
 @experiment(
     "work_precision/solvers",
     check=_check,
+    steps=_number_of_steps,
     timed=True,
     temporary=True,
     environment={"OMP_NUM_THREADS": "1"},
@@ -122,9 +129,9 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 def work_precision(
     problems: Springs,
     tolerances: FallingTolerances,
-    steps_per_period: Counts,
-    periods: Counts,
-    repeats: Count,
+    steps_per_period: RisingCounts,
+    periods: RisingCounts,
+    repeats: Repeats,
     longest: Annotated[float, Gt(0), Le(3600)],
 ) -> xr.Dataset:
     """Measure time and evaluations of every general solver at every tolerance, beside its errors.

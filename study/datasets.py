@@ -39,15 +39,18 @@ def _installed(package: str) -> str | None:
         return None
 
 
+#: Name of this package among the installed ones.
+_NAME = "time-integration-study"
+
+
 def _version() -> str:
     """Version of this package: of the checkout if there is one, whose installation may be older, or as installed."""
     pyproject = Path(__file__).parent.parent / "pyproject.toml"
-    if pyproject.exists():
-        return tomllib.loads(pyproject.read_text())["project"]["version"]
-    return version("time-integration-study")
+    project = tomllib.loads(pyproject.read_text()).get("project", {}) if pyproject.exists() else {}
+    return project["version"] if project.get("name") == _NAME else version(_NAME)
 
 
-#: Version of this package, which only ``pyproject.toml`` spells out.
+#: Version of this package, as ``pyproject.toml`` states it.
 VERSION = _version()
 
 

@@ -76,6 +76,11 @@ class Registry(Mapping[str, T], Generic[T]):
         self._entries, self._aliases = dict(entries), dict(aliases or {})
         self._made_by = dict(made_by or {})
         self._names = [*self._entries, *self._made_by]
+        for alias in self._aliases:
+            if alias in self._names:
+                raise ValueError(
+                    f"the {kind} '{alias}' has the name of an alias of '{self._aliases[alias]}'; choose another."
+                )
 
     def resolve(self, name: str) -> str:
         """The name under which an entry is listed.

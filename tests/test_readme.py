@@ -125,7 +125,7 @@ def _claims_of_the_paper() -> list[ledger.Claim]:
 
 
 def test_the_counts_of_the_readme_are_those_of_the_code():
-    assert _stated(r"of (\d+) schemes:") == [len(study.schemes)]
+    assert "more than thirty schemes" in TEXTS["README.md"] and len(study.schemes) > 30
     assert _stated(r"the paper's (\d+) checkable claims") == [len(_claims_of_the_paper())]
 
 

@@ -117,6 +117,8 @@ def claim(
             seen = {name: _cut(dataset) if from_the_paper else dataset for name, dataset in datasets.items()}
             return check(Declared(statement, seen))
 
+        if isinstance(reads, str):
+            raise ValueError(f"{check.__module__}: claim '{check.__name__}' reads a list of datasets, not {reads!r}.")
         own: dict[str, Any] = {}
         for name in reads:
             if name.startswith(_OVER_SCHEMES):

@@ -8,11 +8,20 @@ from matplotlib.lines import Line2D
 from paper.figures.style import PAGE, letter, looks
 from paper.products import figure
 
+#: Colours of the tolerances of Newton's iteration.
+COLOURS = ("#56B4E9", "#0072B2", "#000000")
+
+
+def _one_for_each_colour(tolerances: list) -> str | None:
+    if len(tolerances) == len(COLOURS):
+        return None
+    return f"stability.roots.tolerances must be {len(COLOURS)}, one for each colour of a figure, not {len(tolerances)}."
+
 
 @figure(
     "Roots of the effective equation of a step, and the root that Newton finds.",
     roots="stability/roots",
-    asks={"stability.roots.schemes": ["houbolt"]},
+    asks={"stability.roots.schemes": ["houbolt"], "stability.roots.tolerances": _one_for_each_colour},
 )
 def draw(roots: xr.Dataset) -> Figure:
     """Regions with three roots, the root that Newton finds, and how long runs of two tolerances agree."""
@@ -35,7 +44,7 @@ def draw(roots: xr.Dataset) -> Figure:
     figure.colorbar(picture, ax=axes[1], label="displacement found")
     axes[1].set(xlabel="where Newton starts", ylabel="predictor of the displacement")
     for start, line in zip(roots.start.values, ("-", ":"), strict=True):
-        for tolerance, colour in zip(roots.newton_tolerance.values, ("#56B4E9", "#0072B2", "#000000"), strict=True):
+        for tolerance, colour in zip(roots.newton_tolerance.values, COLOURS, strict=True):
             axes[2].semilogy(
                 roots.dt,
                 roots.steps_together.sel(start=start, newton_tolerance=tolerance).clip(min=1),

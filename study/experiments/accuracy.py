@@ -15,7 +15,7 @@ from study.pipeline import labels
 from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Counts, Schemes, Springs
+from study.pipeline.options import RisingCounts, Schemes, Springs
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
@@ -35,7 +35,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     check=_check,
     steps=_number_of_steps,
 )
-def accuracy(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Counts) -> xr.Dataset:
+def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, periods: RisingCounts) -> xr.Dataset:
     """Measure the errors of every scheme against the exact solution, by step size and length of the run.
 
     The measures are those of :mod:`study.analysis.comparison`; the step size is Δt = T/N, with T the exact period and

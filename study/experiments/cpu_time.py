@@ -10,7 +10,7 @@ from study.observer.energy import MaxEnergyError
 from study.pipeline import labels
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Schemes, Springs
+from study.pipeline.options import Count, Repeats, Schemes, Springs
 from study.problem.named import printed_periods
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
@@ -37,7 +37,9 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
     # the compile time is measured too, so no program may come from the cache of an earlier process
     environment={"JAX_ENABLE_COMPILATION_CACHE": "false"},
 )
-def cpu_time(problems: Springs, schemes: Schemes, steps_per_period: Count, steps: Count, repeats: Count) -> xr.Dataset:
+def cpu_time(
+    problems: Springs, schemes: Schemes, steps_per_period: Count, steps: Count, repeats: Repeats
+) -> xr.Dataset:
     """Measure the time of a step of every scheme with the energy observed, and separately its compile time.
 
     The schemes are timed in turns, so that a slow moment of the machine affects all of them. The step size is T/N, with

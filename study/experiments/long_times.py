@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import cast
+from typing import Annotated, cast
 
 import jax
 import numpy as np
 import xarray as xr
+from annotated_types import Ge, Le
 
 from study import datasets
 from study.analysis.comparison import first_crossing
@@ -15,13 +16,15 @@ from study.marching.run import run
 from study.pipeline import labels
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Length, OneStepSchemes, RisingCounts, Spring
+from study.pipeline.options import Count, OneStepSchemes, RisingCounts, Spring
 from study.problem.definition import Problem
 from study.problem.named import problems as problems_by_name
 from study.scheme.base import OneStep, Scheme
 from study.scheme.compensated import Compensated
 from study.scheme.named import schemes as schemes_by_name
 
+#: Steps that a run of single precision counts, at most.
+MOST_STEPS = 2**30 - 1
 #: Arithmetics: whether each is in double precision, and whether it sums displacement and velocity with compensation.
 #: The last one is the reference of the others.
 ARITHMETIC = {
@@ -125,8 +128,10 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse lengths that are too few for a law of growth."""
+    """Refuse lengths that are too few for a law of growth, and runs that are too long."""
     lengths = options["periods"]
+    if options["steps_per_period"] * lengths[-1] > MOST_STEPS:
+        return f"periods: a run of {lengths[-1]:,} has more than the {MOST_STEPS:,} steps that single precision counts."
     if sum(length >= lengths[-1] / 100 for length in lengths) < 3:
         return "periods: a law of growth takes three lengths within the last two decades."
     return None
@@ -139,7 +144,11 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     steps=_number_of_steps,
 )
 def long_times(
-    problem: Spring, schemes: OneStepSchemes, steps_per_period: Count, periods: RisingCounts, runs: Length
+    problem: Spring,
+    schemes: OneStepSchemes,
+    steps_per_period: Count,
+    periods: RisingCounts,
+    runs: Annotated[int, Ge(2), Le(1000)],
 ) -> xr.Dataset:
     """Measure the errors of energy and phase of very long runs, their round-off, and the laws of its growth.
 

@@ -23,7 +23,7 @@ class _Portrait(TypedDict):
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    return less_than_a_step(f"{options['problem']}.duration", options["duration"], options["dt"])
+    return less_than_a_step("duration", options["duration"], options["dt"])
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:

@@ -6,14 +6,13 @@ starts and on its tolerance.
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Annotated, cast
+from typing import cast
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from annotated_types import Len
 
 from study.analysis.effective_equation import effective_coefficient, number_of_roots, unique_up_to
 from study.equilibrium.balance import balance, load
@@ -112,7 +111,7 @@ def roots(
     dt: StepSizes,
     predictor: Numbers,
     paper_dt: Size,
-    tolerances: Annotated[Tolerances, Len(3, 3)],
+    tolerances: Tolerances,
     steps: RecordedSteps,
 ) -> xr.Dataset:
     """Count the roots of the effective equation, and find the roots that Newton's iteration takes.

@@ -13,7 +13,7 @@ from study.pipeline import labels
 from study.pipeline.checks import no_multiple
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Counts, Schemes, Spring
+from study.pipeline.options import Count, RisingCounts, Schemes, Spring
 from study.problem.named import problems as problems_by_name
 from study.scheme.base import OneStep
 from study.scheme.compensated import Compensated
@@ -41,7 +41,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
     check=_check,
     steps=_number_of_steps,
 )
-def round_off(problem: Spring, schemes: Schemes, steps_per_period: Counts, periods: Count) -> xr.Dataset:
+def round_off(problem: Spring, schemes: Schemes, steps_per_period: RisingCounts, periods: Count) -> xr.Dataset:
     """Measure the error of the schemes at very small steps, with plain and with compensated summation.
 
     The error at t = (``periods`` + 1/8) T is √(Δu² + Δv²), with Δu and Δv relative to the largest displacement and

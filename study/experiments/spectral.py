@@ -1,5 +1,6 @@
 """Linear theory of the schemes: spectral radius, period, damping, overshoot, order and stability limit."""
 
+from collections.abc import Mapping
 from typing import Annotated
 
 import jax
@@ -13,7 +14,7 @@ from study.analysis.linear_theory import OVERSHOOT_STEPS, LinearTheory, oscillat
 from study.equilibrium.state import Motion
 from study.pipeline import labels
 from study.pipeline.command import progress
-from study.pipeline.experiment import experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import IN_ORDER, Schemes, section
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
@@ -80,7 +81,13 @@ class _Exponents(TypedDict):
     per_decade: Annotated[int, Ge(1), Le(1000)]
 
 
-@experiment("spectral")
+def _numbers_held(options: Options, configuration: Mapping) -> float:
+    exponents = options["exponents"]
+    points = (exponents["last"] - exponents["first"]) * exponents["per_decade"] + 1
+    return (len(_OVER_STEPS) + len(_NUMBERS)) * points * len(options["schemes"]) * len(options["damping_ratios"])
+
+
+@experiment("spectral", values=_numbers_held)
 def spectral(
     schemes: Schemes,
     exponents: Annotated[_Exponents, IN_ORDER],

@@ -19,7 +19,7 @@ from study.pipeline import labels
 from study.pipeline.checks import LARGEST_SAMPLE, no_multiple
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Counts, Schemes, StructureLengths, section
+from study.pipeline.options import Count, RisingCounts, Schemes, StructureLengths, section
 from study.problem.definition import Problem
 from study.problem.named import problems as problems_by_name
 
@@ -81,7 +81,7 @@ class _Structures(TypedDict):
     samples_per_period: Count
     rtol: Annotated[float, Ge(1e-14), Le(1e-2)]
     schemes: Schemes
-    steps_per_period: Counts
+    steps_per_period: RisingCounts
 
 
 def _jobs(options: Options) -> dict[str, Options]:

@@ -15,7 +15,7 @@ from study.pipeline import labels
 from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment, merged
-from study.pipeline.options import Count, Counts, Schemes, Springs
+from study.pipeline.options import Repeats, RisingCounts, Schemes, Springs
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
@@ -31,7 +31,15 @@ def _check(options: Options, configuration: Mapping) -> str | None:
         refused = unlisted(key, options[key], f"accuracy.{key}", configuration["accuracy"][key])
         if refused is not None:
             return refused
+    if 100 not in configuration["accuracy"]["periods"]:
+        return "schemes needs 100 among accuracy.periods, from which it takes Newton's iterations."
     return None
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    """Steps of the timed runs, of which the fastest take twenty nanoseconds."""
+    runs = options["repeats"] * len(options["problems"]) * len(options["schemes"]) * len(options["steps_per_period"])
+    return runs * LONG_ENOUGH / 20e-9
 
 
 merged("work_precision", of=("work_precision/schemes", "work_precision/solvers"))
@@ -41,11 +49,12 @@ merged("work_precision", of=("work_precision/schemes", "work_precision/solvers")
     "work_precision/schemes",
     reads=lambda options: ["accuracy", *(f"reference/{problem}" for problem in options["problems"])],
     check=_check,
+    steps=_number_of_steps,
     timed=True,
     temporary=True,
     environment={"OMP_NUM_THREADS": "1"},
 )
-def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Counts, repeats: Count) -> xr.Dataset:
+def work_precision(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, repeats: Repeats) -> xr.Dataset:
     """Measure time, force evaluations and Newton iterations of a step of every scheme, beside its errors.
 
     The errors are the dataset ``accuracy``, which the costs complement. The schemes are timed in turns, so that a slow

@@ -51,8 +51,8 @@ class Fate(Reduction):
     All follow from the height H = E − E_rest of the energy above that of the rest position:
 
     - inaccurate from the first time with |H − H₀| > 0.01 H₀;
-    - at rest from the time from which on H < 0.01 H₀ until the end of the run;
-    - grown from the time from which on H > 100 max(H₀, H_barrier) until the end of the run;
+    - at rest from the last time at which H falls below 0.01 H₀ and stays there;
+    - grown from the last time at which H exceeds 100 max(H₀, H_barrier) and stays there;
     - crossed at the first time on the other side of u = 0, if H₀ < H_barrier.
 
     The problem must have one unknown, a potential, and neither damping nor load, which change the energy. For a run

@@ -40,6 +40,15 @@ def _declared(module: str, dataset: str) -> Experiment:
     return declared
 
 
+def _check_labels(made: xr.Dataset, module: str) -> None:
+    """Refuse a dataset that does not explain itself."""
+    if "title" not in made.attrs:
+        raise SystemExit(f"the dataset of {module} needs a title among its attributes.")
+    for name, variable in made.variables.items():
+        if "long_name" not in variable.attrs:
+            raise SystemExit(f"the variable '{name}' of {module} needs the attribute 'long_name'.")
+
+
 def main(arguments: list[str]) -> None:
     """Make the datasets of one job, one for each output, and write each whole, with its provenance.
 
@@ -55,9 +64,13 @@ def main(arguments: list[str]) -> None:
     try:
         with datasets.reading_only(declared.reads(options)):
             made = declared.function(**options)
-    except (KeyError, ValueError, FileNotFoundError) as error:
+    except (KeyError, ValueError, RuntimeError, FileNotFoundError) as error:
         raise SystemExit(f"{module}: {error}") from error
     results = (made,) if isinstance(made, xr.Dataset) else made
+    if not isinstance(results, tuple) or not all(isinstance(one, xr.Dataset) for one in results):
+        raise SystemExit(f"{module} must return a dataset or a tuple of datasets, not {type(made).__name__}.")
+    for one in results:
+        _check_labels(one, module)
     if len(results) != len(paths):
         raise SystemExit(f"{module} makes {len(results)} datasets, for which {len(paths)} outputs were given.")
     for one, path in zip(results, paths, strict=True):

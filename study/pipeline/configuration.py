@@ -4,6 +4,7 @@
 """
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
@@ -16,9 +17,9 @@ from study.registry import Registry, did_you_mean
 from study.scheme.base import OneStep
 from study.scheme.named import schemes
 
-#: Steps that the runs of a configuration may add up to: about ten times those of the full study, or a day on two cores.
+#: Largest number of steps of all runs together, ten times that of the full study.
 MOST_STEPS = 1e13
-#: Numbers that a job may hold at once: less than two gigabytes.
+#: Largest number of values that a job holds at once: less than two gigabytes.
 MOST_VALUES = 2e8
 _STRICT = ConfigDict(extra="forbid", strict=True)
 
@@ -50,7 +51,11 @@ def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
             place = tree
             for key in above:
                 place = place.setdefault(key, {})
+                if not isinstance(place, dict):
+                    raise ValueError(f"{one.module} declares '{one.section}', below the section of another experiment.")
             fields: dict[str, Any] = arguments_of(one.function)
+            if last in place:
+                raise ValueError(f"{one.module} declares the section '{one.section}', which another experiment has.")
             place[last] = one.model or create_model(last, __config__=_STRICT, **fields)
     return _nested("configuration", tree)
 
@@ -79,22 +84,32 @@ _TYPES = {
 def _sentence(mistake: Any, model: type[BaseModel]) -> str:
     """One mistake that pydantic found, with the key and what would be right."""
     location = [part for part in mistake["loc"] if part != "[key]"]
-    place, received = ".".join(map(str, location)), mistake["input"]
+    place, received = _place(location), mistake["input"]
     match mistake["type"]:
         case "extra_forbidden":
             *above, key = location
-            section = ".".join(map(str, above)) or "the configuration"
+            section = _place(above) or "the configuration"
             return f"{section} has no key {key!r}; {did_you_mean(str(key), _keys_of(model, above))}"
         case "missing":
             return f"the configuration lacks '{place}'."
         case "value_error":
             reason = str(mistake["ctx"]["error"])
             return f"{place}: {reason}{'' if reason.endswith(('.', '?')) else '.'}"
+        case "list_type" if location[-1] == "schemes":
+            wanted = "a list, or the word all"
         case kind if kind in _TYPES:
             wanted = _TYPES[kind]
+        case "too_short" | "too_long":
+            bound, many = ("at least", "min_length") if mistake["type"] == "too_short" else ("at most", "max_length")
+            return f"{place} must have {bound} {mistake['ctx'][many]} items, not {mistake['ctx']['actual_length']}."
         case _:
             wanted = mistake["msg"].removeprefix("Input should be ")
     return f"{place} must be {wanted}{'' if isinstance(received, dict | list) else f', not {received!r}'}."
+
+
+def _place(location: Iterable[Any]) -> str:
+    """The dotted key of a place; a part that is no plain name stands in quotation marks."""
+    return ".".join(str(part) if re.fullmatch(r"\w+", str(part)) else repr(part) for part in location)
 
 
 def _keys_of(kind: Any, location: Iterable[Any]) -> list[str]:
@@ -159,21 +174,29 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
     whole = complete(configuration)
     check_form(model_of(declared), whole)
     steps, made = 0.0, set(datasets_of(declared, whole))
+    _check_makers(declared, whole)
     for one in declared:
         if isinstance(one, Merged):
             continue
-        for options in one.jobs(whole).values():
+        for job, options in one.jobs(whole).items():
+            place = f"{one.section}.{job}" if one.named_jobs and job else one.section
             reason = one.check(options, whole)
             if reason is not None:
-                raise ValueError(f"{one.section}.{reason}")
-            for name in one.reads(options):
+                raise ValueError(f"{place}.{reason}")
+            reads = one.reads(options)
+            if isinstance(reads, str):
+                raise ValueError(f"{one.module}: reads must return a list of datasets, not {reads!r}.")
+            for name in reads:
                 if name not in made:
-                    raise ValueError(f"{one.section} reads '{name}', a dataset that this configuration does not make.")
+                    raise ValueError(
+                        f"{place} reads '{name}', a dataset that this configuration does not make; "
+                        f"{did_you_mean(name, sorted(made))}"
+                    )
             steps += one.steps(options, whole)
             if (values := one.values(options, whole)) > MOST_VALUES:
                 raise ValueError(
-                    f"{one.section} asks for {values:.1e} numbers at once, and the memory holds {MOST_VALUES:.0e}: ask "
-                    "for fewer or shorter runs."
+                    f"{place} asks for {values:.1e} numbers at once, and more than {MOST_VALUES:.0e} take over "
+                    "two gigabytes: ask for fewer or shorter runs."
                 )
     if steps > MOST_STEPS:
         raise ValueError(
@@ -181,6 +204,16 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
             "ask for fewer or shorter runs."
         )
     return whole
+
+
+def _check_makers(experiments: Iterable[Experiment | Merged], configuration: Mapping) -> None:
+    """Refuse a dataset that two experiments make."""
+    makers: dict[str, str] = {}
+    for one in experiments:
+        maker = one.module if isinstance(one, Experiment) else one.makes
+        for name in datasets_of([one], configuration):
+            if makers.setdefault(name, maker) is not maker:
+                raise ValueError(f"the dataset '{name}' is made by {makers[name]} and by {maker}; rename one of them.")
 
 
 def datasets_of(experiments: Iterable[Experiment | Merged], configuration: Mapping) -> list[str]:

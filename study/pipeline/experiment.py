@@ -10,6 +10,7 @@ is an experiment whose options are the section ``accuracy`` of the configuration
 import importlib
 import inspect
 import pkgutil
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -17,7 +18,7 @@ from typing import Any
 Options = dict[str, Any]
 
 #: XLA writes what a step computes once in place of computing it for each of its uses: ensembles take a tenth less time.
-#: Programs of structures and solvers it compiles at great length then.
+#: Structures and solvers do not use it, because they compile much longer.
 MULTI_OUTPUT_FUSION = {"XLA_FLAGS": "--xla_backend_extra_options=xla_cpu_use_multi_output_fusion=true"}
 
 
@@ -81,7 +82,7 @@ class Experiment:
     @property
     def name(self) -> str:
         """Name of its rule."""
-        return self.module.removeprefix("study.experiments.").replace(".", "_")
+        return self.function.__name__ if self.module.startswith("study.") else self.module.replace(".", "_")
 
     def options_of(self, configuration: Mapping) -> Options:
         """The options out of a complete configuration; what it leaves out has the defaults of the function."""
@@ -102,6 +103,11 @@ class Experiment:
         return {"": options} if self.split is None else dict(self.split(options))
 
     @property
+    def named_jobs(self) -> bool:
+        """Whether the jobs are keys of the section, which messages name."""
+        return self.split is not None and not self.along and self.options is None
+
+    @property
     def folders(self) -> tuple[str, ...]:
         """Where the datasets of the jobs lie, one folder for each dataset."""
         return self.parts or self.makes
@@ -109,12 +115,14 @@ class Experiment:
 
 @dataclass(frozen=True, eq=False)
 class Merged:
-    """A dataset that complements several others into one."""
+    """A dataset that is merged from several others."""
 
     makes: str
     of: tuple[str, ...]
 
 
+#: Folders of the results that hold other products.
+_RESERVED = ("benchmarks", "figures", "logs", "tables")
 #: Every declaration of the modules that have been imported, by module and name.
 DECLARED: dict[tuple[str, str], Experiment | Merged] = {}
 
@@ -124,6 +132,14 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
 
     def declare(function: Callable) -> Callable:
         one = Experiment(makes, function, section or makes[0].replace("/", "."), **declared)
+        for name in (*makes, *one.parts):
+            if not re.fullmatch(r"[a-z0-9_]+(/[a-z0-9_]+)*", name) or name.split("/")[0] in _RESERVED:
+                raise ValueError(
+                    f"{one.module} makes '{name}'; a dataset needs a name of small letters, digits and underscores, in "
+                    f"folders other than {', '.join(_RESERVED)}."
+                )
+        if (one.module, makes[0]) in DECLARED:
+            raise ValueError(f"{one.module} declares the dataset '{makes[0]}' twice; rename one of them.")
         DECLARED[one.module, makes[0]] = one
         return function
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from annotated_types import Ge, Gt, Le, Len
+from annotated_types import Ge, Gt, Le, Len, Lt
 from typing_extensions import TypedDict
 
 
@@ -51,7 +51,7 @@ class Checked:
 def _distinct(values: list, registries: Mapping[str, Any]) -> list:
     for value in values:
         if values.count(value) > 1:
-            raise ValueError(f"{value!r} stands there twice")
+            raise ValueError(f"{value!r} is listed twice")
     return values
 
 
@@ -100,12 +100,14 @@ IN_ORDER = Checked(_in_order)
 Count = Annotated[int, Ge(1), Le(10_000_000)]
 #: Steps of a run whose every step is stored.
 RecordedSteps = Annotated[int, Ge(1), Le(1_000_000)]
+#: How often something is timed or run again.
+Repeats = Annotated[int, Ge(1), Le(1000)]
 #: The length of an axis of a dataset.
 Length = Annotated[int, Ge(2), Le(10_000)]
 #: A time, a step size or a displacement greater than zero.
 Size = Annotated[float, Ge(1e-9), Le(1e9)]
 #: A relative tolerance, error or perturbation.
-Tolerance = Annotated[float, Ge(1e-16), Le(1)]
+Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
 Counts = Annotated[list[Count], _FEW, _DISTINCT]
 RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
 Sizes = Annotated[list[Size], _FEW, _DISTINCT]
@@ -159,7 +161,7 @@ class StructureLength(TypedDict):
     """How long a structure is run, in its time scale."""
 
     problem: Structure
-    periods: Annotated[float, Gt(0), Le(1e6)]
+    periods: Annotated[float, Gt(0), Le(10_000)]
 
 
 def _each_once(lengths: list, registries: Mapping[str, Any]) -> list:

@@ -1,4 +1,4 @@
-"""The part of the pipeline that makes datasets, as JSON: ``python -m study.pipeline.plan ROOT 'CONFIGURATION'``.
+"""The part of the pipeline that makes datasets, as JSON: ``python -m study.pipeline.plan ROOT 'YAML'``.
 
 It prints the complete configuration, the names of all datasets, and the steps of the pipeline.
 """
@@ -7,6 +7,8 @@ import json
 import sys
 from dataclasses import asdict
 from pathlib import Path
+
+import yaml
 
 from study.pipeline.configuration import check, datasets_of
 from study.pipeline.experiment import discover
@@ -22,9 +24,9 @@ def main(root: str, text: str) -> None:
     SystemExit
         If the configuration cannot be run to its end.
     """
-    experiments = discover("reference", "study.experiments")
     try:
-        configuration = check(experiments, json.loads(text))
+        experiments = discover("reference", "study.experiments")
+        configuration = check(experiments, yaml.safe_load(text))
     except ValueError as error:
         raise SystemExit(str(error)) from None
     steps = steps_of(experiments, configuration, Sources(Path(root), "study", "reference"))

@@ -28,11 +28,14 @@ class Sources:
     def __init__(self, root: Path, *packages: str):
         self._root = root
         self._graph = grimp.build_graph(*packages, cache_dir=None)
+        self._known: dict[str, set[str]] = {}
         for module in _DECLARATIONS:
             self._graph.remove_module(module)
 
     def _upstream(self, module: str) -> set[str]:
-        return {module} | self._graph.find_upstream_modules(module)
+        if module not in self._known:
+            self._known[module] = {module} | self._graph.find_upstream_modules(module)
+        return self._known[module]
 
     def of(self, *modules: str) -> list[Path]:
         """Files of some modules and of all that they import, in order."""

@@ -36,7 +36,8 @@ class Step:
     alone
         Whether nothing else may run beside it, as it measures times.
     captions, category
-        Of what the report of the pipeline shows: by job, and under which heading.
+        Caption of each job's output in the report of the pipeline, and the heading there; without a heading it is left
+        out.
     """
 
     name: str

@@ -6,8 +6,8 @@ import numpy as np
 from study.algebra.arrays import Scalar, Vector
 from study.algebra.matrices import shifted
 from study.problem.definition import Problem
-from study.problem.entry import named
 from study.problem.loads import Pulse
+from study.problem.naming import named
 from study.problem.potential import StrainEnergy
 
 #: Circular frequency ω of the stiff springs.

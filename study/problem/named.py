@@ -1,12 +1,12 @@
 """Every problem that can be called by name.
 
 A problem is named by a variable of a module of this package: ``pendulum``, a function under
-:func:`study.problem.entry.named` in ``oscillators.py``, makes ``study.problems["pendulum"]``.
+:func:`study.problem.naming.named` in ``oscillators.py``, makes ``study.problems["pendulum"]``.
 """
 
 from study import problem
 from study.problem.definition import Problem
-from study.problem.entry import NamedProblem
+from study.problem.naming import NamedProblem
 from study.registry import Registry, variables_of_modules
 
 _ENTRIES = variables_of_modules(

@@ -6,8 +6,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.problem.definition import Problem
-from study.problem.entry import named
 from study.problem.loads import HarmonicLoad
+from study.problem.naming import named
 
 
 @named(time_scale=33.7210)

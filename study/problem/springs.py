@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.problem.definition import Problem
-from study.problem.entry import named
+from study.problem.naming import named
 
 
 class CubicSpring(eqx.Module):

@@ -4,8 +4,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.problem.definition import Problem
-from study.problem.entry import named
 from study.problem.loads import HarmonicLoad
+from study.problem.naming import named
 from study.problem.potential import StrainEnergy
 
 #: Period of the motion of the support.

@@ -5,7 +5,7 @@ import numpy as np
 
 from study.problem.damping import Rayleigh
 from study.problem.definition import Problem
-from study.problem.entry import named
+from study.problem.naming import named
 from study.problem.potential import StrainEnergy
 
 

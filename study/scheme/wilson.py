@@ -82,6 +82,7 @@ class WilsonTheta(OneStep):
     def increment(self, problem, state, t, dt):
         u, v, a = state
         tau = self.theta * dt
+        # not Newmark's increments, which would add up in another order and round otherwise
         u_predicted = u + tau * v + tau**2 * (0.5 - self.beta) * a
         v_predicted = v + tau * (1 - self.gamma) * a
         a_theta, effort = balance(

@@ -23,6 +23,8 @@ def many():
     "scheme, problem",
     [
         ("average_acceleration", "softening"),
+        ("bathe", "double_well"),
+        ("gauss4", "softening"),
         ("rk4", "double_well"),
     ],
 )

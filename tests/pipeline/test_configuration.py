@@ -14,8 +14,11 @@ from snakemake.utils import update_config
 import study
 from study.pipeline import configuration
 from study.pipeline.experiment import discover
+from study.pipeline.sources import Sources
+from study.pipeline.steps import steps_of
 
 PROJECT = Path(__file__).parents[2]
+SOURCES = Sources(PROJECT, "study", "reference", "paper")
 EXPERIMENTS = discover("reference", "study.experiments")
 
 
@@ -93,7 +96,7 @@ def test_what_is_no_configuration_is_told(whole):
             lambda c: c["structures"]["lengths"].append({"problem": "fpu_chain", "period": 1}),
             "has no key 'period'; did you mean 'periods'?",
         ),
-        (lambda c: c["structures"]["lengths"].append(c["structures"]["lengths"][0]), "stands there twice."),
+        (lambda c: c["structures"]["lengths"].append(c["structures"]["lengths"][0]), "is listed twice."),
         (lambda c: c["structures"]["lengths"][0].update(periods=0.001), "are no whole number of samples, 20 in each."),
         (lambda c: c["structures"].update(steps_per_period=[25]), "25 is no multiple of samples_per_period, 20."),
         (lambda c: c["large_steps"].update(problems=["pendulum"]), "large_steps.problems.0: there is no spring"),
@@ -108,27 +111,35 @@ def test_what_is_no_configuration_is_told(whole):
         (lambda c: c["stability"]["roots"]["schemes"].append("bathe"), "a step of 'Bathe' is not one effective"),
         (lambda c: c["stability"]["roots"]["schemes"].append("bathed"), "there is no scheme 'bathed'; did you mean"),
         (lambda c: c["stability"]["roots"].update(steps=4 * 10**14), "stability.roots.steps must be less than or"),
-        (lambda c: c["stability"]["numerical_map"].update(steps=10**6, dt=[1, 2, 3]), "numbers at once, and the"),
+        (lambda c: c["stability"]["numerical_map"].update(steps=10**6, dt=[1, 2, 3]), "numbers at once, and more than"),
         (lambda c: c["energy_drift"]["steps_per_period"].update(step=1e-12), "step must be greater than or equal to"),
         (lambda c: c["energy_drift"]["steps_per_period"].update(step=1e-5), "energy_drift asks for 3.6e+10 numbers"),
-        (lambda c: c["phase_portrait"]["double_well"].update(dt=2.5e-7), "phase_portrait asks for"),
+        (lambda c: c["phase_portrait"]["double_well"].update(dt=2.5e-7), "phase_portrait.double_well asks for"),
         (lambda c: c["spectral"]["exponents"].update(first=-3000), "spectral.exponents.first must be greater than"),
         (lambda c: c["spectral"].update(damping_ratios=[1.0]), "spectral.damping_ratios.0 must be less than 1, not"),
-        (lambda c: c["long_times"].update(periods=[10**7], runs=9000), "a law of growth takes three lengths"),
-        (lambda c: c["long_times"].update(periods=[10**6, 10**7 - 1, 10**7], runs=9000), "steps in all, and more"),
+        (lambda c: c["long_times"].update(periods=[10**7], runs=900), "a law of growth takes three lengths"),
+        (lambda c: c["long_times"].update(periods=[10**6, 10**7 - 1, 10**7], runs=1000), "steps in all, and more"),
         (lambda c: c["long_times"].update(periods=[10, 3, 30]), "long_times.periods: must rise, not [10, 3, 30]."),
         (lambda c: c["long_times"].update(schemes=["park"]), "there is no one-step scheme 'park'"),
         (lambda c: c["references"].update(problems=["hardening"]), "reads 'reference/softening', a dataset that this"),
         (lambda c: c["references"].update(problems=["hard"]), "references.problems.0: there is no spring 'hard';"),
         (lambda c: c["references"].update(steps_per_period=[8]), "among references.steps_per_period, 8."),
-        (lambda c: c["work_precision"]["solvers"].update(problems=["double_well"] * 2), "'double_well' stands there"),
+        (lambda c: c["work_precision"]["solvers"].update(problems=["double_well"] * 2), "is listed twice."),
         (lambda c: c["work_precision"]["schemes"].update(steps_per_period=[9]), "steps_per_period: there is no"),
         (lambda c: c["work_precision"]["solvers"].update(tolerances=[1e-14]), "tolerances must be at least 2.2e-14,"),
         (lambda c: c["work_precision"]["solvers"].update(periods=[1]), "work_precision.solvers.periods lacks 100,"),
         (lambda c: c["work_precision"]["solvers"].update(longest=0), "solvers.longest must be greater than 0, not 0."),
         (lambda c: c["agreement"].update(tolerances=[1e-9, 1e-4]), "agreement.tolerances: must fall, not [1e-09,"),
         (lambda c: c["recommendation"].update(measures=["energy"]), "recommendation.measures: there is no energy"),
-        (lambda c: c["accuracy"].update(schemes="most"), "accuracy.schemes must be a list, not 'most'."),
+        (lambda c: c["accuracy"].update(periods=[100, 1, 3]), "accuracy.periods: must rise, not [100, 1, 3]."),
+        (lambda c: c["accuracy"].update(schemes=[]), "accuracy.schemes must have at least 1 items, not 0."),
+        (lambda c: c["cpu_time"].update(repeats=10**7), "cpu_time.repeats must be less than or equal to 1000, not"),
+        (lambda c: c["long_times"].update(runs=9000), "long_times.runs must be less than or equal to 1000, not 9000."),
+        (lambda c: c["long_times"].update(steps_per_period=10**7, periods=[108, 109, 110]), "single precision counts."),
+        (lambda c: c["agreement"].update(tolerances=[1.0, 1e-9]), "agreement.tolerances.0 must be less than 1,"),
+        (lambda c: c["structure_history"].update({"": {}}), "structure_history.'': '' must be a name of small letters"),
+        (lambda c: c["structure_history"].update({"\n": {}}), "structure_history.'\\n': "),
+        (lambda c: c["accuracy"].update(schemes="most"), "accuracy.schemes must be a list, or the word all, not"),
         (lambda c: c["structure_history"]["stiff_soft"].update(every=7), "every, 7, does not divide the number of"),
         (lambda c: c["structure_history"].update({"../x": c["structure_history"]["stiff_soft"]}), "'../x' must be a"),
         (lambda c: c["phase_portrait"].update(soft=c["phase_portrait"]["softening"]), "there is no spring 'soft';"),
@@ -164,7 +175,8 @@ def _places(section, above=()):
 def _mutated(draw):
     config = copy.deepcopy(SHIPPED[draw(st.sampled_from(sorted(SHIPPED)))])
     for _ in range(draw(st.integers(1, 3))):
-        *above, last = draw(st.sampled_from(list(_places(config))))
+        places = list(_places(config))
+        *above, last = places[draw(st.integers(0, len(places) - 1))]
         section = config
         for key in above:
             section = section[key]
@@ -196,6 +208,7 @@ def test_any_configuration_is_accepted_or_refused_in_one_sentence(config):
         return
     finally:
         assert repr(config) == repr(before)
-    # what is accepted names no file outside of the results
+    # what is accepted can be planned, and names no file outside of the results
     names = configuration.datasets_of(EXPERIMENTS, whole)
     assert len(names) == len(set(names)) and not any(".." in name or name.startswith("/") for name in names)
+    assert all(step.jobs for step in steps_of(EXPERIMENTS, whole, SOURCES))

@@ -199,6 +199,8 @@ def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
     [
         ("{cpu_time: {repeat: 3}}", "cpu_time has no key 'repeat'; did you mean 'repeats'?"),
         ("{large_steps: {problems: [hardening]}}", "large_steps.problems"),  # the manuscript asks for all springs
+        ("{sensitivity: {dt: 2026-01-01}}", "sensitivity.dt must be a number, not datetime.date(2026, 1, 1)."),
+        ("{yes: 1}", "the key True of the configuration is no text"),
         ("[1, 2]", "Config file must be given as JSON or YAML with keys at top level"),
     ],
 )

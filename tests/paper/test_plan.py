@@ -1,0 +1,15 @@
+"""The plan of the paper."""
+
+import pytest
+
+from paper import plan, products
+
+
+def test_a_dataset_that_is_not_made_is_told_with_its_reader():
+    chosen = [product for product in products.discover(["figures"]) if product.name == "instability"]
+    with pytest.raises(ValueError) as caught:
+        plan.check_datasets(chosen, ["reference/softening_large"])
+    assert str(caught.value) == (
+        "figure 'instability' reads 'phase_portrait/softening_large', a dataset that this configuration does not make."
+    )
+    plan.check_datasets(chosen, ["reference/softening_large", "phase_portrait/softening_large"])
