@@ -45,7 +45,7 @@ def printed_by(*module, given=None):
 
 def planned():
     """The plan of datasets and that of the paper, which are kept until a source or the configuration changes."""
-    text = yaml.safe_dump(config)
+    text = yaml.safe_dump(config, sort_keys=False)
     sources = sorted(path for room in ("study", "reference", "paper") for path in Path(PROJECT, room).rglob("*.py"))
     key = hashlib.sha256("\0".join([sys.version, PROJECT, ROOT, text]).encode())
     for path in sources:
