@@ -18,17 +18,8 @@ jax.config.update("jax_numpy_dtype_promotion", "strict")
 
 
 def pytest_collection_modifyitems(items):
-    """Slow tests run first, as they would leave other workers idle at the end; coverage sees one case of each test.
-
-    Tracing takes a third as long again. A test marked ``every_case_covers`` is traced in all its cases.
-    """
+    """Slow tests run first; at the end they would leave the other workers idle."""
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
-    traced = set()
-    for item in items:
-        test = item.path, getattr(item, "originalname", item.name)
-        if test in traced and not item.get_closest_marker("every_case_covers"):
-            item.add_marker(pytest.mark.no_cover)
-        traced.add(test)
 
 
 def pytest_runtest_teardown(item, nextitem):

@@ -182,7 +182,7 @@ def _mutated(draw):
             section = section[key]
         match draw(st.sampled_from(["put", "put", "put", "scale", "remove", "rename", "again"])):
             case "put":
-                section[last] = draw(_ODD)
+                section[last] = copy.deepcopy(draw(_ODD))
             case "scale" if isinstance(section[last], int | float):
                 section[last] *= draw(st.sampled_from([-1, 0.5, 2, 10, 1e4]))
             case "remove":

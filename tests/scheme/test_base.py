@@ -3,12 +3,10 @@
 import jax
 import jax.numpy as jnp
 import numpy as np
-import pytest
 
 import study
 
 
-@pytest.mark.every_case_covers
 def test_forces_are_counted(scheme):
     """Against a force and a potential that count their evaluations in a step."""
     calls: list[jax.Array] = []
