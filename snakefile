@@ -29,7 +29,7 @@ os.environ |= {
     "PATH": os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]),
     "PYTHONPATH": PROJECT,
     "PYTHONSAFEPATH": "1",
-    # what a user declines for his own runs is part of what the study is
+    # the study needs all settings, also where the user declines some for other runs
     "STUDY_SETTINGS": "precision,compiler,cache",
 }
 
