@@ -23,7 +23,7 @@ from jax import lax
 
 from study.algebra.arrays import Matrix, ScalarLike, Vector
 from study.algebra.elimination import solve
-from study.algebra.matrices import SMALL, Banded, add, dense, product, times
+from study.algebra.matrices import Banded, add, dense, product, times
 from study.equilibrium.newton import TOLERANCES, iterated, norm, opened_closure, root
 from study.equilibrium.state import Effort
 from study.problem.definition import Problem
@@ -51,9 +51,10 @@ class System(Protocol):
 
 
 def _inertia(problem: System, c_v: Matrix, n: int) -> Matrix:
-    """M + c_v C."""
+    """M + c_v C; without c_v, M keeps its form, a diagonal where C is a band."""
     mass = 1.0 if problem.mass is None else problem.mass
-    return mass if problem.damping is None else add(mass, product(problem.damping, c_v, n), n=n)
+    without = problem.damping is None or (isinstance(c_v, float) and c_v == 0)
+    return mass if without else add(mass, product(problem.damping, c_v, n), n=n)
 
 
 def _less_damping(problem: System, rhs, v: Vector):
@@ -161,8 +162,9 @@ def balance(
     opened, given = opened_closure(iterate, guess, nothing)
     given = lax.stop_gradient(given)
     a, unfinished, iterations = lax.stop_gradient(guess), jnp.ones((), bool), jnp.zeros((), int)
-    if n <= SMALL:
-        # most steps need two iterations, one to correct and one to confirm: these two are written out before the loop
+    if not jnp.ndim(u):
+        # most steps need two iterations, one to correct and one to confirm: these two are written out before the loop,
+        # which for several unknowns would double what is compiled and save little
         once, _, moved = opened((a, nothing), given)
         (a, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)
     a, unfinished, iterations = iterated(opened, given, (a, unfinished, iterations))

@@ -11,7 +11,6 @@ import numpy as np
 from jax import lax
 
 from study.algebra.arrays import Scalar, Vector
-from study.algebra.matrices import SMALL
 
 
 class Tolerances(NamedTuple):
@@ -84,7 +83,8 @@ def iterated(iterate: Callable, given, carry: tuple) -> tuple:
         def loop(carry):
             return lax.while_loop(_goes_on, partial(again, given=given), carry)
 
-        return loop(carry) if carry[0].size > SMALL else lax.cond(_goes_on(carry), loop, lambda carry: carry, carry)
+        # after two iterations that are written out, most steps skip the loop
+        return loop(carry) if carry[0].ndim else lax.cond(_goes_on(carry), loop, lambda carry: carry, carry)
 
     @to_the_end.def_vmap
     def in_lanes(lanes, batched, carry, given):

@@ -22,7 +22,7 @@ from study.scheme.base import Scheme
 
 T = TypeVar("T")
 
-#: Sampling of the load before a run: maximum, minimum, cap on samples × unknowns.
+#: Sampling of the load after a failed run: maximum, minimum, cap on samples × unknowns.
 MOST_LOOKS, FEWEST_LOOKS, LOOKED_AT = 1001, 65, 10_000_000
 
 
@@ -101,28 +101,21 @@ def checked_start(problem: Problem, u0: DisplacementsLike | None) -> Displacemen
     return u0
 
 
-def checked_observers(problem: Problem, observe: str | Observer | Sequence[str | Observer]) -> tuple[Observer, ...]:
-    """Observers that the problem can have; a name or an observer stands for a list of one."""
+def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tuple[Observer, ...]:
+    """Observers, by name or as they are; one alone stands for a list of one."""
     if observe is None:
         raise TypeError(f"observe must be a list of observers; {did_you_mean('', observers)}")
     listed = [observe] if isinstance(observe, str | Observer) else observe
-    chosen = tuple(resolve(o, observers, Observer) for o in listed)  # type: ignore[type-abstract]
-    for observer in chosen:
-        if refusal := observer.refusal(problem):
-            raise ValueError(refusal)
-    return chosen
+    return tuple(resolve(o, observers, Observer) for o in listed)  # type: ignore[type-abstract]
 
 
-def check_fit(problem: Problem, scheme: Scheme, duration: float) -> None:
-    """Refuse a problem that the scheme cannot step, and a load that is not finite at some time of the run."""
-    if reason := scheme.refusal(problem):
-        raise ValueError(reason)
-    if problem.load is not None:
-        looks = int(np.clip(LOOKED_AT // np.size(problem.u0), FEWEST_LOOKS, MOST_LOOKS))
-        times = np.linspace(0.0, duration, looks)
-        finite = np.asarray(_are_finite(problem.load, times))
-        if not finite.all():
-            raise ValueError(f"the load of '{problem.title}' is not finite at t = {times[np.argmin(finite)]:g}.")
+def check_load(problem: Problem, duration: float) -> None:
+    """Refuse a load that is not finite at some time of a run, which has ended for that reason or another."""
+    looks = int(np.clip(LOOKED_AT // np.size(problem.u0), FEWEST_LOOKS, MOST_LOOKS))
+    times = np.linspace(0.0, duration, looks)
+    finite = np.asarray(_are_finite(problem.load, times))
+    if not finite.all():
+        raise ValueError(f"the load of '{problem.title}' is not finite at t = {times[np.argmin(finite)]:g}.")
 
 
 @eqx.filter_jit

@@ -3,16 +3,14 @@
 import math
 import os
 import threading
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
-import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import lax
 from tqdm import tqdm
 
-from study.marching.march import March, march
+from study.marching.program import Program
 from study.marching.result import Result
 from study.marching.shapes import Counts, DisplacementsOfLanes, OfLanes
 
@@ -20,11 +18,12 @@ from study.marching.shapes import Counts, DisplacementsOfLanes, OfLanes
 #: are padded to a tile; otherwise XLA compiles another loop and the last bits differ.
 TILE = 64
 
-#: Maximum number of tiles that one call marches.
-GROUP = 64
+#: Up to this many lanes of several unknowns are marched as single runs, which share the program of a single run, and
+#: which a tile outruns only where it is full.
+FEW = 64
 
-#: Lane-steps of a group between two chances to interrupt it: less than a second.
-PAUSE = 2**26
+#: Numbers of tiles that one call marches.
+GROUPS = (1, 8, 64)
 
 
 def cores() -> int:
@@ -35,29 +34,57 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-@eqx.filter_jit
-def _march_group(definition: March, u0, dt, own, until, every, samples: int, each_step: bool, progress=None):
-    """March tile by tile to step ``until``; ``own`` holds the number of steps of each lane, or is None."""
+def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler: float) -> np.ndarray:
+    """Values of the lanes, of shape (groups, size, lanes of a tile, ...), where each group has ``shape[1]`` tiles.
 
-    def tile(lanes):
-        u0, dt, own, progress = lanes
-        end = until if own is None else jnp.minimum(until, own.max())
-        return march(definition, u0, dt, end, every, samples, each_step, own, progress)
-
-    return lax.map(tile, (u0, dt, own, progress))
-
-
-def _in_groups(values: np.ndarray, shape: tuple[int, int, int], filler: float) -> np.ndarray:
-    """Values of the lanes, of shape (groups, tiles, lanes of a tile, ...); empty places hold ``filler``."""
-    room = np.full((np.prod(shape), *values.shape[1:]), filler, values.dtype)
+    Empty places hold ``filler``.
+    """
+    room = np.full((math.prod(shape), *values.shape[1:]), filler, values.dtype)
     room[: len(values)] = values
-    return room.reshape(*shape, *values.shape[1:])
+    room = room.reshape(*shape, *values.shape[1:])
+    empty = np.full((shape[0], size - shape[1], *room.shape[2:]), filler, values.dtype)
+    return np.concatenate([room, empty], axis=1)
 
 
-def march_ensemble(
-    definition: March, u0: DisplacementsOfLanes, dt: OfLanes, steps: Counts, every: int, samples: int
+def _on_cores(run: Callable[..., Result], arguments: Sequence[tuple]) -> list[Result]:
+    """``run(*one)`` for each of the arguments, on as many threads as there are cores; Ctrl-C ends all at their pause."""
+    stopped = threading.Event()
+    workers = cores() if jax.default_backend() == "cpu" else 1
+
+    @jax.enable_x64(jax.enable_x64.value)  # a new thread does not inherit the precision of this one
+    def one(arguments):
+        return run(*arguments, on_pause=lambda step: not stopped.is_set())
+
+    silent = None if len(arguments) > workers else True  # None shows the bar in a terminal only
+    with ThreadPoolExecutor(min(workers, len(arguments))) as pool:
+        try:
+            return list(tqdm(pool.map(one, arguments), total=len(arguments), disable=silent, leave=False))
+        except BaseException:
+            stopped.set()
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def march_one_by_one(
+    program: Program, u0: DisplacementsOfLanes, dt: OfLanes, steps: Counts, every: int, samples: int
 ) -> Result:
-    """March every lane.
+    """March every lane as a single run, with the program of a single run.
+
+    Parameters and return value are those of :func:`march_in_tiles`.
+    """
+
+    def run(*lane, on_pause):
+        return program.run(*lane, every, samples, on_pause=on_pause)
+
+    counts = np.broadcast_to(steps, len(dt)).tolist()
+    results = _on_cores(run, [(u, np.asarray(h), n) for u, h, n in zip(u0, dt, counts, strict=True)])
+    return jax.tree.map(lambda *lanes: np.stack(lanes), *results)
+
+
+def march_in_tiles(
+    program: Program, u0: DisplacementsOfLanes, dt: OfLanes, steps: Counts, every: int, samples: int
+) -> Result:
+    """March every lane, side by side in tiles.
 
     A lane depends neither on its neighbours nor on the number of cores, to the last bit. If lanes have their own
     numbers of steps, they are sorted by them, so that long lanes share tiles; then this holds to round-off. A tile
@@ -70,7 +97,7 @@ def march_ensemble(
     steps
         One number, or one per lane.
     every, samples
-        As in :func:`study.marching.march.march`.
+        As in :meth:`study.marching.program.Program.run`.
 
     Returns
     -------
@@ -80,44 +107,30 @@ def march_ensemble(
     lanes = len(dt)
     on_cpu = jax.default_backend() == "cpu"
     tile = TILE if on_cpu else lanes
-    workers = cores() if on_cpu else 1
-    # powers of two keep the number of compiled sizes small
-    group = min(GROUP, 2 ** math.ceil(math.log2(-(-lanes // (tile * workers)))))
-    shape = (-(-lanes // (tile * group)), group, tile)
+    tiles = -(-lanes // tile)
+    share = min(GROUPS[-1], -(-tiles // cores())) if on_cpu else 1
+    # few sizes keep the number of compiled programs small; empty tiles cost nothing
+    size = next(size for size in GROUPS if size >= share)
+    shape = (-(-tiles // share), share, tile)
     order = np.argsort(steps, kind="stable") if steps.ndim else np.arange(lanes)
     last = int(steps.max())
     # lanes that fill up a tile start from NaN: they fail before their first step and cost nothing
     groups = (
-        _in_groups(u0[order], shape, np.nan),
-        _in_groups(dt[order], shape, 1.0),
-        _in_groups(steps[order], shape, last) if steps.ndim else [None] * shape[0],
+        _in_tiles(u0[order], shape, size, np.nan),
+        _in_tiles(dt[order], shape, size, 1.0),
+        _in_tiles(steps[order], shape, size, last) if steps.ndim else [None] * shape[0],
     )
-    stopped = threading.Event()
 
-    @jax.enable_x64(jax.enable_x64.value)  # a new thread does not inherit the precision of this one
-    def run(one):
-        u0, dt, own = one
-        end, progress, until = last if own is None else int(own.max()), None, 0
-        while until < end and not stopped.is_set():
-            until = min(until + max(1, PAUSE // (group * tile)), end)
-            numbers = np.asarray(until), np.asarray(every)
-            progress, result = _march_group(definition, u0, dt, own, *numbers, samples, every == 1, progress)
-            jax.block_until_ready(result)
-        return jax.tree.map(np.asarray, result)
+    def run(u0, dt, own, on_pause):
+        end = last if own is None else int(own.max())
+        return program.run(u0, dt, end, every, samples, own, on_pause=on_pause)
 
-    silent = None if shape[0] > workers else True  # None shows the bar in a terminal only
-    with ThreadPoolExecutor(min(workers, shape[0])) as pool:
-        try:
-            results = list(tqdm(pool.map(run, zip(*groups, strict=True)), total=shape[0], disable=silent, leave=False))
-        except BaseException:
-            stopped.set()
-            pool.shutdown(cancel_futures=True)
-            raise
+    results = _on_cores(run, list(zip(*groups, strict=True)))
     back = np.argsort(order)
 
     def gathered(parts, lane_axis=1):
         """Join the parts of all groups along the lanes, in their original order and without the padding."""
-        whole = np.moveaxis(np.stack(parts), lane_axis + 1, 2)
+        whole = np.moveaxis(np.stack(parts)[:, :share], lane_axis + 1, 2)
         return whole.reshape(-1, *whole.shape[3:])[:lanes][back]
 
     return Result(

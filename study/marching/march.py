@@ -10,7 +10,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from study.marching.result import COMPLETED, NEWTON_FAILED, NOT_FINITE, Result
 from study.observer.base import Record, Reduction
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
@@ -27,7 +26,7 @@ PATIENCE = 64
 class Progress(NamedTuple):
     """How far a run has come, with everything needed to continue it.
 
-    With lanes, every array except ``step`` has an axis of lanes; it is the first axis, and the second of ``stored``.
+    With lanes, every array except ``step`` has an axis of lanes in front.
 
     Attributes
     ----------
@@ -40,27 +39,22 @@ class Progress(NamedTuple):
         State of the scheme.
     carried
         What each reduction carries.
-    stored
-        Variables of the records, with the samples along the first axis.
     """
 
     step: jax.Array
     failure: jax.Array
     state: Any
     carried: tuple
-    stored: dict[str, jax.Array]
 
 
 class March(eqx.Module):
     """A scheme on a problem with its observers, as pure functions of :class:`Progress`.
 
-    The problem drops its title, so that problems that differ in the title alone share a compiled program.
-
     With ``lanes``, the functions take and return arrays with an axis of lanes. The lanes share each turn of the loop,
     and none depends on its neighbours.
     """
 
-    problem: Problem = eqx.field(converter=Problem.untitled)
+    problem: Problem
     scheme: Scheme
     reductions: tuple[Reduction, ...]
     records: tuple[Record, ...]
@@ -75,22 +69,24 @@ class March(eqx.Module):
         finite = jnp.all(jnp.isfinite(state.u)) & jnp.all(jnp.isfinite(state.v))
         return jnp.where(finite, jnp.where(effort.converged, 0, -(step + 1)), step + 1)
 
-    def _sample(self, initial, state, failure) -> dict[str, jax.Array]:
+    def _sample(self, initial, state) -> dict[str, jax.Array]:
         values = {n: v for record in self.records for n, v in record.sample(self.problem, initial, state).items()}
-        return {name: jnp.where(failure == 0, jnp.asarray(value, float), jnp.nan) for name, value in values.items()}
+        return {name: jnp.asarray(value, float) for name, value in values.items()}
 
-    def start(self, u0, dt, samples: int) -> tuple[Progress, Any]:
-        """Progress at t = 0, with room for the first sample and ``samples`` more, and the initial state."""
+    def start(self, u0, dt, room: int) -> tuple[Progress, Any, dict[str, jax.Array]]:
+        """Progress at t = 0, the initial state, and room for samples, of which the first is stored.
+
+        The place after the last one takes all samples for which there is no room.
+        """
 
         def one(u0, dt):
             state, effort = self.scheme.start(self.problem, u0, jnp.asarray(self.problem.v0), dt)
             carried = tuple(reduction.start(self.problem, state) for reduction in self.reductions)
-            failure = self._failure(state, effort, jnp.zeros((), int))
-            return state, carried, failure, self._sample(state, state, failure)
+            return state, carried, self._failure(state, effort, jnp.zeros((), int)), self._sample(state, state)
 
         state, carried, failure, first = self._each(one)(u0, dt)
-        stored = {n: jnp.full((samples + 1, *v.shape), jnp.nan).at[0].set(v) for n, v in first.items()}
-        return Progress(jnp.zeros((), int), failure, state, carried, stored), state
+        stored = {name: jnp.zeros((room + 1, *value.shape)).at[0].set(value) for name, value in first.items()}
+        return Progress(jnp.zeros((), int), failure, state, carried), state, stored
 
     def _step(self, progress: Progress, dt, steps=None) -> Progress:
         """One step of every run, or with ``steps`` of the lanes that have not yet taken that many."""
@@ -112,7 +108,7 @@ class March(eqx.Module):
             # next steps spread it.
             *leaves, last = jax.tree.leaves(state)
             state = jax.tree.unflatten(jax.tree.structure(state), [*leaves, _where(failure == 0, last, jnp.nan)])
-        now = Progress(progress.step + 1, failure, state, carried, progress.stored)
+        now = Progress(progress.step + 1, failure, state, carried)
         if steps is None:
             return now
         goes_on = progress.step < steps
@@ -141,17 +137,22 @@ class March(eqx.Module):
             progress = lax.while_loop(partial(goes_on, ahead=BLOCK), block, progress)
         return lax.while_loop(goes_on, step, progress)
 
-    def proceed(self, progress: Progress, initial, dt, until, every, each_step: bool, steps=None) -> Progress:
+    def proceed(
+        self, progress: Progress, stored, initial, dt, until, every, first, each_step: bool, steps=None
+    ) -> tuple[Progress, dict[str, jax.Array]]:
         """March to step ``until``, and store a sample every ``every`` steps if there are records.
 
         Parameters
         ----------
-        progress, initial
-            As :meth:`start` returned them; later calls take the progress of the call before.
+        progress, stored, initial
+            As :meth:`start` or the call before returned them. ``stored`` has the samples along the first axis.
         until
             Step at which to pause or end.
         every, each_step
             Steps between two samples, and whether that is one.
+        first
+            Number of the sample that belongs to the first place of ``stored``; those beyond its end share the last
+            place.
         steps
             Last step of each lane, if the lanes do not all end at ``until``. Records are not allowed then.
         """
@@ -159,26 +160,46 @@ class March(eqx.Module):
         def step(p):
             return self._step(p, dt)
 
-        def store(p):
-            sample = self._each(self._sample)(initial, p.state, p.failure)
-            # Until the next sample is due, its place holds the last state. So a run can pause between two samples.
-            place = (p.step + every - 1) // every if not each_step else p.step
-            return p._replace(stored={name: p.stored[name].at[place].set(value) for name, value in sample.items()})
+        def stored_at(place, p, stored):
+            sample = self._each(self._sample)(initial, p.state)
+            return {
+                name: lax.dynamic_update_index_in_dim(stored[name], value, place, 0) for name, value in sample.items()
+            }
 
-        def next_sample(p):
-            return store(
-                step(p) if each_step else self._advance(p, step, jnp.minimum((p.step // every + 1) * every, until))
-            )
+        def next_sample(carry):
+            p, stored = carry
+            p = step(p) if each_step else self._advance(p, step, jnp.minimum((p.step // every + 1) * every, until))
+            # until the next sample is due, its place holds the last state, so that a run can pause between two samples
+            number = (p.step + every - 1) // every if not each_step else p.step
+            return p, stored_at(number - first, p, stored)
+
+        def next_step(carry):
+            p, stored, place, due = carry
+            p = step(p)
+            stored = stored_at(place, p, stored)
+            is_due = p.step == due
+            return p, stored, place + is_due.astype(int), due + jnp.where(is_due, every, 0)
 
         if not self.records:
             # first all lanes together, until the shortest ends; then only those that go on
             together = until if steps is None else jnp.minimum(steps.min(), until)
             progress = self._advance(progress, step, together)
-            return progress if steps is None else self._advance(progress, lambda p: self._step(p, dt, steps), until)
-        return lax.while_loop(lambda p: (p.step < until) & jnp.any(p.failure == 0), next_sample, progress)
+            if steps is not None:
+                progress = self._advance(progress, lambda p: self._step(p, dt, steps), until)
+            return progress, stored
+        carry = progress, stored
+        if np.ndim(self.problem.u0):
+            number = progress.step // every + 1
+            carry = *carry, number - first, number * every
+        go_on = lax.while_loop(
+            lambda carry: (carry[0].step < until) & jnp.any(carry[0].failure == 0),
+            next_step if np.ndim(self.problem.u0) else next_sample,
+            carry,
+        )
+        return go_on[0], go_on[1]
 
-    def result(self, progress: Progress) -> Result:
-        """Result of the steps so far."""
+    def result(self, progress: Progress) -> tuple[jax.Array, dict[str, jax.Array]]:
+        """``Progress.failure`` and the variables of the reductions after the steps so far."""
 
         def one(state, carried):
             return {
@@ -187,52 +208,9 @@ class March(eqx.Module):
                 for name, value in reduction.result(c, self.problem, state).items()
             }
 
-        failure = progress.failure
-        failed = jnp.where(failure < 0, NEWTON_FAILED, NOT_FINITE)
-        values = self._each(one)(progress.state, progress.carried)
-        return Result(jnp.where(failure == 0, COMPLETED, failed), jnp.abs(failure) - 1, values, progress.stored)
+        return progress.failure, self._each(one)(progress.state, progress.carried)
 
 
 def _where(condition, value, other):
     """``value`` in the lanes where the condition holds, elsewhere ``other``."""
     return jnp.where(condition.reshape(condition.shape + (1,) * (jnp.ndim(value) - 1)), value, other)
-
-
-@eqx.filter_jit
-def march(
-    definition: March,
-    u0,
-    dt,
-    until,
-    every,
-    samples: int = 0,
-    each_step: bool = False,
-    steps=None,
-    progress: tuple[Progress, Any] | None = None,
-) -> tuple[tuple[Progress, Any], Result]:
-    """March to step ``until``, from the start or from an earlier progress.
-
-    Parameters
-    ----------
-    u0, dt
-        Initial displacement and step size; with lanes, one per lane.
-    until, every, each_step, steps
-        As in :meth:`March.proceed`. Only a new ``each_step`` compiles anew.
-    samples
-        Number of samples after the first. Every new number compiles anew.
-    progress
-        First item that an earlier call returned.
-
-    Returns
-    -------
-    tuple
-        The progress and the initial state, to continue from; and the :class:`Result` so far.
-    """
-    now, initial = definition.start(u0, dt, samples) if progress is None else progress
-    now = definition.proceed(now, initial, dt, until, every, each_step, steps)
-    return (now, initial), definition.result(now)
-
-
-def compiled(*arguments) -> Any:
-    """:func:`march`, compiled for such arguments before they are run; its attribute ``compiled`` is JAX's program."""
-    return march.lower(*arguments).compile()  # type: ignore[attr-defined]  # missing in the stubs of eqx.filter_jit

@@ -31,7 +31,8 @@ class Result(NamedTuple):
     values
         Variables of the reductions; meaningless if the run failed.
     samples
-        Variables of the records, with the samples along the first axis; NaN from a failure on.
+        Variables of the records, with the samples along the first axis; meaningless from a failure on, or after the
+        end of the run.
     """
 
     status: Flags
@@ -40,61 +41,74 @@ class Result(NamedTuple):
     samples: dict[str, Observed]
 
 
-def labelled(
-    result: Result,
-    problem: Problem,
-    scheme: Scheme,
-    observers: Sequence[Observer],
-    dt: Numbers,
-    steps: Counts,
-    every: int,
-    samples: int,
-    ensemble: bool,
-) -> xr.Dataset:
-    """The result as the dataset that :func:`study.run` returns.
+def _without_meaning(result: Result, steps: Counts, every: int, samples: int) -> Flags:
+    """Which samples were taken after a failure, or belong to a step after the end of the run; (..., samples + 1)."""
+    step = np.arange(samples + 1) * every
+    failed_at = np.where(result.status == COMPLETED, steps + 1, result.failed_at_step)
+    return step >= failed_at[..., None]
 
-    Parameters
-    ----------
-    result
-        Result of the march, with NumPy arrays.
-    dt, steps
-        Step size and number of steps: one number, or one per lane.
-    every, samples
-        Steps between two samples, and how many samples follow the first.
-    ensemble
-        Whether the arrays have an axis of lanes in front.
+
+class Labels:
+    """What makes results of one scheme on one problem into datasets.
+
+    To build a dataset takes longer than a short run. The last one is therefore kept, and the next result of the same
+    shape and the same times is a copy of it with other values.
     """
-    attributes = {name: a for observer in observers for name, a in observer.variables.items()}
-    lane = ("lane",) if ensemble else ()
-    component = ("component",) if np.ndim(problem.u0) else ()
-    along = "sample" if dt.ndim else "t"
-    within_run = np.arange(samples + 1) * every <= steps
-    data = {
-        "status": (lane, np.asarray(result.status, dtype=np.int32), STATUS_ATTRIBUTES),
-        "failed_at_step": (lane, np.asarray(result.failed_at_step), FAILED_AT_STEP_ATTRIBUTES),
-    }
-    for name, value in result.values.items():
-        dims = (*lane, *component[: np.ndim(value) - len(lane)])
-        failed = np.reshape(result.status != COMPLETED, (-1,) * len(lane) + (1,) * (len(dims) - len(lane)))
-        # NaN turns whole numbers into doubles, which hold all of them
-        data[name] = (dims, np.where(failed, np.nan, value), attributes[name])
-    for name, value in result.samples.items():
-        extra = component[: np.ndim(value) - len(lane) - 1]
-        if not within_run.all():
-            # the march leaves its last state in the place of the next sample
-            value = np.where(within_run.reshape((1,) * len(lane) + (-1,) + (1,) * len(extra)), value, np.nan)
-        data[name] = ((*lane, along, *extra), np.asarray(value), attributes[name])
-    coordinates = {}
-    if samples:
-        t = np.multiply.outer(dt, np.arange(samples + 1) * every)
-        coordinates["t"] = ((*lane, "sample") if dt.ndim else "t", t, {"long_name": "elapsed time", "units": "s"})
-    return xr.Dataset(
-        data,
-        coordinates,
-        {
+
+    def __init__(self, problem: Problem, scheme: Scheme, observers: Sequence[Observer]):
+        self._attributes = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
+        self._attributes |= {name: a for observer in observers for name, a in observer.variables.items()}
+        self._of_dataset = {
             "title": f"{scheme.title} on the {problem.title}",
             "problem": problem.title,
             "scheme": scheme.title,
             "version": VERSION,
-        },
-    )
+        }
+        self._component = ("component",) if np.ndim(problem.u0) else ()
+        self._last: tuple[tuple, xr.Dataset] | None = None
+
+    def dataset(
+        self, result: Result, dt: Numbers, steps: Counts, every: int, samples: int, ensemble: bool
+    ) -> xr.Dataset:
+        """The result as the dataset that :func:`study.run` returns.
+
+        Parameters
+        ----------
+        result
+            Result of the march, with NumPy arrays that nobody else uses.
+        dt, steps
+            Step size and number of steps: one number, or one per lane.
+        every, samples
+            Steps between two samples, and how many samples follow the first.
+        ensemble
+            Whether the arrays have an axis of lanes in front.
+        """
+        lane = ("lane",) if ensemble else ()
+        failed = result.status != COMPLETED
+        values: dict[str, np.ndarray] = {
+            "status": result.status.astype(np.int32),
+            "failed_at_step": result.failed_at_step,
+        }
+        for name, value in result.values.items():
+            along_lanes = failed.reshape(failed.shape + (1,) * (value.ndim - failed.ndim))
+            # NaN turns whole numbers into doubles, which hold all of them
+            values[name] = np.where(along_lanes, np.nan, value)
+        for name, value in result.samples.items():
+            value[_without_meaning(result, steps, every, samples)] = np.nan
+            values[name] = value
+        times = (dt.tobytes(), every, samples) if samples else None
+        key = result.status.shape, times
+        if self._last is not None and self._last[0] == key:
+            return self._last[1].copy(data=values)
+        along = "sample" if dt.ndim else "t"
+        data = {}
+        for name, value in values.items():
+            dims = (*lane, along) if name in result.samples else lane
+            data[name] = ((*dims, *self._component[: value.ndim - len(dims)]), value, self._attributes[name])
+        coordinates = {}
+        if samples:
+            t = np.multiply.outer(dt, np.arange(samples + 1) * every)
+            coordinates["t"] = ((*lane, "sample") if dt.ndim else "t", t, {"long_name": "elapsed time", "units": "s"})
+        dataset = xr.Dataset(data, coordinates, self._of_dataset)
+        self._last = key, dataset.copy()
+        return dataset

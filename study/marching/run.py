@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -10,7 +11,7 @@ import xarray as xr
 from tqdm import tqdm
 
 from study.marching.arguments import (
-    check_fit,
+    check_load,
     check_memory,
     checked_observers,
     checked_start,
@@ -20,9 +21,10 @@ from study.marching.arguments import (
     positive_integer,
     resolve,
 )
-from study.marching.ensemble import march_ensemble
-from study.marching.march import March, march
-from study.marching.result import Result, labelled
+from study.marching.ensemble import FEW, march_in_tiles, march_one_by_one
+from study.marching.march import March
+from study.marching.program import Program
+from study.marching.result import NOT_FINITE, Labels, Result
 from study.marching.shapes import Counts, CountsLike, Displacements, DisplacementsLike, Numbers, NumbersLike
 from study.observer.base import Observer, Record, Reduction
 from study.problem.definition import Problem
@@ -31,25 +33,63 @@ from study.scheme.base import Scheme
 from study.scheme.linearised import Linearised
 from study.scheme.named import schemes
 
-#: Steps between two chances to interrupt a single run: about a second.
-PAUSE = 2**24
-
 #: Samples × lanes × unknowns whose records fit into the memory of any machine.
-FEW = 10_000_000
+ANY_MEMORY = 10_000_000
+
+#: Steps × unknowns of a run that shows a progress bar.
+LONG = 2**24
+
+#: Number of marches that are kept for another call.
+KEPT = 256
 
 
-def _march_alone(definition: March, u0: Displacements, dt: Numbers, steps: int, every: int, samples: int) -> Result:
-    """March a single run; a long one pauses now and then, and shows a progress bar in a terminal."""
-    pauses = range(PAUSE, steps + PAUSE, PAUSE)
-    progress = None
-    # a loop of its own for every=1 is worth compiling only for one unknown, whose steps are short
-    each_step = every == 1 and not u0.ndim
-    for pause in tqdm(pauses, disable=True if len(pauses) < 2 else None, leave=False):
-        until = np.asarray(min(pause, steps))
-        progress, result = march(definition, u0, dt, until, np.asarray(every), samples, each_step, progress=progress)
-        if result.status:  # waits for the result, so that Ctrl-C is heard between two pauses
-            break
-    return jax.tree.map(np.asarray, result)
+class _Prepared(NamedTuple):
+    march: March
+    program: Program
+    labels: Labels
+
+
+#: What was prepared for earlier calls, by the identities of its parts; the parts are kept so that identities are unique.
+_kept: dict[tuple, tuple[_Prepared, tuple]] = {}
+
+
+def _prepared(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...], lanes: bool) -> _Prepared:
+    """The march of a scheme on a problem, kept for the next call, because to prepare it takes most of a short run.
+
+    Raises
+    ------
+    ValueError
+        If the scheme cannot step the problem, or an observer cannot observe it.
+    """
+    key = (*map(id, (problem, scheme, *observers)), lanes)
+    if key not in _kept:
+        for reason in (scheme.refusal(problem), *(observer.refusal(problem) for observer in observers)):
+            if reason:
+                raise ValueError(reason)
+        marched = Linearised(scheme) if any(o.needs_neighbour for o in observers) else scheme
+        march = March(
+            problem,
+            marched,
+            tuple(o for o in observers if isinstance(o, Reduction)),
+            tuple(o for o in observers if isinstance(o, Record)),
+            lanes,
+        )
+        if len(_kept) >= KEPT:
+            _kept.clear()
+        prepared = _Prepared(march, Program(march), Labels(problem, scheme, observers))
+        _kept[key] = prepared, (problem, scheme, observers)
+    return _kept[key][0]
+
+
+def _march_alone(program: Program, u0: Displacements, dt: Numbers, steps: int, every: int, samples: int) -> Result:
+    """March a single run, with a progress bar in a terminal if it is long."""
+    with tqdm(total=steps, disable=None if steps * u0.size > LONG else True, leave=False) as bar:
+
+        def show(step):
+            bar.update(step - bar.n)
+            return True
+
+        return program.run(u0, dt, steps, every, samples, on_pause=show)
 
 
 def _samples(records: Sequence[Record], steps: Counts, every: int, samples: int | None) -> int:
@@ -66,13 +106,14 @@ def _samples(records: Sequence[Record], steps: Counts, every: int, samples: int 
     return int(steps) // every if samples is None else positive_integer("samples", samples)
 
 
-def _check_memory(definition: March, u0: Displacements, dt: Numbers, samples: int) -> None:
+def _check_memory(march: March, u0: Displacements, dt: Numbers, samples: int) -> None:
     """Refuse records that exceed the memory; their shapes are those of the first sample, which is not computed."""
-    if (samples + 1) * u0.size <= FEW:
+    if (samples + 1) * u0.size <= ANY_MEMORY:
         return
-    progress, _ = eqx.filter_eval_shape(definition.start, u0, dt, 0)
-    first = progress.stored.items()
-    check_memory({name: math.prod(one.shape) * one.dtype.itemsize for name, one in first}, samples + 1)
+    one = (u0[0], dt[0]) if dt.ndim and not march.lanes else (u0, dt)
+    _, _, stored = eqx.filter_eval_shape(march.start, *one, 1)
+    lanes = u0.size // one[0].size
+    check_memory({name: lanes * math.prod(a.shape[1:]) * a.dtype.itemsize for name, a in stored.items()}, samples + 1)
 
 
 def run(
@@ -104,8 +145,7 @@ def run(
     every
         Steps between two samples of a record; it must divide ``steps`` unless ``samples`` is given.
     samples
-        Number of samples to store after the first; those after the end of the run are NaN. Every new number compiles
-        anew, whereas a new number of steps does not: give it if you run many lengths.
+        Number of samples to store after the first; those after the end of the run are NaN. By default all that fit.
 
     Returns
     -------
@@ -133,20 +173,20 @@ def run(
     method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     step_size, start = checked_step_size(dt), checked_start(equation, u0)
     count, every = checked_steps(steps), positive_integer("every", every)
-    chosen = checked_observers(equation, observe)
-    reductions = tuple(o for o in chosen if isinstance(o, Reduction))
-    records = tuple(o for o in chosen if isinstance(o, Record))
-    room = _samples(records, count, every, samples)
+    chosen = checked_observers(observe)
     lanes = number_of_lanes(equation, start, step_size, count)
-    marched = Linearised(method) if any(o.needs_neighbour for o in chosen) else method
-    definition = March(equation, marched, reductions, records, bool(lanes))
+    few = lanes <= FEW and np.ndim(equation.u0) > 0 and jax.default_backend() == "cpu"
+    march, program, labels = _prepared(equation, method, chosen, bool(lanes) and not few)
+    room = _samples(march.records, count, every, samples)
     if lanes:
         start = np.broadcast_to(start, (lanes, *np.shape(equation.u0)))
     dts = np.broadcast_to(step_size, lanes) if lanes else step_size
-    _check_memory(definition, start, dts, room)
-    check_fit(equation, method, float(np.max(step_size * count)))
+    _check_memory(march, start, dts, room)
     if lanes:
-        result = march_ensemble(definition, start, dts, count, every, room)
+        march_lanes = march_one_by_one if few else march_in_tiles
+        result = march_lanes(program, start, dts, count, every, room)
     else:
-        result = _march_alone(definition, start, dts, int(count), every, room)
-    return labelled(result, equation, method, chosen, step_size, count, every, room, bool(lanes))
+        result = _march_alone(program, start, dts, int(count), every, room)
+    if equation.load is not None and np.any(result.status == NOT_FINITE):
+        check_load(equation, float(np.max(step_size * count)))
+    return labels.dataset(result, step_size, count, every, room, bool(lanes))

@@ -2,10 +2,10 @@
 
 import time
 
-import jax
 import numpy as np
 
-from study.marching.march import March, compiled
+from study.marching.march import March
+from study.marching.program import Program
 from study.marching.result import COMPLETED
 from study.observer.base import Reduction
 from study.problem.definition import Problem
@@ -22,19 +22,12 @@ class Timed:
     """
 
     def __init__(self, problem: Problem, scheme: Scheme, reductions: tuple[Reduction, ...]):
-        self._march, self._u0 = March(problem, scheme, reductions, ()), np.asarray(problem.u0)
-        start = time.perf_counter()
-        self._compiled = compiled(*self._arguments(1.0, 1))
-        self.compile_time = time.perf_counter() - start
+        self._program, self._u0 = Program(March(problem, scheme, reductions, ())), np.asarray(problem.u0)
+        self.compile_time, _ = self.run(1.0, 1)
         self.run(1e-9, 1000)
-
-    def _arguments(self, dt: float, steps: int) -> tuple:
-        return self._march, self._u0, np.asarray(dt), np.asarray(steps), np.asarray(1)
 
     def run(self, dt: float, steps: int) -> tuple[float, bool]:
         """Seconds that one run takes, and whether it completed."""
-        arguments = self._arguments(dt, steps)
         start = time.perf_counter()
-        _, result = self._compiled(*arguments)
-        jax.block_until_ready(result)
+        result = self._program.run(self._u0, np.asarray(dt), steps, every=1, samples=0, pause=steps)
         return time.perf_counter() - start, bool(result.status == COMPLETED)

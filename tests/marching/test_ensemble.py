@@ -7,9 +7,8 @@ import pytest
 import xarray as xr
 
 import study
-from study.marching import ensemble
-from study.marching.march import March, march
-from study.marching.result import COMPLETED, NEWTON_FAILED
+from study.marching import ensemble, program
+from study.marching.march import March
 from study.scheme.linearised import Linearised
 
 
@@ -44,7 +43,7 @@ def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
         return study.run("softening", scheme, dt=dt[lanes], u0=u0[lanes], steps=200, observe=observe)
 
     before = {scheme: result(scheme, slice(None)) for scheme in ("average_acceleration", "houbolt", "rk4")}
-    monkeypatch.setattr(ensemble, "GROUP", group)
+    monkeypatch.setattr(ensemble, "GROUPS", (group,))
     monkeypatch.setenv("OMP_NUM_THREADS", workers)
     assert ensemble.cores() == int(workers)
     for scheme, ds in before.items():
@@ -62,7 +61,7 @@ def test_an_ensemble_on_an_accelerator_is_one_tile(monkeypatch):
 def test_a_pause_changes_no_bit_of_an_ensemble(monkeypatch):
     arguments = {"dt": np.linspace(0.001, 0.1, 300), "steps": 500, "observe": ["trajectory", "max_energy_error"]}
     at_once = study.run("softening", "average_acceleration", **arguments, every=10)
-    monkeypatch.setattr(ensemble, "PAUSE", 70 * 512)
+    monkeypatch.setattr(program, "PAUSE", 70 * 512)
     xr.testing.assert_identical(study.run("softening", "average_acceleration", **arguments, every=10), at_once)
 
 
@@ -80,8 +79,9 @@ def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
     definition = March(
         study.problems["double_well"], Linearised(study.schemes["average_acceleration"]), (), (), lanes=True
     )
-    numbers = np.asarray(1000), np.asarray(1)
-    (progress, _), outcome = march(definition, jnp.full(2, 0.5), jnp.asarray([0.1, 3.5]), *numbers)
-    assert outcome.status.tolist() == [COMPLETED, NEWTON_FAILED] and outcome.failed_at_step[1] < 1000
+    dt = jnp.asarray([0.1, 3.5])
+    progress, initial, stored = definition.start(jnp.full(2, 0.5), dt, 1)
+    progress, _ = definition.proceed(progress, stored, initial, dt, 1000, 1, 0, each_step=False)
+    assert progress.failure[0] == 0 and -1000 < progress.failure[1] < 0  # Newton's iteration did not converge
     # NaN, on which Newton's iteration ends at once
     assert all(np.isnan(part[1]) and np.isfinite(part[0]) for part in jax.tree.leaves(progress.state.inner))

@@ -5,14 +5,15 @@ import subprocess
 import sys
 import time
 
+import equinox as eqx
 import jax
 import numpy as np
 import pytest
 import xarray as xr
 
 import study
-from study.marching import run as runs
-from study.marching.march import March, compiled
+from study.marching import program
+from study.marching.march import March
 from study.problem import chains
 
 
@@ -64,12 +65,12 @@ def test_a_pause_changes_nothing(monkeypatch, every):
     """Also between two samples."""
     arguments = {"dt": 0.002, "steps": 3000, "every": every, "observe": ["trajectory", "max_energy_error"]}
     at_once = study.run("softening", "houbolt", **arguments)
-    monkeypatch.setattr(runs, "PAUSE", 257)
+    monkeypatch.setattr(program, "PAUSE", 257)
     xr.testing.assert_allclose(study.run("softening", "houbolt", **arguments), at_once, rtol=1e-10, atol=1e-12)
 
 
 def test_a_failure_ends_a_run_at_its_pause(monkeypatch):
-    monkeypatch.setattr(runs, "PAUSE", 8)
+    monkeypatch.setattr(program, "PAUSE", 8)
     ds = study.run("double_well", "central_difference", dt=2.5, steps=10**12, observe=["max_energy_error"])
     assert ds.status == 2 and ds.failed_at_step < 100
 
@@ -122,7 +123,19 @@ def test_step_size_and_count_share_one_compilation(caplog):
     with jax.log_compiles():
         for dt, steps in ((0.01, 10), (0.02, 20), (0.03, 30)):
             study.run(problem, "houbolt", dt=dt, steps=steps, observe=["max_energy_error"])
-    assert sum("XLA compilation of jit(march)" in message for message in caplog.messages) == 1
+    assert sum("XLA compilation of jit(_whole)" in message for message in caplog.messages) == 1
+
+
+def _compiled(definition, u0, dt):
+    """The program of a march of any number of steps."""
+
+    @eqx.filter_jit
+    def march(definition, u0, dt, until):
+        progress, initial, stored = definition.start(u0, dt, 1)
+        progress, _ = definition.proceed(progress, stored, initial, dt, until, 1, 0, each_step=False)
+        return definition.result(progress)
+
+    return march.lower(definition, u0, np.asarray(dt), np.asarray(1)).compile().compiled
 
 
 def test_what_a_problem_lacks_is_not_in_the_loop():
@@ -130,8 +143,7 @@ def test_what_a_problem_lacks_is_not_in_the_loop():
     problem, scheme = study.problems["hardening"], study.schemes["central_difference"]
 
     def text_of(problem):
-        numbers = map(np.asarray, (problem.u0, 0.01, 10, 1))
-        return compiled(March(problem, scheme, (), ()), *numbers).compiled.as_text()
+        return _compiled(March(problem, scheme, (), ()), problem.u0, 0.01).as_text()
 
     text = text_of(problem)
     assert "cosine" not in text and "custom-call" not in text and "divide" not in text
@@ -155,8 +167,7 @@ def test_memory_grows_with_the_unknowns_and_no_faster():
 
     def kept(n):
         definition = March(chains.impact_bar(n), study.schemes["average_acceleration"], (), ())
-        arguments = definition, np.zeros(n), np.float64(1 / n), np.asarray(1), np.asarray(1)
-        return compiled(*arguments).compiled.memory_analysis().temp_size_in_bytes / 8 / n
+        return _compiled(definition, np.zeros(n), 1 / n).memory_analysis().temp_size_in_bytes / 8 / n
 
     assert kept(1000) == pytest.approx(kept(100_000), rel=0.05)
     assert kept(100_000) < 25

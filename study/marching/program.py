@@ -1,0 +1,198 @@
+"""The compiled functions of a march, and the way of a run through them."""
+
+import math
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from study.marching.march import March
+from study.marching.result import COMPLETED, NEWTON_FAILED, NOT_FINITE, Result
+from study.marching.shapes import Counts, Displacements, Numbers
+
+#: Numbers of one variable that a compiled march has room for, and its most samples. A longer record is gathered from
+#: several calls, so that the number of samples is no part of what is compiled.
+ROOM, MOST_SAMPLES = 2**19, 8192
+
+#: Steps of one unknown between two chances to interrupt a run: about a second.
+PAUSE = 2**24
+
+#: Fields that name a problem or a scheme for readers and change nothing in a march.
+LABELS = ("title", "source", "doi")
+
+
+def _unlabelled(part: Any) -> Any:
+    """A copy of a module, and of the modules in it, without labels."""
+    if isinstance(part, tuple) and not hasattr(part, "_fields"):
+        return tuple(map(_unlabelled, part))
+    if not isinstance(part, eqx.Module):
+        return part
+    copy = object.__new__(type(part))
+    for name, value in vars(part).items():
+        object.__setattr__(copy, name, "" if name in LABELS and isinstance(value, str) else _unlabelled(value))
+    return copy
+
+
+class _Form:
+    """All of a march but its numbers: what is compiled depends on it."""
+
+    def __init__(self, structure, constants: tuple):
+        self.structure, self.constants = structure, constants
+        self._hash = hash((structure, constants))
+
+    def __hash__(self):
+        return self._hash
+
+    def __eq__(self, other):
+        return self is other or (
+            isinstance(other, _Form) and self.structure == other.structure and self.constants == other.constants
+        )
+
+    def march(self, numbers: list) -> March:
+        """The march with these numbers."""
+        rest = iter(numbers)
+        return jax.tree.unflatten(self.structure, [next(rest) if c is None else c for c in self.constants])
+
+
+#: One object for all equal forms, which JAX then compares by identity.
+_forms: dict[_Form, _Form] = {}
+
+
+def _each_tile(march: March, function: Callable, lanes: tuple) -> Any:
+    """``function(*lanes)``; of an ensemble for each of the tiles along the first axis of ``lanes``."""
+    return lax.map(lambda tile: function(*tile), lanes) if march.lanes else function(*lanes)
+
+
+def _proceed(march: March, counts, each_step: bool, stored, progress, initial, dt, own):
+    until, every, first = counts
+    end = until if own is None else jnp.minimum(until, own.max())
+    progress, stored = march.proceed(progress, stored, initial, dt, end, every, first, each_step, own)
+    return progress, stored, march.result(progress)
+
+
+@partial(jax.jit, static_argnums=(0, 5, 6))
+def _whole(form: _Form, numbers: list, counts, u0, dt, room: int, each_step: bool, own):
+    """Samples and result of a run in one stretch: what goes on inside needs no way in or out, which takes time."""
+    march = form.march(numbers)
+
+    def one(u0, dt, own):
+        progress, initial, stored = march.start(u0, dt, room)
+        return _proceed(march, counts, each_step, stored, progress, initial, dt, own)[1:]
+
+    return _each_tile(march, one, (u0, dt, own))
+
+
+@partial(jax.jit, static_argnums=(0, 4))
+def _start(form: _Form, numbers: list, u0, dt, room: int):
+    march = form.march(numbers)
+    return _each_tile(march, lambda u0, dt: march.start(u0, dt, room), (u0, dt))
+
+
+@partial(jax.jit, static_argnums=(0, 3), donate_argnums=4)
+def _stretch(form: _Form, numbers: list, counts, each_step: bool, stored, lanes: tuple):
+    """One stretch of a run: the progress, the samples and the result so far."""
+    march = form.march(numbers)
+    return _each_tile(march, partial(_proceed, march, counts, each_step), (stored, *lanes))
+
+
+def _stretches(steps: int, every: int, samples: int, room: int, pause: int) -> Iterator[tuple[int, int]]:
+    """Stretches of a run that one call marches: the sample in the first place of the room, and the step at the end.
+
+    A stretch ends where the room is full or a pause is due.
+    """
+    begin = 0
+    for first in range(0, samples + 1, room):
+        is_last = first + room > samples
+        end = steps if is_last else min(steps, (first + room - 1) * every)
+        while begin < end:
+            begin = min(begin + pause, end)
+            yield first, begin
+
+
+def _as_result(result: tuple, samples: dict[str, np.ndarray]) -> Result:
+    failure, values = jax.tree.map(np.asarray, result)
+    status = np.where(failure == 0, COMPLETED, np.where(failure < 0, NEWTON_FAILED, NOT_FINITE))
+    return Result(status, np.abs(failure) - 1, values, samples)
+
+
+class Program:
+    """A march, split into its numbers and what is compiled.
+
+    Marches that differ in numbers or in labels alone share what is compiled.
+    """
+
+    def __init__(self, march: March):
+        leaves, structure = jax.tree.flatten(_unlabelled(march))
+        self.numbers = [leaf for leaf in leaves if eqx.is_array(leaf)]
+        form = _Form(structure, tuple(None if eqx.is_array(leaf) else leaf for leaf in leaves))
+        self.form = _forms.setdefault(form, form)
+        self._has_records, self._lanes = bool(march.records), march.lanes
+        self._is_scalar = np.ndim(march.problem.u0) == 0
+
+    def run(
+        self,
+        u0: Displacements,
+        dt: Numbers,
+        steps: int,
+        every: int,
+        samples: int,
+        own: Counts | None = None,
+        pause: int | None = None,
+        on_pause: Callable[[int], bool] = lambda step: True,
+    ) -> Result:
+        """March to the end, or until every run has failed.
+
+        Parameters
+        ----------
+        u0, dt
+            Initial displacements and step sizes: of one run, or (tiles, lanes, ...) of an ensemble.
+        steps
+            Number of steps.
+        every, samples
+            Steps between two samples, and how many samples follow the first.
+        own
+            Number of steps of each lane, if they differ.
+        pause
+            Most steps without a pause, in which the run can be interrupted; by default those of about a second.
+        on_pause
+            Called with the step at each pause; the run ends there if it returns False.
+
+        Returns
+        -------
+        Result
+            NumPy arrays; NaN where there are no samples, because the run or all its lanes ended before.
+        """
+        room = min(MOST_SAMPLES, 2 ** max(0, int(math.log2(ROOM / u0.size)))) if self._has_records else 1
+        # a loop without another one in it pays off where steps are short
+        each_step = every == 1 and self._is_scalar
+        if pause is None:
+            lanes = math.prod(u0.shape[:2]) if self._lanes else 1
+            pause = max(1, int(PAUSE / (lanes * (u0.size / lanes) ** 1.5)))
+        if samples < room and steps <= pause:
+            counts = np.array([steps, every, 0])
+            stored, result = _whole(self.form, self.numbers, counts, u0, dt, room, each_step, own)
+            place = (slice(None),) * self._lanes + (slice(samples + 1),)
+            return _as_result(result, {name: np.array(np.asarray(values)[place]) for name, values in stored.items()})
+        return self._in_stretches(u0, dt, steps, every, samples, own, room, each_step, pause, on_pause)
+
+    def _in_stretches(self, u0, dt, steps, every, samples, own, room, each_step, pause, on_pause) -> Result:
+        progress, initial, stored = _start(self.form, self.numbers, u0, dt, room)
+        before = (slice(None),) * self._lanes
+        shapes = {n: (*v.shape[: self._lanes], samples + 1, *v.shape[self._lanes + 1 :]) for n, v in stored.items()}
+        whole = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
+        for first, until in _stretches(steps, every, samples, room, pause):
+            counts = np.array([until, every, first])
+            lanes = progress, initial, dt, own
+            progress, stored, result = _stretch(self.form, self.numbers, counts, each_step, stored, lanes)
+            new = min(room, samples + 1 - first)
+            for name, values in stored.items():
+                whole[name][(*before, slice(first, first + new))] = np.asarray(values)[(*before, slice(new))]
+            # waits for the result, so that Ctrl-C is heard between two stretches
+            if np.all(np.asarray(result[0])) or not on_pause(until):
+                break
+        return _as_result(result, whole)
