@@ -18,7 +18,6 @@ from study.observer.base import Observer
 from study.observer.named import observers
 from study.problem.definition import Problem
 from study.registry import Registry, did_you_mean
-from study.scheme.base import Scheme
 
 T = TypeVar("T")
 

@@ -47,7 +47,7 @@ def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler
 
 
 def _on_cores(run: Callable[..., Result], arguments: Sequence[tuple]) -> list[Result]:
-    """``run(*one)`` for each of the arguments, on as many threads as there are cores; Ctrl-C ends all at their pause."""
+    """``run(*one)`` for each of the arguments, on as many threads as there are cores; Ctrl-C ends all of them."""
     stopped = threading.Event()
     workers = cores() if jax.default_backend() == "cpu" else 1
 
@@ -73,11 +73,11 @@ def march_one_by_one(
     Parameters and return value are those of :func:`march_in_tiles`.
     """
 
-    def run(*lane, on_pause):
-        return program.run(*lane, every, samples, on_pause=on_pause)
+    def run(u0, dt, steps, on_pause):
+        return program.run(u0, np.asarray(dt), steps, every, samples, on_pause=on_pause)
 
     counts = np.broadcast_to(steps, len(dt)).tolist()
-    results = _on_cores(run, [(u, np.asarray(h), n) for u, h, n in zip(u0, dt, counts, strict=True)])
+    results = _on_cores(run, list(zip(u0, dt, counts, strict=True)))
     return jax.tree.map(lambda *lanes: np.stack(lanes), *results)
 
 

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from study.algebra.matrices import SMALL
 from study.observer.base import Record, Reduction
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
@@ -174,6 +175,7 @@ class March(eqx.Module):
             return p, stored_at(number - first, p, stored)
 
         def next_step(carry):
+            # the same, in a loop without another one in it
             p, stored, place, due = carry
             p = step(p)
             stored = stored_at(place, p, stored)
@@ -187,16 +189,16 @@ class March(eqx.Module):
             if steps is not None:
                 progress = self._advance(progress, lambda p: self._step(p, dt, steps), until)
             return progress, stored
-        carry = progress, stored
-        if np.ndim(self.problem.u0):
-            number = progress.step // every + 1
-            carry = *carry, number - first, number * every
-        go_on = lax.while_loop(
-            lambda carry: (carry[0].step < until) & jnp.any(carry[0].failure == 0),
-            next_step if np.ndim(self.problem.u0) else next_sample,
-            carry,
-        )
-        return go_on[0], go_on[1]
+
+        def go_on(carry):
+            p = carry[0]
+            return (p.step < until) & jnp.any(p.failure == 0)
+
+        if not 1 < np.size(self.problem.u0) <= SMALL:
+            return lax.while_loop(go_on, next_sample, (progress, stored))
+        number = progress.step // every + 1
+        progress, stored, *_ = lax.while_loop(go_on, next_step, (progress, stored, number - first, number * every))
+        return progress, stored
 
     def result(self, progress: Progress) -> tuple[jax.Array, dict[str, jax.Array]]:
         """``Progress.failure`` and the variables of the reductions after the steps so far."""

@@ -49,7 +49,7 @@ class _Prepared(NamedTuple):
     labels: Labels
 
 
-#: What was prepared for earlier calls, by the identities of its parts; the parts are kept so that identities are unique.
+#: What was prepared for earlier calls, by the identities of its parts, which are kept so that identities are unique.
 _kept: dict[tuple, tuple[_Prepared, tuple]] = {}
 
 

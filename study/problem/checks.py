@@ -7,10 +7,12 @@ expected. Values that JAX is tracing have a shape but no numbers: only their sha
 import reprlib
 from collections.abc import Callable
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from study.algebra.arrays import Matrix
 from study.algebra.matrices import Banded, MatrixFree
 from study.problem.damping import Rayleigh
 from study.problem.potential import StrainEnergy
@@ -112,10 +114,13 @@ def check_gradient(force: Callable, potential: Callable, u0, title: str) -> None
     scale = max(np.abs(u0).max(), 1.0)
     direction, offset = np.random.default_rng(0).uniform(0.5, 1.5, (2, *np.shape(u0)))
     u, h = u0 + 0.05 * scale * offset, 1e-5 * scale
-    # a problem may be made while JAX traces; the functions are given arrays of JAX, as in a run
-    with jax.ensure_compile_time_eval():
-        ahead, behind = (float(potential(jnp.asarray(x))) for x in (u + h * direction, u - h * direction))
-        expected = float(np.vdot(direction, force(jnp.asarray(u))))
+
+    @jax.jit
+    def values(ahead, behind, u):
+        return potential(ahead), potential(behind), jnp.vdot(direction, force(u))
+
+    with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
+        ahead, behind, expected = map(float, values(u + h * direction, u - h * direction, u))
     slope = (ahead - behind) / (2 * h)
     round_off = 1e-14 * max(abs(ahead), abs(behind)) / h
     # a value that is not finite passes here; the run reports it
@@ -154,3 +159,10 @@ def check_rayleigh(damping: Rayleigh, title: str) -> None:
     """Refuse coefficients of Rayleigh damping that are not finite numbers."""
     if not all(np.ndim(c) == 0 and np.asarray(c).dtype.kind in "fiu" and np.isfinite(c) for c in damping):
         raise ValueError(f"{damping} of '{title}': a and b must be finite numbers.")
+
+
+def finite_damping(damping: Matrix, title: str) -> Matrix:
+    """Rayleigh damping, after a check that the stiffness on which it is based is finite."""
+    if not all(np.isfinite(part).all() for part in jax.tree.leaves(eqx.filter(damping, eqx.is_array))):
+        raise ValueError(f"the stiffness of '{title}' at u = 0, on which its Rayleigh damping is based, is not finite.")
+    return damping

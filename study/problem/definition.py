@@ -121,10 +121,15 @@ class Problem(eqx.Module):
     def _rayleigh(self, damping: Rayleigh) -> Matrix:
         """C of Rayleigh damping, from the tangent at u = 0."""
         checks.check_rayleigh(damping, self.title)
-        undeformed = jax.jit(lambda u: tangent.force_and_tangent(self.force, u, self.tangent))
-        _, stiffness = undeformed(np.zeros_like(self.u0))
         mass = 1.0 if self.mass is None else self.mass
-        return rayleigh_matrix(damping, mass, stiffness, np.size(self.u0), self.title)
+
+        def matrix(u):
+            _, stiffness = tangent.force_and_tangent(self.force, u, self.tangent)
+            return rayleigh_matrix(damping, mass, stiffness, u.size)
+
+        # a matrix-free one holds functions, which a compiled function cannot return
+        at_once = matrix if self.tangent == "matrix_free" else jax.jit(matrix)
+        return checks.finite_damping(at_once(jnp.zeros_like(self.u0)), self.title)
 
     def untitled(self) -> "Problem":
         """The same problem without its title: problems that differ in the title alone share a compiled program."""

@@ -4,7 +4,7 @@ import numpy as np
 
 import study
 from study.experiments.bifurcation import bifurcation
-from study.marching.march import NEWTON_FAILED
+from study.marching.result import NEWTON_FAILED
 
 
 def test_a_bifurcation_diagram_separates_order_from_chaos():

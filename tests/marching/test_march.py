@@ -135,7 +135,8 @@ def _compiled(definition, u0, dt):
         progress, _ = definition.proceed(progress, stored, initial, dt, until, 1, 0, each_step=False)
         return definition.result(progress)
 
-    return march.lower(definition, u0, np.asarray(dt), np.asarray(1)).compile().compiled
+    arguments = definition, u0, np.asarray(dt), np.asarray(1)
+    return march.lower(*arguments).compile().compiled  # type: ignore[attr-defined]  # missing in equinox' stubs
 
 
 def test_what_a_problem_lacks_is_not_in_the_loop():
