@@ -124,6 +124,7 @@ def variables_of_modules(package: ModuleType, kind: type[T], first: Iterable[str
         if module.name.endswith(".named"):  # the module that makes the registry
             continue
         for name, value in vars(importlib.import_module(module.name)).items():
-            if isinstance(value, kind) and not name.startswith("_") and found.setdefault(name, value) is not value:
+            # isinstance asks every abstract class, which takes a twentieth of a second in all
+            if kind in type(value).__mro__ and not name.startswith("_") and found.setdefault(name, value) is not value:
                 raise ValueError(f"{module.name} gives the name '{name}' a second time; choose another name.")
     return {name: found[name] for name in first} | found

@@ -21,6 +21,7 @@ study.run(...)`` computes in single precision.
 
 import os
 import platform
+import time
 import warnings
 from contextlib import suppress
 from pathlib import Path
@@ -36,6 +37,9 @@ _FLAGS = ("--xla_cpu_prefer_vector_width=512", "--xla_cpu_use_fusion_emitters=fa
 
 #: Largest size of the cache in bytes when a process starts.
 _CACHE_SIZE = 1 << 30
+
+#: Seconds between two checks of its size, which look at every file.
+_DAY = 86_400
 
 
 def _wanted(variable: str | None) -> tuple[str, ...]:
@@ -91,15 +95,20 @@ def _set_compiler() -> None:
 
 
 def _prune(cache: Path) -> None:
-    """Remove the older half of the programs in a cache that exceeds its size.
+    """Remove the older half of the programs in a cache that exceeds its size, once a day.
 
     JAX's own limit is not used, because it inspects every file whenever a program is added; with ten thousand files
     that takes a third of a second.
     """
-    files = [(entry.stat().st_mtime, entry.stat().st_size, entry.path) for entry in os.scandir(cache)]
+    checked = cache / "checked"
+    if checked.exists() and abs(time.time() - checked.stat().st_mtime) < _DAY:
+        return
+    programs = (entry for entry in os.scandir(cache) if entry.name != checked.name)
+    files = [(entry.stat().st_mtime, entry.stat().st_size, entry.path) for entry in programs]
     if sum(size for _, size, _ in files) > _CACHE_SIZE:
         for _, _, path in sorted(files)[: len(files) // 2]:
             Path(path).unlink(missing_ok=True)
+    checked.touch()
 
 
 def _set_cache() -> None:

@@ -35,7 +35,10 @@ def test_a_cache_that_has_grown_too_large_loses_its_older_half(tmp_path, monkeyp
         (tmp_path / f"program{age}").write_bytes(bytes(100))
         os.utime(tmp_path / f"program{age}", (0, 1000 - age))
     settings._prune(tmp_path)
-    assert len(list(tmp_path.iterdir())) == 10
+    assert len(list(tmp_path.glob("program*"))) == 10
     monkeypatch.setattr(settings, "_CACHE_SIZE", 999)
     settings._prune(tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == {f"program{age}" for age in range(5)}
+    assert len(list(tmp_path.glob("program*"))) == 10, "the size is checked once a day"
+    os.utime(tmp_path / "checked", (0, 0))
+    settings._prune(tmp_path)
+    assert {path.name for path in tmp_path.glob("program*")} == {f"program{age}" for age in range(5)}

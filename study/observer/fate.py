@@ -6,7 +6,6 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy import optimize
 
 from study.observer.base import Record, Reduction
 from study.problem.definition import Problem
@@ -93,6 +92,8 @@ class Fate(Reduction):
             If the problem has several unknowns, damping, a load or no potential, or if the potential has no minimum
             downhill of u₀.
         """
+        from scipy import optimize  # here, because importing it takes a third of the time to import the study
+
         problem = problems[problem] if isinstance(problem, str) else problem
         if refusal := _refusal(problem):
             raise ValueError(refusal)
