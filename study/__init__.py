@@ -8,8 +8,8 @@
     ds.u.plot()
     print(ds.status)
 
-Arrays for ``dt``, ``u0`` or ``steps`` run an ensemble. ``help(study.run)`` describes all arguments, and each of the
-names below has such a help of its own.
+Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble. A run that fails warns with ``RunFailed``.
+``help(study.run)`` describes all arguments, and each of the names below has such a help of its own.
 
 What can be run
     ``problems``, ``schemes`` and ``observers`` hold everything that has a name: ``list(study.schemes)``,
@@ -28,8 +28,9 @@ A problem of your own
         pendulum = study.Problem(force=jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=3.0)
 
 An observer of your own
-    ``Quantity`` records a function of u and u̇. ``Reduction`` and ``Record`` are the base classes of every
-    ``Observer``: one value a run, or values along time.
+    ``Quantity`` observes a function of t, u, u̇ and ü, along time or as its peak, its final value or its root mean
+    square. ``Reduction`` and ``Record`` are the base classes of every ``Observer``: one value a run, or values along
+    time.
 
 A scheme with other parameters
     ``Newmark``, ``WilsonTheta``, ``Houbolt``, ``HHTAlpha``, ``GeneralizedAlpha``, ``ExplicitAlpha``, ``KolayRicles``,
@@ -61,6 +62,7 @@ from study.equilibrium.balance import load as load
 from study.equilibrium.state import Effort as Effort
 from study.equilibrium.state import Motion as Motion
 from study.equilibrium.state import Phase as Phase
+from study.marching.failure import RunFailed as RunFailed
 from study.marching.run import run as run
 from study.observer.base import Observer as Observer
 from study.observer.base import Record as Record

@@ -59,7 +59,7 @@ class Registry(Mapping[str, T], Generic[T]):
     entries
         The entries by name.
     aliases
-        Further names of entries, which can be looked up and are not listed.
+        Further names of entries, which can be looked up and are not listed. Case and separators do not matter.
     made_by
         Functions that make entries, by name, for entries that take a while to make. Each is called when its entry is
         asked for first.
@@ -91,9 +91,12 @@ class Registry(Mapping[str, T], Generic[T]):
             If there is no such entry.
         """
         entry = self._aliases.get(name, name)
-        if entry not in self._entries and entry not in self._made_by:
-            raise UnknownName(f"there is no {self.kind} {name!r}; {did_you_mean(str(name), self)}")
-        return entry
+        if entry in self._entries or entry in self._made_by:
+            return entry
+        for known in (*self._names, *self._aliases):  # in other letters, or with other separators
+            if _plain(known) == _plain(str(name)):
+                return self._aliases.get(known, known)
+        raise UnknownName(f"there is no {self.kind} {name!r}; {did_you_mean(str(name), self)}")
 
     def __getitem__(self, name: str) -> T:
         entry = self.resolve(name)

@@ -193,6 +193,7 @@ def atlas(
                 observe=[fate, "lyapunov_exponent", "trajectory", Height(fate.rest)],
                 every=int(apart),
                 samples=portraits["samples"],
+                on_failure="ignore",
             )
             for variable, column in _column(runs, part * period).items():
                 maps.setdefault(variable, []).append(column)

@@ -60,15 +60,16 @@ def bifurcation(
         dt=np.repeat(step_sizes, 2),
         u0=np.tile([u0, u0 + perturbation], len(step_sizes)),
         steps=steps,
+        on_failure="ignore",
     )
     one, other = pairs.u.values.reshape(len(step_sizes), 2, -1).transpose(1, 0, 2)
     apart = np.abs(other - one) >= ORDER_ONE  # false once one of them has failed: its displacement is NaN
     status, failed_at_step = (pairs[name].values[::2] for name in ("status", "failed_at_step"))
     whole = np.full(len(step_sizes), steps)
     # where the motion is chaotic, this program may fail at another step than that of the pairs, so it finds its own
-    growth = run(problem, scheme, dt=step_sizes, steps=whole, observe=["lyapunov_exponent"])
+    growth = run(problem, scheme, dt=step_sizes, steps=whole, observe=["lyapunov_exponent"], on_failure="ignore")
     lasted = np.where(growth.status == COMPLETED, whole, np.maximum(growth.failed_at_step - 1, 1))
-    growth = run(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"])
+    growth = run(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"], on_failure="ignore")
     last = np.where(status == COMPLETED, steps, failed_at_step - 1)
     places = last[:, None] + np.arange(1 - shown, 1)
     shown_u = np.where(places < 0, np.nan, np.take_along_axis(one, np.maximum(places, 0), axis=1))

@@ -79,6 +79,7 @@ def energy_drift(
         dt=printed_periods[problem] / parts,
         steps=steps.max().item(),
         observe=["trajectory", "energy_error"],
+        on_failure="ignore",
     )
     drift = lanes.energy_error.values[np.arange(len(parts)), steps]
     count = [_steps_per_oscillation(u[: n + 1], oscillations) for u, n in zip(lanes.u.values, steps, strict=True)]

@@ -78,7 +78,7 @@ def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, 
 def _measured(problem: Problem, scheme: Scheme, dt: np.ndarray, length: int, steps: int, double: bool, *exact) -> dict:
     """Errors of the energy in percent and of the phase in periods, and the status, at the end of every run, (run,)."""
     with jax.enable_x64(double):
-        ds = run(problem, scheme, dt=dt, steps=steps, observe=OBSERVED)
+        ds = run(problem, scheme, dt=dt, steps=steps, observe=OBSERVED, on_failure="ignore")
     return {
         "energy_error": ds.energy_drift.values,
         "max_energy_error": ds.max_energy_error.values,

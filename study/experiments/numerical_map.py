@@ -45,7 +45,7 @@ def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, ste
     runs = []
     for scheme in schemes:
         progress(f"numerical map of {scheme} on {problem}")
-        runs.append(run(problem, scheme, u0=of_lanes[0], dt=of_lanes[1], steps=steps))
+        runs.append(run(problem, scheme, u0=of_lanes[0], dt=of_lanes[1], steps=steps, on_failure="ignore"))
     shape = (len(schemes), len(dt), len(starts))
     dims = ("scheme", "dt", "u0")
 

@@ -50,7 +50,10 @@ def phase_portrait(problem: str, schemes: Sequence[str], dt: float, duration: fl
     """
     progress(f"phase portraits of {problem}")
     steps = round(duration / dt)
-    runs = [run(problem, scheme, dt=dt, steps=steps, observe=["trajectory", "energy_error"]) for scheme in schemes]
+    runs = [
+        run(problem, scheme, dt=dt, steps=steps, observe=["trajectory", "energy_error"], on_failure="ignore")
+        for scheme in schemes
+    ]
     dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(labels.scheme_coordinates(schemes))
     dataset["dt"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})
     dataset.attrs = {

@@ -32,7 +32,15 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
             if not open_still[:, k].any():
                 continue
             # each length has a run of its own, because a run that fails has no errors of its earlier steps
-            runs = run(definition, scheme, dt=period / steps, steps=int(steps * length), u0=u0, observe=[observer])
+            runs = run(
+                definition,
+                scheme,
+                dt=period / steps,
+                steps=int(steps * length),
+                u0=u0,
+                observe=[observer],
+                on_failure="ignore",
+            )
             kept = np.array([np.isinf(runs[name]).all() for name in observer.variables])
             open_still[:, k] &= kept
             needed[open_still[:, k], k] = steps

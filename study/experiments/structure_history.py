@@ -95,7 +95,10 @@ def structure_history(
     definition = problems_by_name[problem]
     observe = _observers(problem, definition)
     dt, steps = time_scales[problem] / steps_per_period, round(periods * steps_per_period)
-    runs = [run(problem, scheme, dt=dt, steps=steps, observe=observe, every=every) for scheme in schemes]
+    runs = [
+        run(problem, scheme, dt=dt, steps=steps, observe=observe, every=every, on_failure="ignore")
+        for scheme in schemes
+    ]
     dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(labels.scheme_coordinates(schemes))
     reference = datasets.open(f"reference/{problem}")
     exact = {"u": reference.u.values, "v": reference.v.values}

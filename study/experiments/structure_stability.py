@@ -71,7 +71,8 @@ def structure_stability(
             for (e, problem), (k, parts) in product(enumerate(excited_problems), enumerate(steps_per_period)):
                 steps, at = round(one["periods"] * parts), (p, s, e, k)
                 half, whole = (
-                    run(problem, scheme, dt=scale / parts, steps=n, observe=OBSERVED) for n in (steps // 2, steps)
+                    run(problem, scheme, dt=scale / parts, steps=n, observe=OBSERVED, on_failure="ignore")
+                    for n in (steps // 2, steps)
                 )
                 # without the first half, in which the perturbation turns into the stiffest mode
                 rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)

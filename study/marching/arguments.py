@@ -21,6 +21,9 @@ from study.registry import Registry, did_you_mean
 
 T = TypeVar("T")
 
+#: Names in every result, which no observer may have.
+RESERVED = ("status", "failed_at_step", "t", "lane", "sample", "component", "dt", "steps", "u0", "v0")
+
 #: Sampling of the load after a failed run: maximum, minimum, cap on samples × unknowns.
 MOST_LOOKS, FEWEST_LOOKS, LOOKED_AT = 1001, 65, 10_000_000
 
@@ -84,20 +87,20 @@ def checked_step_size(dt: NumbersLike) -> Numbers:
     return dt
 
 
-def checked_start(problem: Problem, u0: DisplacementsLike | None) -> Displacements:
-    """Initial displacement, of the problem's shape or with an axis of lanes in front; the problem's own for None."""
+def checked_start(problem: Problem, name: str, start: DisplacementsLike | None) -> Displacements:
+    """``u0`` or ``v0``, of the problem's shape or with an axis of lanes in front; the problem's own for None."""
     shape = np.shape(problem.u0)
-    if u0 is None:
-        return np.asarray(problem.u0)
-    u0 = _numbers("u0", u0)
-    if (u0.shape != shape and u0.shape[1:] != shape) or u0.ndim > len(shape) + 1:
+    if start is None:
+        return np.asarray(getattr(problem, name))
+    start = _numbers(name, start)
+    if (start.shape != shape and start.shape[1:] != shape) or start.ndim > len(shape) + 1:
         ensemble = f"({', '.join(['lanes', *map(str, shape)])})"
         raise ValueError(
-            f"u0 must have the shape {shape} of the problem, or {ensemble} for an ensemble, not {u0.shape}."
+            f"{name} must have the shape {shape} of the problem, or {ensemble} for an ensemble, not {start.shape}."
         )
-    if not np.isfinite(u0).all():
-        raise ValueError(f"u0 must be finite, not {u0}.")
-    return u0
+    if not np.isfinite(start).all():
+        raise ValueError(f"{name} must be finite, not {start}.")
+    return start
 
 
 def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tuple[Observer, ...]:
@@ -105,7 +108,12 @@ def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tup
     if observe is None:
         raise TypeError(f"observe must be a list of observers; {did_you_mean('', observers)}")
     listed = [observe] if isinstance(observe, str | Observer) else observe
-    return tuple(resolve(o, observers, Observer) for o in listed)  # type: ignore[type-abstract]
+    chosen = tuple(resolve(o, observers, Observer) for o in listed)  # type: ignore[type-abstract]
+    names = [*RESERVED, *(name for observer in chosen for name in observer.variables)]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"two variables of the result would have the name '{name}'; give one of them another.")
+    return chosen
 
 
 def check_load(problem: Problem, duration: float) -> None:
@@ -122,11 +130,10 @@ def _are_finite(load, times):
     return jax.lax.map(lambda t: jnp.isfinite(load(t)).all(), times)
 
 
-def number_of_lanes(problem: Problem, u0: Displacements, dt: Numbers, steps: Counts) -> int:
+def number_of_lanes(problem: Problem, u0: Displacements, v0: Displacements, dt: Numbers, steps: Counts) -> int:
     """Number of lanes of an ensemble, 0 for a single run."""
     lengths = {name: len(value) for name, value in (("dt", dt), ("steps", steps)) if value.ndim}
-    if u0.ndim > np.ndim(problem.u0):
-        lengths["u0"] = len(u0)
+    lengths |= {name: len(value) for name, value in (("u0", u0), ("v0", v0)) if value.ndim > np.ndim(problem.u0)}
     if len(set(lengths.values())) > 1:
         received = ", ".join(f"{name} {length}" for name, length in lengths.items())
         raise ValueError(f"the lanes of an ensemble need arrays of one length, not {received}.")

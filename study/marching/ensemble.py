@@ -66,23 +66,35 @@ def _on_cores(run: Callable[..., Result], arguments: Sequence[tuple]) -> list[Re
 
 
 def march_one_by_one(
-    program: Program, u0: DisplacementsOfLanes, dt: OfLanes, steps: Counts, every: int, samples: int
+    program: Program,
+    u0: DisplacementsOfLanes,
+    v0: DisplacementsOfLanes,
+    dt: OfLanes,
+    steps: Counts,
+    every: int,
+    samples: int,
 ) -> Result:
     """March every lane as a single run, with the program of a single run.
 
     Parameters and return value are those of :func:`march_in_tiles`.
     """
 
-    def run(u0, dt, steps, on_pause):
-        return program.run(u0, np.asarray(dt), steps, every, samples, on_pause=on_pause)
+    def run(u0, v0, dt, steps, on_pause):
+        return program.run(u0, v0, np.asarray(dt), steps, every, samples, on_pause=on_pause)
 
     counts = np.broadcast_to(steps, len(dt)).tolist()
-    results = _on_cores(run, list(zip(u0, dt, counts, strict=True)))
+    results = _on_cores(run, list(zip(u0, v0, dt, counts, strict=True)))
     return jax.tree.map(lambda *lanes: np.stack(lanes), *results)
 
 
 def march_in_tiles(
-    program: Program, u0: DisplacementsOfLanes, dt: OfLanes, steps: Counts, every: int, samples: int
+    program: Program,
+    u0: DisplacementsOfLanes,
+    v0: DisplacementsOfLanes,
+    dt: OfLanes,
+    steps: Counts,
+    every: int,
+    samples: int,
 ) -> Result:
     """March every lane, side by side in tiles.
 
@@ -92,8 +104,8 @@ def march_in_tiles(
 
     Parameters
     ----------
-    u0, dt
-        Initial displacements and step sizes, (lanes, ...) and (lanes,).
+    u0, v0, dt
+        Initial displacements and velocities (lanes, ...), and step sizes (lanes,).
     steps
         One number, or one per lane.
     every, samples
@@ -117,13 +129,14 @@ def march_in_tiles(
     # lanes that fill up a tile start from NaN: they fail before their first step and cost nothing
     groups = (
         _in_tiles(u0[order], shape, size, np.nan),
+        _in_tiles(v0[order], shape, size, 0.0),
         _in_tiles(dt[order], shape, size, 1.0),
         _in_tiles(steps[order], shape, size, last) if steps.ndim else [None] * shape[0],
     )
 
-    def run(u0, dt, own, on_pause):
+    def run(u0, v0, dt, own, on_pause):
         end = last if own is None else int(own.max())
-        return program.run(u0, dt, end, every, samples, own, on_pause=on_pause)
+        return program.run(u0, v0, dt, end, every, samples, own, on_pause=on_pause)
 
     results = _on_cores(run, list(zip(*groups, strict=True)))
     back = np.argsort(order)

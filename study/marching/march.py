@@ -70,22 +70,27 @@ class March(eqx.Module):
         finite = jnp.all(jnp.isfinite(state.u)) & jnp.all(jnp.isfinite(state.v))
         return jnp.where(finite, jnp.where(effort.converged, 0, -(step + 1)), step + 1)
 
-    def _sample(self, initial, state) -> dict[str, jax.Array]:
-        values = {n: v for record in self.records for n, v in record.sample(self.problem, initial, state).items()}
+    def _sample(self, initial, state, t) -> dict[str, jax.Array]:
+        values = {n: v for record in self.records for n, v in record.sample(self.problem, initial, state, t).items()}
         return {name: jnp.asarray(value, float) for name, value in values.items()}
 
-    def start(self, u0, dt, room: int) -> tuple[Progress, Any, dict[str, jax.Array]]:
+    def start(self, u0, v0, dt, room: int) -> tuple[Progress, Any, dict[str, jax.Array]]:
         """Progress at t = 0, the initial state, and room for samples, of which the first is stored.
 
         The place after the last one takes all samples for which there is no room.
         """
 
-        def one(u0, dt):
-            state, effort = self.scheme.start(self.problem, u0, jnp.asarray(self.problem.v0), dt)
+        def one(u0, v0, dt):
+            state, effort = self.scheme.start(self.problem, u0, v0, dt)
             carried = tuple(reduction.start(self.problem, state) for reduction in self.reductions)
-            return state, carried, self._failure(state, effort, jnp.zeros((), int)), self._sample(state, state)
+            return (
+                state,
+                carried,
+                self._failure(state, effort, jnp.zeros((), int)),
+                self._sample(state, state, 0.0 * dt),
+            )
 
-        state, carried, failure, first = self._each(one)(u0, dt)
+        state, carried, failure, first = self._each(one)(u0, v0, dt)
         stored = {name: jnp.zeros((room + 1, *value.shape)).at[0].set(value) for name, value in first.items()}
         return Progress(jnp.zeros((), int), failure, state, carried), state, stored
 
@@ -162,7 +167,7 @@ class March(eqx.Module):
             return self._step(p, dt)
 
         def stored_at(place, p, stored):
-            sample = self._each(self._sample)(initial, p.state)
+            sample = self._each(self._sample)(initial, p.state, p.step.astype(dt.dtype) * dt)
             return {
                 name: lax.dynamic_update_index_in_dim(stored[name], value, place, 0) for name, value in sample.items()
             }

@@ -75,22 +75,22 @@ def _proceed(march: March, counts, each_step: bool, stored, progress, initial, d
     return progress, stored, march.result(progress)
 
 
-@partial(jax.jit, static_argnums=(0, 5, 6))
-def _whole(form: _Form, numbers: list, counts, u0, dt, room: int, each_step: bool, own):
+@partial(jax.jit, static_argnums=(0, 4, 5))
+def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_step: bool, own):
     """Samples and result of a run in one stretch: what goes on inside needs no way in or out, which takes time."""
     march = form.march(numbers)
 
-    def one(u0, dt, own):
-        progress, initial, stored = march.start(u0, dt, room)
+    def one(u0, v0, dt, own):
+        progress, initial, stored = march.start(u0, v0, dt, room)
         return _proceed(march, counts, each_step, stored, progress, initial, dt, own)[1:]
 
-    return _each_tile(march, one, (u0, dt, own))
+    return _each_tile(march, one, (*begin, own))
 
 
-@partial(jax.jit, static_argnums=(0, 4))
-def _start(form: _Form, numbers: list, u0, dt, room: int):
+@partial(jax.jit, static_argnums=(0, 3))
+def _start(form: _Form, numbers: list, begin: tuple, room: int):
     march = form.march(numbers)
-    return _each_tile(march, lambda u0, dt: march.start(u0, dt, room), (u0, dt))
+    return _each_tile(march, lambda u0, v0, dt: march.start(u0, v0, dt, room), begin)
 
 
 @partial(jax.jit, static_argnums=(0, 3), donate_argnums=4)
@@ -137,6 +137,7 @@ class Program:
     def run(
         self,
         u0: Displacements,
+        v0: Displacements,
         dt: Numbers,
         steps: int,
         every: int,
@@ -149,8 +150,8 @@ class Program:
 
         Parameters
         ----------
-        u0, dt
-            Initial displacements and step sizes: of one run, or (tiles, lanes, ...) of an ensemble.
+        u0, v0, dt
+            Initial displacements and velocities and step sizes: of one run, or (tiles, lanes, ...) of an ensemble.
         steps
             Number of steps.
         every, samples
@@ -175,19 +176,19 @@ class Program:
             pause = max(1, int(PAUSE / (lanes * (u0.size / lanes) ** 1.5)))
         if samples < room and steps <= pause:
             counts = np.array([steps, every, 0])
-            stored, result = _whole(self.form, self.numbers, counts, u0, dt, room, each_step, own)
+            stored, result = _whole(self.form, self.numbers, counts, (u0, v0, dt), room, each_step, own)
             place = (slice(None),) * self._lanes + (slice(samples + 1),)
             return _as_result(result, {name: np.array(np.asarray(values)[place]) for name, values in stored.items()})
-        return self._in_stretches(u0, dt, steps, every, samples, own, room, each_step, pause, on_pause)
+        return self._in_stretches((u0, v0, dt), steps, every, samples, own, room, each_step, pause, on_pause)
 
-    def _in_stretches(self, u0, dt, steps, every, samples, own, room, each_step, pause, on_pause) -> Result:
-        progress, initial, stored = _start(self.form, self.numbers, u0, dt, room)
+    def _in_stretches(self, begin, steps, every, samples, own, room, each_step, pause, on_pause) -> Result:
+        progress, initial, stored = _start(self.form, self.numbers, begin, room)
         before = (slice(None),) * self._lanes
         shapes = {n: (*v.shape[: self._lanes], samples + 1, *v.shape[self._lanes + 1 :]) for n, v in stored.items()}
         whole = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
         for first, until in _stretches(steps, every, samples, room, pause):
             counts = np.array([until, every, first])
-            lanes = progress, initial, dt, own
+            lanes = progress, initial, begin[-1], own
             progress, stored, result = _stretch(self.form, self.numbers, counts, each_step, stored, lanes)
             new = min(room, samples + 1 - first)
             for name, values in stored.items():

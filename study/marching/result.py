@@ -1,13 +1,14 @@
 """What a march gives back: how each run ended and what was observed, and both as a labelled dataset."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from study.datasets import VERSION, flags
-from study.marching.shapes import Counts, Flags, Numbers, Observed
+from study.marching.shapes import Counts, Displacements, Flags, Numbers, Observed
 from study.observer.base import Observer
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
@@ -17,6 +18,18 @@ COMPLETED, NEWTON_FAILED, NOT_FINITE = 0, 1, 2
 STATUS_ATTRIBUTES = flags("how the run ended", ("completed", "newton_not_converged", "not_finite"), np.int32)
 
 FAILED_AT_STEP_ATTRIBUTES = {"long_name": "step at which the run failed, -1 where it did not", "units": "1"}
+
+
+#: Attributes of the coordinates of an ensemble.
+OF_LANE = {
+    "dt": {"long_name": "step size", "units": "s"},
+    "steps": {"long_name": "number of steps", "units": "1"},
+    "u0": {"long_name": "initial displacement", "units": "1"},
+    "v0": {"long_name": "initial velocity", "units": "s-1"},
+}
+
+#: Numbers of a start that an attribute may hold.
+MOST_IN_ATTRIBUTE = 1000
 
 
 class Result(NamedTuple):
@@ -48,6 +61,12 @@ def _without_meaning(result: Result, steps: Counts, every: int, samples: int) ->
     return step >= failed_at[..., None]
 
 
+def _parameters(scheme: Scheme) -> str:
+    """Class and parameters of a scheme."""
+    shown = [f for f in fields(scheme) if not f.metadata.get("static")]  # labels are static
+    return f"{type(scheme).__name__}({', '.join(f'{f.name}={getattr(scheme, f.name)!r}' for f in shown)})"
+
+
 class Labels:
     """What makes results of one scheme on one problem into datasets.
 
@@ -62,13 +81,23 @@ class Labels:
             "title": f"{scheme.title} on the {problem.title}",
             "problem": problem.title,
             "scheme": scheme.title,
+            "scheme_parameters": _parameters(scheme),
             "version": VERSION,
         }
         self._component = ("component",) if np.ndim(problem.u0) else ()
+        self._unknowns = np.size(problem.u0)
         self._last: tuple[tuple, xr.Dataset] | None = None
 
     def dataset(
-        self, result: Result, dt: Numbers, steps: Counts, every: int, samples: int, ensemble: bool
+        self,
+        result: Result,
+        u0: Displacements,
+        v0: Displacements,
+        dt: Numbers,
+        steps: Counts,
+        every: int,
+        samples: int,
+        ensemble: bool,
     ) -> xr.Dataset:
         """The result as the dataset that :func:`study.run` returns.
 
@@ -76,8 +105,8 @@ class Labels:
         ----------
         result
             Result of the march, with NumPy arrays that nobody else uses.
-        dt, steps
-            Step size and number of steps: one number, or one per lane.
+        u0, v0, dt, steps
+            Initial displacement and velocity, step size and number of steps: one of each, or one per lane.
         every, samples
             Steps between two samples, and how many samples follow the first.
         ensemble
@@ -96,19 +125,28 @@ class Labels:
         for name, value in result.samples.items():
             value[_without_meaning(result, steps, every, samples)] = np.nan
             values[name] = value
+        given = {"dt": dt, "steps": steps, "u0": u0, "v0": v0}
+        own = {n: v for n, v in given.items() if v.ndim > (len(self._component) if n in ("u0", "v0") else 0)}
+        shared = {n: v[()] for n, v in given.items() if n not in own and v.size <= MOST_IN_ATTRIBUTE}
         times = (dt.tobytes(), every, samples) if samples else None
         key = result.status.shape, times
-        if self._last is not None and self._last[0] == key:
-            return self._last[1].copy(data=values)
+        if self._last is not None and self._last[0] == key and not own:
+            return self._last[1].copy(data=values).assign_attrs(shared)
         along = "sample" if dt.ndim else "t"
         data = {}
         for name, value in values.items():
             dims = (*lane, along) if name in result.samples else lane
-            data[name] = ((*dims, *self._component[: value.ndim - len(dims)]), value, self._attributes[name])
-        coordinates = {}
+            if value.ndim > len(dims):
+                is_of_unknowns = self._component and value.shape[-1] == self._unknowns
+                dims = (*dims, "component" if is_of_unknowns else f"{name}_component")
+            data[name] = (dims, value, self._attributes[name])
+        coordinates: dict[str, tuple] = {
+            name: ((*lane, *self._component[: value.ndim - 1]), value, OF_LANE[name]) for name, value in own.items()
+        }
         if samples:
             t = np.multiply.outer(dt, np.arange(samples + 1) * every)
             coordinates["t"] = ((*lane, "sample") if dt.ndim else "t", t, {"long_name": "elapsed time", "units": "s"})
         dataset = xr.Dataset(data, coordinates, self._of_dataset)
-        self._last = key, dataset.copy()
-        return dataset
+        if not own:
+            self._last = key, dataset.copy()
+        return dataset.assign_attrs(shared)

@@ -1,6 +1,7 @@
 """``study.run``: one scheme on one problem, or an ensemble of such runs, as a labelled dataset."""
 
 import math
+import warnings
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
+from study.marching import failure
 from study.marching.arguments import (
     check_load,
     check_memory,
@@ -22,6 +24,7 @@ from study.marching.arguments import (
     resolve,
 )
 from study.marching.ensemble import FEW, march_in_tiles, march_one_by_one
+from study.marching.failure import ON_FAILURE
 from study.marching.march import March
 from study.marching.program import Program
 from study.marching.result import NOT_FINITE, Labels, Result
@@ -67,11 +70,12 @@ def _prepared(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...],
             if reason:
                 raise ValueError(reason)
         marched = Linearised(scheme) if any(o.needs_neighbour for o in observers) else scheme
+        parts = [observer.marched() for observer in observers]
         march = March(
             problem,
             marched,
-            tuple(o for o in observers if isinstance(o, Reduction)),
-            tuple(o for o in observers if isinstance(o, Record)),
+            tuple(o for o in parts if isinstance(o, Reduction)),
+            tuple(o for o in parts if isinstance(o, Record)),
             lanes,
         )
         if len(_kept) >= KEPT:
@@ -81,7 +85,9 @@ def _prepared(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...],
     return _kept[key][0]
 
 
-def _march_alone(program: Program, u0: Displacements, dt: Numbers, steps: int, every: int, samples: int) -> Result:
+def _march_alone(
+    program: Program, u0: Displacements, v0: Displacements, dt: Numbers, steps: int, every: int, samples: int
+) -> Result:
     """March a single run, with a progress bar in a terminal if it is long."""
     with tqdm(total=steps, disable=None if steps * u0.size > LONG else True, leave=False) as bar:
 
@@ -89,7 +95,7 @@ def _march_alone(program: Program, u0: Displacements, dt: Numbers, steps: int, e
             bar.update(step - bar.n)
             return True
 
-        return program.run(u0, dt, steps, every, samples, on_pause=show)
+        return program.run(u0, v0, dt, steps, every, samples, on_pause=show)
 
 
 def _samples(records: Sequence[Record], steps: Counts, every: int, samples: int | None) -> int:
@@ -106,11 +112,11 @@ def _samples(records: Sequence[Record], steps: Counts, every: int, samples: int 
     return int(steps) // every if samples is None else positive_integer("samples", samples)
 
 
-def _check_memory(march: March, u0: Displacements, dt: Numbers, samples: int) -> None:
+def _check_memory(march: March, u0: Displacements, v0: Displacements, dt: Numbers, samples: int) -> None:
     """Refuse records that exceed the memory; their shapes are those of the first sample, which is not computed."""
     if (samples + 1) * u0.size <= ANY_MEMORY:
         return
-    one = (u0[0], dt[0]) if dt.ndim and not march.lanes else (u0, dt)
+    one = (u0[0], v0[0], dt[0]) if dt.ndim and not march.lanes else (u0, v0, dt)
     _, _, stored = eqx.filter_eval_shape(march.start, *one, 1)
     lanes = u0.size // one[0].size
     check_memory({name: lanes * math.prod(a.shape[1:]) * a.dtype.itemsize for name, a in stored.items()}, samples + 1)
@@ -124,8 +130,10 @@ def run(
     steps: CountsLike,
     observe: str | Observer | Sequence[str | Observer] = ("trajectory",),
     u0: DisplacementsLike | None = None,
+    v0: DisplacementsLike | None = None,
     every: int = 1,
     samples: int | None = None,
+    on_failure: str = "warn",
 ) -> xr.Dataset:
     """March one scheme on one problem and return what was observed.
 
@@ -140,27 +148,33 @@ def run(
         Number of steps; an array (lanes,) makes an ensemble, which cannot record along time.
     observe
         Names in ``study.observers``, or your own :class:`study.Reduction` and :class:`study.Record`.
-    u0
-        Initial displacement, in place of the problem's; an array (lanes, ...) makes an ensemble.
+    u0, v0
+        Initial displacement and velocity, in place of the problem's; an array (lanes, ...) makes an ensemble.
     every
         Steps between two samples of a record; it must divide ``steps`` unless ``samples`` is given.
     samples
         Number of samples to store after the first; those after the end of the run are NaN. By default all that fit.
+    on_failure
+        What a failed run does: ``"warn"``, with scheme, step, time and likely cause, ``"raise"`` or ``"ignore"``.
 
     Returns
     -------
     xarray.Dataset
         The observed variables, ``status`` and ``failed_at_step``. Records lie along ``t``, the elapsed time; the runs
-        of an ensemble along ``lane``. If lanes have their own step sizes, records lie along ``sample`` and ``t`` is a
-        coordinate over (lane, sample). Values of a failed run are NaN, and its samples from the failure on.
+        of an ensemble along ``lane``, with the ``dt``, ``steps``, ``u0`` and ``v0`` of each as coordinates where they
+        differ. If lanes have their own step sizes, records lie along ``sample`` and ``t`` is a coordinate over (lane,
+        sample). Values of a failed run are NaN, and its samples from the failure on. The attributes name problem,
+        scheme, its parameters, version, and the ``dt``, ``steps``, ``u0`` and ``v0`` that all runs share.
 
     Raises
     ------
     KeyError
         If there is no such problem, scheme or observer.
     TypeError, ValueError
-        If an argument has the wrong type or shape or is out of range, if scheme or observer do not fit the problem, or
-        if the records exceed the memory.
+        If an argument has the wrong type or shape or is out of range, if scheme or observer do not fit the problem, if
+        two observers have a variable of one name, or if the records exceed the memory.
+    RuntimeError
+        If a run fails and ``on_failure`` is ``"raise"``.
 
     Examples
     --------
@@ -171,22 +185,31 @@ def run(
     """
     equation = resolve(problem, problems, Problem)
     method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
-    step_size, start = checked_step_size(dt), checked_start(equation, u0)
+    step_size = checked_step_size(dt)
+    start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     count, every = checked_steps(steps), positive_integer("every", every)
     chosen = checked_observers(observe)
-    lanes = number_of_lanes(equation, start, step_size, count)
+    if on_failure not in ON_FAILURE:
+        raise ValueError(f"on_failure must be one of {', '.join(map(repr, ON_FAILURE))}, not {on_failure!r}.")
+    lanes = number_of_lanes(equation, start, velocity, step_size, count)
     few = lanes <= FEW and np.ndim(equation.u0) > 0 and jax.default_backend() == "cpu"
     march, program, labels = _prepared(equation, method, chosen, bool(lanes) and not few)
     room = _samples(march.records, count, every, samples)
+    begin = start, velocity, step_size
     if lanes:
-        start = np.broadcast_to(start, (lanes, *np.shape(equation.u0)))
-    dts = np.broadcast_to(step_size, lanes) if lanes else step_size
-    _check_memory(march, start, dts, room)
+        shape = (lanes, *np.shape(equation.u0))
+        begin = np.broadcast_to(start, shape), np.broadcast_to(velocity, shape), np.broadcast_to(step_size, lanes)
+    _check_memory(march, *begin, room)
     if lanes:
         march_lanes = march_one_by_one if few else march_in_tiles
-        result = march_lanes(program, start, dts, count, every, room)
+        result = march_lanes(program, *begin, count, every, room)
     else:
-        result = _march_alone(program, start, dts, int(count), every, room)
+        result = _march_alone(program, *begin, int(count), every, room)
     if equation.load is not None and np.any(result.status == NOT_FINITE):
         check_load(equation, float(np.max(step_size * count)))
-    return labels.dataset(result, step_size, count, every, room, bool(lanes))
+    if on_failure != "ignore" and np.any(result.status):
+        what = failure.sentence(result, equation, method, step_size)
+        if on_failure == "raise":
+            raise RuntimeError(what)
+        warnings.warn(what, failure.RunFailed, stacklevel=2)
+    return labels.dataset(result, start, velocity, step_size, count, every, room, bool(lanes))

@@ -21,6 +21,10 @@ class Observer(eqx.Module):
     #: Whether the run must carry a neighbour of the motion (:class:`study.scheme.linearised.Linearised`).
     needs_neighbour: ClassVar[bool] = False
 
+    def marched(self) -> "Observer":
+        """What a march takes in place of this observer: a reduction or a record, the observer itself by default."""
+        return self
+
     def refusal(self, problem: Problem) -> str | None:
         """Why the problem cannot be observed, in one sentence; None if it can."""
         for needed, argument in ((self.needs_energy, "potential"), (self.needs_positions, "positions")):
@@ -54,5 +58,5 @@ class Record(Observer):
     """Values that are stored along time."""
 
     @abc.abstractmethod
-    def sample(self, problem: Problem, initial: Any, state: Any) -> dict[str, Any]:
-        """Values of ``variables`` for one state, given the initial one as well."""
+    def sample(self, problem: Problem, initial: Any, state: Any, t: Any) -> dict[str, Any]:
+        """Values of ``variables`` for the state at time ``t``, given the initial one as well."""

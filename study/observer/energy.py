@@ -130,5 +130,5 @@ class EnergyError(Record):
     variables = {"energy_error": {"long_name": "signed relative error of the total energy", "units": "percent"}}
     needs_energy = True
 
-    def sample(self, problem, initial, state):
+    def sample(self, problem, initial, state, t):
         return {"energy_error": relative_energy_error(problem, initial, state)}

@@ -198,6 +198,6 @@ class Height(Record):
     variables = {"height": {"long_name": "height of the energy above rest over that at the start", "units": "1"}}
     needs_energy = True
 
-    def sample(self, problem, initial, state):
+    def sample(self, problem, initial, state, t):
         first, now = (problem.energy(at.u, at.v) - self.rest for at in (initial, state))
         return {"height": now / first}

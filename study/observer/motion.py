@@ -1,10 +1,20 @@
 """The motion along time, and quantities that follow from it."""
 
+import inspect
 from collections.abc import Callable
 
 import equinox as eqx
+import jax
+import jax.numpy as jnp
 
-from study.observer.base import Record
+from study.equilibrium.balance import acceleration
+from study.observer.base import Observer, Record, Reduction
+
+#: Arguments that the function of a quantity may have: time, displacement, velocity and acceleration.
+ARGUMENTS = ("t", "u", "v", "a")
+
+#: How a quantity is reduced to one value a run; along time for None.
+REDUCTIONS = (None, "peak", "final", "rms")
 
 
 class Trajectory(Record):
@@ -15,29 +25,114 @@ class Trajectory(Record):
         "v": {"long_name": "velocity", "units": "s-1"},
     }
 
-    def sample(self, problem, initial, state):
+    def sample(self, problem, initial, state, t):
         return {"u": state.u, "v": state.v}
 
 
+def _arguments_of(function: Callable) -> tuple[str, ...]:
+    """Names of the arguments of a quantity's function."""
+    names = tuple(inspect.signature(function).parameters)
+    if not names or any(name not in ARGUMENTS for name in names):
+        raise ValueError(
+            f"the function of a quantity takes some of {', '.join(ARGUMENTS)} (time, displacement, velocity, "
+            f"acceleration) by these names, not {', '.join(names) or 'nothing'}."
+        )
+    return names
+
+
 class Quantity(Record):
-    """Your own quantity along time, a function of u and u̇.
+    """Your own quantity, a function of t, u, u̇ and ü: along time, or reduced to one value a run.
 
     Parameters
     ----------
     function
-        Function of u and u̇, each of shape () or (n,), that returns a number. It must be written with ``jax.numpy``.
+        Function of some of the arguments ``t``, ``u``, ``v`` and ``a``, which it gets by these names: the time, and
+        displacement, velocity and acceleration, each of shape () or (n,). It returns a number or a vector and must be
+        written with ``jax.numpy``. The acceleration is that of the equation of motion, M⁻¹ (f − C u̇ − p(u)), whatever
+        the scheme carries.
     name, long_name, units
         Name and attributes of the variable in the dataset.
+    reduce
+        ``"peak"`` for the largest size over all steps, ``"final"`` for the last value, ``"rms"`` for the root mean
+        square over time by the trapezoidal rule, each of every component; None for the record along time.
+
+    Raises
+    ------
+    ValueError
+        If the function has other arguments, or there is no such reduction.
     """
 
     function: Callable
-    name: str = eqx.field(static=True)
-    long_name: str = eqx.field(static=True)
+    name: str = eqx.field(default="quantity", static=True)
+    long_name: str = eqx.field(default="", static=True)
     units: str = eqx.field(default="1", static=True)
+    reduce: str | None = eqx.field(default=None, static=True)
+
+    def __check_init__(self):
+        if not callable(self.function):
+            raise TypeError(f"a quantity needs a function, not {self.function!r}.")
+        _arguments_of(self.function)
+        if self.reduce not in REDUCTIONS:
+            raise ValueError(f"reduce must be one of {', '.join(map(repr, REDUCTIONS))}, not {self.reduce!r}.")
 
     @property
     def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
-        return {self.name: {"long_name": self.long_name, "units": self.units}}
+        return {self.name: {"long_name": self.long_name or self.name, "units": self.units}}
 
-    def sample(self, problem, initial, state):
-        return {self.name: self.function(state.u, state.v)}
+    def marched(self) -> Observer:
+        return self if self.reduce is None else _Reduced(self)
+
+    def refusal(self, problem):
+        if problem.massless and "a" in _arguments_of(self.function):
+            return f"the quantity '{self.name}' needs ü, which '{problem.title}' leaves open where it has no mass."
+        try:
+            value = eqx.filter_eval_shape(self.value, problem, 0.0, problem.u0, problem.v0)
+        except Exception as error:  # a user's function may raise anything
+            reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
+            return f"the quantity '{self.name}' cannot be computed for '{problem.title}': {reason}"
+        if not isinstance(value, jax.ShapeDtypeStruct) or value.ndim > 1:
+            return f"the quantity '{self.name}' must return a number or a vector, not {value}."
+        return None
+
+    def value(self, problem, t, u, v):
+        """The quantity at one time."""
+        t, u, v = jnp.asarray(t, float), jnp.asarray(u), jnp.asarray(v)
+        names = _arguments_of(self.function)
+        given = {"t": t, "u": u, "v": v}
+        if "a" in names:
+            given["a"] = acceleration(problem, t, u, v)
+        return jnp.asarray(self.function(**{name: given[name] for name in names}))
+
+    def sample(self, problem, initial, state, t):
+        return {self.name: self.value(problem, t, state.u, state.v)}
+
+
+class _Reduced(Reduction):
+    """A quantity reduced to one value a run."""
+
+    quantity: Quantity
+
+    @property
+    def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
+        return self.quantity.variables
+
+    def start(self, problem, state):
+        value = self.quantity.value(problem, 0.0, state.u, state.v).astype(float)
+        if self.quantity.reduce == "peak":
+            return jnp.abs(value)
+        return (value, jnp.zeros((), int), jnp.zeros_like(value)) if self.quantity.reduce == "rms" else value
+
+    def update(self, carried, problem, state, t, effort):
+        value = self.quantity.value(problem, t, state.u, state.v).astype(float)
+        if self.quantity.reduce == "peak":
+            return jnp.maximum(carried, jnp.abs(value))
+        if self.quantity.reduce == "final":
+            return value
+        before, steps, squares = carried
+        return value, steps + 1, squares + (before**2 + value**2) / 2
+
+    def result(self, carried, problem, state):
+        if self.quantity.reduce == "rms":
+            _, steps, squares = carried
+            carried = jnp.sqrt(squares / steps.astype(float))
+        return {self.quantity.name: carried}

@@ -28,7 +28,7 @@ class HHTAlpha(OneStep):
     alpha
         −⅓ ≤ α ≤ 0.
     beta, gamma
-        0 ≤ β ≤ ½, 0 ≤ γ ≤ 1.
+        0 ≤ β ≤ ½, 0 ≤ γ ≤ 1; by default (1 − α)²/4 and ½ − α.
 
     Raises
     ------
@@ -42,8 +42,8 @@ class HHTAlpha(OneStep):
     """
 
     alpha: float
-    beta: float
-    gamma: float
+    beta: float = None  # type: ignore[assignment]
+    gamma: float = None  # type: ignore[assignment]
     title: str = eqx.field(default="α-method", kw_only=True, static=True)
 
     family: ClassVar[str] = "α-methods"
@@ -51,6 +51,12 @@ class HHTAlpha(OneStep):
     doi: ClassVar[str] = "10.1002/eqe.4290050306"
     explicit = False
     evaluations = 1
+
+    def __post_init__(self):
+        if self.beta is None:
+            self.beta = (1 - self.alpha) ** 2 / 4
+        if self.gamma is None:
+            self.gamma = 0.5 - self.alpha
 
     def __check_init__(self):
         check_ranges(self, alpha=(-1 / 3, 0.0), beta=(0.0, 0.5), gamma=(0.0, 1.0))

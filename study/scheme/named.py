@@ -28,9 +28,24 @@ OF_1996 = (
     "rk4",
 )
 
+#: Names by which codes and books call some schemes. HHT is the method as codes have it, with one force at the weighted
+#: displacement; ``hht_alpha`` is the form of Xie (1996) with two forces, which damping and load reduce to first order.
+ALIASES = {
+    "velocity_verlet": "central_difference",
+    "verlet": "central_difference",
+    "leapfrog": "central_difference",
+    "newmark": "average_acceleration",
+    "constant_average_acceleration": "average_acceleration",
+    "trapezoidal": "average_acceleration",
+    "trapezoidal_rule": "average_acceleration",
+    "wilson": "wilson_theta",
+    "hht": "hht_alpha_one_force",
+    "runge_kutta": "rk4",
+}
+
 #: The schemes of 1996 first, then the others, module by module.
 schemes: Registry[Scheme] = Registry(
     "scheme",
     _of_families(variables_of_modules(scheme, Scheme, first=OF_1996)),  # type: ignore[type-abstract]
-    aliases={"velocity_verlet": "central_difference"},
+    aliases=ALIASES,
 )

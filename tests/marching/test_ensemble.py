@@ -80,7 +80,7 @@ def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
         study.problems["double_well"], Linearised(study.schemes["average_acceleration"]), (), (), lanes=True
     )
     dt = jnp.asarray([0.1, 3.5])
-    progress, initial, stored = definition.start(jnp.full(2, 0.5), dt, 1)
+    progress, initial, stored = definition.start(jnp.full(2, 0.5), jnp.zeros(2), dt, 1)
     progress, _ = definition.proceed(progress, stored, initial, dt, 1000, 1, 0, each_step=False)
     assert progress.failure[0] == 0 and -1000 < progress.failure[1] < 0  # Newton's iteration did not converge
     # NaN, on which Newton's iteration ends at once

@@ -7,6 +7,7 @@ import time
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 import xarray as xr
@@ -131,7 +132,7 @@ def _compiled(definition, u0, dt):
 
     @eqx.filter_jit
     def march(definition, u0, dt, until):
-        progress, initial, stored = definition.start(u0, dt, 1)
+        progress, initial, stored = definition.start(u0, jnp.zeros_like(u0), dt, 1)
         progress, _ = definition.proceed(progress, stored, initial, dt, until, 1, 0, each_step=False)
         return definition.result(progress)
 

@@ -63,8 +63,14 @@ def test_problems_and_schemes_of_the_user():
          "the lanes of an ensemble need arrays of one length, not dt 3, u0 2."),
         ({"dt": "0.1"}, ValueError, "dt must be a number or an array of numbers, not '0.1'."),
         ({"u0": [[1.0], [1, 2]]}, ValueError, "u0 must be a number or an array of numbers, not [[1.0], [1, 2]]."),
-        ({"scheme": "newmark"}, KeyError, "there is no scheme 'newmark'; did you mean 'newmark_dissipative'?"),
-        ({"scheme": "HHT"}, KeyError, "did you mean 'hht_alpha' or 'hht_alpha_one_force'?"),
+        ({"scheme": "newmark_d"}, KeyError, "there is no scheme 'newmark_d'; did you mean 'newmark_dissipative'?"),
+        ({"scheme": "hht_a"}, KeyError, "did you mean 'hht_alpha' or 'hht_alpha_one_force'?"),
+        ({"observe": ["trajectory", study.Quantity(lambda u: u, "u")]}, ValueError,
+         "two variables of the result would have the name 'u'; give one of them another."),
+        ({"observe": study.Quantity(lambda u: u, "status")}, ValueError, "would have the name 'status'"),
+        ({"observe": study.Quantity(lambda u: u[0], "first")}, ValueError,
+         "the quantity 'first' cannot be computed for 'hardening spring': IndexError"),
+        ({"on_failure": "stop"}, ValueError, "on_failure must be one of 'warn', 'raise', 'ignore', not 'stop'."),
         ({"steps": 10**12}, ValueError, "1000000000001 samples of 'u', 'v' need 14901 GiB, and this machine has "),
         ({"steps": 10**9, "u0": [1.0] * 1000}, ValueError, "samples of 'u', 'v' need 14901"),
         ({"problem": "fpu_chain", "observe": [study.Fate(0.0)]}, ValueError, "it has more than one unknown."),
@@ -78,3 +84,41 @@ def test_mistakes_get_a_sentence(arguments, error, sentence):
     with pytest.raises(error) as caught:
         study.run(**arguments)
     assert sentence in str(caught.value)
+
+
+def test_a_failed_run_says_so():
+    arguments = {"dt": 0.5, "steps": 100, "observe": ["max_energy_error"]}
+    sentence = r"'Central difference' failed on 'hardening spring' at step \d+, t = .*, with dt = 0.5: the state was no"
+    with pytest.warns(study.RunFailed, match=sentence):
+        study.run("hardening", "central_difference", **arguments)
+    with pytest.raises(RuntimeError, match="'Average acceleration' failed .*: Newton's iteration did not converge"):
+        study.run("softening", "average_acceleration", dt=1.14, steps=100, on_failure="raise")
+    with pytest.warns(study.RunFailed, match="1 of 2 runs failed, the first of them, lane 1: "):
+        study.run("hardening", "central_difference", **arguments | {"dt": [0.001, 0.5]})
+
+
+def test_a_result_says_what_made_it():
+    one = study.run("hardening", study.Newmark(beta=0.3, gamma=0.6), dt=0.01, steps=5, v0=0.5, observe=["energy_drift"])
+    made_by = {"dt": 0.01, "steps": 5, "u0": 1.5, "v0": 0.5, "scheme_parameters": "Newmark(beta=0.3, gamma=0.6)"}
+    assert made_by.items() <= one.attrs.items() and one.version == study.__version__
+    lanes = study.run("hardening", "rk4", dt=[0.01, 0.02], steps=5, v0=[0.0, 0.5])
+    assert lanes.dt.values.tolist() == [0.01, 0.02] and lanes.v0.values.tolist() == [0.0, 0.5]
+    assert lanes.attrs["u0"] == 1.5 and "dt" not in lanes.attrs
+
+
+def test_initial_velocities_are_lanes():
+    problem = study.Problem(lambda u: u, u0=[1.0, 2.0])
+    lanes = study.run(problem, "rk4", dt=0.01, steps=5, v0=[[0.0, 0.0], [1.0, -1.0]])
+    alone = study.run(problem, "rk4", dt=0.01, steps=5, v0=[1.0, -1.0])
+    np.testing.assert_allclose(lanes.u[1], alone.u, rtol=1e-14)
+    assert lanes.v0.dims == ("lane", "component")
+
+
+def test_names_that_people_type_find_their_scheme():
+    for typed, name in {
+        "newmark": "average_acceleration",
+        "HHT": "hht_alpha_one_force",
+        "central difference": "central_difference",
+        "Trapezoidal": "average_acceleration",
+    }.items():
+        assert study.schemes[typed] is study.schemes[name]

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -15,3 +16,39 @@ def test_a_quantity_of_the_user_is_recorded():
     assert ds.i_1.dims == ("t",) and ds.i_1.attrs == {"long_name": "energy of the first spring", "units": "J"}
     assert ds.i_1[0] == pytest.approx(1.0)
     np.testing.assert_allclose(ds.i_1, (ds.v[:, 3] ** 2 + 2500 * ds.u[:, 3] ** 2) / 2, rtol=1e-12)
+
+
+@pytest.fixture
+def pair():
+    """Two linear oscillators under a load."""
+    return study.Problem(
+        lambda u: jnp.array([1.0, 4.0]) * u, u0=[1.0, -2.0], damping=0.1, load=lambda t: jnp.cos(t) * jnp.ones(2)
+    )
+
+
+def test_a_quantity_knows_time_and_acceleration(pair):
+    force = study.Quantity(lambda t, v, a: jnp.cos(t) - a - 0.1 * v, "internal", units="N")
+    ds = study.run(pair, "average_acceleration", dt=0.05, steps=40, observe=["trajectory", force], every=4)
+    np.testing.assert_allclose(ds.internal, ds.u * [1.0, 4.0], atol=1e-13)
+    assert ds.internal.dims == ("t", "component")
+
+
+@pytest.mark.parametrize("lanes", [0, 3, 70])
+def test_quantities_are_reduced(pair, lanes):
+    u0 = np.array([1.0, -2.0]) if not lanes else np.linspace(0.5, 1.0, lanes)[:, None] * [1.0, -2.0]
+    reduced = [study.Quantity(lambda u: u[:1] - u[1:], f"{kind}_gap", reduce=kind) for kind in ("peak", "final", "rms")]
+    ds = study.run(pair, "rk4", dt=0.05, steps=40, u0=u0, observe=["trajectory", *reduced])
+    gap = ds.u[..., 0] - ds.u[..., 1]
+    np.testing.assert_allclose(ds.peak_gap[..., 0], abs(gap).max("t"), rtol=1e-12)
+    np.testing.assert_allclose(ds.final_gap[..., 0], gap[..., -1], rtol=1e-12)
+    np.testing.assert_allclose(ds.rms_gap[..., 0], np.sqrt((gap**2).integrate("t") / 2), rtol=1e-12)
+    assert ds.peak_gap.dims[-1] == "peak_gap_component"
+
+
+def test_unfit_quantities_are_refused():
+    with pytest.raises(ValueError, match="takes some of t, u, v, a .* not x, y"):
+        study.Quantity(lambda x, y: x)
+    with pytest.raises(ValueError, match="reduce must be one of None, 'peak', 'final', 'rms', not 'mean'"):
+        study.Quantity(lambda u: u, reduce="mean")
+    with pytest.raises(TypeError, match="a quantity needs a function, not 'u'"):
+        study.Quantity("u")

@@ -1,5 +1,7 @@
 """Parameters that are refused."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ import study
         (lambda x: study.Newmark(beta=0.25, gamma=x), "gamma"),
         (lambda x: study.WilsonTheta(theta=x), "theta"),
         (lambda x: study.HHTAlpha(alpha=x, beta=0.3025, gamma=0.6), "alpha"),
-        (lambda x: study.HHTAlpha(alpha=-0.1, beta=x, gamma=0.6), "beta"),
+        (lambda x: study.HHTAlpha(alpha=-0.1, beta=math.nan if x is None else x, gamma=0.6), "beta"),
         (lambda x: study.GeneralizedAlpha(alpha_m=0.0, alpha_f=x, beta=0.25, gamma=0.5), "alpha_f"),
         (study.GeneralizedAlpha.chung_hulbert, "rho_inf"),
         (study.GeneralizedAlpha.hht, "rho_inf"),

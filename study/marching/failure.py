@@ -1,0 +1,49 @@
+"""What a run that failed says: scheme, step, time and the likely cause."""
+
+import numpy as np
+
+from study.marching.result import COMPLETED, NEWTON_FAILED, Result
+from study.marching.shapes import Numbers
+from study.problem.definition import Problem
+from study.problem.frequencies import frequencies
+from study.scheme.base import Scheme
+
+#: What :func:`study.run` does about a failed run.
+ON_FAILURE = ("warn", "raise", "ignore")
+
+
+class RunFailed(RuntimeWarning):
+    """A run failed; its values are NaN, and its samples from the failure on."""
+
+
+def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> str:
+    """One sentence on why such a run fails, and what helps."""
+    found = frequencies(problem)
+    highest = None if found is None else found[-1]
+    at_start = "" if highest is None else f", which is {highest * dt:.3g} at the start"
+    if status == NEWTON_FAILED:
+        return (
+            "Newton's iteration found no balance: the force changes too much over a step, or bends so that there is "
+            "none; take smaller steps."
+        )
+    if scheme.explicit:
+        return (
+            "an explicit scheme becomes unstable where a step times the highest circular frequency exceeds its limit, "
+            f"about 2{at_start}; take smaller steps or an implicit scheme."
+        )
+    return "the motion grew without bound; take smaller steps or a scheme that conserves or dissipates energy."
+
+
+def sentence(result: Result, problem: Problem, scheme: Scheme, dt: Numbers) -> str:
+    """What happened to the runs, in one or two sentences; empty if all of them completed."""
+    failed = np.flatnonzero(result.status != COMPLETED)
+    if not failed.size:
+        return ""
+    first = failed[0]
+    status, step = (int(np.ravel(values)[first]) for values in (result.status, result.failed_at_step))
+    size = float(np.broadcast_to(dt, np.shape(result.status)).ravel()[first])
+    how = "Newton's iteration did not converge" if status == NEWTON_FAILED else "the state was no longer finite"
+    many = f"{failed.size} of {result.status.size} runs failed, the first of them, lane {first}: "
+    where = f"'{scheme.title}' failed on '{problem.title}' at step {step}, t = {step * size:.6g}, with dt = {size:.6g}"
+    cause = likely_cause(problem, scheme, status, size)
+    return f"{many if np.ndim(result.status) else ''}{where}: {how}. Likely cause: {cause}"
