@@ -23,7 +23,8 @@ Analysis
     ``outcomes`` classifies how the runs of an ensemble ended, as places in ``OUTCOMES``, if ``Fate`` was observed.
 
 A problem of your own
-    ``Problem``, with ``Rayleigh`` damping and ``StrainEnergy`` for structures::
+    ``Problem``, with ``Rayleigh`` damping, ``StrainEnergy`` for structures and ``GroundMotion`` for those on moving
+    ground::
 
         pendulum = study.Problem(force=jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=3.0)
 
@@ -72,6 +73,7 @@ from study.observer.motion import Quantity as Quantity
 from study.observer.named import observers as observers
 from study.problem.damping import Rayleigh as Rayleigh
 from study.problem.definition import Problem as Problem
+from study.problem.ground import GroundMotion as GroundMotion
 from study.problem.named import problems as problems
 from study.problem.potential import StrainEnergy as StrainEnergy
 from study.scheme.alpha import GeneralizedAlpha as GeneralizedAlpha

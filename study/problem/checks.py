@@ -15,6 +15,7 @@ import numpy as np
 from study.algebra.arrays import Matrix
 from study.algebra.matrices import Banded, MatrixFree
 from study.problem.damping import Rayleigh
+from study.problem.ground import GroundMotion
 from study.problem.potential import StrainEnergy
 
 #: A potential and its force may differ by this part of the force: the error of a central difference.
@@ -51,6 +52,10 @@ def check_shapes(problem) -> None:
             raise ValueError(
                 f"{name} must be a number, a diagonal or a matrix for u0 of shape {shape}; got {value.shape}."
             )
+    if problem.influence is not None and problem.ground is None:
+        raise ValueError("influence needs Problem(ground=...), the motion whose influence it is.")
+    if problem.influence is not None and np.shape(problem.influence) != shape:
+        raise ValueError(f"influence must have the shape of u0, {shape}, not {np.shape(problem.influence)}.")
     if problem.positions is not None and (
         np.ndim(problem.positions) != 2
         or np.shape(problem.positions)[1] > 3
@@ -85,7 +90,8 @@ def check_functions(problem) -> None:
         if function is None:
             continue
         try:
-            received = jax.eval_shape(function, argument)
+            # arrays in the function are traced too, as in a run
+            received = eqx.filter_eval_shape(lambda f, x: f(x), function, jnp.asarray(argument))
         except Exception as error:  # a user's function may raise anything
             reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
             raise ValueError(
@@ -107,6 +113,14 @@ def _check_strain_energy(potential: StrainEnergy, u0) -> None:
         raise ValueError(
             f"a StrainEnergy needs strains of shape (m,) and a density of the same shape, not {strains} and {energies}."
         )
+
+
+def check_ground(ground, load, title: str) -> None:
+    """Refuse a ground that is no motion, and a load that is no function."""
+    if not isinstance(ground, GroundMotion):
+        raise TypeError(f"ground of '{title}' must be a study.GroundMotion, not {ground!r}.")
+    if load is not None and not callable(load):
+        raise TypeError(f"load must be a function, not {load!r}.")
 
 
 def check_gradient(force: Callable, potential: Callable, u0, title: str) -> None:

@@ -12,7 +12,11 @@ from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLi
 from study.algebra.matrices import banded, times
 from study.problem import checks, tangent
 from study.problem.damping import Rayleigh, rayleigh_matrix
+from study.problem.ground import GroundLoad, GroundMotion
 from study.problem.potential import gradient
+
+#: Arguments of a problem that are numbers.
+NUMBERS = ("u0", "v0", "mass", "damping", "positions", "influence")
 
 
 class Problem(eqx.Module):
@@ -39,7 +43,12 @@ class Problem(eqx.Module):
         C: a number, a diagonal, a matrix (symmetric if the tangent is matrix-free) or :class:`study.Rayleigh`; zero by
         default.
     load
-        f(t), of the shape of ``u``.
+        f(t), of the shape of ``u``. If its slope jumps, an attribute ``kinks`` may hold the times, which references
+        then step on.
+    ground, influence
+        Motion of the ground, and the displacement ι (of the shape of ``u``) of the unknowns for a unit displacement of
+        the ground, one for each by default. The unknowns are then relative to the ground, whose acceleration a adds the
+        load −M ι a(t).
     tangent
         Form of ∂p/∂u with several unknowns: ``diagonal``, ``tridiagonal``, ``dense``, ``matrix_free`` (for symmetric
         tangents), or the half bandwidth as a number. By default it is found from the tangent at two displacements, for
@@ -66,6 +75,8 @@ class Problem(eqx.Module):
     mass: Matrix = eqx.field(default=None, kw_only=True)
     damping: Matrix = eqx.field(default=None, kw_only=True)
     load: Callable | None = eqx.field(default=None, kw_only=True)
+    ground: GroundMotion | None = eqx.field(default=None, kw_only=True)
+    influence: VectorLike = eqx.field(default=None, kw_only=True)
     tangent: str | int | None = eqx.field(default=None, kw_only=True, static=True)
     positions: PositionsLike = eqx.field(default=None, kw_only=True)
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
@@ -74,18 +85,20 @@ class Problem(eqx.Module):
 
     @jax.enable_x64(True)  # the checks compare with round-off of double precision; a run may use single precision
     def __post_init__(self):
-        for name in ("u0", "v0", "mass", "damping", "positions"):
+        for name in NUMBERS:
             setattr(self, name, checks.real_numbers(name, getattr(self, name)))
         if self.v0 is None and self.u0 is not None:
             self.v0 = np.zeros(np.shape(self.u0))
         checks.check_shapes(self)
-        for name in ("u0", "v0", "mass", "damping", "positions"):
+        for name in NUMBERS:
             checks.check_finite(name, getattr(self, name))
 
         traced = isinstance(self.u0, jax.core.Tracer)
         derived = self.force is None and self.potential is not None
         if derived:
             self.force = eqx.Partial(gradient, self.potential)
+        if self.ground is not None:
+            self.load = self._with_ground()
         checks.check_functions(self)
         if self.potential is not None and not derived and not traced:
             checks.check_gradient(self.force, self.potential, self.u0, self.title)
@@ -100,6 +113,13 @@ class Problem(eqx.Module):
             self.mass, self.damping = self._stored(self.mass), self._stored(self.damping)
             if isinstance(self.damping, Rayleigh):
                 self.damping = self._rayleigh(self.damping)
+
+    def _with_ground(self) -> GroundLoad:
+        """The load with that of the moving ground."""
+        checks.check_ground(self.ground, self.load, self.title)
+        if self.influence is None:
+            self.influence = np.ones(np.shape(self.u0))
+        return GroundLoad(np.asarray(self.momentum(self.influence)), self.ground, self.load)
 
     def _form_of_tangent(self) -> int | str | None:
         """The form of the tangent, found or as declared; none for one unknown."""

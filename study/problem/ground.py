@@ -1,0 +1,188 @@
+"""Motion of the ground, and the load that it is on a structure."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from study.algebra.arrays import Scalar, Vector, VectorLike
+
+#: Metres per second squared in one unit of acceleration.
+UNITS = {"g": 9.80665, "m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "in/s2": 0.0254, "ft/s2": 0.3048}
+
+#: Smallest and largest peak of a record in g; beyond them its unit cannot be right. The largest recorded is near 4 g.
+PEAKS = (1e-6, 20.0)
+
+#: Times of samples may be off a constant distance by this part of it, for the digits of a file.
+UNIFORM = 1e-2
+
+_RECORDS = Path(__file__).parent / "records"
+
+
+class GroundMotion(eqx.Module):
+    """Acceleration of the ground along time: samples a constant time apart, linear between them, zero after the last.
+
+    This is the convention of the field. The kinks at the samples limit the order of every scheme, unless its steps end
+    there. The value at a time is found by its place among the samples, without a search.
+
+    Parameters
+    ----------
+    acceleration
+        Samples of shape (samples,), the first at t = 0.
+    dt
+        Time between two samples.
+    title
+        Name of the record.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two samples, one is not finite, or ``dt`` is not greater than zero.
+    """
+
+    acceleration: Float[np.ndarray, "samples"] = eqx.field(converter=lambda samples: np.asarray(samples, float))
+    dt: float = eqx.field(converter=np.float64)
+    title: str = eqx.field(default="ground motion", kw_only=True, static=True)
+
+    def __check_init__(self):
+        if self.acceleration.ndim != 1 or len(self.acceleration) < 2 or not np.isfinite(self.acceleration).all():
+            raise ValueError(f"'{self.title}' needs at least two samples of acceleration, all of them finite.")
+        if not (np.isfinite(self.dt) and self.dt > 0):
+            raise ValueError(f"the time between samples of '{self.title}' must be greater than zero, not {self.dt}.")
+
+    def __call__(self, t: Scalar) -> Scalar:
+        """Acceleration at the time t."""
+        samples = jnp.asarray(self.acceleration)
+        place = jnp.asarray(t) / self.dt
+        before = jnp.clip(place, 0, len(samples) - 2).astype(jnp.int32)
+        part = place - before
+        value = samples[before] + part * (samples[before + 1] - samples[before])
+        return jnp.where(place < len(samples) - 1, value, 0.0)
+
+    @property
+    def kinks(self) -> np.ndarray:
+        """Times at which the slope of the acceleration jumps, (samples,)."""
+        return np.arange(len(self.acceleration)) * float(self.dt)
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample."""
+        return float(self.dt) * (len(self.acceleration) - 1)
+
+    def scaled(self, factor: float) -> "GroundMotion":
+        """The motion multiplied by a factor; all factors share what is compiled."""
+        return GroundMotion(factor * self.acceleration, self.dt, title=self.title)
+
+    @classmethod
+    def read(cls, path: str | Path, unit: str) -> "GroundMotion":
+        """Read a record, in metres per second squared.
+
+        Two forms are read. An AT2 file of the PEER ground motion database has four lines of header, of which the last
+        holds ``NPTS`` and ``DT``; its first sample belongs to t = DT, and the motion starts from zero at t = 0. A file
+        of two columns holds times and accelerations; lines that begin with ``#`` are skipped.
+
+        Parameters
+        ----------
+        unit
+            Unit of the file: ``g``, ``m/s2``, ``cm/s2``, ``mm/s2``, ``in/s2`` or ``ft/s2``.
+
+        Raises
+        ------
+        FileNotFoundError
+            If there is no such file.
+        ValueError
+            If the unit is unknown or cannot be right, if header and samples disagree, or if samples are missing.
+        """
+        path = Path(path)
+        if unit not in UNITS:
+            raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}.")
+        if not path.is_file():
+            raise FileNotFoundError(f"there is no record '{path}'.")
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+        header = re.search(r"NPTS\s*=\s*(\d+).*?DT\s*=\s*([\d.eE+-]+)", " ".join(lines[:4]), re.IGNORECASE)
+        samples, dt = _of_peer(path, lines, header, unit) if header else _of_columns(path, lines)
+        samples = UNITS[unit] * samples
+        peak = np.abs(samples).max() / UNITS["g"]
+        if not PEAKS[0] <= peak <= PEAKS[1]:
+            raise ValueError(f"the peak of '{path}' would be {peak:.3g} g in the unit {unit!r}; give the file's unit.")
+        return cls(samples, dt, title=path.stem)
+
+    @classmethod
+    def el_centro(cls) -> "GroundMotion":
+        """The north-south ground acceleration at El Centro, 18 May 1940, of 31.18 s and a peak of 0.32 g.
+
+        Peknold's correction, as the PEER ground motion database writes it, with samples 0.02 s apart.
+        """
+        return cls.read(_RECORDS / "el_centro_1940_ns.at2", unit="g")
+
+
+def _numbers(path: Path, words: list[str]) -> np.ndarray:
+    try:
+        numbers = np.array([float(word) for word in words])
+    except ValueError as error:
+        raise ValueError(f"'{path}' holds something else than numbers where samples belong: {error}.") from None
+    if not np.isfinite(numbers).all():
+        raise ValueError(f"sample {np.argmin(np.isfinite(numbers)) + 1} of '{path}' is not finite.")
+    return numbers
+
+
+def _of_peer(path: Path, lines: list[str], header: re.Match, unit: str) -> tuple[np.ndarray, float]:
+    """Samples and the time between them, of an AT2 file."""
+    stated = re.search(r"units of (\S+)", " ".join(lines[:4]), re.IGNORECASE)
+    if stated and stated[1].lower().replace("**", "").replace("^", "") in UNITS and stated[1].lower() != unit:
+        raise ValueError(f"the header of '{path}' states the unit {stated[1]}, not {unit!r}.")
+    samples = _numbers(path, " ".join(lines[4:]).split())
+    count, dt = int(header[1]), float(header[2])
+    if len(samples) != count:
+        raise ValueError(f"the header of '{path}' announces {count} samples, and the file holds {len(samples)}.")
+    return np.concatenate([[0.0], samples]), dt
+
+
+def _of_columns(path: Path, lines: list[str]) -> tuple[np.ndarray, float]:
+    """Samples from t = 0 on and the time between them, of a file with times and accelerations."""
+    rows = [words for line in lines if (words := line.replace(",", " ").split()) and not words[0].startswith("#")]
+    if len(rows) < 2 or any(len(row) != 2 for row in rows):
+        raise ValueError(f"'{path}' is neither an AT2 file with NPTS and DT in its header nor one of two columns.")
+    t, samples = _numbers(path, [word for row in rows for word in row]).reshape(-1, 2).T
+    dt = (t[-1] - t[0]) / (len(t) - 1)
+    off = np.flatnonzero(np.abs(np.diff(t) - dt) > UNIFORM * abs(dt))
+    if off.size or dt <= 0:
+        at = f" after t = {t[off[0]]:g}" if off.size else ""
+        raise ValueError(f"the samples of '{path}' must be a constant time apart, and are not{at}.")
+    first = round(t[0] / dt)
+    if first < 0 or abs(t[0] - first * dt) > UNIFORM * dt:
+        raise ValueError(f"the times of '{path}' must be multiples of {dt:g}, and the first is {t[0]:g}.")
+    return np.concatenate([np.zeros(first), samples]), float(dt)
+
+
+class GroundLoad(eqx.Module):
+    """f(t) − M ι a(t): the load on a structure whose displacement is relative to the ground.
+
+    Parameters
+    ----------
+    inertia
+        M ι, with the displacement ι of the unknowns for a unit displacement of the ground.
+    ground
+        a(t).
+    load
+        f(t), or None.
+    """
+
+    inertia: VectorLike
+    ground: GroundMotion
+    load: Callable | None
+
+    def __call__(self, t: Scalar) -> Vector:
+        """The load at the time t."""
+        of_ground = -jnp.asarray(self.inertia) * self.ground(t)
+        return of_ground if self.load is None else self.load(t) + of_ground
+
+    @property
+    def kinks(self) -> np.ndarray:
+        """Times at which the slope of the load jumps."""
+        others = getattr(self.load, "kinks", [])
+        return np.unique(np.concatenate([self.ground.kinks, others]))
