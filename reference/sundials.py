@@ -1,6 +1,7 @@
 """Route through CVODE of SUNDIALS (scikit-sundae): the Adams and BDF methods."""
 
 import time
+from contextlib import suppress
 
 import jax
 import numpy as np
@@ -17,7 +18,6 @@ from reference.solution import (
     release,
     right_side,
 )
-from reference.symbolic import as_python
 from study.problem.definition import Problem
 
 #: Smallest tolerance that is accepted; below it round-off dominates CVODE's estimate of the error.
@@ -28,16 +28,20 @@ CV_TOO_MUCH_WORK = -1
 
 
 def _right_side_of(problem: Problem):
-    """Function f(t, y, ẏ) that writes ẏ: plain Python for one unknown, compiled for several."""
+    """Function f(t, y, ẏ) that writes ẏ: plain Python for one unknown whose functions translate, otherwise compiled."""
     if np.ndim(problem.u0) == 0:
-        acceleration = as_python(problem)
+        from reference.symbolic import Untranslatable, as_python  # here, because importing SymPy takes a second
 
-        def fill(t, y, rate):
-            u, v = y.tolist()
-            rate[0], rate[1] = v, acceleration(t, u, v)
+        with suppress(Untranslatable):
+            acceleration = as_python(problem)
 
-        return fill
-    compiled = jax.jit(lambda t, y: right_side(t, y.reshape(2, -1), problem).ravel())
+            def fill(t, y, rate):
+                u, v = y.tolist()
+                rate[0], rate[1] = v, acceleration(t, u, v)
+
+            return fill
+    shape = (2, *np.shape(problem.u0))
+    compiled = jax.jit(lambda t, y: right_side(t, y.reshape(shape), problem).ravel())
 
     def fill_all(t, y, rate):
         rate[:] = compiled(t, y)
@@ -68,7 +72,12 @@ def _check(problem: Problem, method: str, solution) -> None:
 
 
 def trajectory(
-    problem: Problem, t: Times, rtol: float = 1e-15, method: str = "Adams", max_num_steps: int = MAX_NUM_STEPS
+    problem: Problem,
+    t: Times,
+    rtol: float = 1e-15,
+    method: str = "Adams",
+    max_num_steps: int = MAX_NUM_STEPS,
+    kinks: Times | None = None,
 ) -> Solution:
     """Displacement and velocity at the increasing times ``t``.
 
@@ -85,6 +94,8 @@ def trajectory(
         ``Adams`` or ``BDF``.
     max_num_steps
         Limit of steps from one time to the next.
+    kinks
+        Times at which the right side has a kink, in ascending order; no step crosses one.
 
     Raises
     ------
@@ -98,11 +109,13 @@ def trajectory(
     check_trajectory(f"CVODE {method}", problem, t, unknowns=np.inf)
     solver = _solver(problem, rtol, method, max_num_steps=max_num_steps)
     y = np.empty((len(t), 2, *np.shape(problem.u0)))
+    stops = np.concatenate([[] if kinks is None else kinks, [np.inf]])
     start = time.perf_counter()
     solution = solver.init_step(0.0, _start(problem))
     for i, until in enumerate(map(float, t)):
         if until > 0:
-            solution = solver.step(until)
+            stop = stops[np.searchsorted(stops, until)]
+            solution = solver.step(until, tstop=float(stop) if np.isfinite(stop) else None)
             _check(problem, method, solution)
         y[i] = solution.y.reshape(y[i].shape)
     return Solution(y[:, 0], y[:, 1], int(solution.nfev), time.perf_counter() - start)

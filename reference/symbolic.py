@@ -46,6 +46,10 @@ _OPERATIONS: dict[str, Callable] = {
 }
 
 
+class Untranslatable(ValueError):
+    """A function with an operation that has no Taylor series here, such as a branch or a table."""
+
+
 def expression(function: Callable, argument: hy.expression) -> hy.expression:
     """Translate a smooth scalar JAX function into an expression of heyoka.
 
@@ -53,7 +57,7 @@ def expression(function: Callable, argument: hy.expression) -> hy.expression:
 
     Raises
     ------
-    ValueError
+    Untranslatable
         If the function contains an operation without translation, such as a branch.
     """
 
@@ -73,13 +77,15 @@ def expression(function: Callable, argument: hy.expression) -> hy.expression:
                 exponent = [equation.params["y"]] if name == "integer_pow" else []
                 results = [_OPERATIONS[name](*inputs, *exponent)]
             else:
-                raise ValueError(
+                raise Untranslatable(
                     f"'{name}' has no translation into a Taylor series; known are {', '.join(_OPERATIONS)}."
                 )
             values |= dict(zip(equation.outvars, results, strict=True))
         return [read(atom) for atom in jaxpr.outvars]
 
     closed = jax.make_jaxpr(function)(1.0)
+    if any(np.ndim(constant) for constant in closed.consts):
+        raise Untranslatable("a table has no translation into a Taylor series.")
     (result,) = evaluate(closed.jaxpr, [float(c) for c in closed.consts], [argument])
     return result
 

@@ -15,8 +15,16 @@ What can be run
     ``problems``, ``schemes`` and ``observers`` hold everything that has a name: ``list(study.schemes)``,
     ``study.schemes["houbolt"]``.
 
+Which scheme and which step
+    ``assess`` finds them for any problem, by runs against a certified reference, ``recommend`` lists the schemes that
+    keep an error, the cheapest first, and ``report`` writes a page::
+
+        ds = study.assess(pendulum, duration=60.0, quantities={"angle": study.Quantity(lambda u: u, reduce="peak")})
+        study.recommend(ds, error=0.01, quantity="angle")
+        study.report(ds, "pendulum.html")
+
 What the study knows
-    ``open`` opens a dataset of the study, ``recommend`` lists the cheapest schemes for an allowed error.
+    ``open`` opens a dataset of the study; ``recommend`` takes the name of its problems too.
 
 Analysis
     ``LinearTheory`` derives spectral radius, period elongation, damping and order of a scheme from its code.
@@ -56,6 +64,8 @@ from study.analysis.linear_theory import LinearTheory as LinearTheory
 from study.analysis.outcomes import OUTCOMES as OUTCOMES
 from study.analysis.outcomes import outcomes as outcomes
 from study.analysis.recommendation import recommend as recommend
+from study.assessment.assess import assess as assess
+from study.assessment.report import report as report
 from study.datasets import open as open
 from study.equilibrium.balance import acceleration as acceleration
 from study.equilibrium.balance import balance as balance

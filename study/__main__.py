@@ -1,7 +1,8 @@
-"""The command line: ``study run``, ``study recommend`` and ``study list``, also as ``python -m study``."""
+"""The command line: ``study run``, ``assess``, ``recommend`` and ``list``, also as ``python -m study``."""
 
 import argparse
 import os
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,10 +10,15 @@ from typing import Any
 
 from study import datasets
 from study.analysis.recommendation import recommend
+from study.assessment.assess import assess
+from study.assessment.load import load
+from study.assessment.report import answer, report
 from study.marching.run import run
 from study.observer.named import observers
+from study.problem.definition import Problem
 from study.problem.named import problems
 from study.registry import Registry, UnknownName
+from study.scheme.base import Scheme
 from study.scheme.named import schemes
 
 _REGISTRIES: dict[str, Registry[Any]] = {"problems": problems, "schemes": schemes, "observers": observers}
@@ -34,6 +40,22 @@ def _parser() -> argparse.ArgumentParser:
     )
     command.add_argument("--every", type=int, default=1, metavar="N", help="steps between two samples; default: 1")
     command.add_argument("--output", type=Path, metavar="FILE.nc", help="write a dataset instead of printing it")
+
+    command = commands.add_parser("assess", help="find the scheme and the step that a problem of your own needs")
+    command.set_defaults(function=_assess)
+    command.add_argument("problem", metavar="FILE.py:NAME", help="a study.Problem in a file, or the name of a problem")
+    command.add_argument("--duration", type=float, help="time of the runs in seconds; default: ten periods, if any")
+    command.add_argument(
+        "--error", type=float, nargs="+", default=[0.1, 0.01, 0.001], help="errors that may be allowed, as fractions"
+    )
+    command.add_argument(
+        "--schemes", nargs="+", metavar="SCHEME", help="names of schemes, or FILE.py:NAME; default: ten usual ones"
+    )
+    command.add_argument(
+        "--quantities", metavar="FILE.py:NAME", help="a dict of study.Quantity in a file; default: u, velocity, energy"
+    )
+    command.add_argument("--no-maps", dest="maps", action="store_false", help="leave out how the schemes fail")
+    command.add_argument("--output", type=Path, required=True, metavar="PATH", help="PATH.nc and PATH.html are written")
 
     command = commands.add_parser("recommend", help="list the schemes that keep an error, the cheapest first")
     command.set_defaults(function=_recommend)
@@ -73,6 +95,35 @@ def _run(arguments: argparse.Namespace) -> None:
         print(dataset)
 
 
+def _assess(arguments: argparse.Namespace) -> None:
+    outputs = [arguments.output.with_name(arguments.output.name + suffix) for suffix in (".nc", ".html")]
+    for output in outputs:
+        datasets.check_writable(output)
+
+    def given(place: str, kind: type) -> Any:
+        return load(place, (kind,)) if ".py" in place else place
+
+    schemes = None
+    if arguments.schemes:
+        schemes = {place.rpartition(":")[2]: given(place, Scheme) for place in arguments.schemes}
+    dataset = assess(
+        given(arguments.problem, Problem),
+        schemes,
+        duration=arguments.duration,
+        quantities=load(arguments.quantities, (dict,)) if arguments.quantities else None,
+        errors=arguments.error,
+        maps=arguments.maps,
+    )
+    dataset.attrs["command"] = shlex.join(["study", *arguments.words])
+    datasets.write(dataset, outputs[0])
+    report(dataset, outputs[1])
+    for quantity in dataset.quantity.values:
+        for error in dataset.allowed_error.values:
+            print(f"{quantity}, error {error:g}:\n{recommend(dataset, error=error, quantity=quantity).to_string()}\n")
+            print(f"{answer(dataset, quantity, error)}\n")
+    print(f"written: {outputs[0]}, {outputs[1]}")
+
+
 def _recommend(arguments: argparse.Namespace) -> None:
     table = recommend(
         arguments.problem,
@@ -105,14 +156,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
         With code 2 after a mistake, which one sentence on the standard error output explains.
     """
     parser = _parser()
-    chosen = parser.parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    chosen = parser.parse_args(words, argparse.Namespace(words=words))
     try:
         chosen.function(chosen)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader, such as head, has closed the pipe, into which exit would flush again
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return
-    except (UnknownName, ValueError, OSError) as error:
+    except (UnknownName, TypeError, ValueError, OSError) as error:
         mistake = str(error)
     except SystemExit as error:  # a file that cannot be written
         mistake = str(error)

@@ -136,9 +136,9 @@ def check_writable(path: str | Path) -> Path:
 
 
 def write(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset whole or not at all: to a file beside ``path``, which is renamed when it is complete."""
+    """Write a dataset whole or not at all: to a file of this process beside ``path``, renamed when it is complete."""
     path = check_writable(path)
-    unfinished = path.with_name(f".{path.name}.unfinished")
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
     try:
         dataset.to_netcdf(unfinished, engine="netcdf4", encoding=_encoding(dataset))
         os.replace(unfinished, path)

@@ -75,28 +75,66 @@ def candidates(data: xr.Dataset, problem: str, error: float, measure: str, perio
     return table.rename_axis("scheme").dropna().sort_values("time")
 
 
+def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = None) -> pd.DataFrame:
+    """The table that :func:`recommend` returns for a dataset of :func:`study.assess`."""
+    if "recommended_dt" not in assessed:
+        raise ValueError("recommend takes the name of a problem of the study, or a dataset of study.assess.")
+    known = assessed.quantity.values.tolist()
+    quantity = known[0] if quantity is None else quantity
+    if quantity not in known:
+        raise UnknownName(f"the assessment has no quantity {quantity!r}; {did_you_mean(quantity, known)}")
+    limits = assessed.allowed_error.values
+    if not np.any(limits <= error):
+        raise ValueError(
+            f"error must be one that was assessed, {', '.join(f'{one:g}' for one in limits)}, or larger, not "
+            f"{error:g}; assess with errors=[...] for smaller ones."
+        )
+    one = assessed.sel(quantity=quantity, allowed_error=limits[limits <= error].max())
+    words = np.array([word.replace("_", " ") for word in one.verdict.flag_meanings.split()])
+    table = pd.DataFrame(
+        {
+            "dt": one.recommended_dt,
+            "steps": np.round(assessed.attrs["duration"] / one.recommended_dt),
+            "error": one.recommended_error,
+            "time": one.time,
+            "time_spread": one.time_spread,
+            "force_evaluations": one.force_evaluations,
+            "verdict": words[one.verdict.values],
+        },
+        index=pd.Index(one.scheme.values, name="scheme"),
+    ).sort_values("time")
+    fastest = table.iloc[0]
+    slower_by = table["time"] - fastest["time"]
+    table.insert(4, "ties_with_fastest", slower_by <= table["time_spread"] + fastest["time_spread"])
+    return table
+
+
 def recommend(
-    problem: str,
+    what: str | xr.Dataset,
     *,
     error: float,
+    quantity: str | None = None,
     measure: str = "max_trajectory_error",
     periods: float = 100,
     folder: str | Path = datasets.RESULTS,
 ) -> pd.DataFrame:
     """List the schemes that keep an error within a bound, the cheapest first.
 
-    The dataset ``work_precision`` is interpolated in the step size and in the length of the run, and never
+    For a dataset of :func:`study.assess`, all steps and times are those of runs. For the name of a problem of the
+    study, the dataset ``work_precision`` is interpolated in the step size and in the length of the run, and never
     extrapolated: a scheme that misses the bound at the finest step of the dataset is left out, and one that keeps it at
     the coarsest is listed with that.
 
     Parameters
     ----------
-    problem
-        Name of a problem in the dataset.
+    what
+        Dataset of :func:`study.assess`, or name of a problem in the dataset ``work_precision``.
     error
         Largest allowed error as a fraction, also for measures in percent: 0.01 is one percent.
+    quantity
+        Quantity of the assessment that must keep the error, by default the first.
     measure
-        Measure of error, a variable of the dataset.
+        Measure of error, a variable of the dataset ``work_precision``.
     periods
         Length of the run in periods.
     folder
@@ -105,7 +143,10 @@ def recommend(
     Returns
     -------
     pandas.DataFrame
-        By ``scheme``: ``steps_per_period``, ``time`` of all steps in seconds (a call of :func:`study.run` adds about a
+        By ``scheme``. Of an assessment: ``dt``, ``steps``, the ``error`` at that step, ``time`` of the run in seconds
+        with its spread, ``ties_with_fastest`` where the times differ by no more than their spreads,
+        ``force_evaluations`` and ``verdict``; schemes for which no step was found are last. Of a problem of the study:
+        ``steps_per_period``, ``time`` of all steps in seconds (a call of :func:`study.run` adds about a
         millisecond) and ``force_evaluations`` in them.
 
     Raises
@@ -130,8 +171,14 @@ def recommend(
     for name, number in (("error", error), ("periods", periods)):
         if isinstance(number, bool) or not isinstance(number, int | float | np.number):
             raise TypeError(f"{name} must be a number, not {number!r}.")
-    if not isinstance(problem, str):
-        raise TypeError("problem must be the name of a problem of the work-precision data.")
+    if isinstance(what, xr.Dataset):
+        return of_assessment(what, error, quantity)
+    if not isinstance(what, str):
+        raise TypeError(
+            "recommend takes the name of a problem of the study, or the dataset that study.assess returns for a "
+            f"problem of your own, not {what!r}."
+        )
+    problem = what
     data = datasets.open("work_precision", folder)
     for name, known in ((problem, data.problem.values), (measure, data.measure.values)):
         if name not in known:

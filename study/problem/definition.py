@@ -98,7 +98,7 @@ class Problem(eqx.Module):
         if derived:
             self.force = eqx.Partial(gradient, self.potential)
         if self.ground is not None:
-            self.load = self._with_ground()
+            self.load = self._with(self.ground)
         checks.check_functions(self)
         if self.potential is not None and not derived and not traced:
             checks.check_gradient(self.force, self.potential, self.u0, self.title)
@@ -114,12 +114,12 @@ class Problem(eqx.Module):
             if isinstance(self.damping, Rayleigh):
                 self.damping = self._rayleigh(self.damping)
 
-    def _with_ground(self) -> GroundLoad:
+    def _with(self, ground: GroundMotion) -> GroundLoad:
         """The load with that of the moving ground."""
-        checks.check_ground(self.ground, self.load, self.title)
+        checks.check_ground(ground, self.load, self.title)
         if self.influence is None:
             self.influence = np.ones(np.shape(self.u0))
-        return GroundLoad(np.asarray(self.momentum(self.influence)), self.ground, self.load)
+        return GroundLoad(np.asarray(self.momentum(self.influence)), ground, self.load)
 
     def _form_of_tangent(self) -> int | str | None:
         """The form of the tangent, found or as declared; none for one unknown."""

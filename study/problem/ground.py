@@ -20,6 +20,9 @@ PEAKS = (1e-6, 20.0)
 #: Times of samples may be off a constant distance by this part of it, for the digits of a file.
 UNIFORM = 1e-2
 
+#: Accelerations, shape (samples,).
+Samples = Float[np.ndarray, "samples"]
+
 _RECORDS = Path(__file__).parent / "records"
 
 
@@ -44,7 +47,7 @@ class GroundMotion(eqx.Module):
         If there are fewer than two samples, one is not finite, or ``dt`` is not greater than zero.
     """
 
-    acceleration: Float[np.ndarray, "samples"] = eqx.field(converter=lambda samples: np.asarray(samples, float))
+    acceleration: Samples = eqx.field(converter=lambda samples: np.asarray(samples, float))
     dt: float = eqx.field(converter=np.float64)
     title: str = eqx.field(default="ground motion", kw_only=True, static=True)
 

@@ -31,13 +31,25 @@ class _Scaled(eqx.Module):
     def __call__(self, t):
         return self.factor * self.load(t)
 
+    @property
+    def kinks(self):
+        return getattr(self.load, "kinks", ())
 
-def excited(problem: Problem, factor: float) -> Problem:
-    """The problem with its initial velocity and its load multiplied by ``factor``; all factors share one program."""
+
+def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem:
+    """The problem with its initial velocity and its load multiplied by ``factor``; all factors share one program.
+
+    With ``displaced``, its initial displacement is multiplied too.
+    """
     problem = eqx.tree_at(lambda p: p.v0, problem, factor * problem.v0)
+    if displaced:
+        problem = eqx.tree_at(lambda p: p.u0, problem, factor * problem.u0)
     if problem.load is None:
         return problem
-    return eqx.tree_at(lambda p: p.load, problem, _Scaled(problem.load, factor))
+    load, before = (
+        (problem.load.load, problem.load.factor) if isinstance(problem.load, _Scaled) else (problem.load, 1.0)
+    )
+    return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before))
 
 
 class Pulse(eqx.Module):

@@ -1,5 +1,7 @@
 """Solvers under step size control on several unknowns, against each other and against modes in closed form."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from reference.structures import structure_reference
 from study.problem.named import time_scales
 
 RTOL = 1e-10
-TRAJECTORIES = [sundials.trajectory, reference.diffrax.trajectory]
+TRAJECTORIES: list[Callable] = [sundials.trajectory, reference.diffrax.trajectory]
 
 
 def test_two_solvers_agree_on_a_stiff_chain():

@@ -1,0 +1,166 @@
+"""Errors of runs in the quantities that a user asks for."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from study.assessment.certified import Solution, Times
+from study.observer.motion import Quantity
+from study.problem.definition import Problem
+
+#: Points between two of the reference at which a quantity is evaluated.
+FINER = 8
+
+#: Times at which a quantity is evaluated at once.
+AT_ONCE = 4096
+
+#: Values of a quantity at some times, with an axis for its components.
+Values = Float[np.ndarray, "t components"]
+
+#: What is measured if nothing is asked for.
+DEFAULT = {
+    "displacement": Quantity(lambda u: u, long_name="displacement along time", units="1"),
+    "velocity": Quantity(lambda v: v, long_name="velocity along time", units="s-1"),
+}
+
+
+def named(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:
+    """The quantities with the names under which they are given, or those by default.
+
+    Raises
+    ------
+    TypeError
+        If they are no mapping from names to quantities.
+    """
+    if quantities is None:
+        quantities = DEFAULT
+    if not isinstance(quantities, Mapping) or not quantities:
+        raise TypeError(f"quantities must be a mapping from names to study.Quantity, not {quantities!r}.")
+    for name, quantity in quantities.items():
+        if not isinstance(quantity, Quantity):
+            raise TypeError(f"quantities['{name}'] must be a study.Quantity, not {quantity!r}.")
+    # in a run the names must not clash with those of other variables
+    return {name: replace(q, name=f"of {name}", long_name=q.long_name or name) for name, q in quantities.items()}
+
+
+@eqx.filter_jit
+def _evaluated(quantity, problem, t, u, v):
+    return jax.vmap(lambda *at: jnp.atleast_1d(quantity.value(problem, *at)).astype(float))(t, u, v)
+
+
+def values_along(quantity: Quantity, problem: Problem, solution: Solution, times: Times) -> Values:
+    """Values of a quantity at some times of a solution."""
+    # in parts of one size, so that the number of times is no part of what is compiled
+    padded = np.append(times, np.full(-len(times) % AT_ONCE, times[-1]))
+    u, v = solution.at(padded)
+    unlabelled = problem.untitled()
+    parts = [
+        np.asarray(_evaluated(quantity, unlabelled, *(x[i : i + AT_ONCE] for x in (padded, u, v))))
+        for i in range(0, len(padded), AT_ONCE)
+    ]
+    return np.concatenate(parts)[: len(times)]
+
+
+def _peak(t: Times, values: Values) -> np.ndarray:
+    """Largest size of each component, by the parabola through the largest sample and its neighbours."""
+    sizes = np.abs(values)
+    top = np.clip(sizes.argmax(axis=0), 1, len(t) - 2)
+    component = np.arange(values.shape[1])
+    before, at, after = (sizes[top + shift, component] for shift in (-1, 0, 1))
+    h0, h1 = t[top] - t[top - 1], t[top + 1] - t[top]
+    slope, bend = (
+        ((after - at) / h1 * h0 + (at - before) / h0 * h1) / (h0 + h1),
+        ((after - at) / h1 - (at - before) / h0) / (h0 + h1),
+    )
+    inside = bend < 0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rise = np.where(inside, np.clip(-(slope**2) / (4 * bend), 0, None), 0.0)
+    # the parabola must not leave what a smooth peak can have between its samples
+    return np.maximum(at + np.minimum(rise, np.abs(at - np.minimum(before, after))), sizes.max(axis=0))
+
+
+class Target(NamedTuple):
+    """What a quantity should be, and by what its errors are divided.
+
+    Attributes
+    ----------
+    quantity
+        The quantity.
+    value
+        Its reduction by the reference, of shape (components,); None along time.
+    scale
+        The largest size along time, or that of the reduction.
+    """
+
+    quantity: Quantity
+    value: np.ndarray | None
+    scale: float
+
+
+def target(quantity: Quantity, problem: Problem, solution: Solution) -> Target:
+    """What the reference says about a quantity.
+
+    Raises
+    ------
+    ValueError
+        If the quantity is not finite along the reference, or zero all the time.
+    """
+    name = quantity.name.removeprefix("of ")
+    parts = np.arange(FINER) / FINER
+    times = np.append((solution.t[:-1, None] + np.diff(solution.t)[:, None] * parts).ravel(), solution.t[-1])
+    values = values_along(quantity, problem, solution, times)
+    if not np.isfinite(values).all():
+        t = times[np.argmin(np.isfinite(values).all(axis=1))]
+        raise ValueError(f"the quantity '{name}' of '{problem.title}' is not finite at t = {t:g} of the reference.")
+    largest = np.abs(values).max()
+    if largest == 0:
+        raise ValueError(
+            f"the quantity '{name}' of '{problem.title}' is zero all the time, so that an error relative to it has no "
+            "meaning."
+        )
+    if quantity.reduce == "peak":
+        value = _peak(times, values)
+        return Target(quantity, value, float(value.max()))
+    if quantity.reduce == "rms":
+        value = np.sqrt(np.trapezoid(values**2, times, axis=0) / times[-1])
+        return Target(quantity, value, float(value.max()))
+    return Target(quantity, values[-1] if quantity.reduce == "final" else None, float(largest))
+
+
+def error(target: Target, problem: Problem, solution: Solution, run: xr.Dataset) -> float:
+    """Error of a run in a quantity, relative to its size; NaN if the run failed.
+
+    Along time it is the largest difference at any sample.
+    """
+    got = run[target.quantity.name].values
+    if run.status != 0:
+        return np.nan
+    if target.value is not None:
+        return float(np.abs(np.atleast_1d(got) - target.value).max() / target.scale)
+    times = np.minimum(run.t.values, solution.t[-1])
+    wanted = values_along(target.quantity, problem, solution, times)
+    return float(np.abs(got.reshape(len(times), -1) - wanted).max() / target.scale)
+
+
+def difference(quantity: Quantity, problem: Problem, one: Solution, other: Solution) -> tuple[float, Times]:
+    """Difference of a quantity between two solutions, and along time up to each point, relative to its size.
+
+    Returns
+    -------
+    tuple
+        The difference of the reductions, or the largest along time; and the largest up to each time, of shape (t,).
+    """
+    values, others = (values_along(quantity, problem, s, s.t) for s in (one, other))
+    scale = np.abs(values).max() or 1.0
+    along = np.maximum.accumulate(np.abs(values - others).max(axis=1) / scale)
+    if quantity.reduce is None:
+        return float(along[-1]), along
+    ends = [target(quantity, problem, s) for s in (one, other)]
+    return float(np.abs(ends[0].value - ends[1].value).max() / ends[0].scale), along  # type: ignore[operator]

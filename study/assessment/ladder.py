@@ -1,0 +1,198 @@
+"""Runs of one scheme at ever finer steps, and the largest step that keeps an error, found and confirmed by runs."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from study.assessment import errors
+from study.assessment.certified import Solution
+from study.assessment.errors import Target
+from study.marching.run import run
+from study.observer.base import Observer
+from study.problem.definition import Problem
+from study.scheme.base import Scheme
+
+#: Steps in which a ladder begins in a period of the slowest small motion.
+COARSEST = 4
+
+#: Steps up to which a ladder climbs, in a period of the slowest and of the fastest small motion, and in a run.
+FINEST, FINEST_OF_FASTEST, MOST_STEPS = 2048, 64, 4_000_000
+
+#: Rungs beyond the first that keeps every error, to see whether finer steps keep it too.
+BEYOND = 2
+
+#: Most samples of a run along time, for which a compiled march has room at once.
+SAMPLES = 4000
+
+#: Runs between two rungs that look for the largest step.
+HALVINGS = 4
+
+#: Finer steps, as multiples of the number of steps, and starts, as multiples of u₀, u̇₀ and load, that must keep the
+#: error too; from another start the error may be a tenth larger.
+AROUND, STARTS, ALLOWANCE = (1.03, 1.06, 1.1), (0.99, 1.01), 1.1
+
+#: Steps that are tried after one that kept the error by accident.
+ATTEMPTS = 12
+
+#: Least ratio of an error to the uncertainty of the reference.
+CERTAIN = 10
+
+#: How a search for a step ended.
+FOUND, COARSEST_KEEPS, FINEST_FAILS, BY_ACCIDENT, UNCERTAIN = range(5)
+VERDICTS = (
+    "found",
+    "already_the_coarsest_step",
+    "not_even_the_finest_step",
+    "by_accident_only",
+    "below_the_reference",
+)
+
+#: Name of the balance of energies among the quantities.
+ENERGY = "energy"
+
+
+class Try(NamedTuple):
+    """One run: its errors by quantity, how it ended, its imbalance of energy, and its Newton iterations a step."""
+
+    errors: dict[str, float]
+    status: int
+    failed_at_step: int
+    imbalance: float
+    iterations: float
+
+
+class Verdict(NamedTuple):
+    """The fewest steps that keep an error, how the search ended, and how many steps kept it by accident only."""
+
+    steps: int
+    how: int
+    accidents: int
+
+
+class Case(NamedTuple):
+    """A start of the problem, as a multiple of u₀, u̇₀ and load, with its reference and targets."""
+
+    problem: Problem
+    solution: Solution
+    targets: dict[str, Target]
+
+
+class Ladder:
+    """Runs of one scheme on one problem, each made once.
+
+    Parameters
+    ----------
+    scheme
+        The scheme.
+    cases
+        The problem and its neighbours by the multiple of their start; that of 1 is the problem itself.
+    duration
+        Length of the runs.
+    of_energy
+        Whether the balance of energies is one of the quantities.
+    """
+
+    def __init__(self, scheme: Scheme, cases: dict[float, Case], duration: float, of_energy: bool):
+        self.scheme, self.duration = scheme, duration
+        self._cases, self._of_energy = cases, of_energy
+        self.tries: dict[tuple[int, float], Try] = {}
+        self.rungs: list[int] = []
+        problem = cases[1.0].problem
+        energy: Sequence[str] = ("energy_balance",) if problem.potential is not None else ()
+        quantities = [target.quantity for target in cases[1.0].targets.values()]
+        self._observe: list[str | Observer] = [*quantities, *energy, "newton_iterations"]
+        self._records = any(quantity.reduce is None for quantity in quantities)
+
+    def rounded(self, steps: float) -> int:
+        """The number of steps next to another one that a run can take, because its samples divide it."""
+        every = self._every(steps)
+        return max(1, round(steps / every)) * every
+
+    def _every(self, steps: float) -> int:
+        return 1 if not self._records else 2 ** max(0, int(np.ceil(np.log2(steps / SAMPLES))))
+
+    def run(self, steps: int, start: float = 1.0) -> Try:
+        """The run of that many steps from a multiple of the start."""
+        if (steps, start) not in self.tries:
+            case = self._cases[start]
+            ds = run(
+                case.problem,
+                self.scheme,
+                dt=self.duration / steps,
+                steps=steps,
+                every=self._every(steps),
+                observe=self._observe,
+                on_failure="ignore",
+            )
+            found = {
+                name: errors.error(target, case.problem, case.solution, ds) for name, target in case.targets.items()
+            }
+            imbalance = float(ds.max_energy_imbalance) / 100 if "max_energy_imbalance" in ds else np.nan
+            if self._of_energy:
+                found[ENERGY] = imbalance
+            self.tries[steps, start] = Try(
+                found, int(ds.status), int(ds.failed_at_step), imbalance, float(ds.newton_iterations) / steps
+            )
+        return self.tries[steps, start]
+
+    def climb(self, coarsest: int, finest: int, tightest: float) -> None:
+        """Run at ever finer steps until every quantity keeps the tightest error, and a few rungs more."""
+        kept, steps = 0, coarsest
+        while steps <= finest and kept <= BEYOND:
+            self.rungs.append(self.rounded(steps))
+            found = self.run(self.rungs[-1]).errors.values()
+            kept = kept + 1 if all(error <= tightest for error in found) else 0
+            steps *= 2
+
+    def steps_of(self, start: float = 1.0) -> list[int]:
+        """Numbers of steps of all runs so far, from coarse to fine."""
+        return sorted(steps for steps, of in self.tries if of == start)
+
+    def _fewest(self, keeps: Callable[[int], bool]) -> int | None:
+        """Fewest steps of all runs so far from which on every finer run keeps the error; None if the finest fails."""
+        fewest = None
+        for steps in reversed(self.steps_of()):
+            if not keeps(steps):
+                break
+            fewest = steps
+        return fewest
+
+    def _confirmed(self, steps: int, name: str, allowed: float) -> bool:
+        """Whether steps a little finer, and starts next to the given one, keep the error too."""
+        finer = (self.rounded(steps * more) for more in AROUND)
+        if any(self.run(one).errors[name] > allowed for one in finer if steps < one <= MOST_STEPS):
+            return False
+        return all(
+            self.run(steps, start).errors[name] <= ALLOWANCE * allowed for start in STARTS if start in self._cases
+        )
+
+    def verdict(self, name: str, allowed: float, uncertainty: float) -> Verdict:
+        """The fewest steps that keep an error of a quantity.
+
+        Parameters
+        ----------
+        uncertainty
+            That of the reference; an error of less than ten times it cannot be told.
+        """
+        refused: set[int] = set()
+
+        def keeps(steps: int) -> bool:
+            return steps not in refused and self.run(steps).errors[name] <= allowed
+
+        if allowed < CERTAIN * uncertainty:
+            return Verdict(-1, UNCERTAIN, 0)
+        for accidents in range(ATTEMPTS):
+            fewest = self._fewest(keeps)
+            if fewest is None:
+                return Verdict(-1, FINEST_FAILS, accidents)
+            coarser = max((steps for steps in self.steps_of() if steps < fewest), default=0)
+            for _ in range(HALVINGS if coarser else 0):
+                between = self.rounded(np.sqrt(coarser * fewest))
+                if not coarser < between < fewest:
+                    break
+                coarser, fewest = (coarser, between) if keeps(between) else (between, fewest)
+            if self._confirmed(fewest, name, allowed):
+                return Verdict(fewest, FOUND if coarser else COARSEST_KEEPS, accidents)
+            refused.add(fewest)
+        return Verdict(-1, BY_ACCIDENT, ATTEMPTS)

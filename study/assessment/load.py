@@ -1,0 +1,69 @@
+"""Problems and schemes in files of a user."""
+
+import importlib.util
+import sys
+import traceback
+from pathlib import Path
+from typing import Any
+
+from study.registry import did_you_mean
+
+
+class Unloadable(ValueError):
+    """A file or a name in it cannot be had; the message says why, in one sentence."""
+
+
+def load(place: str, kinds: tuple[type, ...]) -> Any:
+    """The object ``NAME`` of the file ``FILE.py``, given as ``FILE.py:NAME``.
+
+    Parameters
+    ----------
+    kinds
+        Classes of which it must be one. A function without arguments that returns one is called.
+
+    Raises
+    ------
+    Unloadable
+        If there is no such file or name, if running the file fails, or if the object is of another kind.
+    """
+    file, separator, name = place.rpartition(":")
+    wanted = " or ".join(f"study.{kind.__name__}" for kind in kinds)
+    if not separator or not file.endswith(".py"):
+        raise Unloadable(f"'{place}' must name a file and a {wanted} in it, such as model.py:frame.")
+    path = Path(file)
+    if not path.is_file():
+        raise Unloadable(f"there is no file '{file}'.")
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.path.insert(0, str(path.parent.resolve()))  # for modules beside it
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:  # a user's file may raise anything
+        raise Unloadable(f"{_where(error, path)}: {type(error).__name__}: {error}") from error
+    finally:
+        sys.path.pop(0)
+    if not hasattr(module, name):
+        known = [key for key, value in vars(module).items() if isinstance(value, kinds)]
+        raise Unloadable(f"'{file}' has no '{name}'; {did_you_mean(name, known) if known else f'it has no {wanted}.'}")
+    found = getattr(module, name)
+    if callable(found) and not isinstance(found, kinds):
+        try:
+            found = found()
+        except Exception as error:
+            raise Unloadable(f"{_where(error, path)}: {type(error).__name__}: {error}") from error
+    if not isinstance(found, kinds):
+        raise Unloadable(f"{place} must be a {wanted}, not {type(found).__name__}.")
+    return found
+
+
+def _where(error: Exception, path: Path) -> str:
+    """File and line of a user's code in which an error arose, the innermost one."""
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if Path(frame.filename).resolve() == path.resolve()
+    ]
+    if not lines and isinstance(error, SyntaxError):
+        lines = [error.lineno]
+    return f"{path}:{lines[-1]}" if lines else str(path)

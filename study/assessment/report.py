@@ -1,0 +1,277 @@
+"""``study.report``: an assessment as one page of HTML that needs nothing else."""
+
+import html
+import io
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from study import datasets
+from study.analysis.outcomes import OUTCOMES
+from study.analysis.recommendation import of_assessment
+
+#: Colours that differ in greyscale and for the colour-blind, and markers that tell more curves apart.
+COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+MARKERS = "osD^vPX<>*"
+
+#: Greys of outcomes from best to worst, and a letter for each.
+SHADES = np.linspace(1.0, 0.25, len(OUTCOMES))
+LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
+
+_STYLE = """
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #111; background: #fff; max-width: 68rem; margin: auto;
+  padding: 1rem; }
+h1 { font-size: 1.6rem; line-height: 1.2; }
+h2 { font-size: 1.2rem; margin-top: 2rem; }
+.answer { border-left: .4rem solid #0072b2; padding: .3rem 1rem; background: #f2f7fb; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { padding: .25rem .7rem; text-align: right; border-bottom: 1px solid #ccc; white-space: nowrap; }
+th:first-child, td:first-child { text-align: left; }
+td.text { text-align: left; white-space: normal; min-width: 14rem; }
+figure { margin: 1rem 0; }
+figure svg { width: 100%; min-width: 36rem; height: auto; }
+figcaption { color: #444; font-size: .9rem; }
+pre { overflow-x: auto; background: #f5f5f5; padding: .7rem; }
+dl { display: grid; grid-template-columns: auto 1fr; gap: .2rem 1rem; }
+dt { font-weight: 600; }
+dd { margin: 0; overflow-wrap: anywhere; }
+@media (max-width: 600px) {
+  body { font-size: 15px; padding: .7rem; }
+  dl { grid-template-columns: 1fr; }
+  dd { margin-bottom: .5rem; }
+}
+@media print { body { max-width: none; } figure, tr { break-inside: avoid; } }
+"""
+
+
+def _percent(fraction: float) -> str:
+    return f"{100 * fraction:.3g} %"
+
+
+def _time(seconds: float) -> str:
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds * 1e9:.3g} ns"
+
+
+def _text(value: object) -> str:
+    return html.escape(str(value))
+
+
+def _table(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
+    cells = "".join(f"<th>{_text(one)}</th>" for one in head)
+    body = "".join(
+        "<tr>"
+        + "".join(
+            f'<td class="text">{_text(c)}</td>' if i in text else f"<td>{_text(c)}</td>" for i, c in enumerate(row)
+        )
+        + "</tr>"
+        for row in rows
+    )
+    return f'<div class="scroll"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
+    """The recommendation for one quantity and error, in one or two sentences."""
+    table = of_assessment(assessed, error, quantity)
+    found = table[table["dt"].notna()]
+    if found.empty:
+        reasons = ", ".join(sorted(set(table.verdict)))
+        return f"No scheme was found to keep {_percent(error)} of {quantity}: {reasons}."
+    titles = dict(zip(assessed.scheme.values, assessed.scheme_title.values, strict=True))
+    best = next(found.itertuples())
+    ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
+    sentence = (
+        f"For {_percent(error)} of {quantity}: {titles[best.Index]} with Δt = {best.dt:.4g} s "
+        f"({best.steps:.0f} steps, {_time(best.time)})."
+    )
+    if best.verdict == "already the coarsest step":
+        sentence += " This is already the coarsest step that was tried."
+    return sentence + (f" As fast within the spread of times: {', '.join(ties)}." if ties else "")
+
+
+def _svg(figure) -> str:
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()[text.getvalue().index("<svg") :]
+
+
+def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, ylabel: str, limits=()) -> str:
+    """Values of every scheme against step size or time."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 5), layout="constrained")
+    axes = figure.subplots()
+    for s, name in enumerate(assessed.scheme.values):
+        one = assessed.sel(scheme=name)
+        x = one.dt.values if along == "dt" else one.steps.values * float(one.time_per_step)
+        y = values.sel(scheme=name).values
+        tried = np.isfinite(y) & (y > 0) & np.isfinite(x)
+        colour, marker = COLOURS[s % len(COLOURS)], MARKERS[s % len(MARKERS)]
+        rung = tried & (one.on_ladder.values == 1)
+        style: dict[str, Any] = {"color": colour, "marker": marker, "mfc": "none"}
+        axes.plot(x[rung], y[rung], **style, ms=5, lw=1.0, label=str(one.scheme_title.values))
+        axes.plot(x[tried & ~rung], y[tried & ~rung], **style, ms=2.5, mew=0.5, ls="none")
+    for limit in limits:
+        axes.axhline(limit, color="0.6", lw=0.8, ls="--")
+    axes.set(xscale="log", yscale="log", xlabel=label, ylabel=ylabel)
+    axes.grid(color="0.9")
+    figure.legend(loc="outside right upper", fontsize="small", frameon=False)
+    return _svg(figure)
+
+
+def _maps(assessed: xr.Dataset) -> str:
+    """Outcome over step size and excitation, a panel for each scheme."""
+    from matplotlib.figure import Figure
+
+    columns = min(4, assessed.sizes["scheme"])
+    rows = -(-assessed.sizes["scheme"] // columns)
+    figure = Figure(figsize=(2.5 * columns + 1, 2.2 * rows), layout="constrained")
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+    for axes, name in zip(panels, assessed.scheme.values, strict=False):
+        outcome = assessed.outcome.sel(scheme=name).values
+        axes.imshow(SHADES[outcome], cmap="gray", vmin=0, vmax=1, aspect="auto", origin="lower")
+        for e, i in np.ndindex(outcome.shape):
+            axes.text(i, e, LETTERS[outcome[e, i]], ha="center", va="center", fontsize=8)
+        axes.set_title(str(assessed.scheme_title.sel(scheme=name).values), fontsize=9)
+    for axes in panels[assessed.sizes["scheme"] :]:
+        axes.remove()
+    every = range(0, assessed.sizes["map_dt"], 2)
+    panels[0].set_xticks(list(every), [f"{assessed.map_dt.values[i]:.2g}" for i in every])
+    panels[0].set_yticks(range(assessed.sizes["excitation"]), [f"{x:g}" for x in assessed.excitation.values])
+    figure.supxlabel("step size, s", fontsize=10)
+    figure.supylabel("multiple of start and load", fontsize=10)
+    return _svg(figure)
+
+
+def _figure(svg: str, caption: str) -> str:
+    return f'<figure><div class="scroll">{svg}</div><figcaption>{_text(caption)}</figcaption></figure>'
+
+
+def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
+    rows = [
+        (
+            titles[row.Index],
+            "–" if np.isnan(row.dt) else f"{row.dt:.4g}",
+            "–" if np.isnan(row.dt) else f"{row.steps:.0f}",
+            "–" if np.isnan(row.dt) else _percent(row.error),
+            "–" if np.isnan(row.dt) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
+            "–" if np.isnan(row.dt) else f"{row.force_evaluations:.0f}",
+            row.verdict,
+        )
+        for row in table.itertuples()
+    ]
+    return _table(("scheme", "Δt, s", "steps", "error", "time", "forces", "search"), rows)
+
+
+def page(assessed: xr.Dataset) -> str:
+    """The page of an assessment as HTML."""
+    if "recommended_dt" not in assessed:
+        raise ValueError("report takes a dataset of study.assess.")
+    attributes = assessed.attrs
+    titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
+    quantities, limits = assessed.quantity.values.tolist(), assessed.allowed_error.values
+    parts = [f"<h1>{_text(attributes['title'])}</h1>", '<div class="answer">']
+    parts += [f"<p>{_text(answer(assessed, q, limit))}</p>" for q in quantities for limit in limits]
+    parts.append("</div>")
+    held, asked = attributes["duration"], attributes["duration_asked_for"]
+    if held < asked:
+        parts.append(
+            f"<p>Neighbouring motions part so fast that no reference holds beyond t = {held:.4g} s of the {asked:.4g} "
+            "s asked for; all errors are measured up to there.</p>"
+        )
+    parts.append(
+        f"<p>All of these steps were run, over {held:.4g} s. Three finer steps, and two starts one percent apart, keep "
+        "the error too; steps that kept it by accident were passed over.</p>"
+    )
+    for quantity in quantities:
+        parts.append(f"<h2>Error of {_text(quantity)}</h2>")
+        values = assessed.error.sel(quantity=quantity)
+        caption = (
+            f"Every run, those of the ladder joined; dashed, the errors asked for. {quantity}, relative to its peak."
+        )
+        parts.append(_figure(_curves(assessed, "dt", "step size, s", values, "error", limits), caption))
+        parts.append(
+            _figure(
+                _curves(assessed, "time", "time of a run, s", values, "error", limits),
+                "The same against the time that a run takes, at the time of a step of a long run.",
+            )
+        )
+        for limit in limits:
+            parts.append(f"<p><b>{_percent(limit)}</b></p>{_needs(of_assessment(assessed, limit, quantity), titles)}")
+    if np.isfinite(assessed.energy_imbalance).any():
+        parts.append("<h2>Energy</h2>")
+        parts.append(
+            _figure(
+                _curves(assessed, "dt", "step size, s", assessed.energy_imbalance, "imbalance of energies"),
+                "Largest error of the balance of energy, dissipation and work, relative to the energy put in.",
+            )
+        )
+    if "outcome" in assessed:
+        used = {int(place) for place in np.unique(assessed.outcome)}
+        legend = "; ".join(
+            f"{LETTERS[i] or 'white'}: {OUTCOMES[i].replace('_', ' ')}" for i in range(len(OUTCOMES)) if i in used
+        )
+        parts += ["<h2>How it fails</h2>", _figure(_maps(assessed), f"Outcome of runs. {legend}.")]
+        rows = [
+            (
+                titles[n],
+                f"{float(assessed.largest_safe_dt.sel(scheme=n)):.4g}",
+                str(assessed.failure.sel(scheme=n).values),
+            )
+            for n in assessed.scheme.values
+        ]
+        parts.append(_table(("scheme", "largest safe Δt, s", "what limits it, and what helps"), rows, text=(2,)))
+    parts.append("<h2>The reference</h2>")
+    told = {quantity: _percent(float(assessed.reference_uncertainty.sel(quantity=quantity))) for quantity in quantities}
+    parts.append(
+        f"<p>{_text(attributes['reference'])} and, independent of it, {_text(attributes['witness'])}, both with a "
+        f"relative tolerance of {attributes['reference_tolerance']:g}. They differ by "
+        f"{_text(', '.join(f'{value} of {name}' for name, value in told.items()))}.</p>"
+    )
+    parts.append("<h2>What made this</h2><dl>")
+    for key in ("version", "commit", "packages", "python", "processor", "not_fit"):
+        if attributes.get(key):
+            parts.append(f"<dt>{_text(key.replace('_', ' '))}</dt><dd>{_text(attributes[key])}</dd>")
+    parts.append("</dl>")
+    if attributes.get("command"):
+        parts.append(f"<p>To run it again:</p><pre>{_text(attributes['command'])}</pre>")
+    title = _text(attributes["title"])
+    return (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{title}</title><style>{_STYLE}</style></head><body>{''.join(parts)}</body></html>\n"
+    )
+
+
+def report(assessed: xr.Dataset, path: str | Path) -> Path:
+    """Write an assessment as one page of HTML that needs no server and loads nothing.
+
+    Parameters
+    ----------
+    assessed
+        Dataset of :func:`study.assess`.
+    path
+        File to write, ``.html``.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is no assessment.
+    OSError
+        If the file cannot be written.
+    """
+    text = page(assessed)
+    path = datasets.check_writable(path)
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
+    unfinished.write_text(text, encoding="utf-8")
+    unfinished.replace(path)
+    return path
