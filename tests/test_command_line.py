@@ -54,7 +54,7 @@ def test_a_recommendation_is_printed(capsys, monkeypatch):
 @pytest.mark.parametrize(
     "words, sentence",
     [
-        ([*RUN[:2], "newmark", *RUN[3:]], "there is no scheme 'newmark'; did you mean 'newmark_dissipative'?"),
+        ([*RUN[:2], "newmark_d", *RUN[3:]], "there is no scheme 'newmark_d'; did you mean 'newmark_dissipative'?"),
         ([*RUN[:4], "-1", *RUN[5:]], "dt must be finite and greater than zero, not -1.0."),
         ([*RUN, "--every", "3"], "every must divide the number of steps; 3 does not divide 20."),
         ([*RUN, "--output", "{folder}"], "'{folder}' is a folder; the dataset needs the name."),

@@ -1,158 +1,115 @@
-"""The certified solution of a problem: two routes that share nothing, tightened until they agree."""
+"""The certified reference of a problem: two routes that share nothing, tightened until they agree."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
 
-from study.equilibrium.balance import acceleration
+from study.assessment import errors, ladder, oscillation, solution
+from study.assessment.errors import Target
+from study.assessment.ladder import Case
+from study.assessment.oscillation import Oscillation
+from study.assessment.solution import NoReference, Route, Solution
+from study.observer.motion import Quantity
 from study.problem.definition import Problem
-from study.problem.frequencies import frequencies
+from study.problem.loads import excited
 
-#: Relative tolerances of the routes, from the first try to the last.
-TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
+#: Uncertainty of the reference that is aimed at, as a part of the smallest error asked for, and the most that is taken.
+AIMED, ACCEPTED = 1 / 100, 1 / 10
 
-#: Points in the shortest period of small motions, or of the coarsest step, between which the solution is interpolated.
-POINTS = 40
-
-#: Most points of a solution.
-MOST_POINTS = 200_000
-
-#: Phase in radians of the highest mode over the run from which on explicit routes take too many steps.
-STIFF = 2e6
-
-#: Most steps of a route.
-MAX_STEPS = 4_000_000
-
-#: Times in seconds.
-Times = Float[np.ndarray, "t"]
-
-#: Displacements or velocities at these times.
-Motion = Float[np.ndarray, "t *n"]
+#: Least part of the duration that a reference must hold.
+SHORTEST = 0.05
 
 
-class Solution(NamedTuple):
-    """Displacement and velocity on a grid, interpolated between its points by the quintic through u, u̇ and ü.
+class Reference(NamedTuple):
+    """The solution, what it says, how far it is to be trusted, and until when."""
 
-    Attributes
-    ----------
-    t
-        Times, among them every kink of the load.
-    u, v, a
-        Displacement, velocity and acceleration, of shape (t, ...).
-    """
-
-    t: Times
-    u: Motion
-    v: Motion
-    a: Motion
-
-    def at(self, times: Times) -> tuple[Motion, Motion]:
-        """Displacement and velocity at any times of the run."""
-        i = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.t) - 2)
-        h = self.t[i + 1] - self.t[i]
-        s = np.clip((times - self.t[i]) / h, 0.0, 1.0)
-        h, s = (x.reshape(-1, *(1,) * (self.u.ndim - 1)) for x in (h, s))
-        u0, v0, a0 = self.u[i], h * self.v[i], h**2 * self.a[i]
-        u1, v1, a1 = self.u[i + 1], h * self.v[i + 1], h**2 * self.a[i + 1]
-        rise, slope, curvature = u1 - u0 - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
-        c3 = 10 * rise - 4 * slope + curvature / 2
-        c4 = -15 * rise + 7 * slope - curvature
-        c5 = 6 * rise - 3 * slope + curvature / 2
-        u = u0 + s * (v0 + s * (a0 / 2 + s * (c3 + s * (c4 + s * c5))))
-        v = (v0 + s * (a0 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)))) / h
-        return u, v
+    solution: Solution
+    targets: dict[str, Target]
+    oscillation: Oscillation | None
+    uncertainty: dict[str, float]
+    route: Route
+    witness: Route
+    rtol: float
+    horizon: float
 
 
-class NoReference(ValueError):
-    """No route solves the problem accurately enough; the message says how far they got and why."""
+def _holds(one: Solution, other: Solution, quantities: dict[str, Quantity], problem: Problem, most: float) -> float:
+    """Time up to which two solutions agree in every quantity."""
+    ends = [one.t[-1]]
+    for quantity in quantities.values():
+        _, along = errors.difference(quantity, problem, one, other)
+        apart = np.flatnonzero(~(along <= most))
+        ends.append(one.t[apart[0]] if apart.size else one.t[-1])
+    return float(min(ends))
 
 
-@eqx.filter_jit
-def _accelerations(problem, t, u, v):
-    return jax.lax.map(lambda at: acceleration(problem, *at), (t, u, v))
-
-
-def kinks_of(problem: Problem, duration: float) -> Times:
-    """Times within the run at which the slope of the load jumps."""
-    kinks = np.asarray(getattr(problem.load, "kinks", []), float)
-    return kinks[(kinks > 0) & (kinks < duration)]
-
-
-def grid_of(problem: Problem, duration: float, coarsest: float) -> Times:
-    """Times between which the solution is interpolated, with all kinks of the load."""
-    found = frequencies(problem)
-    shortest = coarsest
-    if found is not None and 0 < found[-1] < np.inf:
-        shortest = min(coarsest, 2 * np.pi / found[-1])
-    points = int(np.clip(np.ceil(POINTS * duration / shortest), 200, MOST_POINTS))
-    even = np.linspace(0.0, duration, points + 1)
-    kinks = kinks_of(problem, duration)
-    # a point next to a kink would only make a short step
-    ends = np.concatenate([[-np.inf], kinks, [np.inf]])
-    after = np.searchsorted(ends, even)
-    beside = np.minimum(even - ends[after - 1], ends[after] - even)
-    return np.union1d(even[(beside > 0.1 * duration / points) | (even == 0) | (even == duration)], kinks)
-
-
-class Route(NamedTuple):
-    """A way to the solution: its name, and displacement and velocity at increasing times for a tolerance."""
-
-    name: str
-    trajectory: Callable[[Problem, Times, float], tuple[Motion, Motion]]
-
-
-def routes_of(problem: Problem, duration: float) -> tuple[Route, Route]:
-    """The two routes for a problem, the more accurate one first.
-
-    The Taylor method of heyoka takes a free oscillator whose force translates. Otherwise diffrax and CVODE solve the
-    problem: Dopri8 and Adams' method, or, where it is stiff, Kvaerno5 and BDF.
+def certified(
+    problem: Problem,
+    duration: float,
+    quantities: dict[str, Quantity],
+    tightest: float,
+    coarsest: float,
+    periodic: bool,
+) -> Reference:
+    """The reference, from two routes whose tolerance is tightened until they agree.
 
     Raises
     ------
     NoReference
-        If an unknown has no mass, or the packages of the extra ``reference`` are not installed.
+        If the routes fail, or agree over a small part of the duration only.
+    ValueError
+        If the problem has no motion.
     """
-    if problem.massless:
-        raise NoReference(f"the mass of '{problem.title}' is singular, and no reference takes such a problem.")
-    try:
-        from reference import diffrax, sundials
-    except ImportError as error:
-        raise NoReference(f"references need the extra 'reference' of this package: {error}.") from None
-    kinks = kinks_of(problem, duration)
-    found = frequencies(problem)
-    stiff = found is not None and found[-1] * duration > STIFF
-    explicit, implicit = ("Kvaerno5", "BDF") if stiff else ("Dopri8", "Adams")
+    route, witness = solution.routes_of(problem, duration)
+    grid = solution.grid_of(problem, duration, coarsest)
+    reached: tuple | None = None
+    for rtol in solution.TOLERANCES:
+        try:
+            one, other = (solution.solution_by(r, problem, grid, rtol) for r in (route, witness))
+        except (ValueError, RuntimeError) as error:
+            if reached is None:
+                raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
+            break
+        apart = {name: errors.difference(q, problem, one, other)[0] for name, q in quantities.items()}
+        if reached is None or max(apart.values()) < max(reached[2].values()):
+            reached = one, other, apart, rtol
+        if max(apart.values()) <= AIMED * tightest:
+            break
+    assert reached is not None
+    one, other, apart, rtol = reached
+    if not np.any(one.u != one.u[0]) and not np.any(one.v):
+        raise ValueError(f"'{problem.title}' does not move: give it a start away from balance, or a load.")
+    horizon = duration
+    if max(apart.values()) > ACCEPTED * tightest:
+        horizon = _holds(one, other, quantities, problem, AIMED * tightest)
+        if horizon < SHORTEST * duration:
+            raise NoReference(
+                f"{route.name} and {witness.name} differ by {max(apart.values()):.1e} on '{problem.title}' at a "
+                f"tolerance of {rtol:g}, and agree to {AIMED * tightest:.1e} only up to t = {horizon:.4g}: allow a "
+                "larger error or a shorter duration."
+            )
+        one, other = (_until(s, horizon) for s in (one, other))
+        apart = {name: errors.difference(q, problem, one, other)[0] for name, q in quantities.items()}
+    targets = {name: errors.target(q, problem, one) for name, q in quantities.items()}
+    swing, of_witness = (oscillation.oscillation(problem, s) if periodic else None for s in (one, other))
+    if swing is not None and of_witness is not None:
+        apart |= oscillation.uncertainties(swing, of_witness, max(apart.values()))
+    return Reference(one, targets, swing, apart, route, witness, rtol, horizon)
 
-    def by_diffrax(problem, t, rtol):
-        return diffrax.trajectory(problem, t, rtol, explicit, MAX_STEPS)[:2]
 
-    def by_cvode(problem, t, rtol):
-        return sundials.trajectory(problem, t, rtol, implicit, MAX_STEPS, kinks)[:2]
-
-    of_diffrax = Route(f"diffrax {explicit}", by_diffrax)
-    of_cvode = Route(f"CVODE {implicit}", by_cvode)
-    if np.ndim(problem.u0) or problem.damping is not None or problem.load is not None:
-        return of_diffrax, of_cvode
-    from reference import symbolic, taylor  # here, because importing them takes a second
-
-    def by_taylor(problem, t, rtol):
-        return taylor.trajectory(problem, t, max(rtol * 1e-2, np.finfo(float).eps))[:2]
-
-    try:
-        symbolic.first_order(problem)
-    except symbolic.Untranslatable:
-        return of_diffrax, of_cvode
-    return Route("heyoka", by_taylor), of_diffrax
+def _until(whole: Solution, end: float) -> Solution:
+    """A solution up to a time of its grid."""
+    count = int(np.searchsorted(whole.t, end, side="right"))
+    return Solution(*(part[:count] for part in whole))
 
 
-def solution_by(route: Route, problem: Problem, t: Times, rtol: float) -> Solution:
-    """The solution of a route on a grid that begins at zero."""
-    u, v = route.trajectory(problem, t[1:], rtol)
-    u = np.concatenate([np.asarray(problem.u0, float)[None], u])
-    v = np.concatenate([np.asarray(problem.v0, float)[None], v])
-    return Solution(t, u, v, np.asarray(_accelerations(problem, jnp.asarray(t), jnp.asarray(u), jnp.asarray(v))))
+def cases_of(problem: Problem, reference: Reference, quantities: dict[str, Quantity]) -> dict[float, Case]:
+    """The problem and its neighbours, each with its own reference."""
+    cases = {1.0: Case(problem, reference.solution, reference.targets, reference.oscillation)}
+    for factor in ladder.STARTS:
+        neighbour = excited(problem, factor, displaced=True)
+        one = solution.solution_by(reference.route, neighbour, reference.solution.t, reference.rtol)
+        targets = {name: errors.target(quantity, neighbour, one) for name, quantity in quantities.items()}
+        swing = oscillation.oscillation(neighbour, one) if reference.oscillation else None
+        cases[factor] = Case(neighbour, one, targets, swing)
+    return cases

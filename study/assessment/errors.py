@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from study.assessment.certified import Solution, Times
+from study.assessment.solution import Solution, Times
 from study.observer.motion import Quantity
 from study.problem.definition import Problem
 
@@ -23,6 +23,9 @@ AT_ONCE = 4096
 
 #: Values of a quantity at some times, with an axis for its components.
 Values = Float[np.ndarray, "t components"]
+
+#: Before the names of quantities in a run, where they must not clash with those of other variables.
+PREFIX = "quantity "
 
 #: What is measured if nothing is asked for.
 DEFAULT = {
@@ -46,8 +49,7 @@ def named(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:
     for name, quantity in quantities.items():
         if not isinstance(quantity, Quantity):
             raise TypeError(f"quantities['{name}'] must be a study.Quantity, not {quantity!r}.")
-    # in a run the names must not clash with those of other variables
-    return {name: replace(q, name=f"of {name}", long_name=q.long_name or name) for name, q in quantities.items()}
+    return {name: replace(q, name=f"{PREFIX}{name}", long_name=name) for name, q in quantities.items()}
 
 
 @eqx.filter_jit
@@ -86,6 +88,14 @@ def _peak(t: Times, values: Values) -> np.ndarray:
     return np.maximum(at + np.minimum(rise, np.abs(at - np.minimum(before, after))), sizes.max(axis=0))
 
 
+def _check_finite(values: Values, times: Times, quantity: Quantity, problem: Problem) -> None:
+    finite = np.isfinite(values).all(axis=1)
+    if not finite.all():
+        t = times[np.argmin(finite)]
+        name = quantity.long_name
+        raise ValueError(f"the quantity '{name}' of '{problem.title}' is not finite at t = {t:g} of the reference.")
+
+
 class Target(NamedTuple):
     """What a quantity should be, and by what its errors are divided.
 
@@ -112,18 +122,15 @@ def target(quantity: Quantity, problem: Problem, solution: Solution) -> Target:
     ValueError
         If the quantity is not finite along the reference, or zero all the time.
     """
-    name = quantity.name.removeprefix("of ")
     parts = np.arange(FINER) / FINER
     times = np.append((solution.t[:-1, None] + np.diff(solution.t)[:, None] * parts).ravel(), solution.t[-1])
     values = values_along(quantity, problem, solution, times)
-    if not np.isfinite(values).all():
-        t = times[np.argmin(np.isfinite(values).all(axis=1))]
-        raise ValueError(f"the quantity '{name}' of '{problem.title}' is not finite at t = {t:g} of the reference.")
+    _check_finite(values, times, quantity, problem)
     largest = np.abs(values).max()
     if largest == 0:
         raise ValueError(
-            f"the quantity '{name}' of '{problem.title}' is zero all the time, so that an error relative to it has no "
-            "meaning."
+            f"the quantity '{quantity.long_name}' of '{problem.title}' is zero all the time, so that an error relative "
+            "to it has no meaning."
         )
     if quantity.reduce == "peak":
         value = _peak(times, values)
@@ -158,6 +165,7 @@ def difference(quantity: Quantity, problem: Problem, one: Solution, other: Solut
         The difference of the reductions, or the largest along time; and the largest up to each time, of shape (t,).
     """
     values, others = (values_along(quantity, problem, s, s.t) for s in (one, other))
+    _check_finite(values, one.t, quantity, problem)
     scale = np.abs(values).max() or 1.0
     along = np.maximum.accumulate(np.abs(values - others).max(axis=1) / scale)
     if quantity.reduce is None:

@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from study.assessment import errors
-from study.assessment.certified import Solution
+from study.assessment import errors, oscillation
 from study.assessment.errors import Target
+from study.assessment.oscillation import Oscillation
+from study.assessment.solution import Solution
 from study.marching.run import run
 from study.observer.base import Observer
 from study.problem.definition import Problem
@@ -71,11 +72,12 @@ class Verdict(NamedTuple):
 
 
 class Case(NamedTuple):
-    """A start of the problem, as a multiple of u₀, u̇₀ and load, with its reference and targets."""
+    """A start of the problem, as a multiple of u₀, u̇₀ and load, with its reference and what that says."""
 
     problem: Problem
     solution: Solution
     targets: dict[str, Target]
+    oscillation: Oscillation | None
 
 
 class Ladder:
@@ -115,14 +117,14 @@ class Ladder:
     def run(self, steps: int, start: float = 1.0) -> Try:
         """The run of that many steps from a multiple of the start."""
         if (steps, start) not in self.tries:
-            case = self._cases[start]
+            case, dt = self._cases[start], self.duration / steps
             ds = run(
                 case.problem,
                 self.scheme,
-                dt=self.duration / steps,
+                dt=dt,
                 steps=steps,
                 every=self._every(steps),
-                observe=self._observe,
+                observe=[*self._observe, *(case.oscillation.observers(dt) if case.oscillation else ())],
                 on_failure="ignore",
             )
             found = {
@@ -131,6 +133,8 @@ class Ladder:
             imbalance = float(ds.max_energy_imbalance) / 100 if "max_energy_imbalance" in ds else np.nan
             if self._of_energy:
                 found[ENERGY] = imbalance
+            if case.oscillation:
+                found |= oscillation.errors(ds)
             self.tries[steps, start] = Try(
                 found, int(ds.status), int(ds.failed_at_step), imbalance, float(ds.newton_iterations) / steps
             )

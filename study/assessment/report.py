@@ -110,18 +110,22 @@ def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, 
 
     figure = Figure(figsize=(9, 5), layout="constrained")
     axes = figure.subplots()
+    drawn = 0
     for s, name in enumerate(assessed.scheme.values):
         one = assessed.sel(scheme=name)
         x = one.dt.values if along == "dt" else one.steps.values * float(one.time_per_step)
         y = values.sel(scheme=name).values
         tried = np.isfinite(y) & (y > 0) & np.isfinite(x)
         colour, marker = COLOURS[s % len(COLOURS)], MARKERS[s % len(MARKERS)]
+        drawn += int(tried.sum())
         rung = tried & (one.on_ladder.values == 1)
         style: dict[str, Any] = {"color": colour, "marker": marker, "mfc": "none"}
         axes.plot(x[rung], y[rung], **style, ms=5, lw=1.0, label=str(one.scheme_title.values))
         axes.plot(x[tried & ~rung], y[tried & ~rung], **style, ms=2.5, mew=0.5, ls="none")
     for limit in limits:
         axes.axhline(limit, color="0.6", lw=0.8, ls="--")
+    if not drawn:  # every run failed, or was exact
+        return ""
     axes.set(xscale="log", yscale="log", xlabel=label, ylabel=ylabel)
     axes.grid(color="0.9")
     figure.legend(loc="outside right upper", fontsize="small", frameon=False)
@@ -153,6 +157,8 @@ def _maps(assessed: xr.Dataset) -> str:
 
 
 def _figure(svg: str, caption: str) -> str:
+    if not svg:
+        return "<p>No run has an error above zero.</p>"
     return f'<figure><div class="scroll">{svg}</div><figcaption>{_text(caption)}</figcaption></figure>'
 
 

@@ -62,7 +62,7 @@ class GroundMotion(eqx.Module):
         samples = jnp.asarray(self.acceleration)
         place = jnp.asarray(t) / self.dt
         before = jnp.clip(place, 0, len(samples) - 2).astype(jnp.int32)
-        part = place - before
+        part = place - before.astype(place.dtype)
         value = samples[before] + part * (samples[before + 1] - samples[before])
         return jnp.where(place < len(samples) - 1, value, 0.0)
 

@@ -1,0 +1,129 @@
+"""What an assessment found out, as a dataset, with the times of the recommended steps."""
+
+import platform
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from study import datasets
+from study.assessment import ladder
+from study.assessment.ladder import Ladder, Verdict
+from study.datasets import flags
+from study.marching.timing import Timed
+from study.problem.definition import Problem
+from study.scheme.base import Scheme
+
+#: Timed runs of a recommended step.
+REPEATS = 5
+
+#: How a run of a ladder can end; most steps of a scheme are not tried.
+STATUSES = ("completed", "newton_not_converged", "not_finite", "not_tried")
+NOT_TRIED = STATUSES.index("not_tried")
+
+
+class Assessed(NamedTuple):
+    """What was found out about one scheme."""
+
+    rungs: Ladder
+    verdicts: dict[tuple[str, float], Verdict]
+    map: xr.Dataset | None
+
+
+def processor() -> str:
+    """Name of this machine's processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: set[int]) -> dict[int, tuple[float, float]]:
+    """Median time of a run and its interquartile range, by number of steps."""
+    timed = Timed(problem, scheme, ())
+    times = {}
+    for steps in sorted(wanted):
+        taken = [timed.run(duration / steps, steps)[0] for _ in range(REPEATS)]
+        low, median, high = np.quantile(taken, [0.25, 0.5, 0.75])
+        times[steps] = float(median), float(high - low)
+    return times
+
+
+def dataset_of(
+    problem: Problem,
+    found: dict[str, Assessed],
+    schemes: dict[str, Scheme],
+    names: list[str],
+    allowed: list[float],
+    duration: float,
+) -> xr.Dataset:
+    """Everything that was found out, with times, which are taken one scheme after the other."""
+    steps = sorted({n for one in found.values() for n in one.rungs.steps_of()}, reverse=True)[::-1]
+    place = {n: i for i, n in enumerate(steps)}
+    shape = (len(found), len(steps))
+    error = np.full((*shape, len(names)), np.nan)
+    status = np.full(shape, NOT_TRIED, np.int8)
+    imbalance, iterations = np.full(shape, np.nan), np.full(shape, np.nan)
+    on_ladder = np.zeros(shape, np.int8)
+    best = (len(found), len(names), len(allowed))
+    dt, time, spread, forces, reached = (np.full(best, np.nan) for _ in range(5))
+    how, accidents = np.zeros(best, np.int8), np.zeros(best, np.int32)
+    time_per_step = np.full(len(found), np.nan)
+    for s, (name, one) in enumerate(found.items()):
+        scheme = schemes[name]
+        for n in one.rungs.steps_of():
+            run = one.rungs.run(n)
+            i = place[n]
+            error[s, i] = [run.errors[q] for q in names]
+            status[s, i], imbalance[s, i], iterations[s, i] = run.status, run.imbalance, run.iterations
+        on_ladder[s, [place[n] for n in one.rungs.rungs]] = 1
+        wanted = {v.steps for v in one.verdicts.values() if v.steps > 0}
+        times = _timed(problem, scheme, duration, wanted) if wanted else {}
+        if times:
+            longest = max(times)
+            time_per_step[s] = times[longest][0] / longest
+        for (quantity, limit), verdict in one.verdicts.items():
+            at = s, names.index(quantity), allowed.index(limit)
+            how[at], accidents[at] = verdict.how, verdict.accidents
+            if verdict.steps > 0:
+                run = one.rungs.run(verdict.steps)
+                per_step = scheme.evaluations + scheme.evaluations_per_iteration * run.iterations
+                dt[at], (time[at], spread[at]) = duration / verdict.steps, times[verdict.steps]
+                forces[at], reached[at] = verdict.steps * per_step, run.errors[quantity]
+    runs, verdicts = ("scheme", "dt"), ("scheme", "quantity", "allowed_error")
+    ds = xr.Dataset(
+        {
+            "error": ((*runs, "quantity"), error, {"long_name": "error relative to the largest value", "units": "1"}),
+            "status": (runs, status, flags("how the run ended", STATUSES, np.int8)),
+            "on_ladder": (
+                runs,
+                on_ladder,
+                flags("which run this is", ("between_rungs", "rung_of_the_ladder"), np.int8),
+            ),
+            "energy_imbalance": (runs, imbalance, {"long_name": "error of the balance of energies", "units": "1"}),
+            "newton_iterations": (runs, iterations, {"long_name": "Newton iterations a step", "units": "1"}),
+            "recommended_dt": (verdicts, dt, {"long_name": "largest step that keeps the error", "units": "s"}),
+            "recommended_error": (verdicts, reached, {"long_name": "error at that step", "units": "1"}),
+            "verdict": (verdicts, how, flags("how the search for the step ended", ladder.VERDICTS, np.int8)),
+            "accidents": (verdicts, accidents, {"long_name": "steps that kept the error by accident", "units": "1"}),
+            "time": (verdicts, time, {"long_name": "time of a run with that step, median", "units": "s"}),
+            "time_spread": (verdicts, spread, {"long_name": "its interquartile range", "units": "s"}),
+            "force_evaluations": (verdicts, forces, {"long_name": "forces evaluated in that run", "units": "1"}),
+            "time_per_step": ("scheme", time_per_step, {"long_name": "time of a step", "units": "s"}),
+        },
+        {
+            "scheme": ("scheme", list(found), {"long_name": "time integration scheme"}),
+            "scheme_title": ("scheme", [schemes[name].title for name in found], {"long_name": "name of the scheme"}),
+            "dt": ("dt", duration / np.array(steps), {"long_name": "step size", "units": "s"}),
+            "steps": ("dt", steps, {"long_name": "number of steps", "units": "1"}),
+            "quantity": ("quantity", names, {"long_name": "what must be right"}),
+            "allowed_error": ("allowed_error", allowed, {"long_name": "largest error allowed", "units": "1"}),
+        },
+        datasets.provenance(f"Which scheme and which step for the {problem.title}", "study.assess"),
+    )
+    parts = {name: one.map for name, one in found.items() if one.map is not None}
+    if parts:
+        ds = ds.merge(xr.concat(list(parts.values()), "scheme").assign_coords(scheme=list(parts)))
+    return ds

@@ -1,0 +1,87 @@
+"""Period, phase and amplitude of free oscillations, as quantities of an assessment."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from scipy.optimize import brentq
+
+from study.assessment.solution import Solution
+from study.observer.errors import AmplitudeDecay, PeriodError
+from study.problem.definition import Problem
+
+#: Names of the quantities, and the variables that hold their errors.
+QUANTITIES = {"period": "period_elongation", "phase": "phase_error", "amplitude": "amplitude_decay"}
+
+#: Fewest upward crossings of a run whose period, phase and amplitude are judged.
+FEWEST = 3
+
+
+class Oscillation(NamedTuple):
+    """What a reference says about a free oscillation.
+
+    Attributes
+    ----------
+    period
+        Mean time between upward crossings of ``level``.
+    level, rest
+        Mean of the extremes, and the displacement of balance.
+    crossing
+        Time of the first upward crossing in periods.
+    crossings
+        Number of upward crossings.
+    """
+
+    period: float
+    level: float
+    rest: float
+    crossing: float
+    crossings: int
+
+    def observers(self, dt: float) -> tuple[PeriodError, AmplitudeDecay]:
+        """Observers of a run with a step."""
+        level, crossing, steps, rest = (
+            jnp.asarray(x) for x in (self.level, self.crossing, self.period / dt, self.rest)
+        )
+        return PeriodError(level, crossing, steps, jnp.asarray(dt)), AmplitudeDecay(rest, jnp.asarray(dt))
+
+
+def _upward_crossings(solution: Solution, level: float) -> np.ndarray:
+    """Times at which the displacement crosses a level upwards, on the interpolant."""
+    u = solution.u
+    before = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))
+    return np.array(
+        [
+            brentq(lambda t: float(solution.at(np.array([t]))[0][0]) - level, *solution.t[[i, i + 1]], xtol=1e-15)
+            for i in before
+        ]
+    )
+
+
+def oscillation(problem: Problem, solution: Solution) -> Oscillation | None:
+    """The oscillation of a solution; None if the problem is driven, damped or no oscillator."""
+    if np.ndim(problem.u0) or problem.damping is not None or problem.load is not None:
+        return None
+    low, high = solution.u.min(), solution.u.max()
+    level = float(low + high) / 2
+    times = _upward_crossings(solution, level)
+    force = jax.jit(problem.force)
+    ends = float(force(low)), float(force(high))
+    if len(times) < FEWEST or not ends[0] < 0 < ends[1]:
+        return None
+    period = float((times[-1] - times[0]) / (len(times) - 1))
+    rest = brentq(lambda u: float(force(u)), low, high, xtol=1e-14)
+    return Oscillation(period, level, rest, float(times[0]) / period, len(times))
+
+
+def uncertainties(one: Oscillation, other: Oscillation, displacement: float) -> dict[str, float]:
+    """Uncertainty of each quantity, from two references and the uncertainty of the displacement."""
+    period = abs(one.period - other.period) / one.period
+    return {"period": period, "phase": period * one.crossings, "amplitude": displacement / one.crossings}
+
+
+def errors(run: xr.Dataset) -> dict[str, float]:
+    """Errors of a run that was observed by :meth:`Oscillation.observers`."""
+    return {name: abs(float(run[variable])) for name, variable in QUANTITIES.items()}

@@ -1,0 +1,152 @@
+"""The assessment of a problem, end to end."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import study
+from reference import taylor
+from study.assessment import errors, solution
+from study.assessment.ladder import Case, Ladder
+from study.assessment.report import page
+from study.observer.energy import MaxEnergyError
+
+DURATION = 20.0
+QUANTITIES = {
+    "peak": study.Quantity(lambda u: u, reduce="peak"),
+    "path": study.Quantity(lambda u, v: jnp.stack([u, v])),
+    "force": study.Quantity(lambda a: a, reduce="rms"),
+}
+
+
+@pytest.fixture(scope="module")
+def driven():
+    return study.Problem(
+        lambda u: u + u**3,
+        potential=lambda u: u**2 / 2 + u**4 / 4,
+        u0=0.0,
+        damping=0.1,
+        load=lambda t: 0.5 * jnp.cos(1.2 * t),
+        title="driven",
+    )
+
+
+@pytest.fixture(scope="module")
+def assessed(driven):
+    return study.assess(driven, ["newmark", "rk4"], duration=DURATION, quantities=QUANTITIES, errors=(0.05, 0.01))
+
+
+def _by_scipy(t):
+    def rate(t, y):
+        return [y[1], 0.5 * np.cos(1.2 * t) - 0.1 * y[1] - y[0] - y[0] ** 3]
+
+    return solve_ivp(rate, (0, DURATION), [0.0, 0.0], method="DOP853", t_eval=t, rtol=1e-12, atol=1e-13).y
+
+
+@pytest.mark.parametrize("allowed", [0.05, 0.01])
+@pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
+def test_a_recommended_step_keeps_its_error_against_another_solver(driven, assessed, scheme, allowed):
+    """And twice the step does not, unless it was the coarsest."""
+    one = assessed.sel(scheme=scheme, quantity="path", allowed_error=allowed)
+    steps = round(DURATION / one.recommended_dt.item())
+
+    largest = np.abs(_by_scipy(np.linspace(0, DURATION, 4001))).max()
+
+    def error(steps):
+        ds = study.run(driven, scheme, dt=DURATION / steps, steps=steps)
+        return np.abs(np.stack([ds.u, ds.v]) - _by_scipy(np.minimum(ds.t.values, DURATION))).max() / largest
+
+    assert error(steps) == pytest.approx(one.recommended_error.item(), rel=1e-3)
+    assert error(steps) <= allowed < error(steps // 2)
+
+
+def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
+    grid = solution.grid_of(driven, DURATION, 1.0)
+    one = solution.solution_by(solution.routes_of(driven, DURATION)[0], driven, grid, 1e-8)
+    exact = _by_scipy(one.t)
+    assert np.abs(np.stack([one.u, one.v]) - exact).max() < 1e-6
+    assert (assessed.reference_uncertainty < 1e-4).all()
+    assert assessed.attrs["reference"] == "diffrax Dopri8" and assessed.attrs["witness"] == "CVODE Adams"
+
+
+def test_recommend_lists_what_was_run(assessed):
+    table = study.recommend(assessed, error=0.01, quantity="force")
+    assert set(table.index) == {"average_acceleration", "rk4"} and (table.error <= 0.01).all()
+    assert table["time"].is_monotonic_increasing and table.ties_with_fastest.iloc[0]
+    assert (study.recommend(assessed, error=0.03).error <= 0.01).all()
+    with pytest.raises(ValueError, match=r"error must be one that was assessed, 0.05, 0.01, or larger, not 0.001"):
+        study.recommend(assessed, error=0.001)
+    with pytest.raises(KeyError, match="the assessment has no quantity 'peaks'; did you mean 'peak'?"):
+        study.recommend(assessed, error=0.01, quantity="peaks")
+
+
+def test_failures_are_mapped_and_explained(assessed):
+    explicit = assessed.sel(scheme="rk4")
+    outcome = explicit.outcome.sel(excitation=1.0).values
+    assert outcome[0] == study.OUTCOMES.index("not_finite") and outcome[-1] <= 1
+    assert explicit.largest_safe_dt < explicit.map_dt[0]
+    assert "beyond the limit of stability" in explicit.failure.item()
+
+
+def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
+    """Displacement and energy over 20 periods, beside the observers by which the study compares with exact motions."""
+    problem, steps = study.problems["hardening"], 20 * 32
+    exact = float(taylor.period(problem, 0.15))
+    duration = 20 * exact
+    quantities = errors.named(None)
+    exactly = solution.solution_by(
+        solution.routes_of(problem, duration)[0], problem, solution.grid_of(problem, duration, exact / 4), 1e-12
+    )
+    targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}
+    one = Ladder(study.schemes["rk4"], {1.0: Case(problem, exactly, targets, None)}, duration, True).run(steps)
+    ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, observe=["trajectory", MaxEnergyError()])
+    once = taylor.trajectory(problem, np.arange(1, 33) * exact / 32).u
+    wanted = np.concatenate([[1.5], np.tile(once, 20)])
+    assert one.errors["displacement"] == pytest.approx(np.abs(ds.u - wanted).max().item() / 1.5, rel=1e-8)
+    assert one.errors["energy"] == pytest.approx(ds.max_energy_error.item() / 100, rel=1e-12)
+
+
+def test_a_free_oscillator_is_judged_by_period_phase_and_amplitude():
+    pendulum = study.Problem(jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=2.0, title="pendulum")
+    ds = study.assess(pendulum, "bathe", errors=(0.01,), maps=False)
+    assert ds.quantity.values.tolist() == ["displacement", "velocity", "energy", "period", "phase", "amplitude"]
+    needed = dict(zip(ds.quantity.values, ds.recommended_dt.values.ravel(), strict=True))
+    assert needed["displacement"] < needed["phase"] < needed["period"]
+    assert ds.attrs["reference"] == "heyoka" and ds.attrs["duration"] == pytest.approx(20 * np.pi)
+
+
+def test_chaos_ends_what_a_reference_can_say():
+    with_chaos = study.problems["duffing_chaotic"]
+    ds = study.assess(with_chaos, "rk4", duration=400.0, errors=(0.05,), maps=False)
+    assert 20 < ds.attrs["duration"] < 300 and ds.attrs["duration_asked_for"] == 400.0
+    assert "no reference holds beyond t" in page(ds)
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        ({"duration": None}, "'driven' has no period to count in: give duration="),
+        ({"duration": -1.0}, "duration must be a time in seconds greater than zero, not -1.0"),
+        ({"errors": [2.0]}, "errors must be fractions between zero and one"),
+        ({"schemes": []}, "schemes is empty"),
+        ({"schemes": "verle"}, "there is no scheme 'verle'"),
+        ({"quantities": {}}, "quantities must be a mapping from names to study.Quantity"),
+        ({"quantities": {"u": lambda u: u}}, r"quantities\['u'\] must be a study.Quantity"),
+        ({"quantities": {"energy": QUANTITIES["peak"]}}, "the name 'energy' is that of the balance of energies"),
+        ({"quantities": {"x": study.Quantity(lambda u: jnp.log(u))}}, "'x' of 'driven' is not finite at t = 0"),
+        ({"quantities": {"x": study.Quantity(lambda u: 0 * u)}}, "'x' of 'driven' is zero all the time"),
+        ({"quantities": {"x": study.Quantity(lambda u: u[3])}}, "the quantity 'x' cannot be computed for 'driven'"),
+    ],
+)
+def test_mistakes_get_a_sentence_before_any_run(driven, arguments, sentence):
+    with pytest.raises((ValueError, TypeError, KeyError), match=sentence):
+        study.assess(driven, **{"duration": 1.0, "schemes": "rk4"} | arguments)
+
+
+def test_problems_without_motion_or_reference_are_refused():
+    with pytest.raises(ValueError, match="'still' does not move"):
+        study.assess(study.Problem(lambda u: u, u0=0.0, title="still"), duration=1.0)
+    massless = study.Problem(lambda u: u, u0=[1.0, 0.0], mass=[1.0, 0.0], title="massless")
+    with pytest.raises(ValueError, match="the mass of 'massless' is singular"):
+        study.assess(massless, "bathe", duration=1.0)

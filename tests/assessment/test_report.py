@@ -1,0 +1,91 @@
+"""The page of an assessment, and the command that writes it."""
+
+import re
+from html.parser import HTMLParser
+
+import pytest
+import xarray as xr
+
+import study
+from study.__main__ import main
+from study.assessment.load import Unloadable, load
+from study.problem.definition import Problem
+
+MODEL = """
+import jax.numpy as jnp
+import study
+
+swing = study.Problem(jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=1.0, title="a <swing> & more")
+number = 3
+"""
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    path = tmp_path_factory.mktemp("model") / "model.py"
+    path.write_text(MODEL)
+    return path
+
+
+class _Balanced(HTMLParser):
+    """A parser that fails where tags do not close."""
+
+    VOID = {"meta", "br", "img", "link", "path", "use", "rect"}
+
+    def __init__(self):
+        super().__init__()
+        self.open = []
+
+    def handle_starttag(self, tag, attrs):
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if tag not in self.VOID:
+            assert self.open.pop() == tag
+
+
+def test_the_command_writes_a_dataset_and_a_page_of_its_own(model, tmp_path, capsys):
+    words = ["assess", f"{model}:swing", "--duration", "12", "--error", "0.05", "--schemes", "rk4", "newmark"]
+    main([*words, "--output", str(tmp_path / "swing")])
+    printed = capsys.readouterr().out
+    assert "For 5 % of displacement: " in printed and "force_evaluations" in printed
+    ds = xr.load_dataset(tmp_path / "swing.nc")
+    assert ds.attrs["command"].startswith("study assess ") and ds.attrs["processor"]
+    page = (tmp_path / "swing.html").read_text()
+    _Balanced().feed(page)
+    text = re.sub("<svg.*?</svg>", "", page, flags=re.DOTALL)
+    assert "a &lt;swing&gt; &amp; more" in text and "<swing>" not in text
+    assert not re.search(r"(src|href)=|@import|url\(", text) and "http" not in text
+    assert text.index("For 5 % of displacement") < text.index("<h2>")
+    assert "heyoka" in text and study.__version__ in text
+
+
+@pytest.mark.parametrize(
+    "place, sentence",
+    [
+        ("model", "'model' must name a file and a study.Problem in it, such as model.py:frame."),
+        ("nowhere.py:swing", "there is no file 'nowhere.py'."),
+        ("{model}:swong", "'{model}' has no 'swong'; did you mean 'swing'?"),
+        ("{model}:number", "{model}:number must be a study.Problem, not int."),
+    ],
+)
+def test_what_cannot_be_loaded_gets_a_sentence(model, place, sentence):
+    with pytest.raises(Unloadable) as caught:
+        load(place.format(model=model), (Problem,))
+    assert str(caught.value) == sentence.format(model=model)
+
+
+@pytest.mark.parametrize("code, reason", [("x = 1\n1 / 0\n", ":2: ZeroDivisionError"), ("x =\n", ":1: SyntaxError")])
+def test_a_file_that_raises_is_named_with_its_line(tmp_path, code, reason, capsys):
+    path = tmp_path / "broken.py"
+    path.write_text(code)
+    with pytest.raises(SystemExit):
+        main(["assess", f"{path}:x", "--output", str(tmp_path / "out")])
+    error = capsys.readouterr().err
+    assert error.startswith(f"study: {path}{reason}") and "Traceback" not in error
+
+
+def test_other_datasets_have_no_page(tmp_path):
+    with pytest.raises(ValueError, match="report takes a dataset of study.assess"):
+        study.report(study.run("hardening", "rk4", dt=0.01, steps=2), tmp_path / "x.html")

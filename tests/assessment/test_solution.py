@@ -1,0 +1,63 @@
+"""The solution by a route: the grid, the interpolation, the choice of routes."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import study
+from study.assessment import solution
+
+
+@pytest.fixture(scope="module")
+def shaken():
+    """A damped oscillator on moving ground with a kinked record."""
+    ground = study.GroundMotion(np.array([0.0, 1.0, -2.0, 0.5, 0.0]), 0.3)
+    return study.Problem(lambda u: 4 * u + u**3, 0.2, damping=0.1, ground=ground, title="shaken")
+
+
+def test_the_interpolant_is_exact_for_polynomials_of_fifth_degree():
+    t = np.array([0.0, 0.4, 1.0, 1.7])
+    polynomial = np.polynomial.Polynomial([0.3, -1.0, 2.0, 0.5, -0.7, 0.2])
+    values = [np.stack([p(t), -p(t)], axis=1) for p in (polynomial, polynomial.deriv(), polynomial.deriv(2))]
+    at = np.linspace(0, 1.7, 50)
+    u, v = solution.Solution(t, *values).at(at)
+    np.testing.assert_allclose(u[:, 0], polynomial(at), atol=1e-13)
+    np.testing.assert_allclose(v[:, 1], -polynomial.deriv()(at), atol=1e-12)
+
+
+def test_the_grid_holds_all_kinks_and_no_point_next_to_one(shaken):
+    grid = solution.grid_of(shaken, 2.0, 0.5)
+    assert np.isin([0.0, 0.3, 0.6, 0.9, 1.2, 2.0], np.round(grid, 12)).all()
+    assert np.diff(grid).min() > 0.05 * np.diff(grid).max()
+
+
+def test_both_routes_solve_a_kinked_load(shaken):
+    grid = solution.grid_of(shaken, 2.0, 0.5)
+    routes = solution.routes_of(shaken, 2.0)
+    assert [route.name for route in routes] == ["diffrax Dopri8", "CVODE Adams"]
+    times = np.arange(9) * 0.3
+
+    def rate(t, y):
+        return [y[1], -0.1 * y[1] - 4 * y[0] - y[0] ** 3 - np.interp(t, times[:5], [0, 1, -2, 0.5, 0], right=0)]
+
+    pieces, state = [np.array([0.2, 0.0])], [0.2, 0.0]
+    for start, end in zip([0, 0.3, 0.6, 0.9, 1.2], [0.3, 0.6, 0.9, 1.2, 2.0], strict=True):
+        state = solve_ivp(rate, (start, end), state, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+        pieces.append(state)
+    for route in routes:
+        one = solution.solution_by(route, shaken, grid, 1e-10)
+        u, v = one.at(np.array([0, 0.3, 0.6, 0.9, 1.2, 2.0]))
+        np.testing.assert_allclose(np.stack([u, v], axis=1), pieces, atol=1e-8)
+
+
+def test_heyoka_takes_a_free_oscillator_and_a_table_sends_it_away():
+    free = study.Problem(jnp.sin, u0=1.0)
+    assert [route.name for route in solution.routes_of(free, 10.0)] == ["heyoka", "diffrax Dopri8"]
+    table = study.Problem(lambda u: jnp.interp(u, jnp.array([-2.0, 0.0, 2.0]), jnp.array([-3.0, 0.0, 2.0])), u0=1.0)
+    assert [route.name for route in solution.routes_of(table, 10.0)] == ["diffrax Dopri8", "CVODE Adams"]
+
+
+def test_stiff_problems_take_implicit_routes():
+    routes = solution.routes_of(study.problems["stiff_soft"], 1e4)
+    assert [route.name for route in routes] == ["diffrax Kvaerno5", "CVODE BDF"]
