@@ -151,11 +151,12 @@ def _of_columns(path: Path, lines: list[str]) -> tuple[np.ndarray, float]:
     if len(rows) < 2 or any(len(row) != 2 for row in rows):
         raise ValueError(f"'{path}' is neither an AT2 file with NPTS and DT in its header nor one of two columns.")
     t, samples = _numbers(path, [word for row in rows for word in row]).reshape(-1, 2).T
-    dt = (t[-1] - t[0]) / (len(t) - 1)
+    dt = float(np.median(np.diff(t)))
     off = np.flatnonzero(np.abs(np.diff(t) - dt) > UNIFORM * abs(dt))
     if off.size or dt <= 0:
         at = f" after t = {t[off[0]]:g}" if off.size else ""
         raise ValueError(f"the samples of '{path}' must be a constant time apart, and are not{at}.")
+    dt = (t[-1] - t[0]) / (len(t) - 1)
     first = round(t[0] / dt)
     if first < 0 or abs(t[0] - first * dt) > UNIFORM * dt:
         raise ValueError(f"the times of '{path}' must be multiples of {dt:g}, and the first is {t[0]:g}.")

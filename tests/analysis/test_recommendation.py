@@ -92,16 +92,16 @@ def test_an_error_that_falls_and_rises_again_counts_by_its_finer_steps(data):
 @pytest.mark.parametrize(
     "arguments, error, sentence",
     [
-        ({"problem": "sprin"}, KeyError, "have no problem 'sprin'; did you mean 'spring'?"),
+        ({"what": "sprin"}, KeyError, "have no problem 'sprin'; did you mean 'spring'?"),
         ({"measure": "max_energy"}, KeyError, "no measure of error 'max_energy'; did you mean 'max_energy_error'?"),
         ({"error": 0.0}, ValueError, "error must be greater than zero, not 0.0."),
         ({"error": "0.1"}, TypeError, "error must be a number, not '0.1'."),
         ({"periods": True}, TypeError, "periods must be a number, not True."),
-        ({"problem": None}, TypeError, "problem must be the name of a problem"),
+        ({"what": None}, TypeError, "recommend takes the name of a problem of the study, or the dataset"),
         ({"error": float("nan")}, ValueError, "error must be greater than zero, not nan."),
     ],
 )
 def test_mistakes_get_a_sentence(data, arguments, error, sentence):
     with pytest.raises(error) as caught:
-        study.recommend(**({"problem": "spring", "error": 0.01} | arguments))
+        study.recommend(**({"what": "spring", "error": 0.01} | arguments))
     assert sentence in str(caught.value)

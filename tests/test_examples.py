@@ -1,0 +1,51 @@
+"""The examples, each put through an assessment of one scheme."""
+
+from pathlib import Path
+
+import jax
+import numpy as np
+import pytest
+
+import study
+from study.assessment.load import load
+
+FOLDER = Path(__file__).parent.parent / "examples"
+
+#: Objects of the files, with the time over which they are run and what is asked.
+PROBLEMS = {
+    "frame.py:frame": (6.0, "frame.py:quantities"),
+    "driven.py:driven": (30.0, "driven.py:quantities"),
+    "truss.py:truss": (0.5, None),
+    "pendulum.py:pendulum": (40.0, None),
+}
+
+
+@pytest.fixture(autouse=True)
+def usual_rules():
+    """JAX's usual rules, which are less strict than those of the tests."""
+    with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
+        yield
+
+
+@pytest.mark.parametrize("place", PROBLEMS)
+def test_a_problem_is_assessed(place):
+    duration, asked = PROBLEMS[place]
+    problem = load(f"{FOLDER / place}", (study.Problem,))
+    quantities = load(f"{FOLDER / asked}", (dict,)) if asked else None
+    ds = study.assess(
+        problem, "average_acceleration", duration=duration, quantities=quantities, errors=0.05, maps=False
+    )
+    assert (ds.recommended_error.where(ds.recommended_dt.notnull(), 0) <= 0.05).all()
+    assert (ds.verdict <= 1).any()
+
+
+def test_the_scheme_of_the_examples_has_its_order():
+    heun = load(f"{FOLDER / 'scheme.py'}:heun", (study.Scheme,))
+    assert study.LinearTheory(heun, np.logspace(-3, 0, 31)).order() == pytest.approx(2, abs=0.05)
+    driven = load(f"{FOLDER / 'driven.py'}:driven", (study.Problem,))
+    ds = study.assess(driven, {"heun": heun}, duration=30.0, errors=[0.01], maps=False)
+    assert ds.verdict.sel(quantity="displacement").item() == 0
+
+
+def test_every_example_is_tested():
+    assert {path.name for path in FOLDER.glob("*.py")} == {place.split(":")[0] for place in PROBLEMS} | {"scheme.py"}
