@@ -41,7 +41,5 @@ class Heun(study.OneStep):
 heun = Heun()
 
 if __name__ == "__main__":
-    theory = study.LinearTheory(heun, [0.05, 0.1, 0.2])
-    print(
-        "order:", round(theory.order(), 2), " spectral radius at 20, 10 and 5 steps a period:", theory.spectral_radius
-    )
+    theory = study.LinearTheory(heun, [0.01, 0.02, 0.05, 0.1, 0.2])
+    print(f"order {theory.order():.2f}; spectral radius at 100 to 5 steps a period: {theory.spectral_radius}")

@@ -20,7 +20,7 @@ BARS = np.array([[SPAN, -RISE], [-SPAN, -RISE]])
 def energy(u):
     """Strain energy of both bars in J."""
     length = np.hypot(SPAN, RISE)
-    strains = ((BARS + u) ** 2).sum(axis=1) / (2 * length**2) - 0.5
+    strains = ((BARS + u[None]) ** 2).sum(axis=1) / (2 * length**2) - 0.5
     return jnp.sum(STIFFNESS * length / 2 * strains**2)
 
 
