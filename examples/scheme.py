@@ -8,6 +8,7 @@ Heun's method is of second order, and unstable for free motion without damping a
 from typing import ClassVar
 
 import equinox as eqx
+import numpy as np
 
 import study
 
@@ -41,5 +42,5 @@ class Heun(study.OneStep):
 heun = Heun()
 
 if __name__ == "__main__":
-    theory = study.LinearTheory(heun, [0.01, 0.02, 0.05, 0.1, 0.2])
-    print(f"order {theory.order():.2f}; spectral radius at 100 to 5 steps a period: {theory.spectral_radius}")
+    theory = study.LinearTheory(heun, np.logspace(-3, 0, 31))
+    print(f"order {theory.order():.2f}, stable up to ωΔt = {theory.stability_limit():.2f}")

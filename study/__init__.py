@@ -51,7 +51,8 @@ A scheme of your own
     ``Scheme``, or ``OneStep`` for one-step schemes, is the base class. A state is a ``Phase`` (u, u̇), a ``Motion``
     (u, u̇, ü) or your own named tuple with ``u`` and ``v``. ``acceleration`` solves the equation of motion for ü,
     ``balance`` the one of an implicit step, by Newton's iteration; ``load`` is f(t). The ``Effort`` of a step counts
-    Newton's iterations.
+    Newton's iterations. ``assess_scheme`` puts one beside those of
+    the study, and ``register`` gives it a name, under which experiments take it too.
 
 Importing ``study`` switches JAX to double precision, among other settings; see ``help(study.settings)``.
 """
@@ -66,6 +67,7 @@ from study.analysis.outcomes import outcomes as outcomes
 from study.analysis.recommendation import recommend as recommend
 from study.assessment.assess import assess as assess
 from study.assessment.report import report as report
+from study.assessment.scheme import assess_scheme as assess_scheme
 from study.datasets import open as open
 from study.equilibrium.balance import acceleration as acceleration
 from study.equilibrium.balance import balance as balance
@@ -100,6 +102,7 @@ from study.scheme.explicit_alpha import ExplicitAlpha as ExplicitAlpha
 from study.scheme.extrapolation import Extrapolation as Extrapolation
 from study.scheme.houbolt import Houbolt as Houbolt
 from study.scheme.kolay_ricles import KolayRicles as KolayRicles
+from study.scheme.named import register as register
 from study.scheme.named import schemes as schemes
 from study.scheme.newmark import Newmark as Newmark
 from study.scheme.noh_bathe import NohBathe as NohBathe

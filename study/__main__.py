@@ -1,4 +1,4 @@
-"""The command line: ``study run``, ``assess``, ``recommend`` and ``list``, also as ``python -m study``."""
+"""The command line: ``study run``, ``assess``, ``assess-scheme``, ``recommend``, ``list``; also ``python -m study``."""
 
 import argparse
 import os
@@ -12,7 +12,8 @@ from study import datasets
 from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
 from study.assessment.load import load
-from study.assessment.report import answer, report
+from study.assessment.report import answer, report, write_page
+from study.assessment.scheme import BESIDE, assess_scheme, scheme_page
 from study.marching.run import run
 from study.observer.named import observers
 from study.problem.definition import Problem
@@ -56,6 +57,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     command.add_argument("--no-maps", dest="maps", action="store_false", help="leave out how the schemes fail")
     command.add_argument("--output", type=Path, required=True, metavar="PATH", help="PATH.nc and PATH.html are written")
+
+    command = commands.add_parser("assess-scheme", help="put a scheme of your own beside those of the study")
+    command.set_defaults(function=_assess_scheme)
+    command.add_argument("scheme", metavar="FILE.py:NAME", help="a study.Scheme in a file, or the name of a scheme")
+    command.add_argument("--beside", nargs="+", metavar="NAME", default=BESIDE, help="schemes to compare with")
+    command.add_argument("--problems", nargs="+", metavar="NAME", help="springs to run; default: also stiff systems")
+    command.add_argument("--output", type=Path, required=True, metavar="FILE.html", help="page to write")
 
     command = commands.add_parser("recommend", help="list the schemes that keep an error, the cheapest first")
     command.set_defaults(function=_recommend)
@@ -122,6 +130,15 @@ def _assess(arguments: argparse.Namespace) -> None:
             print(f"{quantity}, error {error:g}:\n{recommend(dataset, error=error, quantity=quantity).to_string()}\n")
             print(f"{answer(dataset, quantity, error)}\n")
     print(f"written: {outputs[0]}, {outputs[1]}")
+
+
+def _assess_scheme(arguments: argparse.Namespace) -> None:
+    output = datasets.check_writable(arguments.output)
+    scheme = load(arguments.scheme, (Scheme,)) if ".py" in arguments.scheme else arguments.scheme
+    wanted = dict.fromkeys(arguments.problems) if arguments.problems else None
+    assessed = assess_scheme(scheme, beside=arguments.beside, problems=wanted)
+    assessed.linear.attrs["command"] = shlex.join(["study", *arguments.words])
+    print(f"written: {write_page(scheme_page(assessed), output)}")
 
 
 def _recommend(arguments: argparse.Namespace) -> None:

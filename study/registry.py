@@ -50,7 +50,7 @@ class UnknownName(KeyError):
 
 
 class Registry(Mapping[str, T], Generic[T]):
-    """An ordered, read-only mapping from names to problems, schemes or observers.
+    """An ordered mapping from names to problems, schemes or observers.
 
     Parameters
     ----------
@@ -97,6 +97,21 @@ class Registry(Mapping[str, T], Generic[T]):
             if _plain(known) == _plain(str(name)):
                 return self._aliases.get(known, known)
         raise UnknownName(f"there is no {self.kind} {name!r}; {did_you_mean(str(name), self)}")
+
+    def add(self, name: str, entry: T) -> None:
+        """Enter a thing of one's own under a new name.
+
+        Raises
+        ------
+        ValueError
+            If the name is taken, or no name of small letters, digits and underscores.
+        """
+        if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+            raise ValueError(f"a {self.kind} has a name of small letters, digits and underscores, not {name!r}.")
+        if name in self._names or name in self._aliases:
+            raise ValueError(f"there is a {self.kind} '{name}' already; choose another name.")
+        self._entries[name] = entry
+        self._names.append(name)
 
     def __getitem__(self, name: str) -> T:
         entry = self.resolve(name)

@@ -13,8 +13,10 @@ from study.assessment import errors, failures, ladder, oscillation
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of, processor
 from study.assessment.ladder import ENERGY, Ladder
+from study.equilibrium.balance import acceleration
 from study.marching.arguments import resolve
 from study.marching.ensemble import cores
+from study.marching.run import run
 from study.observer.motion import Quantity
 from study.problem.definition import Problem
 from study.problem.frequencies import frequencies
@@ -39,6 +41,9 @@ USUAL = (
 
 #: Periods of a free oscillation that are run if no duration is given.
 PERIODS = 10
+
+#: Steps in the shortest slow period of small motions, and such periods, of a run that estimates the period.
+ESTIMATE = 100, 40
 
 
 def _chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None) -> dict[str, Scheme]:
@@ -68,13 +73,28 @@ def _checked_errors(allowed: Sequence[float]) -> list[float]:
 
 
 def _periods(problem: Problem) -> tuple[float, float] | None:
-    """Periods of the slowest and the fastest small motion about the start, or about u = 0 where the start has none."""
-    for at in (None, np.zeros(np.shape(problem.u0))):
+    """Periods of the slowest and the fastest small motion, each the shorter one of those about the start and u = 0."""
+    oscillating = []
+    for at in (problem.u0, np.zeros(np.shape(problem.u0))):
         found = frequencies(problem, at)
-        oscillating = [] if found is None else found[(found > 0) & np.isfinite(found)]
-        if len(oscillating):
-            return float(2 * np.pi / oscillating[0]), float(2 * np.pi / oscillating[-1])
-    return None
+        if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
+            oscillating.append(2 * np.pi / found[of_motion])
+    if not oscillating:  # the start and u = 0 are on hills: the time in which the start would be left
+        pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
+        far = np.abs(problem.u0).max()
+        return (2 * np.pi * float(np.sqrt(far / pull)),) * 2 if far > 0 and pull > 0 else None
+    return float(min(one.max() for one in oscillating)), float(min(one.min() for one in oscillating))
+
+
+def _period(problem: Problem) -> float | None:
+    """About the period of a free oscillator of one unknown; None if it is none."""
+    periods = _periods(problem)
+    if np.ndim(problem.u0) or problem.damping is not None or problem.load is not None or periods is None:
+        return None
+    ds = run(problem, "rk4", dt=periods[0] / ESTIMATE[0], steps=ESTIMATE[0] * ESTIMATE[1], on_failure="ignore")
+    u = ds.u.values - (ds.u.max().item() + ds.u.min().item()) / 2
+    crossed = np.flatnonzero((u[:-1] < 0) & (u[1:] >= 0))
+    return float(np.diff(ds.t.values[crossed]).mean()) if len(crossed) > 1 else None
 
 
 def _duration(problem: Problem, duration: float | None) -> float:
@@ -83,11 +103,10 @@ def _duration(problem: Problem, duration: float | None) -> float:
         if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
             raise ValueError(f"duration must be a time in seconds greater than zero, not {duration!r}.")
         return float(duration)
-    free = np.ndim(problem.u0) == 0 and problem.damping is None and problem.load is None
-    periods = _periods(problem)
-    if not free or periods is None:
+    period = _period(problem)
+    if period is None:
         raise ValueError(f"'{problem.title}' has no period to count in: give duration=, the time to be run.")
-    return PERIODS * periods[0]
+    return PERIODS * period
 
 
 def assess(
@@ -151,7 +170,7 @@ def assess(
     chosen, allowed = _chosen_schemes(schemes), _checked_errors(errors)
     asked = _asked_for(quantities)
     of_energy = quantities is None and equation.potential is not None
-    length = _duration(equation, duration)
+    length = asked_for = _duration(equation, duration)
     for name, quantity in asked.items():
         if reason := replace(quantity, name=name).refusal(equation):
             raise ValueError(reason)
@@ -186,7 +205,7 @@ def assess(
         "witness": reference.witness.name,
         "reference_tolerance": reference.rtol,
         "duration": length,
-        "duration_asked_for": _duration(equation, duration),
+        "duration_asked_for": asked_for,
         "problem": equation.title,
         "processor": processor(),
         "not_fit": "; ".join(str(chosen[name].refusal(equation)) for name in chosen if name not in fit),

@@ -15,8 +15,8 @@ from study.marching.timing import Timed
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
 
-#: Timed runs of a recommended step.
-REPEATS = 5
+#: Timed runs of a recommended step, and their fewest steps.
+REPEATS, FEWEST_TIMED = 5, 20_000
 
 #: How a run of a ladder can end; most steps of a scheme are not tried.
 STATUSES = ("completed", "newton_not_converged", "not_finite", "not_tried")
@@ -41,13 +41,21 @@ def processor() -> str:
 
 
 def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: set[int]) -> dict[int, tuple[float, float]]:
-    """Median time of a run and its interquartile range, by number of steps."""
+    """Median time of the steps of a run and its interquartile range, by number of steps.
+
+    Short runs are timed over more steps of the same size, and the time of a run of one step is subtracted: it is that
+    of the call.
+    """
     timed = Timed(problem, scheme, ())
+    call = np.median([timed.run(duration / min(wanted), 1)[0] for _ in range(REPEATS)])
     times = {}
     for steps in sorted(wanted):
-        taken = [timed.run(duration / steps, steps)[0] for _ in range(REPEATS)]
-        low, median, high = np.quantile(taken, [0.25, 0.5, 0.75])
-        times[steps] = float(median), float(high - low)
+        most = max(steps, FEWEST_TIMED)
+        runs = [timed.run(duration / steps, most) for _ in range(REPEATS)]
+        if not all(completed for _, completed in runs):  # it fails beyond the time that is asked for
+            most, runs = steps, [timed.run(duration / steps, steps) for _ in range(REPEATS)]
+        low, median, high = np.quantile([taken - call for taken, _ in runs], [0.25, 0.5, 0.75]) * (steps / most)
+        times[steps] = float(max(median, 0.0)), float(high - low)
     return times
 
 
@@ -108,7 +116,7 @@ def dataset_of(
             "recommended_error": (verdicts, reached, {"long_name": "error at that step", "units": "1"}),
             "verdict": (verdicts, how, flags("how the search for the step ended", ladder.VERDICTS, np.int8)),
             "accidents": (verdicts, accidents, {"long_name": "steps that kept the error by accident", "units": "1"}),
-            "time": (verdicts, time, {"long_name": "time of a run with that step, median", "units": "s"}),
+            "time": (verdicts, time, {"long_name": "time of the steps of a run, median", "units": "s"}),
             "time_spread": (verdicts, spread, {"long_name": "its interquartile range", "units": "s"}),
             "force_evaluations": (verdicts, forces, {"long_name": "forces evaluated in that run", "units": "1"}),
             "time_per_step": ("scheme", time_per_step, {"long_name": "time of a step", "units": "s"}),

@@ -19,6 +19,9 @@ from study.analysis.recommendation import of_assessment
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 MARKERS = "osD^vPX<>*"
 
+#: Largest error that is drawn: all of the motion is wrong there.
+WORST = 10.0
+
 #: Greys of outcomes from best to worst, and a letter for each.
 SHADES = np.linspace(1.0, 0.25, len(OUTCOMES))
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
@@ -66,7 +69,8 @@ def _text(value: object) -> str:
     return html.escape(str(value))
 
 
-def _table(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
+def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
+    """A table; the columns in ``text`` hold sentences."""
     cells = "".join(f"<th>{_text(one)}</th>" for one in head)
     body = "".join(
         "<tr>"
@@ -98,7 +102,8 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     return sentence + (f" As fast within the spread of times: {', '.join(ties)}." if ties else "")
 
 
-def _svg(figure) -> str:
+def svg_of(figure) -> str:
+    """A figure of matplotlib as SVG for a page."""
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None})
     return text.getvalue()[text.getvalue().index("<svg") :]
@@ -127,9 +132,10 @@ def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, 
     if not drawn:  # every run failed, or was exact
         return ""
     axes.set(xscale="log", yscale="log", xlabel=label, ylabel=ylabel)
+    axes.set_ylim(top=min(axes.get_ylim()[1], WORST))
     axes.grid(color="0.9")
     figure.legend(loc="outside right upper", fontsize="small", frameon=False)
-    return _svg(figure)
+    return svg_of(figure)
 
 
 def _maps(assessed: xr.Dataset) -> str:
@@ -153,10 +159,11 @@ def _maps(assessed: xr.Dataset) -> str:
     panels[0].set_yticks(range(assessed.sizes["excitation"]), [f"{x:g}" for x in assessed.excitation.values])
     figure.supxlabel("step size, s", fontsize=10)
     figure.supylabel("multiple of start and load", fontsize=10)
-    return _svg(figure)
+    return svg_of(figure)
 
 
-def _figure(svg: str, caption: str) -> str:
+def figure_of(svg: str, caption: str) -> str:
+    """A figure with its caption."""
     if not svg:
         return "<p>No run has an error above zero.</p>"
     return f'<figure><div class="scroll">{svg}</div><figcaption>{_text(caption)}</figcaption></figure>'
@@ -175,17 +182,15 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
         )
         for row in table.itertuples()
     ]
-    return _table(("scheme", "Δt, s", "steps", "error", "time", "forces", "search"), rows)
+    return table_of(("scheme", "Δt, s", "steps", "error", "time", "forces", "search"), rows)
 
 
-def page(assessed: xr.Dataset) -> str:
-    """The page of an assessment as HTML."""
-    if "recommended_dt" not in assessed:
-        raise ValueError("report takes a dataset of study.assess.")
+def judgement(assessed: xr.Dataset) -> list[str]:
+    """What an assessment says, as parts of a page: answers, errors, energy, failures, reference."""
     attributes = assessed.attrs
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
     quantities, limits = assessed.quantity.values.tolist(), assessed.allowed_error.values
-    parts = [f"<h1>{_text(attributes['title'])}</h1>", '<div class="answer">']
+    parts = ['<div class="answer">']
     parts += [f"<p>{_text(answer(assessed, q, limit))}</p>" for q in quantities for limit in limits]
     parts.append("</div>")
     held, asked = attributes["duration"], attributes["duration_asked_for"]
@@ -204,9 +209,9 @@ def page(assessed: xr.Dataset) -> str:
         caption = (
             f"Every run, those of the ladder joined; dashed, the errors asked for. {quantity}, relative to its peak."
         )
-        parts.append(_figure(_curves(assessed, "dt", "step size, s", values, "error", limits), caption))
+        parts.append(figure_of(_curves(assessed, "dt", "step size, s", values, "error", limits), caption))
         parts.append(
-            _figure(
+            figure_of(
                 _curves(assessed, "time", "time of a run, s", values, "error", limits),
                 "The same against the time that a run takes, at the time of a step of a long run.",
             )
@@ -216,7 +221,7 @@ def page(assessed: xr.Dataset) -> str:
     if np.isfinite(assessed.energy_imbalance).any():
         parts.append("<h2>Energy</h2>")
         parts.append(
-            _figure(
+            figure_of(
                 _curves(assessed, "dt", "step size, s", assessed.energy_imbalance, "imbalance of energies"),
                 "Largest error of the balance of energy, dissipation and work, relative to the energy put in.",
             )
@@ -226,7 +231,7 @@ def page(assessed: xr.Dataset) -> str:
         legend = "; ".join(
             f"{LETTERS[i] or 'white'}: {OUTCOMES[i].replace('_', ' ')}" for i in range(len(OUTCOMES)) if i in used
         )
-        parts += ["<h2>How it fails</h2>", _figure(_maps(assessed), f"Outcome of runs. {legend}.")]
+        parts += ["<h2>How it fails</h2>", figure_of(_maps(assessed), f"Outcome of runs. {legend}.")]
         rows = [
             (
                 titles[n],
@@ -235,7 +240,7 @@ def page(assessed: xr.Dataset) -> str:
             )
             for n in assessed.scheme.values
         ]
-        parts.append(_table(("scheme", "largest safe Δt, s", "what limits it, and what helps"), rows, text=(2,)))
+        parts.append(table_of(("scheme", "largest safe Δt, s", "what limits it, and what helps"), rows, text=(2,)))
     parts.append("<h2>The reference</h2>")
     told = {quantity: _percent(float(assessed.reference_uncertainty.sel(quantity=quantity))) for quantity in quantities}
     parts.append(
@@ -243,19 +248,45 @@ def page(assessed: xr.Dataset) -> str:
         f"relative tolerance of {attributes['reference_tolerance']:g}. They differ by "
         f"{_text(', '.join(f'{value} of {name}' for name, value in told.items()))}.</p>"
     )
-    parts.append("<h2>What made this</h2><dl>")
+    return parts
+
+
+def made_by(attributes: dict) -> list[str]:
+    """Versions, processor and command, as parts of a page."""
+    parts = ["<h2>What made this</h2><dl>"]
     for key in ("version", "commit", "packages", "python", "processor", "not_fit"):
         if attributes.get(key):
             parts.append(f"<dt>{_text(key.replace('_', ' '))}</dt><dd>{_text(attributes[key])}</dd>")
     parts.append("</dl>")
     if attributes.get("command"):
         parts.append(f"<p>To run it again:</p><pre>{_text(attributes['command'])}</pre>")
-    title = _text(attributes["title"])
+    return parts
+
+
+def document(title: str, parts: Iterable[str]) -> str:
+    """A page of HTML."""
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{title}</title><style>{_STYLE}</style></head><body>{''.join(parts)}</body></html>\n"
+        f"<title>{_text(title)}</title><style>{_STYLE}</style></head>"
+        f"<body><h1>{_text(title)}</h1>{''.join(parts)}</body></html>\n"
     )
+
+
+def page(assessed: xr.Dataset) -> str:
+    """The page of an assessment as HTML."""
+    if "recommended_dt" not in assessed:
+        raise ValueError("report takes a dataset of study.assess.")
+    return document(assessed.attrs["title"], [*judgement(assessed), *made_by(assessed.attrs)])
+
+
+def write_page(text: str, path: str | Path) -> Path:
+    """Write a page whole or not at all."""
+    path = datasets.check_writable(path)
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
+    unfinished.write_text(text, encoding="utf-8")
+    unfinished.replace(path)
+    return path
 
 
 def report(assessed: xr.Dataset, path: str | Path) -> Path:
@@ -275,9 +306,4 @@ def report(assessed: xr.Dataset, path: str | Path) -> Path:
     OSError
         If the file cannot be written.
     """
-    text = page(assessed)
-    path = datasets.check_writable(path)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
-    unfinished.write_text(text, encoding="utf-8")
-    unfinished.replace(path)
-    return path
+    return write_page(page(assessed), path)

@@ -73,6 +73,19 @@ def check_finite(name: str, value) -> None:
         raise ValueError(f"{name} must be finite, not {value}.")
 
 
+#: What a function raises that JAX cannot trace.
+NOT_TRACEABLE = (
+    jax.errors.ConcretizationTypeError,
+    jax.errors.TracerArrayConversionError,
+    jax.errors.TracerIntegerConversionError,
+)
+
+
+def _given(name: str) -> str:
+    """What a function of a problem is called with."""
+    return "the time alone" if name == "load" else "the displacement alone"
+
+
 def check_functions(problem) -> None:
     """Refuse functions that JAX cannot trace, or whose values have the wrong shape or type.
 
@@ -94,9 +107,9 @@ def check_functions(problem) -> None:
             received = eqx.filter_eval_shape(lambda f, x: f(x), function, jnp.asarray(argument))
         except Exception as error:  # a user's function may raise anything
             reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
-            raise ValueError(
-                f"{name} of '{problem.title}' must be written with jax.numpy for u0's shape: {reason}"
-            ) from error
+            if isinstance(error, NOT_TRACEABLE):
+                raise ValueError(f"{name} of '{problem.title}' must be written with jax.numpy: {reason}") from error
+            raise ValueError(f"{name} of '{problem.title}' fails for {_given(name)}: {reason}") from error
         if not hasattr(received, "shape") or received.shape != expected:
             got = getattr(received, "shape", type(received).__name__)
             raise ValueError(f"{name} must return the shape {expected}, not {got}.")

@@ -49,3 +49,19 @@ schemes: Registry[Scheme] = Registry(
     _of_families(variables_of_modules(scheme, Scheme, first=OF_1996)),  # type: ignore[type-abstract]
     aliases=ALIASES,
 )
+
+
+def register(name: str, scheme: Scheme) -> None:
+    """Give a scheme of one's own a name, under which experiments and all functions of the study take it.
+
+    Raises
+    ------
+    TypeError
+        If it is no :class:`study.Scheme`.
+    ValueError
+        If the name is taken or unfit, or the scheme has no class variable ``family``, by which figures group schemes.
+    """
+    if not isinstance(scheme, Scheme):
+        raise TypeError(f"{scheme!r} is no scheme: give an instance of a study.Scheme.")
+    _of_families({name: scheme})
+    schemes.add(name, scheme)

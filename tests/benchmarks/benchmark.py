@@ -10,6 +10,7 @@ import tempfile
 from pathlib import Path
 
 import ensembles
+import first_calls
 import numpy as np
 import pandas as pd
 import peer
@@ -90,6 +91,7 @@ def main(output: Path) -> None:
             *single_runs.cases(folder),
             *ensembles.cases(folder),
             *structures.cases(),
+            *first_calls.cases(),
         ]
         ds = measure(cases)
     table = pd.DataFrame(

@@ -80,7 +80,7 @@ def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
         ({"u0": np.full(N, 1j)}, "u0 must be a real number or an array of real numbers, not array("),
         ({"potential": lambda u: jnp.sum(u**2)}, "the force of 'tried' is not the gradient of its potential: along"),
         ({"force": lambda u: {"mass": 1.0}["stiffness"] * u},
-         "force of 'tried' must be written with jax.numpy for u0's shape: KeyError: 'stiffness'"),
+         "force of 'tried' fails for the displacement alone: KeyError: 'stiffness'"),
         ({"force": lambda u: u / jnp.sqrt(jnp.sum(u * u)), "u0": np.ones(N), "damping": study.Rayleigh(0.1, 0.1)},
          "the stiffness of 'tried' at u = 0, on which its Rayleigh damping is based, is not finite."),
         ({"damping": study.Rayleigh(0.1, "b")}, "a and b must be finite numbers."),
@@ -210,7 +210,8 @@ def test_rayleigh_damping_takes_finite_numbers(damping):
     [
         (np.sin, "must be written with jax.numpy"),
         (lambda u: u.astype(complex), "force must return float64, not complex128"),
-        (lambda u: jnp.dot(jnp.ones((3, 3)), u), "must be written with jax.numpy for u0's shape"),
+        (lambda u: jnp.dot(jnp.ones((3, 3)), u), "fails for the displacement alone: TypeError: "),
+        (lambda u, v: u, "fails for the displacement alone: TypeError: .* missing 1 required positional argument: 'v'"),
         (lambda u: [u], "force must return the shape"),
     ],
 )

@@ -1,0 +1,151 @@
+"""``study.assess_scheme``: a scheme of one's own beside those of the study."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from study import datasets
+from study.analysis.linear_theory import LinearTheory
+from study.assessment.assess import assess
+from study.assessment.dataset import processor
+from study.assessment.report import COLOURS, MARKERS, document, figure_of, judgement, made_by, svg_of, table_of
+from study.marching.arguments import resolve
+from study.scheme.base import Scheme
+from study.scheme.named import schemes
+
+#: Schemes beside which one is put, and problems on which all of them run, with the time in seconds if it is needed.
+BESIDE = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
+ON = {"hardening": None, "softening": None, "double_well": None, "stiff_soft_sine": 50.0, "elastic_pendulum": 10.0}
+
+#: Steps over period at which linear theory is drawn.
+PARTS = np.logspace(-2, 1, 121)
+
+
+class SchemeAssessment(NamedTuple):
+    """Linear theory over ``scheme`` and ``dt_over_period``, and an assessment for each problem."""
+
+    linear: xr.Dataset
+    problems: dict[str, xr.Dataset]
+
+
+def _linear(chosen: dict[str, Scheme]) -> xr.Dataset:
+    theories = {name: LinearTheory(scheme, PARTS) for name, scheme in chosen.items()}
+    fine = {name: LinearTheory(scheme, np.logspace(-3, 0, 31)) for name, scheme in chosen.items()}
+    motions = {name: theory.motion() for name, theory in theories.items()}
+    dims = ("scheme", "dt_over_period")
+
+    def of(values, long_name):
+        return "scheme", list(values), {"long_name": long_name, "units": "1"}
+
+    return xr.Dataset(
+        {
+            "spectral_radius": (dims, [t.spectral_radius for t in theories.values()], {"long_name": "spectral radius"}),
+            "period_elongation": (
+                dims,
+                [m.period_elongation for m in motions.values()],
+                {"long_name": "relative elongation of the period"},
+            ),
+            "order": of((t.order() for t in fine.values()), "order of the roots of free motion"),
+            "claimed_order": of((s.order for s in chosen.values()), "order that the scheme claims"),
+            "stability_limit": of((t.stability_limit() for t in fine.values()), "largest stable ωΔt"),
+            "radius_at_infinity": of(
+                (t.infinite_frequency_radius() for t in fine.values()), "spectral radius at infinite frequency"
+            ),
+        },
+        {
+            "scheme": ("scheme", list(chosen), {"long_name": "time integration scheme"}),
+            "scheme_title": ("scheme", [s.title for s in chosen.values()], {"long_name": "name of the scheme"}),
+            "dt_over_period": ("dt_over_period", PARTS, {"long_name": "step size over period", "units": "1"}),
+        },
+    )
+
+
+def assess_scheme(
+    scheme: str | Scheme,
+    *,
+    beside: Sequence[str] = BESIDE,
+    problems: dict[str, float | None] | None = None,
+    errors: Sequence[float] = (0.1, 0.01),
+) -> SchemeAssessment:
+    """Put a scheme through linear theory, the springs and stiff systems, beside schemes of the study.
+
+    Parameters
+    ----------
+    scheme
+        Your own :class:`study.Scheme`, or a name.
+    beside
+        Names of schemes to compare with.
+    problems
+        Names of problems with the time to run, None for ten periods; three springs and two stiff systems by default.
+    errors
+        Errors that may be allowed.
+
+    Returns
+    -------
+    SchemeAssessment
+        ``linear``, a dataset of linear theory, and ``problems``, a dataset of :func:`study.assess` for each problem.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        As :func:`study.assess`; a scheme that breaks the contract of a step gets one sentence.
+    """
+    own = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
+    name = schemes.resolve(scheme) if isinstance(scheme, str) else own.title
+    chosen = {name: own} | {other: schemes[other] for other in beside if schemes[other] is not own}
+    linear = _linear(chosen)
+    linear.attrs = datasets.provenance(f"{own.title} beside other schemes", "study.assess_scheme")
+    linear.attrs["processor"] = processor()
+    found = {
+        problem: assess(problem, chosen, duration=duration, errors=errors)
+        for problem, duration in (ON if problems is None else problems).items()
+    }
+    return SchemeAssessment(linear, found)
+
+
+def _curve(linear: xr.Dataset, variable: str, limits: tuple[float, float]) -> str:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 4), layout="constrained")
+    axes = figure.subplots()
+    for s, name in enumerate(linear.scheme.values):
+        one = linear.sel(scheme=name)
+        axes.plot(
+            one.dt_over_period,
+            one[variable],
+            color=COLOURS[s % len(COLOURS)],
+            marker=MARKERS[s % len(MARKERS)],
+            markevery=12,
+            ms=5,
+            mfc="none",
+            lw=2 if s == 0 else 1,
+            label=str(one.scheme_title.values),
+        )
+    axes.set(xscale="log", ylim=limits, xlabel="step size over period", ylabel=linear[variable].long_name)
+    axes.grid(color="0.9")
+    figure.legend(loc="outside right upper", fontsize="small", frameon=False)
+    return svg_of(figure)
+
+
+def scheme_page(assessed: SchemeAssessment) -> str:
+    """The page of a scheme as HTML."""
+    linear = assessed.linear
+    rows = [
+        (
+            str(one.scheme_title.values),
+            f"{one.claimed_order.item():g}",
+            f"{one.order.item():.2f}",
+            "∞" if np.isinf(one.stability_limit.item()) else f"{one.stability_limit.item():.3g}",
+            f"{one.radius_at_infinity.item():.3g}",
+        )
+        for one in (linear.sel(scheme=name) for name in linear.scheme.values)
+    ]
+    head = ("scheme", "order claimed", "order found", "largest stable ωΔt", "ρ∞")
+    parts = ["<h2>Linear theory</h2>", table_of(head, rows)]
+    parts.append(figure_of(_curve(linear, "spectral_radius", (0.0, 1.5)), "Spectral radius; above one it is unstable."))
+    parts.append(figure_of(_curve(linear, "period_elongation", (-0.5, 1.0)), "Elongation of the period."))
+    for one in assessed.problems.values():
+        parts += [f"<h2>{one.attrs['problem']}</h2>", *judgement(one)]
+    return document(linear.attrs["title"], [*parts, *made_by(linear.attrs)])

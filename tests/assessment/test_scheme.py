@@ -1,0 +1,97 @@
+"""A scheme of one's own: its name, its contract, and its page."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import study
+from reference.amplitudes import amplitudes
+from study.__main__ import main
+from study.assessment.load import load
+from study.experiments.atlas import atlas
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "scheme.py"
+
+
+@pytest.fixture
+def heun(monkeypatch):
+    """The scheme of the examples, registered for one test."""
+    monkeypatch.setattr(study.schemes, "_entries", dict(study.schemes._entries))
+    monkeypatch.setattr(study.schemes, "_names", list(study.schemes._names))
+    scheme = load(f"{EXAMPLE}:heun", (study.Scheme,))
+    study.register("heun", scheme)
+    return scheme
+
+
+def test_a_registered_scheme_goes_where_a_name_goes(heun, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert study.schemes["heun"] is heun and "heun" in list(study.schemes)
+    exact = amplitudes(["hardening"], {"first": -0.5, "last": 0.0, "count": 3})
+    study.datasets.write(exact.assign_attrs(source=study.datasets.SOURCE), "results/reference/amplitudes.nc")
+    options = {"dt_over_period": {"first": -2.0, "last": -1.0, "count": 3}, "periods": 5, "tile": 0, "tiles": 1}
+    maps, _ = atlas("heun", ["hardening"], **options, portraits={"points": 2, "samples": 4})
+    assert maps.scheme_title.item() == "Heun" and maps.outcome.size == 9
+
+
+def test_unfit_names_are_refused(heun):
+    with pytest.raises(ValueError, match="there is a scheme 'heun' already"):
+        study.register("heun", heun)
+    with pytest.raises(ValueError, match="there is a scheme 'newmark' already"):
+        study.register("newmark", heun)
+    with pytest.raises(ValueError, match="small letters, digits and underscores, not 'My Scheme'"):
+        study.register("My Scheme", heun)
+    with pytest.raises(TypeError, match="is no scheme"):
+        study.register("other", "rk4")
+
+
+class _Plain(study.OneStep):
+    """A scheme without any labels but its title."""
+
+    title: str = "plain"
+    source = doi = ""
+    order, explicit = 1, True
+    family = "Runge-Kutta and conserving"
+
+    def start(self, problem, u0, v0, dt):
+        return study.Phase(u0, v0), study.Effort()
+
+    def increment(self, problem, state, t, dt):
+        return study.Phase(dt * state.v, dt * study.acceleration(problem, t, *state)), study.Effort()
+
+
+class _NoEffort(_Plain):
+    def step(self, problem, state, t, dt):
+        return state
+
+
+class _OtherState(_Plain):
+    def step(self, problem, state, t, dt):
+        return study.Motion(state.u, state.v, state.v), study.Effort()
+
+
+class _OtherShape(_Plain):
+    def start(self, problem, u0, v0, dt):
+        return study.Phase(u0, np.zeros(2)), study.Effort()
+
+
+@pytest.mark.parametrize(
+    "scheme, sentence",
+    [
+        (_NoEffort(), "step of _NoEffort must return a state and a study.Effort, not Phase."),
+        (_OtherState(), "step of _OtherState must return a state like that of start"),
+        (_OtherShape(), r"start of _OtherShape must return a state with 'v' of shape \(\)."),
+    ],
+)
+def test_a_scheme_that_breaks_the_contract_gets_a_sentence(scheme, sentence):
+    with pytest.raises(TypeError, match=sentence):
+        study.run("hardening", scheme, dt=0.01, steps=3)
+
+
+def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys):
+    page = tmp_path / "heun.html"
+    main(["assess-scheme", f"{EXAMPLE}:heun", "--beside", "rk4", "--problems", "hardening", "--output", str(page)])
+    assert f"written: {page}" in capsys.readouterr().out
+    text = page.read_text()
+    assert "<td>Heun</td><td>2</td><td>2.00</td>" in text and "For 10 % of displacement: " in text
+    assert "study assess-scheme" in text
