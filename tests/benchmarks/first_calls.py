@@ -2,8 +2,10 @@
 
 import importlib.util
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -29,10 +31,11 @@ def _frame() -> study.Problem:
     return module.frame
 
 
-def _by_hand(frame: study.Problem):
+def _by_hand(frame: study.Problem) -> Callable:
     """Average acceleration on the frame with Newton's iteration, as one would write it for this problem alone."""
     mass, damping = jnp.diag(jnp.asarray(frame.mass)), jnp.asarray(frame.damping)
     force, load, c_v, c_u = frame.force, frame.load, DT / 2, DT**2 / 4
+    assert load is not None
 
     def run(u0):
         v0 = jnp.zeros_like(u0)
@@ -61,13 +64,20 @@ def _by_hand(frame: study.Problem):
     return run
 
 
-def _first(call) -> float:
+def first(call: Callable[[], Any]) -> float:
     """Seconds of a call that finds nothing compiled."""
     jax.clear_caches()
     runs._kept.clear()
+    jax.config.update("jax_enable_compilation_cache", False)
     start = time.perf_counter()
     jax.block_until_ready(call())
-    return time.perf_counter() - start
+    taken = time.perf_counter() - start
+    jax.config.update("jax_enable_compilation_cache", True)
+    return taken
+
+
+def _as_often(call: Callable[[], Any]) -> float:
+    return LANES * timed(call)
 
 
 def cases() -> Iterator[Case]:
@@ -76,32 +86,29 @@ def cases() -> Iterator[Case]:
     by_hand = _by_hand(frame)
     u0 = np.linspace(0.0, 1e-3, LANES)[:, None] * np.ones(3)
 
-    def first(call):
-        with jax.enable_compilation_cache(False):
-            return _first(call)
-
-    def ours(scheme, **more):
-        return study.run(frame, scheme, dt=DT, steps=STEPS, **more)
+    def ours(scheme: str, **more: Any) -> np.ndarray:
+        return study.run(frame, scheme, dt=DT, steps=STEPS, **more).u.values
 
     for scheme, alone, lanes in (("average_acceleration", 1.4, 1.5), ("bathe", 2.1, 2.3), ("rk4", 0.8, 0.95)):
+        one, many = partial(ours, scheme), partial(ours, scheme, u0=u0)
         yield Case(
             f"first run of a frame, {scheme} : average acceleration by hand",
-            lambda scheme=scheme: first(lambda: ours(scheme).u.values),
-            lambda: first(lambda: jax.jit(by_hand)(jnp.zeros(3))),
+            partial(first, one),
+            partial(first, lambda: jax.jit(by_hand)(jnp.zeros(3))),
             alone,
             1,
         )
         yield Case(
             f"first run of {LANES} frames, {scheme} : average acceleration by hand",
-            lambda scheme=scheme: first(lambda: ours(scheme, u0=u0).u.values),
-            lambda: first(lambda: jax.jit(jax.vmap(by_hand))(jnp.asarray(u0))),
+            partial(first, many),
+            partial(first, lambda: jax.jit(jax.vmap(by_hand))(jnp.asarray(u0))),
             lanes,
             1,
         )
         yield Case(
             f"{LANES} frames, {scheme} : as many single runs",
-            lambda scheme=scheme: timed(lambda: ours(scheme, u0=u0)),
-            lambda scheme=scheme: LANES * timed(lambda: ours(scheme)),
+            partial(timed, many),
+            partial(_as_often, one),
             0.5,
             LANES * STEPS,
         )
