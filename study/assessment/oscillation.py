@@ -6,7 +6,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from scipy.optimize import brentq
 
 from study.assessment.solution import Solution
 from study.observer.errors import AmplitudeDecay, PeriodError
@@ -50,6 +49,8 @@ class Oscillation(NamedTuple):
 
 def _upward_crossings(solution: Solution, level: float) -> np.ndarray:
     """Times at which the displacement crosses a level upwards, on the interpolant."""
+    from scipy.optimize import brentq  # here, because importing it takes as long as the rest of the study
+
     u = solution.u
     before = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))
     return np.array(
@@ -64,6 +65,8 @@ def oscillation(problem: Problem, solution: Solution) -> Oscillation | None:
     """The oscillation of a solution; None if the problem is driven, damped or no oscillator."""
     if np.ndim(problem.u0) or problem.damping is not None or problem.load is not None:
         return None
+    from scipy.optimize import brentq
+
     low, high = solution.u.min(), solution.u.max()
     level = float(low + high) / 2
     times = _upward_crossings(solution, level)

@@ -131,7 +131,9 @@ class Labels:
         times = (dt.tobytes(), every, samples) if samples else None
         key = result.status.shape, times
         if self._last is not None and self._last[0] == key and not own:
-            return self._last[1].copy(data=values).assign_attrs(shared)
+            copy = self._last[1].copy(data=values)
+            copy.attrs.update(shared)  # assign_attrs would copy once more
+            return copy
         along = "sample" if dt.ndim else "t"
         data = {}
         for name, value in values.items():

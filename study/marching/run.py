@@ -89,7 +89,9 @@ def _march_alone(
     program: Program, u0: Displacements, v0: Displacements, dt: Numbers, steps: int, every: int, samples: int
 ) -> Result:
     """March a single run, with a progress bar in a terminal if it is long."""
-    with tqdm(total=steps, disable=None if steps * u0.size > LONG else True, leave=False) as bar:
+    if steps * u0.size < LONG:
+        return program.run(u0, v0, dt, steps, every, samples)
+    with tqdm(total=steps, disable=None, leave=False) as bar:
 
         def show(step):
             bar.update(step - bar.n)
