@@ -86,6 +86,7 @@ rule all:
     input:
         PAPER["products"],
         [f"results/{name}.nc" for name in DATA["datasets"]],
+        DATA["pages"],
     message:
         "everything is made; see results/manuscript.pdf and results/explorer.html"
 

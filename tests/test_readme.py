@@ -102,7 +102,7 @@ def test_the_examples_of_contributing_run(tmp_path):
 
 
 def test_the_table_of_datasets_names_what_the_short_study_makes():
-    experiments = discover("reference", "study.experiments")
+    experiments = discover()
     short = configuration.check(experiments, yaml.safe_load((PROJECT / "config" / "study.yaml").read_text()))
     made = configuration.datasets_of(experiments, short)
     rows = re.findall(r"^\| `([\w/]+)` \|", README, re.MULTILINE)

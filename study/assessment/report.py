@@ -3,6 +3,7 @@
 import html
 import io
 import os
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -307,3 +308,7 @@ def report(assessed: xr.Dataset, path: str | Path) -> Path:
         If the file cannot be written.
     """
     return write_page(page(assessed), path)
+
+
+if __name__ == "__main__":
+    report(xr.load_dataset(sys.argv[1]), sys.argv[2])

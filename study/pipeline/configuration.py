@@ -231,7 +231,7 @@ def datasets_of(experiments: Iterable[Experiment | Merged], configuration: Mappi
 
 def schema() -> dict[str, Any]:
     """The JSON schema of the configuration of the study and its references."""
-    return model_of(tuple(discover("reference", "study.experiments"))).model_json_schema()
+    return model_of(tuple(discover())).model_json_schema()
 
 
 if __name__ == "__main__":

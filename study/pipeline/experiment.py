@@ -46,10 +46,14 @@ class Experiment:
         Folders of the jobs' datasets where they are kept, so that an interrupted experiment goes on with them.
     reads
         Names of the datasets that a job reads, by its options.
+    files
+        Other files that a job reads, by its options.
     check
         Sentence about options that do not fit each other or the rest of the configuration, or nothing.
     steps, values
         About how many steps of all runs, and how many numbers held at once, a job asks for.
+    page
+        Module that makes a page of HTML beside each dataset, of the dataset's file and its own.
     timed
         Whether the experiment measures times, and so has the machine to itself.
     temporary
@@ -67,6 +71,8 @@ class Experiment:
     along: str = ""
     parts: tuple[str, ...] = ()
     reads: Callable[[Options], Iterable[str]] = lambda options: ()
+    files: Callable[[Options], Iterable[str]] = lambda options: ()
+    page: str = ""
     check: Callable[[Options, Mapping], str | None] = lambda options, configuration: None
     steps: Callable[[Options, Mapping], float] = lambda options, configuration: 0
     values: Callable[[Options, Mapping], float] = lambda options, configuration: 0
@@ -151,9 +157,13 @@ def merged(makes: str, of: Sequence[str]) -> None:
     DECLARED["", makes] = Merged(makes, tuple(of))
 
 
-def discover(*packages: str) -> list[Experiment | Merged]:
-    """All experiments that the modules of some packages declare."""
-    for name in packages:
+#: Packages whose modules declare experiments.
+PACKAGES = ("reference", "study.experiments", "study.assessment")
+
+
+def discover() -> list[Experiment | Merged]:
+    """All experiments that modules declare."""
+    for name in PACKAGES:
         package = importlib.import_module(name)
         for module in pkgutil.iter_modules(package.__path__, f"{name}."):
             importlib.import_module(module.name)

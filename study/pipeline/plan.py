@@ -13,7 +13,7 @@ import yaml
 from study.pipeline.configuration import check, datasets_of
 from study.pipeline.experiment import discover
 from study.pipeline.sources import Sources
-from study.pipeline.steps import steps_of
+from study.pipeline.steps import pages_of, steps_of
 
 
 def main(root: str, text: str) -> None:
@@ -25,7 +25,7 @@ def main(root: str, text: str) -> None:
         If the configuration cannot be run to its end.
     """
     try:
-        experiments = discover("reference", "study.experiments")
+        experiments = discover()
         configuration = check(experiments, yaml.safe_load(text))
     except ValueError as error:
         raise SystemExit(str(error)) from None
@@ -33,6 +33,7 @@ def main(root: str, text: str) -> None:
     plan = {
         "configuration": configuration,
         "datasets": datasets_of(experiments, configuration),
+        "pages": pages_of(experiments, configuration),
         "steps": [asdict(step) for step in steps],
     }
     print(json.dumps(plan))

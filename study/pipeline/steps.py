@@ -81,7 +81,7 @@ def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
         text = command(
             "study.pipeline.command", one.module, one.makes[0], *made, json.dumps(options), environment=one.environment
         )
-        return Job(text, (*map(dataset, one.reads(options)), *map(str, sources.of(*modules))))
+        return Job(text, (*map(dataset, one.reads(options)), *one.files(options), *map(str, sources.of(*modules))))
 
     return Step(
         name=one.name,
@@ -109,6 +109,28 @@ def _gathered(name: str, dimensions: str, parts: Iterable[str], sources: Sources
     )
 
 
+def _page(name: str) -> str:
+    """The page beside a dataset."""
+    return f"results/{name}.html"
+
+
+def pages_of(experiments: Iterable[Experiment | Merged], configuration: Mapping) -> list[str]:
+    """The pages that experiments make beside their datasets."""
+    with_pages = [one for one in experiments if isinstance(one, Experiment) and one.page]
+    return [_page(f"{one.makes[0]}/{job}") for one in with_pages for job in one.jobs(configuration)]
+
+
+def _drawn(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
+    """The step that makes the pages of an experiment."""
+
+    def job(name: str) -> Job:
+        files = dataset(f"{one.makes[0]}/{name}"), _page(f"{one.makes[0]}/{name}")
+        return Job(command(one.page, *files), (files[0], *map(str, sources.of(one.page))))
+
+    jobs = {name: job(name) for name in one.jobs(configuration)}
+    return Step(f"{one.name}_page", f"Page of {one.name}", (_page(f"{one.makes[0]}/{{job}}"),), jobs)
+
+
 def steps_of(experiments: Iterable[Experiment | Merged], configuration: Mapping, sources: Sources) -> list[Step]:
     """The steps of all experiments, each followed by what puts the datasets of its jobs together."""
     steps: list[Step] = []
@@ -117,8 +139,10 @@ def steps_of(experiments: Iterable[Experiment | Merged], configuration: Mapping,
             steps.append(_gathered(one.makes, "none", one.of, sources))
             continue
         steps.append(_made_by(one, configuration, sources))
+        if one.page:
+            steps.append(_drawn(one, configuration, sources))
         if one.along:
             for name, folder in zip(one.makes, one.folders, strict=True):
                 parts = [f"{folder}/{job}" for job in one.jobs(configuration)]
                 steps.append(_gathered(name, one.along, parts, sources))
-    return steps
+    return [step for step in steps if step.jobs]

@@ -19,7 +19,7 @@ from study.pipeline.steps import steps_of
 
 PROJECT = Path(__file__).parents[2]
 SOURCES = Sources(PROJECT, "study", "reference", "paper")
-EXPERIMENTS = discover("reference", "study.experiments")
+EXPERIMENTS = discover()
 
 
 def _shipped(name: str) -> dict:

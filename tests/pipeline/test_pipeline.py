@@ -127,7 +127,7 @@ def test_one_core_gives_the_same_bytes_as_two(project, tmp_path):
 
 def _jobs_that_read(source: str) -> set[str]:
     """Names of the datasets whose jobs depend on a source file."""
-    experiments = discover("reference", "study.experiments")
+    experiments = discover()
     whole = configuration.check(experiments, yaml.safe_load((PROJECT / "config" / "study.yaml").read_text()))
     return {
         output.replace("{job}", name).removeprefix("results/").removesuffix(".nc")
