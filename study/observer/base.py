@@ -18,6 +18,8 @@ class Observer(eqx.Module):
     needs_energy: ClassVar[bool] = False
     #: Whether the problem must have positions.
     needs_positions: ClassVar[bool] = False
+    #: Whether the problem must stand on moving ground.
+    needs_ground: ClassVar[bool] = False
     #: Whether the run must carry a neighbour of the motion (:class:`study.scheme.linearised.Linearised`).
     needs_neighbour: ClassVar[bool] = False
 
@@ -27,7 +29,11 @@ class Observer(eqx.Module):
 
     def refusal(self, problem: Problem) -> str | None:
         """Why the problem cannot be observed, in one sentence; None if it can."""
-        for needed, argument in ((self.needs_energy, "potential"), (self.needs_positions, "positions")):
+        for needed, argument in (
+            (self.needs_energy, "potential"),
+            (self.needs_positions, "positions"),
+            (self.needs_ground, "ground"),
+        ):
             if needed and getattr(problem, argument) is None:
                 names = ", ".join(self.variables)
                 return f"{names} of '{problem.title}' needs Problem({argument}=...), which it was made without."

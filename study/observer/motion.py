@@ -29,6 +29,20 @@ class Trajectory(Record):
         return {"u": state.u, "v": state.v}
 
 
+class AbsoluteAcceleration(Record):
+    """ü + ι a(t) along time: the acceleration of structures on moving ground in a frame at rest.
+
+    ü is that of the equation of motion, and ι a(t) the acceleration of the ground at each unknown.
+    """
+
+    variables = {"absolute_acceleration": {"long_name": "acceleration in a frame at rest", "units": "m s-2"}}
+    needs_ground = True
+
+    def sample(self, problem, initial, state, t):
+        relative = acceleration(problem, t, state.u, state.v)
+        return {"absolute_acceleration": relative + problem.influence * problem.ground(t)}
+
+
 def _arguments_of(function: Callable) -> tuple[str, ...]:
     """Names of the arguments of a quantity's function."""
     names = tuple(inspect.signature(function).parameters)

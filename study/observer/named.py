@@ -6,7 +6,7 @@ from study.observer.effort import NewtonIterations
 from study.observer.energy import EnergyBalance, EnergyDrift, EnergyError, MaxEnergyError, MeanEnergyError
 from study.observer.lyapunov import LyapunovExponent
 from study.observer.momentum import MomentumErrors
-from study.observer.motion import Trajectory
+from study.observer.motion import AbsoluteAcceleration, Trajectory
 from study.registry import Registry
 
 #: Observers by name.
@@ -23,5 +23,6 @@ observers: Registry[Observer] = Registry(
         "oscillations": Oscillations(),
         "newton_iterations": NewtonIterations(),
         "lyapunov_exponent": LyapunovExponent(),
+        "absolute_acceleration": AbsoluteAcceleration(),
     },
 )

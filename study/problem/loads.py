@@ -37,7 +37,9 @@ class _Scaled(eqx.Module):
 
 
 def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem:
-    """The problem with its initial velocity and its load multiplied by ``factor``; all factors share one program.
+    """The problem with its initial velocity, its load and its ground motion multiplied by ``factor``.
+
+    All factors share one program.
 
     With ``displaced``, its initial displacement is multiplied too.
     """

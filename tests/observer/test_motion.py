@@ -52,3 +52,18 @@ def test_unfit_quantities_are_refused():
         study.Quantity(lambda u: u, reduce="mean")
     with pytest.raises(TypeError, match="a quantity needs a function, not 'u'"):
         study.Quantity("u")
+
+
+def test_floors_are_accelerated_with_the_ground():
+    """Without a spring, nothing moves in a frame at rest; on a stiff one, the mass follows the ground."""
+    ground = study.GroundMotion([0.0, 1.0, -1.0, 0.5, 0.0], 0.5)
+    observe = ["trajectory", "absolute_acceleration"]
+    loose = study.Problem(lambda u: 0 * u, u0=0.0, ground=ground)
+    ds = study.run(loose, "rk4", dt=0.01, steps=150, observe=observe)
+    np.testing.assert_allclose(ds.absolute_acceleration, 0, atol=1e-14)
+    stiff = study.Problem(lambda u: 1e6 * u, u0=[0.0, 0.0], damping=2e3, ground=ground, influence=[1.0, 0.5])
+    ds = study.run(stiff, "bathe", dt=0.01, steps=150, observe=observe)
+    wanted = np.interp(ds.t, ground.kinks, ground.acceleration)[:, None] * [1.0, 0.5]
+    np.testing.assert_allclose(ds.absolute_acceleration[5:], wanted[5:], atol=0.02)
+    with pytest.raises(ValueError, match="absolute_acceleration of 'still' needs Problem.ground=...."):
+        study.run(study.Problem(lambda u: u, u0=1.0, title="still"), "rk4", dt=0.1, steps=1, observe=observe)
