@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from study.marching.shapes import Counts, CountsLike, Displacements, DisplacementsLike, Numbers, NumbersLike
+from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.observer.base import Observer
 from study.observer.named import observers
 from study.problem.definition import Problem
@@ -51,7 +51,7 @@ def positive_integer(name: str, value: Any) -> int:
     return int(value)
 
 
-def checked_steps(steps: CountsLike) -> Counts:
+def checked_steps(steps: CountPerRunLike) -> CountPerRun:
     """Number of steps, of shape () or (lanes,)."""
     if np.ndim(steps) == 0:
         return np.asarray(positive_integer("steps", steps))
@@ -77,7 +77,7 @@ def _numbers(name: str, value: Any) -> np.ndarray:
     return numbers.astype(np.float64)
 
 
-def checked_step_size(dt: NumbersLike) -> Numbers:
+def checked_step_size(dt: PerRunLike) -> PerRun:
     """Step size, of shape () or (lanes,)."""
     dt = _numbers("dt", dt)
     if dt.ndim > 1:
@@ -130,7 +130,7 @@ def _are_finite(load, times):
     return jax.lax.map(lambda t: jnp.isfinite(load(t)).all(), times)
 
 
-def number_of_lanes(problem: Problem, u0: Displacements, v0: Displacements, dt: Numbers, steps: Counts) -> int:
+def number_of_lanes(problem: Problem, u0: Displacements, v0: Displacements, dt: PerRun, steps: CountPerRun) -> int:
     """Number of lanes of an ensemble, 0 for a single run."""
     lengths = {name: len(value) for name, value in (("dt", dt), ("steps", steps)) if value.ndim}
     lengths |= {name: len(value) for name, value in (("u0", u0), ("v0", v0)) if value.ndim > np.ndim(problem.u0)}

@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from study.marching.program import Program
 from study.marching.result import Result
-from study.marching.shapes import Counts, DisplacementsOfLanes, OfLanes
+from study.marching.shapes import CountPerRun, DisplacementsOfLanes, OfLanes
 
 #: Lanes of a tile; their state stays in the cache next to the core, whatever the size of the ensemble. Small ensembles
 #: are padded to a tile; otherwise XLA compiles another loop and the last bits differ.
@@ -70,7 +70,7 @@ def march_one_by_one(
     u0: DisplacementsOfLanes,
     v0: DisplacementsOfLanes,
     dt: OfLanes,
-    steps: Counts,
+    steps: CountPerRun,
     every: int,
     samples: int,
 ) -> Result:
@@ -92,7 +92,7 @@ def march_in_tiles(
     u0: DisplacementsOfLanes,
     v0: DisplacementsOfLanes,
     dt: OfLanes,
-    steps: Counts,
+    steps: CountPerRun,
     every: int,
     samples: int,
 ) -> Result:

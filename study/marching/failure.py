@@ -3,7 +3,7 @@
 import numpy as np
 
 from study.marching.result import COMPLETED, NEWTON_FAILED, Result
-from study.marching.shapes import Numbers
+from study.marching.shapes import PerRun
 from study.problem.definition import Problem
 from study.problem.frequencies import frequencies
 from study.scheme.base import Scheme
@@ -34,7 +34,7 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
     return "the motion grew without bound; take smaller steps or a scheme that conserves or dissipates energy."
 
 
-def sentence(result: Result, problem: Problem, scheme: Scheme, dt: Numbers) -> str:
+def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun) -> str:
     """What happened to the runs, in one or two sentences; empty if all of them completed."""
     failed = np.flatnonzero(result.status != COMPLETED)
     if not failed.size:

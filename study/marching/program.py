@@ -13,7 +13,7 @@ from jax import lax
 
 from study.marching.march import March
 from study.marching.result import COMPLETED, NEWTON_FAILED, NOT_FINITE, Result
-from study.marching.shapes import Counts, Displacements, Numbers
+from study.marching.shapes import CountPerRun, Displacements, PerRun
 
 #: Numbers of one variable that a compiled march has room for, and its most samples. A longer record is gathered from
 #: several calls, so that the number of samples is no part of what is compiled.
@@ -138,11 +138,11 @@ class Program:
         self,
         u0: Displacements,
         v0: Displacements,
-        dt: Numbers,
+        dt: PerRun,
         steps: int,
         every: int,
         samples: int,
-        own: Counts | None = None,
+        own: CountPerRun | None = None,
         pause: int | None = None,
         on_pause: Callable[[int], bool] = lambda step: True,
     ) -> Result:

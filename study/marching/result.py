@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from study.datasets import VERSION, flags
-from study.marching.shapes import Counts, Displacements, Flags, Numbers, Observed
+from study.marching.shapes import CountPerRun, Displacements, Flags, Observed, PerRun
 from study.observer.base import Observer
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
@@ -28,7 +28,7 @@ OF_LANE = {
     "v0": {"long_name": "initial velocity", "units": "s-1"},
 }
 
-#: Numbers of a start that an attribute may hold.
+#: PerRun of a start that an attribute may hold.
 MOST_IN_ATTRIBUTE = 1000
 
 
@@ -54,7 +54,7 @@ class Result(NamedTuple):
     samples: dict[str, Observed]
 
 
-def _without_meaning(result: Result, steps: Counts, every: int, samples: int) -> Flags:
+def _without_meaning(result: Result, steps: CountPerRun, every: int, samples: int) -> Flags:
     """Which samples were taken after a failure, or belong to a step after the end of the run; (..., samples + 1)."""
     step = np.arange(samples + 1) * every
     failed_at = np.where(result.status == COMPLETED, steps + 1, result.failed_at_step)
@@ -93,8 +93,8 @@ class Labels:
         result: Result,
         u0: Displacements,
         v0: Displacements,
-        dt: Numbers,
-        steps: Counts,
+        dt: PerRun,
+        steps: CountPerRun,
         every: int,
         samples: int,
         ensemble: bool,

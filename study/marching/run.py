@@ -28,7 +28,7 @@ from study.marching.failure import ON_FAILURE
 from study.marching.march import March
 from study.marching.program import Program
 from study.marching.result import NOT_FINITE, Labels, Result
-from study.marching.shapes import Counts, CountsLike, Displacements, DisplacementsLike, Numbers, NumbersLike
+from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.observer.base import Observer, Record, Reduction
 from study.problem.definition import Problem
 from study.problem.named import problems
@@ -86,7 +86,7 @@ def _prepared(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...],
 
 
 def _march_alone(
-    program: Program, u0: Displacements, v0: Displacements, dt: Numbers, steps: int, every: int, samples: int
+    program: Program, u0: Displacements, v0: Displacements, dt: PerRun, steps: int, every: int, samples: int
 ) -> Result:
     """March a single run, with a progress bar in a terminal if it is long."""
     if steps * u0.size < LONG:
@@ -100,7 +100,7 @@ def _march_alone(
         return program.run(u0, v0, dt, steps, every, samples, on_pause=show)
 
 
-def _samples(records: Sequence[Record], steps: Counts, every: int, samples: int | None) -> int:
+def _samples(records: Sequence[Record], steps: CountPerRun, every: int, samples: int | None) -> int:
     """Number of samples to store after the first."""
     if records and steps.ndim:
         raise ValueError(
@@ -114,7 +114,7 @@ def _samples(records: Sequence[Record], steps: Counts, every: int, samples: int 
     return int(steps) // every if samples is None else positive_integer("samples", samples)
 
 
-def _check_memory(march: March, u0: Displacements, v0: Displacements, dt: Numbers, samples: int) -> None:
+def _check_memory(march: March, u0: Displacements, v0: Displacements, dt: PerRun, samples: int) -> None:
     """Refuse records that exceed the memory; their shapes are those of the first sample, which is not computed."""
     if (samples + 1) * u0.size <= ANY_MEMORY:
         return
@@ -128,8 +128,8 @@ def run(
     problem: str | Problem,
     scheme: str | Scheme,
     *,
-    dt: NumbersLike,
-    steps: CountsLike,
+    dt: PerRunLike,
+    steps: CountPerRunLike,
     observe: str | Observer | Sequence[str | Observer] = ("trajectory",),
     u0: DisplacementsLike | None = None,
     v0: DisplacementsLike | None = None,

@@ -6,19 +6,19 @@ import numpy as np
 from jaxtyping import Float, Int, Shaped
 
 #: What can be made into a number or one per lane, shape () or (lanes,).
-NumbersLike = Float[Any, "*lanes"]
+PerRunLike = Float[Any, "*lanes"]
 
 #: What can be made into a count or one per lane, shape () or (lanes,).
-CountsLike = Int[Any, "*lanes"]
+CountPerRunLike = Int[Any, "*lanes"]
 
 #: What can be made into a displacement or one per lane, shape () or (n,), with the axis of lanes in front.
 DisplacementsLike = Float[Any, "*lanes_and_n"]
 
 #: A number or one per lane, shape () or (lanes,).
-Numbers = Float[np.ndarray, "*lanes"]
+PerRun = Float[np.ndarray, "*lanes"]
 
 #: A count or one per lane, shape () or (lanes,).
-Counts = Int[np.ndarray, "*lanes"]
+CountPerRun = Int[np.ndarray, "*lanes"]
 
 #: A displacement or one per lane, shape () or (n,), with the axis of lanes in front.
 Displacements = Float[np.ndarray, "*lanes_and_n"]
