@@ -28,7 +28,7 @@ OF_LANE = {
     "v0": {"long_name": "initial velocity", "units": "s-1"},
 }
 
-#: PerRun of a start that an attribute may hold.
+#: Numbers of a start that an attribute may hold.
 MOST_IN_ATTRIBUTE = 1000
 
 
