@@ -15,9 +15,12 @@ from study.marching.march import March
 from study.marching.result import COMPLETED, NEWTON_FAILED, NOT_FINITE, Result
 from study.marching.shapes import CountPerRun, Displacements, PerRun
 
-#: Numbers of one variable that a compiled march has room for, and its most samples. A longer record is gathered from
-#: several calls, so that the number of samples is no part of what is compiled.
-ROOM, MOST_SAMPLES = 2**19, 8192
+#: Samples for which a run of one call has room, and one of several calls, each of which takes a tenth of a millisecond
+#: besides its steps. So the number of samples is no part of what is compiled.
+AT_ONCE, IN_STRETCHES = 2**13, 2**17
+
+#: Numbers of one variable that these samples may hold.
+ROOM = 2**19
 
 #: Steps of one unknown between two chances to interrupt a run: about a second.
 PAUSE = 2**24
@@ -168,7 +171,7 @@ class Program:
         Result
             NumPy arrays; NaN where there are no samples, because the run or all its lanes ended before.
         """
-        room = min(MOST_SAMPLES, 2 ** max(0, int(math.log2(ROOM / u0.size)))) if self._has_records else 1
+        room = self._room(u0, AT_ONCE)
         # a loop without another one in it pays off where steps are short
         each_step = every == 1 and self._is_scalar
         if pause is None:
@@ -179,13 +182,18 @@ class Program:
             stored, result = _whole(self.form, self.numbers, counts, (u0, v0, dt), room, each_step, own)
             place = (slice(None),) * self._lanes + (slice(samples + 1),)
             return _as_result(result, {name: np.array(np.asarray(values)[place]) for name, values in stored.items()})
+        room = self._room(u0, IN_STRETCHES)
         return self._in_stretches((u0, v0, dt), steps, every, samples, own, room, each_step, pause, on_pause)
+
+    def _room(self, u0: Displacements, most: int) -> int:
+        """Number of samples for which a march has room, a power of two."""
+        return min(most, 2 ** max(0, int(math.log2(ROOM / u0.size)))) if self._has_records else 1
 
     def _in_stretches(self, begin, steps, every, samples, own, room, each_step, pause, on_pause) -> Result:
         progress, initial, stored = _start(self.form, self.numbers, begin, room)
         before = (slice(None),) * self._lanes
         shapes = {n: (*v.shape[: self._lanes], samples + 1, *v.shape[self._lanes + 1 :]) for n, v in stored.items()}
-        whole = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
+        whole = {name: np.empty(shape) for name, shape in shapes.items()}
         for first, until in _stretches(steps, every, samples, room, pause):
             counts = np.array([until, every, first])
             lanes = progress, initial, begin[-1], own
@@ -196,4 +204,6 @@ class Program:
             # waits for the result, so that Ctrl-C is heard between two stretches
             if np.all(np.asarray(result[0])) or not on_pause(until):
                 break
+        for values in whole.values():
+            values[(*before, slice(first + new, None))] = np.nan
         return _as_result(result, whole)

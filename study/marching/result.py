@@ -122,8 +122,10 @@ class Labels:
             along_lanes = failed.reshape(failed.shape + (1,) * (value.ndim - failed.ndim))
             # NaN turns whole numbers into doubles, which hold all of them
             values[name] = np.where(along_lanes, np.nan, value)
+        ends_early = failed.any() or samples * every > steps.min()
         for name, value in result.samples.items():
-            value[_without_meaning(result, steps, every, samples)] = np.nan
+            if ends_early:
+                value[_without_meaning(result, steps, every, samples)] = np.nan
             values[name] = value
         given = {"dt": dt, "steps": steps, "u0": u0, "v0": v0}
         own = {n: v for n, v in given.items() if v.ndim > (len(self._component) if n in ("u0", "v0") else 0)}
