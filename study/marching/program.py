@@ -14,6 +14,8 @@ from jax import lax
 from study.marching.march import March
 from study.marching.result import COMPLETED, NEWTON_FAILED, NOT_FINITE, Result
 from study.marching.shapes import CountPerRun, Displacements, PerRun
+from study.problem.definition import Problem
+from study.scheme.base import Scheme
 
 #: Samples for which a run of one call has room, and one of several calls, each of which takes a tenth of a millisecond
 #: besides its steps. So the number of samples is no part of what is compiled.
@@ -30,14 +32,13 @@ LABELS = ("title", "source", "doi")
 
 
 def _unlabelled(part: Any) -> Any:
-    """A copy of a module, and of the modules in it, without labels."""
-    if isinstance(part, tuple) and not hasattr(part, "_fields"):
-        return tuple(map(_unlabelled, part))
-    if not isinstance(part, eqx.Module):
+    """A copy of a march, problem or scheme, and of those in it, without labels; anything else as it is."""
+    if not isinstance(part, March | Problem | Scheme):
         return part
     copy = object.__new__(type(part))
     for name, value in vars(part).items():
-        object.__setattr__(copy, name, "" if name in LABELS and isinstance(value, str) else _unlabelled(value))
+        is_label = name in LABELS and isinstance(value, str)
+        object.__setattr__(copy, name, "" if is_label else _unlabelled(value))
     return copy
 
 

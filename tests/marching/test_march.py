@@ -127,6 +127,40 @@ def test_step_size_and_count_share_one_compilation(caplog):
     assert sum("XLA compilation of jit(_whole)" in message for message in caplog.messages) == 1
 
 
+def test_labels_and_samples_share_one_compilation(caplog):
+    """Titles of problems and schemes, and the number of samples, are no part of what is compiled; parameters are."""
+
+    def times_compiled(*variants):
+        caplog.clear()
+        with jax.log_compiles():
+            for problem, scheme, steps in variants:
+                study.run(problem, scheme, dt=0.01, steps=steps)
+        return sum("XLA compilation of jit(_whole)" in message for message in caplog.messages)
+
+    def force(u):
+        return 3 * u
+
+    problems = [study.Problem(force, u0=1.0, title=title) for title in ("one", "other")]
+    schemes = [study.Newmark(0.3, 0.6, title=title, source=title) for title in ("one", "other")]
+    assert times_compiled(*((p, s, n) for p in problems for s in schemes for n in (10, 500))) == 1
+    assert times_compiled((problems[0], study.Newmark(0.31, 0.6), 10)) == 1
+
+
+def test_a_word_in_a_force_is_no_label():
+    """A user's own module may decide by a field of that name."""
+
+    class Spring(eqx.Module):
+        source: str = eqx.field(static=True)
+
+        def __call__(self, u):
+            return u if self.source == "soft" else 100 * u
+
+    soft, stiff = (
+        study.run(study.Problem(Spring(kind), u0=1.0), "rk4", dt=0.01, steps=50).u[-1] for kind in ("soft", "stiff")
+    )
+    assert soft > 0.8 and stiff < 0.5
+
+
 def _compiled(definition, u0, dt):
     """The program of a march of any number of steps."""
 
