@@ -2,7 +2,6 @@
 
 import gc
 
-import coverage
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -27,29 +26,6 @@ def pytest_runtest_teardown(item, nextitem):
     """Forget compiled programs between folders: another folder hardly uses them, and thousands slow everything down."""
     if nextitem is None or nextitem.path.parent != item.path.parent:
         jax.clear_caches()
-
-
-#: Tests, and parameters of tests, during which lines have been counted.
-_counted: set[str] = set()
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_protocol(item):
-    """Count the lines that the first case of a test runs, and the first one with a parameter.
-
-    Counting nearly doubles the time of a test, and further cases run the same lines.
-    """
-    counting = coverage.Coverage.current()
-    names = {item.nodeid.partition("[")[0], *item.name.partition("[")[2].rstrip("]").split("-")}
-    is_new = not names <= _counted
-    _counted.update(names)
-    if counting is None or is_new:
-        return (yield)
-    counting.stop()
-    try:
-        return (yield)
-    finally:
-        counting.start()
 
 
 @pytest.fixture(params=list(study.schemes))
