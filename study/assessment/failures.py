@@ -4,12 +4,12 @@ import numpy as np
 import xarray as xr
 
 from study.analysis.outcomes import OUTCOME_ATTRIBUTES, OUTCOMES
+from study.marching.failure import likely_cause
 from study.marching.result import NEWTON_FAILED, NOT_FINITE
 from study.marching.run import run
 from study.observer.fate import ACCURATE, GROWN
 from study.observer.lyapunov import APART
 from study.problem.definition import Problem
-from study.problem.frequencies import frequencies
 from study.problem.loads import excited
 from study.scheme.base import Scheme
 
@@ -37,23 +37,14 @@ def _outcomes(runs: xr.Dataset, duration: float) -> np.ndarray:
 
 
 def _cure(problem: Problem, scheme: Scheme, outcome: str, dt: float) -> str:
-    """Why runs end like this at a step, and what helps, in one sentence."""
-    found = frequencies(problem)
-    highest = found[-1] if found is not None and np.isfinite(found[-1]) else None
-    if outcome in ("growing", "not_finite") and scheme.explicit and highest:
+    """Why runs end like this at a step, and what helps, in a sentence or two."""
+    if outcome == "chaotic":
         return (
-            f"The step is beyond the limit of stability that the stiffest mode sets: ωΔt is {highest * dt:.2g} with "
-            f"ω = {highest:.4g} at the start, and explicit schemes take about 2. Take smaller steps, or an implicit "
-            "scheme."
+            "Neighbouring runs part exponentially, so that a long run holds in its statistics only. If finer steps do "
+            "not show this, the step makes it; otherwise the problem does."
         )
-    return {
-        "newton_not_converged": "Newton's iteration finds no balance, because the force changes too much over a step "
-        "or the effective equation has several roots: take smaller steps.",
-        "not_finite": "The motion grows without bound: take smaller steps, or a scheme that conserves or damps energy.",
-        "growing": "The energy grows without bound: take smaller steps, or a scheme that conserves or damps energy.",
-        "chaotic": "Neighbouring runs part exponentially, so that a long run holds in its statistics only. If finer "
-        "steps do not show this, the step makes it; otherwise the problem does.",
-    }[outcome]
+    cause = likely_cause(problem, scheme, NEWTON_FAILED if outcome == "newton_not_converged" else NOT_FINITE, dt)
+    return cause[0].upper() + cause[1:]
 
 
 def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float) -> xr.Dataset:

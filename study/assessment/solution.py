@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from study.algebra.interpolation import quintic, value
 from study.equilibrium.balance import acceleration
 from study.problem.definition import Problem
 from study.problem.frequencies import frequencies
@@ -57,15 +58,8 @@ class Solution(NamedTuple):
         h = self.t[i + 1] - self.t[i]
         s = np.clip((times - self.t[i]) / h, 0.0, 1.0)
         h, s = (x.reshape(-1, *(1,) * (self.u.ndim - 1)) for x in (h, s))
-        u0, v0, a0 = self.u[i], h * self.v[i], h**2 * self.a[i]
-        u1, v1, a1 = self.u[i + 1], h * self.v[i + 1], h**2 * self.a[i + 1]
-        rise, slope, curvature = u1 - u0 - v0 - a0 / 2, v1 - v0 - a0, a1 - a0
-        c3 = 10 * rise - 4 * slope + curvature / 2
-        c4 = -15 * rise + 7 * slope - curvature
-        c5 = 6 * rise - 3 * slope + curvature / 2
-        u = u0 + s * (v0 + s * (a0 / 2 + s * (c3 + s * (c4 + s * c5))))
-        v = (v0 + s * (a0 + s * (3 * c3 + s * (4 * c4 + s * 5 * c5)))) / h
-        return u, v
+        ends = (self.u[i], self.v[i], self.a[i]), (self.u[i + 1], self.v[i + 1], self.a[i + 1])
+        return value(quintic(*ends, h), s), value(quintic(*ends, h, of_v=True), s) / h
 
 
 class NoReference(ValueError):

@@ -20,18 +20,18 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
     """One sentence on why such a run fails, and what helps."""
     found = frequencies(problem)
     highest = None if found is None else found[-1]
-    at_start = "" if highest is None else f", which is {highest * dt:.3g} at the start"
+    at_start = "" if highest is None else f" (it is {highest * dt:.3g} at the start)"
     if status == NEWTON_FAILED:
         return (
-            "Newton's iteration found no balance: the force changes too much over a step, or bends so that there is "
-            "none; take smaller steps."
+            "Newton's iteration found no balance: the force changes too much over a step, or the effective equation "
+            "has no or several roots; take smaller steps."
         )
     if scheme.explicit:
         return (
-            "an explicit scheme becomes unstable where a step times the highest circular frequency exceeds its limit, "
+            "the step may be beyond the limit of stability of an explicit scheme, where ωΔt of the stiffest mode is "
             f"about 2{at_start}; take smaller steps or an implicit scheme."
         )
-    return "the motion grew without bound; take smaller steps or a scheme that conserves or dissipates energy."
+    return "the motion grows without bound; take smaller steps or a scheme that conserves or dissipates energy."
 
 
 def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun) -> str:

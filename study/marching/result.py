@@ -132,8 +132,9 @@ class Labels:
         shared = {n: v[()] for n, v in given.items() if n not in own and v.size <= MOST_IN_ATTRIBUTE}
         times = (dt.tobytes(), every, samples) if samples else None
         key = result.status.shape, times
-        if self._last is not None and self._last[0] == key and not own:
-            copy = self._last[1].copy(data=values)
+        last = self._last  # once, because another thread may replace it
+        if last is not None and last[0] == key and not own:
+            copy = last[1].copy(data=values)
             copy.attrs.update(shared)  # assign_attrs would copy once more
             return copy
         along = "sample" if dt.ndim else "t"

@@ -65,24 +65,25 @@ def _prepared(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...],
         If the scheme cannot step the problem, or an observer cannot observe it.
     """
     key = (*map(id, (problem, scheme, *observers)), lanes)
-    if key not in _kept:
-        for reason in (scheme.refusal(problem), *(observer.refusal(problem) for observer in observers)):
-            if reason:
-                raise ValueError(reason)
-        marched = Linearised(scheme) if any(o.needs_neighbour for o in observers) else scheme
-        parts = [observer.marched() for observer in observers]
-        march = March(
-            problem,
-            marched,
-            tuple(o for o in parts if isinstance(o, Reduction)),
-            tuple(o for o in parts if isinstance(o, Record)),
-            lanes,
-        )
-        if len(_kept) >= KEPT:
-            _kept.clear()
-        prepared = _Prepared(march, Program(march), Labels(problem, scheme, observers))
-        _kept[key] = prepared, (problem, scheme, observers)
-    return _kept[key][0]
+    known = _kept.get(key)  # once, because another thread may clear what is kept
+    if known is not None:
+        return known[0]
+    for reason in (scheme.refusal(problem), *(observer.refusal(problem) for observer in observers)):
+        if reason:
+            raise ValueError(reason)
+    parts = [observer.marched() for observer in observers]
+    march = March(
+        problem,
+        Linearised(scheme) if any(o.needs_neighbour for o in observers) else scheme,
+        tuple(o for o in parts if isinstance(o, Reduction)),
+        tuple(o for o in parts if isinstance(o, Record)),
+        lanes,
+    )
+    prepared = _Prepared(march, Program(march), Labels(problem, scheme, observers))
+    if len(_kept) >= KEPT:
+        _kept.clear()
+    _kept[key] = prepared, (problem, scheme, observers)
+    return prepared
 
 
 def _march_alone(

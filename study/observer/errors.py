@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from study.algebra.interpolation import quintic, value
 from study.equilibrium.balance import acceleration
 from study.observer.base import Reduction
 from study.observer.crossings import crosses_upwards
@@ -16,42 +17,14 @@ from study.problem.definition import Problem
 HALVINGS = 53
 
 
-def _between(start, end, dt, of_v: bool = False):
-    """Coefficients in 0 ≤ s ≤ 1, lowest first, of the quintic through u, u̇ and ü at both ends of a step.
-
-    With ``of_v``, those of its derivative to s.
-    """
-    (u0, v0, a0), (u1, v1, a1) = start, end
-    v0, v1, a0, a1 = dt * v0, dt * v1, dt**2 * a0, dt**2 * a1
-    rise = u1 - u0 - v0 - a0 / 2
-    slope, curvature = v1 - v0 - a0, a1 - a0
-    quintic = (
-        u0,
-        v0,
-        a0 / 2,
-        10 * rise - 4 * slope + curvature / 2,
-        -15 * rise + 7 * slope - curvature,
-        6 * rise - 3 * slope + curvature / 2,
-    )
-    return tuple(k * c for k, c in enumerate(quintic))[1:] if of_v else quintic
-
-
-def _value(coefficients, s):
-    """Value of a polynomial, by Horner's rule."""
-    result = jnp.zeros_like(s)
-    for coefficient in reversed(coefficients):
-        result = result * s + coefficient
-    return result
-
-
 def _root(coefficients):
     """Root in 0 ≤ s ≤ 1 of a polynomial whose ends differ in sign, by bisection, which cannot leave the step."""
-    sign = jnp.sign(_value(coefficients, jnp.ones_like(coefficients[0])))
+    sign = jnp.sign(value(coefficients, jnp.ones_like(coefficients[0])))
 
     def halve(_, bracket):
         low, high = bracket
         middle = (low + high) / 2
-        beyond = sign * _value(coefficients, middle) > 0
+        beyond = sign * value(coefficients, middle) > 0
         return jnp.where(beyond, low, middle), jnp.where(beyond, middle, high)
 
     low, high = lax.fori_loop(0, HALVINGS, halve, (jnp.zeros_like(sign), jnp.ones_like(sign)))
@@ -145,7 +118,7 @@ class PeriodError(Reduction):
         crossed = crosses_upwards(before[0], now[0], self.level)
 
         def part():
-            displacement, *rest = _between(before, now, self.dt)
+            displacement, *rest = quintic(before, now, self.dt)
             return _root((displacement - self.level, *rest))
 
         at = step.astype(float) + lax.cond(crossed, part, lambda: jnp.zeros(()))
@@ -196,8 +169,8 @@ class AmplitudeDecay(Reduction):
         turned = (before[1] > 0) & (now[1] <= 0)
 
         def amplitude():
-            at = _root(_between(before, now, self.dt, of_v=True))
-            return _value(_between(before, now, self.dt), at) - self.rest
+            at = _root(quintic(before, now, self.dt, of_v=True))
+            return value(quintic(before, now, self.dt), at) - self.rest
 
         top = lax.cond(turned, amplitude, lambda: jnp.zeros(()))
         return (

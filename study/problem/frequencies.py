@@ -1,13 +1,18 @@
 """Circular frequencies of small motions about a state of a problem."""
 
+import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from study.algebra.arrays import VectorLike
 from study.algebra.matrices import dense
 from study.problem.definition import Problem
 from study.problem.tangent import FINDABLE
+
+
+@eqx.filter_jit
+def _stiffness(force, u):
+    return jax.jacfwd(force)(u)
 
 
 def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | None:
@@ -25,9 +30,8 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
     if n > FINDABLE:
         return None
     at = np.asarray(problem.u0 if u is None else u, float)
-    with jax.ensure_compile_time_eval():
-        stiffness = np.asarray(jax.jit(jax.jacfwd(problem.force))(jnp.asarray(at))).reshape(n, n)
-        mass = np.eye(n) if problem.mass is None else np.asarray(dense(problem.mass, n))
+    stiffness = np.asarray(_stiffness(problem.force, at)).reshape(n, n)
+    mass = np.eye(n) if problem.mass is None else np.asarray(dense(problem.mass, n))
     if not np.isfinite(stiffness).all():
         return None
     # of K⁻¹ M where the mass is singular: its zero eigenvalues are the infinite frequencies

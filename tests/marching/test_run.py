@@ -1,9 +1,12 @@
 """``study.run`` as a person uses it: labels, and a sentence for every mistake."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
 import study
+from study.marching import run as runs
 
 
 def test_the_contract_of_the_labels():
@@ -122,3 +125,15 @@ def test_names_that_people_type_find_their_scheme():
         "Trapezoidal": "average_acceleration",
     }.items():
         assert study.schemes[typed] is study.schemes[name]
+
+
+def test_threads_that_forget_each_others_marches_agree(monkeypatch):
+    monkeypatch.setattr(runs, "KEPT", 1)
+
+    def last(name):
+        return study.run("hardening", name, dt=0.01, steps=5).u.values[-1]
+
+    names = ["rk4", "central_difference", "average_acceleration"]
+    alone = [last(name) for name in names]
+    with ThreadPoolExecutor(3) as pool:
+        assert list(pool.map(last, names * 60)) == alone * 60
