@@ -75,23 +75,33 @@ def outcomes(runs: xr.Dataset) -> tuple[Places, Times]:
     return outcome, at
 
 
-def outcome_of_balance(run: xr.Dataset, growth: float) -> int:
-    """Classify how a run under load and damping ended, as a place in ``OUTCOMES``, by its balance of energies.
+def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndarray:
+    """Classify how runs ended that may be damped and loaded, as places in ``OUTCOMES``, by their balance of energies.
 
     An imbalance of at most 1 % of the energy put in is accurate, one of more than a hundred times that energy growing.
     A run is chaotic if a perturbation grows from round-off to the size of the motion. Rest and wells do not count.
 
     Parameters
     ----------
-    run
-        Single run from :func:`study.run`, observed by ``"energy_balance"``.
+    runs
+        A run or an ensemble from :func:`study.run`. Without ``"energy_balance"`` among its observers no run counts as
+        accurate or growing.
     growth
-        Natural logarithm of the factor by which a perturbation grows over the run.
+        Natural logarithm of the factor by which a perturbation grows over each run.
+
+    Returns
+    -------
+    numpy.ndarray
+        Of the shape of ``runs.status``.
     """
-    if run.status in (NEWTON_FAILED, NOT_FINITE):
-        return OUTCOMES.index("newton_not_converged" if run.status == NEWTON_FAILED else "not_finite")
-    if run.max_energy_imbalance > 100 * GROWN:
-        return OUTCOMES.index("growing")
-    if growth > APART * np.log(2):
-        return OUTCOMES.index("chaotic")
-    return OUTCOMES.index("accurate" if run.max_energy_imbalance <= 100 * ACCURATE else "bounded")
+    status = runs.status.values
+    imbalance = runs["max_energy_imbalance"].values if "max_energy_imbalance" in runs else np.full(status.shape, np.nan)
+    ends = {
+        "newton_not_converged": status == NEWTON_FAILED,
+        "not_finite": status == NOT_FINITE,
+        "growing": imbalance > 100 * GROWN,
+        "chaotic": np.asarray(growth) > APART * np.log(2),
+        "accurate": imbalance <= 100 * ACCURATE,
+    }
+    places = [OUTCOMES.index(name) for name in ends]
+    return np.select(list(ends.values()), places, OUTCOMES.index("bounded")).astype(np.int8)

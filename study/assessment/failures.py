@@ -3,12 +3,10 @@
 import numpy as np
 import xarray as xr
 
-from study.analysis.outcomes import OUTCOME_ATTRIBUTES, OUTCOMES
+from study.analysis.outcomes import OUTCOME_ATTRIBUTES, OUTCOMES, outcomes_of_balance
 from study.marching.failure import likely_cause
 from study.marching.result import NEWTON_FAILED, NOT_FINITE
 from study.marching.run import run
-from study.observer.fate import ACCURATE, GROWN
-from study.observer.lyapunov import APART
 from study.problem.definition import Problem
 from study.problem.loads import excited
 from study.scheme.base import Scheme
@@ -19,21 +17,6 @@ STEPS = tuple(2.0**-power for power in range(-1, 7))
 
 #: Outcomes of runs that may be trusted: their energy stays bounded and neighbours stay together.
 SAFE = ("accurate", "bounded")
-
-
-def _outcomes(runs: xr.Dataset, duration: float) -> np.ndarray:
-    """Places in ``study.OUTCOMES`` of the runs of an ensemble, by their balance of energies if it was observed."""
-    place = {name: OUTCOMES.index(name) for name in OUTCOMES}
-    outcome = np.full(runs.sizes["lane"], place["bounded"], np.int8)
-    if "max_energy_imbalance" in runs:
-        imbalance = runs.max_energy_imbalance.values
-        outcome[imbalance <= 100 * ACCURATE] = place["accurate"]
-    outcome[runs.lyapunov_exponent.values * duration > APART * np.log(2)] = place["chaotic"]
-    if "max_energy_imbalance" in runs:
-        outcome[imbalance > 100 * GROWN] = place["growing"]
-    outcome[runs.status.values == NEWTON_FAILED] = place["newton_not_converged"]
-    outcome[runs.status.values == NOT_FINITE] = place["not_finite"]
-    return outcome
 
 
 def _cure(problem: Problem, scheme: Scheme, outcome: str, dt: float) -> str:
@@ -77,7 +60,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float) -
             observe=[*energy, "lyapunov_exponent", "newton_iterations"],
             on_failure="ignore",
         )
-        outcome[e] = _outcomes(runs, duration)
+        outcome[e] = outcomes_of_balance(runs, runs.lyapunov_exponent.values * duration)
         exponent[e], iterations[e] = runs.lyapunov_exponent, runs.max_newton_iterations
     safe = np.isin(outcome, [OUTCOMES.index(name) for name in SAFE])[np.array(EXCITATIONS) <= 1].all(axis=0)
     unsafe = np.flatnonzero(~safe)

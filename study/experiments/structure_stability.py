@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcome_of_balance
+from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcomes_of_balance
 from study.equilibrium.newton import MAX_ITERATIONS
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, NEWTON_FAILED, STATUS_ATTRIBUTES
 from study.marching.run import run
@@ -77,7 +77,7 @@ def structure_stability(
                 # without the first half, in which the perturbation turns into the stiffest mode
                 rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
                 exponent[at], imbalance[at] = rate * scale, whole.max_energy_imbalance
-                outcome[at] = outcome_of_balance(whole, exponent[at] * one["periods"])
+                outcome[at] = outcomes_of_balance(whole, exponent[at] * one["periods"])
                 status[at], failed_at_step[at] = whole.status, whole.failed_at_step
                 apart = whole.apart_from * parts / scale
                 apart_at_step[at] = np.rint(apart) if np.isfinite(apart) else -1
