@@ -17,11 +17,14 @@ from paper.products import Product, check, discover
 #: Folder and formats of each kind of product that is a file of its own, and its heading in the report of the pipeline.
 FILES = {
     "figure": ("results/figures", ("pdf", "png", "svg"), "Figures"),
-    "table": ("results/tables", ("csv", "tex"), ""),
     "page": ("results", ("html",), "Maps of stability"),
 }
-#: Files that hold all products of a kind.
-WHOLES = {"claim": ("claims", "results/claims.csv"), "numbers": ("numbers", "results/numbers.json")}
+#: Module that makes all products of a kind at once, where it writes, and the formats if each product has its own files.
+WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "table": ("tables", "results/tables", ("csv", "tex")),
+    "claim": ("claims", "results/claims.csv", ()),
+    "numbers": ("numbers", "results/numbers.json", ()),
+}
 #: Formats that the manuscript includes, and its own sources.
 INCLUDED, TEXT = (".pdf", ".csv", ".json"), ("manuscript.typ", "references.bib")
 MANUSCRIPT = "results/manuscript.pdf"
@@ -51,7 +54,7 @@ def _job(arguments: Iterable[str], inputs: Iterable[str]) -> dict[str, Any]:
 
 
 def _of_each(kind: str, products: list[Product], sources: _Sources) -> dict[str, Any]:
-    """The step that makes every figure, table or page, a job each."""
+    """The step that makes every figure or page, a job each."""
     folder, formats, category = FILES[kind]
     chosen = [one for one in products if one.kind == kind]
 
@@ -70,14 +73,14 @@ def _of_each(kind: str, products: list[Product], sources: _Sources) -> dict[str,
 
 
 def _of_all(kind: str, products: list[Product], sources: _Sources) -> dict[str, Any]:
-    """The step that makes one file of all claims or numbers."""
-    name, output = WHOLES[kind]
+    """The step that makes all tables, claims or numbers, which take less time than a process to start."""
+    name, output, formats = WHOLES[kind]
     chosen = [one for one in products if one.kind == kind]
+    outputs = [f"{output}/{one.name}.{form}" for one in chosen for form in formats] or [output]
     files = [file for one in chosen for file in _data(one)]
     modules = sources.of(f"paper.{name}.__main__", *(one.module for one in chosen))
-    return _step(
-        name, name.capitalize(), [output], {"": _job((f"paper.{name}", "results", output), [*files, *modules])}
-    )
+    job = _job((f"paper.{name}", "results", output), [*files, *modules])
+    return _step(name, name.capitalize(), outputs, {"": job})
 
 
 def _data(product: Product) -> list[str]:

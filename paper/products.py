@@ -1,7 +1,7 @@
 """Figures, tables, numbers, claims and pages of the paper, each declared where it is made.
 
 A declaration names the datasets that the product reads, by the arguments that take them, its caption, and what it asks
-of the configuration. The pipeline finds all declarations with :func:`discover`. One figure, table or page is made with
+of the configuration. The pipeline finds all declarations with :func:`discover`. One figure or page is made with
 ``python -m paper.products MODULE NAME RESULTS OUTPUT``.
 """
 
@@ -184,28 +184,18 @@ def made(product: Product, read: Callable[[str], Any]) -> Any:
 
 
 def main(module: str, name: str, results: str, output: str) -> None:
-    """Make one figure, table or page, and write it in all its formats next to ``output``."""
+    """Make one figure, in all its formats next to ``output``, or one page."""
     importlib.import_module(module)
     of_module = [product for product in PRODUCTS.values() if product.module == module and product.name == name]
     if not of_module:
         raise SystemExit(f"{module} declares no product '{name}'.")
     (product,) = of_module
-    path = Path(output)
-    # imported by name, so that only figures, whose modules import the style, depend on its source
-    style = importlib.import_module("paper.figures.style") if product.kind == "figure" else None
     one = made(product, reader(Path(results)))
-    if style is not None:
-        style.save(one, path)
-    elif product.kind == "table":
-        write_table(one, path)
+    if product.kind == "figure":
+        # imported by name, so that only figures, whose modules import the style, depend on its source
+        importlib.import_module("paper.figures.style").save(one, Path(output))
     else:
-        path.with_suffix(".html").write_text(one, encoding="utf-8")
-
-
-def write_table(frame: Any, output: Path) -> None:
-    """Write a frame of ready texts as CSV and as LaTeX with the rules of booktabs."""
-    frame.to_csv(output.with_suffix(".csv"), index=False)
-    output.with_suffix(".tex").write_text(frame.to_latex(index=False, escape=True))
+        Path(output).write_text(one, encoding="utf-8")
 
 
 if __name__ == "__main__":

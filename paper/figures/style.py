@@ -1,6 +1,8 @@
 """Common style of the figures: size, type, colours that survive greyscale, and how figures are saved."""
 
 import os
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import matplotlib
@@ -10,6 +12,9 @@ matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from paper.data import families
@@ -124,9 +129,16 @@ def letter(axes: Axes, index: int, title: str) -> None:
 
 def save(figure: Figure, output: Path) -> None:
     """Save a figure as PDF, PNG and SVG next to ``output``, the same bytes for the same data."""
-    # one layout for all three files, as it takes as long as drawing
+    # one layout for all three files, as it takes as long as drawing; for the same reason each canvas prints directly,
+    # where figure.savefig would draw twice
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
-    for suffix in (".pdf", ".png", ".svg"):
-        figure.savefig(output.with_suffix(suffix), metadata={"Date": None} if suffix == ".svg" else None)
+    printers: dict[str, Callable[[Path], None]] = {
+        ".pdf": FigureCanvasPdf(figure).print_pdf,
+        ".png": FigureCanvasAgg(figure).print_png,
+        ".svg": partial(FigureCanvasSVG(figure).print_svg, metadata={"Date": None}),
+    }
+    for suffix, printer in printers.items():
+        figure.dpi = plt.rcParams["savefig.dpi"]  # for rasters; vectors reset it to points
+        printer(output.with_suffix(suffix))

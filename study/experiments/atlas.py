@@ -20,7 +20,7 @@ from study.observer.fate import Fate, Height
 from study.pipeline import labels
 from study.pipeline.checks import step_beyond_run
 from study.pipeline.command import progress
-from study.pipeline.experiment import MULTI_OUTPUT_FUSION, Options, experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, PowersOfTen, Schemes, Springs, section
 from study.problem.named import problems as problems_by_name
 
@@ -125,7 +125,6 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
     check=_check,
     steps=_number_of_steps,
     values=_numbers_held,
-    environment=MULTI_OUTPUT_FUSION,
 )
 def atlas(
     scheme: str,

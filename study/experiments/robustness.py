@@ -11,7 +11,7 @@ from study.observer.fate import LEVELS, Excursions, Fate
 from study.pipeline import labels
 from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
-from study.pipeline.experiment import MULTI_OUTPUT_FUSION, Options, experiment
+from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Counts, RisingCounts, Schemes, Springs
 from study.problem.named import problems as problems_by_name
 
@@ -65,7 +65,6 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     reads=lambda options: ["reference/amplitudes"],
     check=_check,
     steps=_number_of_steps,
-    environment=MULTI_OUTPUT_FUSION,
 )
 def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: RisingCounts) -> xr.Dataset:
     """Find the fewest steps per period that keep the energy within 1, 5 and 10 percent at all amplitudes.

@@ -17,10 +17,6 @@ from typing import Any
 
 Options = dict[str, Any]
 
-#: XLA writes what a step computes once in place of computing it for each of its uses: ensembles take a tenth less time.
-#: Structures and solvers do not use it, because they compile much longer.
-MULTI_OUTPUT_FUSION = {"XLA_FLAGS": "--xla_backend_extra_options=xla_cpu_use_multi_output_fusion=true"}
-
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
