@@ -86,7 +86,7 @@ def check_trajectory(route: str, problem: Problem, t: Sequence | np.ndarray, unk
 def right_side(t, y: State, problem: Problem) -> State:
     """Right side ẏ = (u̇, M⁻¹ (f(t) − C u̇ − p(u))) of the first order equations of y = (u, u̇)."""
     u, v = y
-    force = -problem.force(u)
+    force = -problem.internal_force(u, v)
     if problem.damping is not None:
         force -= times(problem.damping, v)
     if problem.load is not None:

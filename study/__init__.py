@@ -36,6 +36,9 @@ A problem of your own
 
         pendulum = study.Problem(force=jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=3.0)
 
+    The force may take the velocity, ``force(u, v)``, or a history too. ``materials`` has those that yield, slip, damp
+    or touch.
+
 An observer of your own
     ``Quantity`` observes a function of t, u, u̇ and ü, along time or as its peak, its final value or its root mean
     square. ``Reduction`` and ``Record`` are the base classes of every ``Observer``: one value a run, or values along
@@ -83,6 +86,7 @@ from study.observer.base import Reduction as Reduction
 from study.observer.fate import Fate as Fate
 from study.observer.motion import Quantity as Quantity
 from study.observer.named import observers as observers
+from study.problem import materials as materials
 from study.problem.damping import Rayleigh as Rayleigh
 from study.problem.definition import Problem as Problem
 from study.problem.ground import GroundMotion as GroundMotion

@@ -4,15 +4,20 @@ In every implicit scheme the new displacement and velocity are affine in one unk
 
     u = ũ + c_u a,    u̇ = ṽ + c_v a,    M a + C (ṽ + c_v a) + w p(ũ + c_u a) = r.
 
-The schemes differ in ũ, ṽ, c_u and c_v, in the weight w of the internal force and in the right side r.
+The schemes differ in ũ, ṽ, c_u and c_v, in the weight w of the internal force and in the right side r. A force may take
+the velocity ṽ + c_v a too, and a history, which the iteration leaves as it was committed.
 
-Newton corrections are never shortened. Halving those that do not reduce the out-of-balance force was tried: it saves
-half of the runs that fail on softening springs with steps beyond a fifth of the period, but loses more runs of
-structures with stiff members that rotate.
+Newton corrections are never shortened where the force is smooth. Halving those that do not reduce the out-of-balance
+force was tried: it saves half of the runs that fail on softening springs with steps beyond a fifth of the period, but
+loses more runs of structures with stiff members that rotate. Where the slope of the force may jump, the iteration could
+go to and fro between two branches for ever. With one unknown it is then kept between two accelerations with residuals
+of opposite signs, and bisects where Newton's correction leaves them or does not halve. With several unknowns a
+correction that goes too far along its direction is shortened by the secant through the residuals at both ends.
 
 References
 ----------
 P. Deuflhard, Newton methods for nonlinear problems, Springer, 2004.
+M. A. Crisfield, Non-linear finite element analysis of solids and structures, vol. 1, Wiley, 1991, section 9.2.
 """
 
 from collections.abc import Callable
@@ -24,18 +29,26 @@ from jax import lax
 from study.algebra.arrays import Matrix, ScalarLike, Vector
 from study.algebra.elimination import solve
 from study.algebra.matrices import Banded, add, dense, product, times
-from study.equilibrium.newton import TOLERANCES, iterated, norm, opened_closure, root
+from study.equilibrium.newton import TOLERANCES, iterated, narrowed, norm, opened_closure, root, shortened
 from study.equilibrium.state import Effort
 from study.problem.definition import Problem
 from study.problem.tangent import force_and_tangent
 
 
 class System(Protocol):
-    """The terms of a problem that a balance needs: p(u), M, C and the form of ∂p/∂u."""
+    """The terms of a problem that a balance needs: p, M, C and the form of ∂p/∂u."""
 
     @property
-    def force(self) -> Callable:
-        """Internal force p(u)."""
+    def internal_force(self) -> Callable:
+        """The force p as a function of u and u̇."""
+
+    @property
+    def takes_velocity(self) -> bool:
+        """Whether p depends on u̇."""
+
+    @property
+    def kinked(self) -> bool:
+        """Whether the slope of p may jump."""
 
     @property
     def mass(self) -> Matrix:
@@ -68,16 +81,28 @@ def load(problem: Problem, t: ScalarLike) -> Vector | float:
 
 
 def acceleration(problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: ScalarLike = 0.0) -> Vector:
-    """Acceleration a with M a + C (v + c_v a) + p(u) = f(t): one force, one linear solve, no iteration."""
-    rhs = _less_damping(problem, load(problem, t) - problem.force(u), v)
+    """Acceleration a with M a + C (v + c_v a) + p(u, v) = f(t): one force, one linear solve, no iteration."""
+    rhs = _less_damping(problem, load(problem, t) - problem.internal_force(u, v), v)
     return solve(_inertia(problem, c_v, u.size), rhs)
+
+
+def acceleration_within(
+    problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: ScalarLike, guess: Vector
+) -> tuple[Vector, Effort]:
+    """Acceleration a with M a + C (v + c_v a) + p(u, v + c_v a) = f(t), and the effort to find it.
+
+    Where the internal force does not depend on the velocity this is :func:`acceleration`, without iteration.
+    """
+    if not problem.takes_velocity:
+        return acceleration(problem, t, u, v, c_v), Effort()
+    return balance(problem, load(problem, t), u, v, 0.0, c_v, guess)
 
 
 def initial_acceleration(problem: Problem, u0: Vector, v0: Vector) -> Vector:
     """Acceleration at t = 0; zero for an unknown without mass, which the equation of motion leaves undetermined."""
     if not problem.massless:
         return acceleration(problem, 0.0, u0, v0)
-    rhs = _less_damping(problem, load(problem, 0.0) - problem.force(u0), v0)
+    rhs = _less_damping(problem, load(problem, 0.0) - problem.internal_force(u0, v0), v0)
     if not isinstance(problem.mass, Banded) and jnp.ndim(problem.mass) == 1:
         return jnp.where(problem.mass > 0, rhs / problem.mass, 0.0)
     return jnp.linalg.pinv(dense(problem.mass, u0.size), hermitian=True) @ rhs
@@ -96,7 +121,9 @@ def balance(
     symmetric: bool = True,
     tolerance: ScalarLike | None = None,
 ) -> tuple[Vector, Effort]:
-    """Acceleration a with M a + C (v + c_v a) + w p(u + c_u a) = r, by Newton-Raphson iteration with the full tangent.
+    """Acceleration a with M a + C (v + c_v a) + w p(u + c_u a, v + c_v a) = r, by Newton-Raphson iteration.
+
+    The tangent is that of the force from its committed history.
 
     Parameters
     ----------
@@ -113,12 +140,12 @@ def balance(
     weight
         w, the weight of the internal force.
     force
-        Internal force as a function of u + c_u a, in place of the problem's p.
+        Internal force as a function of u + c_u a and v + c_v a, in place of the problem's p.
     symmetric
         Whether the tangent is symmetric if M and C are.
     tolerance
-        The iteration ends at the latest when a correction changes the displacement by less than this part of it; by
-        default that of ``TOLERANCES``.
+        The iteration ends at the latest when a correction changes the displacement by less than this part of it, or
+        the velocity if the force depends on it; by default that of ``TOLERANCES``.
 
     Returns
     -------
@@ -126,24 +153,41 @@ def balance(
         The acceleration, and the :class:`Effort` with its flag of convergence within ``MAX_ITERATIONS``. A value that
         is not finite ends the iteration at once and remains in the acceleration.
     """
-    force = problem.force if force is None else force
+    force = problem.internal_force if force is None else force
     n, tolerances = u.size, TOLERANCES[u.dtype]
     tolerance = tolerances.displacement if tolerance is None else tolerance
     inertia = _inertia(problem, c_v, n)
     rhs = _less_damping(problem, rhs, v)
     weighted = product(weight, c_u, n)
+    # what a correction is compared with
+    start, reach = (v, c_v) if problem.takes_velocity else (u, c_u)
+
+    def internal(a):
+        velocity = v + times(c_v, a) if problem.takes_velocity else v
+        return force(u + times(c_u, a), velocity)
 
     def internal_and_effective(a):
-        internal, tangent = force_and_tangent(force, u + times(c_u, a), problem.tangent)
-        return weight * internal, add(inertia, product(tangent, weighted, n), n=n)
+        if problem.takes_velocity:
+            value, tangent = force_and_tangent(internal, a, _coupled(problem.tangent, c_u))
+            return weight * value, add(inertia, product(weight, tangent, n), n=n)
+        value, tangent = force_and_tangent(lambda u: force(u, v), u + times(c_u, a), problem.tangent)
+        return weight * value, add(inertia, product(tangent, weighted, n), n=n)
+
+    def residual(a):
+        return times(inertia, a) + weight * internal(a) - rhs
+
+    def solved(effective, x):
+        return solve(effective, x, symmetric and not problem.takes_velocity)
 
     def iterate(a, before):
         internal, effective = internal_and_effective(a)
         inertial = times(inertia, a)
         out_of_balance = inertial + internal - rhs
-        correction = solve(effective, out_of_balance, symmetric)
+        correction = solved(effective, out_of_balance)
+        if problem.kinked and jnp.ndim(u):
+            correction = shortened(residual, a, correction, out_of_balance)
         a = a - correction
-        moved, size = norm(times(c_u, correction)), norm(u) + norm(times(c_u, a))
+        moved, size = norm(times(reach, correction)), norm(start) + norm(times(reach, a))
         unfinished = moved > tolerance * size
         if jnp.ndim(u):
             forces = norm(inertial) + norm(internal) + norm(rhs)
@@ -153,19 +197,34 @@ def balance(
             unfinished &= ~((moved <= tolerances.near * size) & predicted)
         return a, unfinished, moved
 
-    def differentiable(a):
-        residual, given = opened_closure(lambda a: times(inertia, a) + weight * force(u + times(c_u, a)) - rhs, a)
-        solution, fixed = opened_closure(lambda r, a: solve(internal_and_effective(a)[1], r, symmetric), a, a)
-        return root(residual, solution, a, given, fixed)
+    def iterate_between(bracket, before):
+        a = bracket[0]
+        internal, effective = internal_and_effective(a)
+        out_of_balance = times(inertia, a) + internal - rhs
+        bracket = narrowed(bracket, out_of_balance, solved(effective, out_of_balance))
+        moved, size = norm(reach * (bracket[0] - a)), norm(start) + norm(reach * bracket[0])
+        return bracket, moved > tolerance * size, moved
 
-    nothing = jnp.zeros((), u.dtype)
+    def differentiable(a):
+        opened, given = opened_closure(residual, a)
+        solution, fixed = opened_closure(lambda r, a: solved(internal_and_effective(a)[1], r), a, a)
+        return root(opened, solution, a, given, fixed)
+
+    nothing, bracketed = jnp.zeros((), u.dtype), problem.kinked and not jnp.ndim(u)
+    if bracketed:
+        iterate, guess = iterate_between, jnp.stack([guess, -jnp.inf, jnp.inf, jnp.inf])
     opened, given = opened_closure(iterate, guess, nothing)
     given = lax.stop_gradient(given)
     a, unfinished, iterations = lax.stop_gradient(guess), jnp.ones((), bool), jnp.zeros((), int)
-    if not jnp.ndim(u):
+    if not jnp.ndim(guess):
         # most steps need two iterations, one to correct and one to confirm: these two are written out before the loop,
         # which for several unknowns would double what is compiled and save little
         once, _, moved = opened((a, nothing), given)
         (a, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)
     a, unfinished, iterations = iterated(opened, given, (a, unfinished, iterations))
-    return differentiable(a), Effort(iterations, ~unfinished)
+    return differentiable(a[0] if bracketed else a), Effort(iterations, ~unfinished)
+
+
+def _coupled(form: str | int | None, c_u: Matrix) -> str | int | None:
+    """Form of a tangent after multiplication by ``c_u``."""
+    return form + c_u.half_bandwidth if isinstance(form, int) and isinstance(c_u, Banded) else form

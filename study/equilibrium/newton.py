@@ -46,6 +46,12 @@ TOLERANCES = {
 #: Iterations after which a balance counts as not converged.
 MAX_ITERATIONS = 50
 
+#: A correction is shortened if the residual along it changes its sign and keeps more than this part of its size.
+OVERSHOOT = 0.5
+
+#: A shortened correction keeps at least this part of its length.
+SHORTEST = 0.1
+
 
 def norm(x: Vector | float) -> Scalar:
     """Euclidean norm."""
@@ -100,6 +106,30 @@ def iterated(iterate: Callable, given, carry: tuple) -> tuple:
         return lax.while_loop(lambda carry: _any(_goes_on(carry)), those_that_go_on, carry), (True,) * 3
 
     return to_the_end(carry, given)
+
+
+def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
+    """The next acceleration of one unknown, between two whose residuals have opposite signs once such are known.
+
+    ``bracket`` (4,) holds the acceleration, those with a negative and with a positive residual, and the last change.
+    """
+    a, negative, positive, last = bracket
+    negative, positive = jnp.where(residual < 0, a, negative), jnp.where(residual < 0, positive, a)
+    new = a - correction
+    leaves = (new - negative) * (new - positive) > 0
+    crawls = jnp.abs(correction) > jnp.abs(last) / 2
+    bisects = jnp.isfinite(negative) & jnp.isfinite(positive) & (leaves | crawls)
+    new = jnp.where(bisects, (negative + positive) / 2, new)
+    return jnp.stack([new, negative, positive, new - a])
+
+
+def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
+    """A Newton correction, shortened by the secant where the residual along it overshoots."""
+    before = jnp.vdot(correction, out_of_balance)
+    after = jnp.vdot(correction, residual(a - correction))
+    overshoots = (before * after < 0) & (jnp.abs(after) > OVERSHOOT * jnp.abs(before))
+    part = before / jnp.where(overshoots, before - after, 1.0)
+    return jnp.where(overshoots, jnp.maximum(part, SHORTEST), 1.0) * correction
 
 
 def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:

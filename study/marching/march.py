@@ -72,7 +72,8 @@ class March(eqx.Module):
         return jnp.where(finite, jnp.where(effort.converged, 0, -(step + 1)), step + 1)
 
     def _sample(self, initial, state, t) -> dict[str, jax.Array]:
-        values = {n: v for record in self.records for n, v in record.sample(self.problem, initial, state, t).items()}
+        problem = self.problem.at(state)
+        values = {n: v for record in self.records for n, v in record.sample(problem, initial, state, t).items()}
         return {name: jnp.asarray(value, float) for name, value in values.items()}
 
     def start(self, u0, v0, dt, room: int) -> tuple[Progress, Any, dict[str, jax.Array]]:
@@ -83,7 +84,7 @@ class March(eqx.Module):
 
         def one(u0, v0, dt):
             state, effort = _checked(self.scheme, "start", self.scheme.start(self.problem, u0, v0, dt), u0)
-            carried = tuple(reduction.start(self.problem, state) for reduction in self.reductions)
+            carried = tuple(reduction.start(self.problem.at(state), state) for reduction in self.reductions)
             return (
                 state,
                 carried,
@@ -103,8 +104,9 @@ class March(eqx.Module):
             after = self.scheme.step(self.problem, state, step.astype(dt.dtype) * dt, dt)
             state, effort = _checked(self.scheme, "step", after, state.u, like=state)
             now = (step + 1).astype(dt.dtype) * dt
+            problem = self.problem.at(state)
             carried = tuple(
-                reduction.update(c, self.problem, state, now, effort)
+                reduction.update(c, problem, state, now, effort)
                 for reduction, c in zip(self.reductions, carried, strict=True)
             )
             return state, carried, self._failure(state, effort, step + 1)
@@ -214,7 +216,7 @@ class March(eqx.Module):
             return {
                 name: value
                 for reduction, c in zip(self.reductions, carried, strict=True)
-                for name, value in reduction.result(c, self.problem, state).items()
+                for name, value in reduction.result(c, self.problem.at(state), state).items()
             }
 
         return progress.failure, self._each(one)(progress.state, progress.carried)

@@ -35,6 +35,7 @@ from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.linearised import Linearised
 from study.scheme.named import schemes
+from study.scheme.remembering import Remembering
 
 #: Samples × lanes × unknowns whose records fit into the memory of any machine.
 ANY_MEMORY = 10_000_000
@@ -72,9 +73,10 @@ def _prepared(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...],
         if reason:
             raise ValueError(reason)
     parts = [observer.marched() for observer in observers]
+    stepped = scheme if problem.history is None else Remembering(scheme)
     march = March(
         problem,
-        Linearised(scheme) if any(o.needs_neighbour for o in observers) else scheme,
+        Linearised(stepped) if any(o.needs_neighbour for o in observers) else stepped,
         tuple(o for o in parts if isinstance(o, Reduction)),
         tuple(o for o in parts if isinstance(o, Record)),
         lanes,

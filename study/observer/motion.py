@@ -29,6 +29,15 @@ class Trajectory(Record):
         return {"u": state.u, "v": state.v}
 
 
+class InternalForce(Record):
+    """The internal force p along time, with displacement the loops of hysteresis."""
+
+    variables = {"internal_force": {"long_name": "internal force", "units": "1"}}
+
+    def sample(self, problem, initial, state, t):
+        return {"internal_force": problem.internal_force(state.u, state.v)}
+
+
 class AbsoluteAcceleration(Record):
     """ü + ι a(t) along time: the acceleration of structures on moving ground in a frame at rest.
 

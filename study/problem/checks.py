@@ -81,9 +81,24 @@ NOT_TRACEABLE = (
 )
 
 
-def _given(name: str) -> str:
-    """What a function of a problem is called with."""
-    return "the time alone" if name == "load" else "the displacement alone"
+def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
+    """For each function of a problem: what it is given, in words and as arrays, and the shape of what it returns."""
+    shape = np.shape(problem.u0)
+    u, v, history = ("the displacement", problem.u0), ("the velocity", problem.v0), ("the history", problem.history)
+    memory = () if problem.history is None else (history,)
+    given = {
+        "force": (shape, u, *((v,) if problem.arguments > 1 else ()), *memory),
+        "load": (shape, ("the time", 0.0)),
+        "potential": ((), u, *memory),
+    }
+    return {
+        name: (
+            ", ".join(what for what, _ in of) + (" alone" if len(of) == 1 else ""),
+            tuple(x for _, x in of),
+            expected,
+        )
+        for name, (expected, *of) in given.items()
+    }
 
 
 def check_functions(problem) -> None:
@@ -91,12 +106,7 @@ def check_functions(problem) -> None:
 
     Each function is called as a run calls it, with an array that JAX traces.
     """
-    shape = np.shape(problem.u0)
-    for name, argument, expected in (
-        ("force", problem.u0, shape),
-        ("load", 0.0, shape),
-        ("potential", problem.u0, ()),
-    ):
+    for name, (given, arguments, expected) in _calls(problem).items():
         function = getattr(problem, name)
         if not callable(function) and (function is not None or name == "force"):
             raise TypeError(f"{name} must be a function, not {function!r}.")
@@ -104,12 +114,14 @@ def check_functions(problem) -> None:
             continue
         try:
             # arrays in the function are traced too, as in a run
-            received = eqx.filter_eval_shape(lambda f, x: f(x), function, jnp.asarray(argument))
+            received = eqx.filter_eval_shape(lambda f, *x: f(*x), function, *jax.tree.map(jnp.asarray, arguments))
         except Exception as error:  # a user's function may raise anything
             reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
             if isinstance(error, NOT_TRACEABLE):
                 raise ValueError(f"{name} of '{problem.title}' must be written with jax.numpy: {reason}") from error
-            raise ValueError(f"{name} of '{problem.title}' fails for {_given(name)}: {reason}") from error
+            raise ValueError(f"{name} of '{problem.title}' fails for {given}: {reason}") from error
+        if name == "force" and problem.history is not None:
+            received = _without_history(received, problem.history, problem.title)
         if not hasattr(received, "shape") or received.shape != expected:
             got = getattr(received, "shape", type(received).__name__)
             raise ValueError(f"{name} must return the shape {expected}, not {got}.")
@@ -117,6 +129,22 @@ def check_functions(problem) -> None:
             raise ValueError(f"{name} must return float64, not {received.dtype}.")
     if isinstance(problem.potential, StrainEnergy):
         _check_strain_energy(problem.potential, problem.u0)
+
+
+def _without_history(returned, history, title: str):
+    """The force out of what a force with a history returned, after a check of the new history."""
+    if not (isinstance(returned, tuple) and len(returned) == 2):
+        raise ValueError(f"force of '{title}' must return the force and its new history, a tuple of two.")
+    start, new = (
+        (str(jax.tree.structure(one)), [(jnp.shape(x), jnp.result_type(x)) for x in jax.tree.leaves(one)])
+        for one in (history, returned[1])
+    )
+    if start != new:
+        raise ValueError(
+            f"force of '{title}' must return a history with the shapes and types of its start, {start[1]}, in the same "
+            f"containers, not {new[1]}."
+        )
+    return returned[0]
 
 
 def _check_strain_energy(potential: StrainEnergy, u0) -> None:

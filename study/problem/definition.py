@@ -1,7 +1,8 @@
-"""Equation (1): M ü + C u̇ + p(u) = f(t), with u(0) and u̇(0)."""
+"""Equation (1): M ü + C u̇ + p = f(t), with u(0) and u̇(0); p is of u, or also of u̇ and of a history."""
 
 from collections.abc import Callable
 from dataclasses import fields
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -13,6 +14,7 @@ from study.algebra.matrices import banded, times
 from study.problem import checks, tangent
 from study.problem.damping import Rayleigh, rayleigh_matrix
 from study.problem.ground import GroundLoad, GroundMotion
+from study.problem.internal_force import as_history, depends_on_last, may_have_kinks, number_of_arguments
 from study.problem.potential import gradient
 
 #: Arguments of a problem that are numbers.
@@ -29,11 +31,20 @@ class Problem(eqx.Module):
     ----------
     force
         Internal force p(u), written with ``jax.numpy``; returns the shape of ``u``. Without it, the force is the
-        gradient of the potential.
+        gradient of the potential. A function of two arguments is p(u, u̇). One of three takes a history too, and
+        returns the force and the new history: see ``history``. If it branches, as contact does, Newton's iteration is
+        safeguarded.
     u0, v0
         Displacement and velocity at t = 0, both of shape () or (n,). The default velocity is zero.
+    history
+        What a force with a memory remembers, at rest: any arrays of real numbers, in any containers. By default the
+        attribute ``history`` of the force, as :mod:`study.materials` have it. ``force(u, u̇, history)`` is that of a
+        motion from the end of the last step, where the history was committed, to u and u̇. Newton's iterations and the
+        stages of a scheme start from the committed history; the end of the step commits the new one. At u and u̇ where
+        it was committed, the new history must give the same force and return itself.
     potential
-        V(u) with p = ∂V/∂u, a scalar, or a :class:`study.StrainEnergy`. Only energies and conserving schemes need it.
+        V(u) with p = ∂V/∂u, a scalar, or a :class:`study.StrainEnergy`; V(u, history) for a force with a history. Of a
+        force that dissipates it is the energy that is stored. Only energies and conserving schemes need it.
     mass
         M: a number, a diagonal (n,) or a symmetric matrix (n, n); the identity by default. An unknown without mass
         makes M singular. Implicit schemes that are stable at infinite frequency can step such a problem; ``u0`` and
@@ -71,6 +82,7 @@ class Problem(eqx.Module):
     force: Callable = None  # type: ignore[assignment]
     u0: VectorLike = None
     v0: VectorLike = None
+    history: Any = eqx.field(default=None, kw_only=True)
     potential: Callable | None = eqx.field(default=None, kw_only=True)
     mass: Matrix = eqx.field(default=None, kw_only=True)
     damping: Matrix = eqx.field(default=None, kw_only=True)
@@ -82,6 +94,12 @@ class Problem(eqx.Module):
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
     #: Whether M is singular.
     massless: bool = eqx.field(init=False, static=True)
+    #: Number of arguments of the force.
+    arguments: int = eqx.field(init=False, static=True)
+    #: Whether the force depends on the velocity.
+    takes_velocity: bool = eqx.field(init=False, static=True)
+    #: Whether the slope of the force may jump.
+    kinked: bool = eqx.field(init=False, static=True)
 
     @jax.enable_x64(True)  # the checks compare with round-off of double precision; a run may use single precision
     def __post_init__(self):
@@ -99,9 +117,12 @@ class Problem(eqx.Module):
             self.force = eqx.Partial(gradient, self.potential)
         if self.ground is not None:
             self.load = self._with(self.ground)
+        self._count_arguments()
         checks.check_functions(self)
-        if self.potential is not None and not derived and not traced:
-            checks.check_gradient(self.force, self.potential, self.u0, self.title)
+        self.kinked = may_have_kinks(self.internal_force, self.u0, self.v0)
+        self.takes_velocity = self.arguments > 1 and depends_on_last(self.internal_force, self.u0, self.v0)
+        if self.potential is not None and not derived and not traced and self.history is None:
+            checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
 
         checks.check_symmetry("mass", self.mass)
         if self.tangent == "matrix_free":  # conjugate gradients need it; otherwise damping may be gyroscopic
@@ -113,6 +134,28 @@ class Problem(eqx.Module):
             self.mass, self.damping = self._stored(self.mass), self._stored(self.damping)
             if isinstance(self.damping, Rayleigh):
                 self.damping = self._rayleigh(self.damping)
+
+    def _count_arguments(self) -> None:
+        """The number of arguments of the force, and its history at rest."""
+        self.arguments = number_of_arguments(self.force) if callable(self.force) else 1
+        if self.history is None:
+            self.history = getattr(self.force, "history", None)
+        if self.history is not None:
+            self.history = as_history(self.history, self.title)
+        if self.arguments > 3 or (self.arguments == 3) != (self.history is not None):
+            given = "a history" if self.history is not None else "no history"
+            raise ValueError(
+                f"force of '{self.title}' takes {self.arguments} arguments, and the problem has {given}: give "
+                "force(u), force(u, v), or force(u, v, history) with Problem(history=...)."
+            )
+
+    def _without_velocity(self) -> Callable:
+        """The force p(u, 0) as a function of u."""
+        return self.force if not self.dissipative else lambda u: self.internal_force(u, jnp.zeros_like(u))
+
+    def _coupling(self) -> Callable:
+        """A function of u whose derivative has an entry wherever ∂p/∂u or ∂p/∂u̇ has one."""
+        return self.force if not self.dissipative else lambda u: self.internal_force(u, self.v0 + (u - self.u0))
 
     def _with(self, ground: GroundMotion) -> GroundLoad:
         """The load with that of the moving ground."""
@@ -130,8 +173,8 @@ class Problem(eqx.Module):
                 )
             return None
         if self.tangent is None:
-            return tangent.found(self.force, self.u0, self.massless, self.title)
-        return tangent.checked(self.force, self.u0, self.tangent, self.title)
+            return tangent.found(self._coupling(), self.u0, self.massless, self.title)
+        return tangent.checked(self._coupling(), self.u0, self.tangent, self.title)
 
     def _stored(self, matrix: Matrix) -> Matrix:
         """Mass or damping in the smallest form that holds it: a full matrix as a band if the tangent is one."""
@@ -144,7 +187,7 @@ class Problem(eqx.Module):
         mass = 1.0 if self.mass is None else self.mass
 
         def matrix(u):
-            _, stiffness = tangent.force_and_tangent(self.force, u, self.tangent)
+            _, stiffness = tangent.force_and_tangent(self._without_velocity(), u, self.tangent)
             return rayleigh_matrix(damping, mass, stiffness, u.size)
 
         # a matrix-free one holds functions, which a compiled function cannot return
@@ -153,18 +196,57 @@ class Problem(eqx.Module):
 
     def untitled(self) -> "Problem":
         """The same problem without its title: problems that differ in the title alone share a compiled program."""
+        copy = self._copy()
+        object.__setattr__(copy, "title", "untitled")
+        return copy
+
+    def _copy(self) -> "Problem":
+        """A copy that is not checked again."""
         copy = object.__new__(type(self))
         for field in fields(self):
             object.__setattr__(copy, field.name, getattr(self, field.name))
-        object.__setattr__(copy, "title", "untitled")
         return copy
+
+    def at(self, state: Any) -> "Problem":
+        """The problem with the history that a state has committed; without a history the problem itself."""
+        return self if self.history is None else self.remembering(state.history)
+
+    def remembering(self, history: Any) -> "Problem":
+        """The problem with another history."""
+        copy = self._copy()
+        object.__setattr__(copy, "history", history)
+        return copy
+
+    def committed(self, u: VectorLike, v: VectorLike) -> "Problem":
+        """The problem with the history after a motion to u and u̇; without a history the problem itself."""
+        return self if self.history is None else self.remembering(self.force(u, v, self.history)[1])
+
+    @property
+    def damped(self) -> bool:
+        """Whether forces depend on the velocity."""
+        return self.damping is not None or self.takes_velocity
+
+    @property
+    def dissipative(self) -> bool:
+        """Whether the internal force has a velocity or a history, so that it may dissipate."""
+        return self.arguments > 1
+
+    def internal_force(self, u: VectorLike, v: VectorLike) -> Vector:
+        """The force p at displacement u and velocity u̇, from the committed history."""
+        if self.history is not None:
+            return self.force(u, v, self.history)[0]
+        return self.force(u, v) if self.arguments == 2 else self.force(u)
 
     def momentum(self, v: VectorLike) -> Vector:
         """M u̇."""
         return v if self.mass is None else times(self.mass, v)
 
     def energy(self, u: VectorLike, v: VectorLike) -> Scalar:
-        """Kinetic and potential energy ½ u̇ᵀ M u̇ + V(u), the scalar E of Xie (1996), eqs (4) and (5)."""
+        """Kinetic and potential energy ½ u̇ᵀ M u̇ + V, the scalar E of Xie (1996), eqs (4) and (5)."""
+        return 0.5 * jnp.vdot(v, self.momentum(v)) + self.stored_energy(u)
+
+    def stored_energy(self, u: VectorLike) -> Scalar:
+        """V at displacement u, with the committed history."""
         if self.potential is None:
             raise ValueError("the energy of a problem needs its potential: give Problem(potential=...).")
-        return 0.5 * jnp.vdot(v, self.momentum(v)) + self.potential(u)
+        return self.potential(u) if self.history is None else self.potential(u, self.history)

@@ -81,7 +81,7 @@ class HHTAlpha(OneStep):
         u, v, a = state
         c_u, c_v = self.beta * dt**2, self.gamma * dt
         du, dv = predicted(v, a, dt, self.beta, self.gamma)
-        rhs = load(problem, t + dt) + self.alpha * problem.force(u)
+        rhs = load(problem, t + dt) + self.alpha * problem.internal_force(u, v)
         a, effort = balance(problem, rhs, u + du, v + dv, c_u, c_v, guess=a, weight=1 + self.alpha)
         return Motion(du + c_u * a, dv + c_v * a, a), effort
 

@@ -43,13 +43,16 @@ class Scheme(eqx.Module):
 
     @property
     def damped_order(self) -> int:
-        """Order of accuracy with damping or a load, the lower of both."""
+        """Order of accuracy with damping, a force that takes the velocity, or a load: the lowest of them."""
         return self.order
 
     @property
     @abc.abstractmethod
     def explicit(self) -> bool:
-        """Whether a step needs no iteration, even if the internal force is non-linear."""
+        """Whether a step needs no iteration, even if the internal force is non-linear.
+
+        Schemes that take the velocity of the end of a kick iterate where the internal force depends on the velocity.
+        """
 
     @property
     def evaluations(self) -> int:

@@ -21,7 +21,8 @@ class Bathe(OneStep):
     Second order, unconditionally stable for linear systems, with the spectral radius ρ∞ at infinite frequency. ρ∞ = 0
     is Bathe's method with γ = ½ and TR-BDF2 with γ = 2 − √2. With γ = (2 − √(2 + 2ρ∞))/(1 − ρ∞), as in TR-BDF2, both
     sub-steps have the same effective stiffness. ρ∞ = 1 with γ = ½ is the trapezoidal rule twice. Carries u, u̇ and ü;
-    solves two balances a step, each with one force a Newton iteration.
+    solves two balances a step, each with one force a Newton iteration. The first one commits the history of a force
+    with a memory at t₀ + γΔt.
 
     Parameters
     ----------
@@ -75,10 +76,11 @@ class Bathe(OneStep):
         v_half, u_half = v + h * a, u + 2 * h * v + h**2 * a
         a_gamma, first = balance(problem, load(problem, t + 2 * h), u_half, v_half, h**2, h, guess=a)
         v_gamma = v_half + h * a_gamma
+        problem = problem.committed(u_half + h**2 * a_gamma, v_gamma)
         dv = dt * (q0 * a + q1 * a_gamma)
         du = dt * (q0 * v + q1 * v_gamma) + c * (v + dv)
         a, second = balance(problem, load(problem, t + dt), u + du, v + dv, c**2, c, guess=a_gamma)
-        return Motion(du + c**2 * a, dv + c * a, a), first.then(second)
+        return Motion(du + c**2 * a, dv + c * a, a), first.then(second, problem.history)
 
 
 _noh = {"source": "Noh and Bathe (2019)", "doi": "10.1016/j.compstruc.2018.11.001"}

@@ -131,6 +131,8 @@ class EnergyMomentum(OneStep):
     evaluations_per_iteration = 2
 
     def refusal(self, problem):
+        if problem.dissipative:
+            return f"'{self.title}' takes the force from the potential, and that of '{problem.title}' dissipates."
         if problem.potential is None:
             return f"'{self.title}' needs the potential of '{problem.title}': give Problem(potential=...)."
         if problem.tangent not in (None, "dense") and not isinstance(problem.potential, StrainEnergy):
@@ -145,7 +147,11 @@ class EnergyMomentum(OneStep):
     def increment(self, problem, state, t, dt):
         u, v, guess = state
         rhs = load(problem, t + dt / 2)
-        mean_force = discrete_gradient(problem, u)
+        gradient = discrete_gradient(problem, u)
+
+        def mean_force(u1, v_m):
+            return gradient(u1)
+
         a, effort = balance(problem, rhs, u + dt * v, v, dt**2 / 2, dt / 2, guess, force=mean_force, symmetric=False)
         return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
 
@@ -198,8 +204,8 @@ class AverageVectorField(OneStep):
         u, v, guess = state
         nodes, weights = np.polynomial.legendre.leggauss(self.points)
 
-        def mean_force(u1):
-            between = [problem.force(u + (1 + s) / 2 * (u1 - u)) for s in nodes.tolist()]
+        def mean_force(u1, v_m):
+            between = [problem.internal_force(u + (1 + s) / 2 * (u1 - u), v_m) for s in nodes.tolist()]
             return sum(w / 2 * force for w, force in zip(weights.tolist(), between, strict=True))
 
         rhs = load(problem, t + dt / 2)

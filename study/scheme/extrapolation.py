@@ -68,14 +68,16 @@ class Extrapolation(OneStep):
     def increment(self, problem, state, t, dt):
         du: VectorLike = 0.0
         dv: VectorLike = 0.0
+        effort = Effort()
         squares = [Fraction(n) ** 2 for n in self.sequence]
         for n, square in zip(self.sequence, squares, strict=True):
             weight = Fraction(1)
             for other in squares:
                 weight *= square / (square - other) if other != square else 1
-            verlet, _ = Composition((1 / n,) * n, of_order=2).increment(problem, state, t, dt)
+            verlet, more = Composition((1 / n,) * n, of_order=2).increment(problem, state, t, dt)
             du, dv = du + float(weight) * verlet.u, dv + float(weight) * verlet.v
-        return Motion(du, dv, acceleration(problem, t + dt, state.u + du, state.v + dv)), Effort()
+            effort = effort.then(more)
+        return Motion(du, dv, acceleration(problem, t + dt, state.u + du, state.v + dv)), effort
 
 
 extrapolation12 = Extrapolation((1, 2, 3, 4, 5, 6), title="Extrapolation, order 12")

@@ -6,7 +6,7 @@ import equinox as eqx
 from jax import lax
 
 from study.algebra.arrays import Vector
-from study.equilibrium.balance import acceleration, balance, initial_acceleration, load
+from study.equilibrium.balance import acceleration, acceleration_within, balance, initial_acceleration, load
 from study.equilibrium.state import Effort, Phase
 from study.problem.definition import Problem
 from study.registry import did_you_mean
@@ -42,15 +42,17 @@ def _linear_acceleration(problem: Problem, u0, v0, dt):
 def _central_difference(problem: Problem, u0, v0, dt):
     """Fictitious points that make the first two steps equal to those of central difference."""
     state, _ = central_difference.start(problem, u0, v0, dt)
-    first, _ = central_difference.step(problem, state, 0.0, dt)
-    second, _ = central_difference.step(problem, first, dt, dt)
+    first, effort = central_difference.step(problem, state, 0.0, dt)
+    second, more = central_difference.step(problem, first, dt, dt)
+    effort = effort.then(more)
     u1, u2 = first.u, second.u
     # eqs (11) solved for u₋₁ and u₋₂, which depend on the acceleration, as does the velocity that the damping acts on
-    a2 = acceleration(problem, 2 * dt, u2, (7 * u2 - 8 * u1 + u0) / (6 * dt), c_v=dt / 3)
+    a2, more = acceleration_within(problem, 2 * dt, u2, (7 * u2 - 8 * u1 + u0) / (6 * dt), dt / 3, guess=second.a)
+    effort = effort.then(more)
     u_1 = 2 * u2 - 5 * u1 + 4 * u0 - dt**2 * a2
-    a1 = acceleration(problem, dt, u1, (7 * u1 - 8 * u0 + u_1) / (6 * dt), c_v=dt / 3)
+    a1, more = acceleration_within(problem, dt, u1, (7 * u1 - 8 * u0 + u_1) / (6 * dt), dt / 3, guess=first.a)
     u_2 = 2 * u1 - 5 * u0 + 4 * u_1 - dt**2 * a1
-    return u_1, u_2, Effort()
+    return u_1, u_2, effort.then(more)
 
 
 def _taylor(problem: Problem, u0, v0, dt):

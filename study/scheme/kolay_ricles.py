@@ -16,7 +16,8 @@ from study.scheme.base import OneStep, check_ranges, start_in_balance
 class KolayRicles(OneStep):
     """The KR-α method: unconditionally stable for a linear structure, without iteration for a non-linear one.
 
-    With the stiffness K = ∂p/∂u of the undeformed structure, G = γΔt C + βΔt² K and S = M + G,
+    With the stiffness K = ∂p/∂u of the undeformed structure at rest, G = γΔt C + βΔt² K and S = M + G, where C holds
+    ∂p/∂u̇ too,
 
     u̇₁ = u̇₀ + Δt S⁻¹ M ü₀,    u₁ = u₀ + Δt u̇₀ + (½ + γ) Δt² S⁻¹ M ü₀
     M ü_m + C u̇_f + p(u_f) = f(t_f),    x_f = (1 − α_f) x₁ + α_f x₀ for t, u and u̇
@@ -67,8 +68,12 @@ class KolayRicles(OneStep):
         beta = (0.5 + gamma) ** 2 / 4
         mass = 1.0 if problem.mass is None else problem.mass
         n = u.size
-        _, stiffness = force_and_tangent(problem.force, jnp.zeros_like(u), problem.tangent)
+        at_rest = jnp.zeros_like(u)
+        _, stiffness = force_and_tangent(lambda u: problem.internal_force(u, at_rest), at_rest, problem.tangent)
         model = product(beta * dt**2, stiffness, n)
+        if problem.takes_velocity:
+            _, viscosity = force_and_tangent(lambda v: problem.internal_force(at_rest, v), at_rest, problem.tangent)
+            model = add(model, product(gamma * dt, viscosity, n), n=n)
         if problem.damping is not None:
             model = add(model, product(gamma * dt, problem.damping, n), n=n)
 

@@ -28,6 +28,11 @@ class Neighbours(NamedTuple):
         """Velocity."""
         return self.inner.v
 
+    @property
+    def history(self) -> Any:
+        """History of the force, of a scheme that commits one."""
+        return self.inner.history
+
 
 def _power_of_two(size):
     """The p with 2ᵖ ≤ size < 2ᵖ⁺¹, and 2⁻ᵖ, from the bits of a positive number: a logarithm takes ten times longer."""

@@ -5,7 +5,7 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.algebra.arrays import ScalarLike, Vector
-from study.equilibrium.balance import acceleration, balance, load
+from study.equilibrium.balance import acceleration_within, balance, load
 from study.equilibrium.state import Effort, Motion
 from study.problem.definition import Problem
 from study.scheme.base import OneStep, check_ranges, start_in_balance
@@ -88,7 +88,7 @@ class Newmark(OneStep):
     ) -> tuple[Vector, Effort]:
         """ü₁ that balances the forces at the end of the step, and the effort to find it."""
         if self.explicit:
-            return acceleration(problem, t, u, v, c_v), Effort()
+            return acceleration_within(problem, t, u, v, c_v, guess)
         return balance(problem, load(problem, t), u, v, c_u, c_v, guess)
 
 

@@ -87,7 +87,7 @@ class Nystrom4(OneStep):
         k1 = acceleration(problem, t, u, v)
         u_half = u + half * v + half**2 / 2 * k1
         k2 = acceleration(problem, t + half, u_half, v + half * k1)
-        k3 = k2 if problem.damping is None else acceleration(problem, t + half, u_half, v + half * k2)
+        k3 = k2 if not problem.damped else acceleration(problem, t + half, u_half, v + half * k2)
         k4 = acceleration(problem, t + dt, u + dt * v + dt * half * k3, v + dt * k3)
         return Phase(dt * v + dt**2 / 6 * (k1 + k2 + k3), dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4)), Effort()
 
@@ -103,16 +103,19 @@ class Stages(NamedTuple):
 class _Twice(NamedTuple):
     """Two stages of a problem as one system of twice as many unknowns; the stages of an unknown are neighbours."""
 
-    force: Callable
+    internal_force: Callable
+    takes_velocity: bool
+    kinked: bool
     mass: Matrix
     damping: Matrix
     tangent: str | int | None
 
 
 def _twice(problem: Problem, u) -> _Twice:
-    def force(stages):
-        first, second = stages.reshape(*u.shape, 2).T
-        return jnp.stack([problem.force(first), problem.force(second)]).T.ravel()
+    def internal_force(u_stages, v_stages):
+        (first_u, second_u), (first_v, second_v) = (x.reshape(*u.shape, 2).T for x in (u_stages, v_stages))
+        forces = [problem.internal_force(first_u, first_v), problem.internal_force(second_u, second_v)]
+        return jnp.stack(forces).T.ravel()
 
     def doubled(matrix):
         if matrix is None or (isinstance(matrix, np.ndarray | jax.Array) and matrix.ndim == 0):
@@ -128,7 +131,14 @@ def _twice(problem: Problem, u) -> _Twice:
         return jnp.repeat(matrix, 2) if jnp.ndim(matrix) == 1 else jnp.kron(matrix, jnp.eye(2))
 
     structure = 2 * problem.tangent if isinstance(problem.tangent, int) else "dense" if u.ndim == 0 else problem.tangent
-    return _Twice(force, doubled(problem.mass), doubled(problem.damping), structure)
+    return _Twice(
+        internal_force,
+        problem.takes_velocity,
+        problem.kinked,
+        doubled(problem.mass),
+        doubled(problem.damping),
+        structure,
+    )
 
 
 def _of_stages(weights: np.ndarray, problem: Problem, size: int) -> Matrix:

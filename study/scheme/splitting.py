@@ -5,9 +5,10 @@ from itertools import accumulate
 from typing import ClassVar
 
 import equinox as eqx
+import jax.numpy as jnp
 
 from study.algebra.arrays import VectorLike
-from study.equilibrium.balance import acceleration
+from study.equilibrium.balance import acceleration_within
 from study.equilibrium.state import Effort, Motion, Phase
 from study.scheme.base import OneStep, as_tuple, check_numbers, start_in_balance
 
@@ -92,11 +93,13 @@ class Splitting(OneStep):
         first, *rest = self.drifts
         du: VectorLike = first * dt * v
         dv: VectorLike = 0.0
+        effort = Effort()
         for part, kick, drift in zip(accumulate(self.drifts), self.kicks, rest, strict=False):
             h = kick * dt
-            dv = dv + h * acceleration(problem, t + part * dt, u + du, v + dv, c_v=h / 2)
+            a, kicked = acceleration_within(problem, t + part * dt, u + du, v + dv, h / 2, guess=jnp.zeros_like(v))
+            dv, effort = dv + h * a, effort.then(kicked)
             du = du + drift * dt * (v + dv)
-        return Phase(du, dv), Effort()
+        return Phase(du, dv), effort
 
 
 class Composition(OneStep):
@@ -160,13 +163,14 @@ class Composition(OneStep):
         u, v, a = state
         du: VectorLike = 0.0
         dv: VectorLike = 0.0
+        effort = Effort()
         for part, weight in zip(accumulate(self.weights), self.weights, strict=True):
             h = weight * dt
             dv = dv + h / 2 * a
             du = du + h * (v + dv)
-            a = acceleration(problem, t + part * dt, u + du, v + dv, c_v=h / 2)
-            dv = dv + h / 2 * a
-        return Motion(du, dv, a), Effort()
+            a, kicked = acceleration_within(problem, t + part * dt, u + du, v + dv, h / 2, guess=a)
+            dv, effort = dv + h / 2 * a, effort.then(kicked)
+        return Motion(du, dv, a), effort
 
 
 def _mirrored(*half: float) -> tuple[float, ...]:

@@ -40,12 +40,12 @@ def _driven_along(exact, damping=None, mass=None):
     return study.Problem(force, u0, v0, potential=potential, load=load, damping=damping, mass=mass, title="driven")
 
 
-def _one(t):
+def one(t):
     return jnp.cos(t) + 0.3 * jnp.sin(2 * t), -jnp.sin(t) + 0.6 * jnp.cos(2 * t), -jnp.cos(t) - 1.2 * jnp.sin(2 * t)
 
 
 def _two(t):
-    u, v, a = _one(t)
+    u, v, a = one(t)
     return (
         jnp.stack([u, 0.5 * jnp.cos(0.7 * t)]),
         jnp.stack([v, -0.35 * jnp.sin(0.7 * t)]),
@@ -62,7 +62,7 @@ def _observed_orders(problem, scheme, exact, duration, steps):
 
 
 def test_order_of_one_damped_and_driven_oscillator(scheme):
-    orders = _observed_orders(_driven_along(_one, damping=0.3), scheme, _one, 3.0, STEPS[scheme.damped_order])
+    orders = _observed_orders(_driven_along(one, damping=0.3), scheme, one, 3.0, STEPS[scheme.damped_order])
     assert orders == pytest.approx(scheme.damped_order, abs=0.1)
 
 
@@ -70,7 +70,7 @@ def test_a_load_alone_leaves_mclachlans_method_its_order():
     """The method asks for an acceleration that does not depend on the velocity."""
     scheme = study.schemes["mclachlan4"]
     assert scheme.damped_order < scheme.order
-    orders = _observed_orders(_driven_along(_one), scheme, _one, 3.0, STEPS[scheme.order])
+    orders = _observed_orders(_driven_along(one), scheme, one, 3.0, STEPS[scheme.order])
     assert orders == pytest.approx(scheme.order, abs=0.1)
 
 

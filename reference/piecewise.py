@@ -1,0 +1,177 @@
+"""Exact motion of one mass on a spring that is linear in pieces, from event to event.
+
+Between two events — a yield point, a reversal, a touch, a kink of the load — the motion obeys
+
+    m ü + c u̇ + k u + q = f₀ + f₁ (t − t₀),
+
+whose solution is a matrix exponential of (u, u̇, 1, t − t₀). An event is bracketed on times much closer than the shortest
+period and then found by Brent's method on this solution.
+"""
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import numpy as np
+import scipy.linalg
+import scipy.optimize
+
+from reference.solution import RouteFailed, Solution, Times
+from study.problem.definition import Problem
+from study.problem.materials import Elastoplastic, Gap
+
+#: Places in the shortest period at which an event is looked for.
+PLACES = 200
+
+#: Most events of one motion.
+MOST_EVENTS = 1_000_000
+
+#: A value of an event function of this part of its scale is round-off.
+ROUND_OFF = 1e-13
+
+
+class _Piece(NamedTuple):
+    """A piece of a spring: p = k u + q, and the events that end it.
+
+    Each event is a function of u and u̇ that becomes positive, and the piece that follows, a function of u.
+    """
+
+    stiffness: float
+    offset: float
+    events: tuple[tuple[Callable[[float, float], float], Callable[[float], "_Piece"]], ...]
+
+
+def _elastic(spring: Elastoplastic, plastic: float) -> _Piece:
+    k, b, bound = float(spring.stiffness), float(spring.hardening), float(spring.yield_force / spring.stiffness)
+    return _Piece(
+        k,
+        -(1 - b) * k * plastic,
+        (
+            (lambda u, v: u - plastic - bound, lambda u: _plastic(spring, 1)),
+            (lambda u, v: plastic - u - bound, lambda u: _plastic(spring, -1)),
+        ),
+    )
+
+
+def _plastic(spring: Elastoplastic, sign: int) -> _Piece:
+    k, b, bound = float(spring.stiffness), float(spring.hardening), float(spring.yield_force / spring.stiffness)
+    reversal = (lambda u, v: -sign * v, lambda u: _elastic(spring, u - sign * bound))
+    return _Piece(b * k, (1 - b) * k * sign * bound, (reversal,))
+
+
+def _open(spring: Gap) -> _Piece:
+    opening = float(spring.opening)
+    return _Piece(0.0, 0.0, ((lambda u, v: u - opening, lambda u: _closed(spring)),))
+
+
+def _closed(spring: Gap) -> _Piece:
+    k, opening = float(spring.stiffness), float(spring.opening)
+    return _Piece(k, -k * opening, ((lambda u, v: opening - u, lambda u: _open(spring)),))
+
+
+def _first_piece(problem: Problem) -> _Piece:
+    spring, u0 = problem.force, float(problem.u0)
+    if isinstance(spring, Elastoplastic):
+        plastic, bound = float(problem.history), float(spring.yield_force / spring.stiffness)
+        if abs(u0 - plastic) > bound:
+            # the first force is that after a motion straight to u0
+            sign = 1 if u0 > plastic else -1
+            return _plastic(spring, sign) if sign * float(problem.v0) > 0 else _elastic(spring, u0 - sign * bound)
+        return _elastic(spring, plastic)
+    if isinstance(spring, Gap):
+        return _closed(spring) if u0 > float(spring.opening) else _open(spring)
+    raise ValueError(f"the spring of '{problem.title}' is not linear in pieces: {spring!r}.")
+
+
+def _generator(mass: float, damping: float, piece: _Piece, load: float, slope: float) -> np.ndarray:
+    """Matrix (4, 4) of the linear equation of (u, u̇, 1, t − t₀)."""
+    return np.array(
+        [
+            [0.0, 1.0, 0.0, 0.0],
+            [-piece.stiffness / mass, -damping / mass, (load - piece.offset) / mass, slope / mass],
+            [0.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+        ]
+    )
+
+
+def trajectory(problem: Problem, t: Times) -> Solution:
+    """Displacement and velocity at the increasing times ``t``, exact up to round-off.
+
+    Parameters
+    ----------
+    problem
+        One unknown on a spring of :mod:`study.materials` that is linear in pieces. Its load, if it has one, is linear
+        between its ``kinks``.
+    t
+        Times in seconds.
+
+    Returns
+    -------
+    Solution
+        With the number of pieces in place of evaluations.
+
+    Raises
+    ------
+    ValueError
+        If the problem has several unknowns, a spring of another kind or a load without kinks.
+    RouteFailed
+        If there are more than a million events.
+    """
+    if np.ndim(problem.u0):
+        raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; exact pieces take one.")
+    if problem.load is not None and not hasattr(problem.load, "kinks"):
+        raise ValueError(f"exact pieces need the kinks of the load of '{problem.title}', between which it is linear.")
+    begin = time.perf_counter()
+    mass = 1.0 if problem.mass is None else float(problem.mass)
+    damping = 0.0 if problem.damping is None else float(problem.damping)
+    kinks = [] if problem.load is None else np.asarray(problem.load.kinks, float)
+    stops = np.union1d(np.asarray(t, float), [at for at in kinks if 0 < at < t[-1]])
+    piece, now, y = _first_piece(problem), 0.0, np.array([float(problem.u0), float(problem.v0)])
+    loads = np.zeros(len(stops) + 1)
+    if problem.load is not None:
+        loads = np.asarray(jax.jit(jax.vmap(problem.load))(np.append(0.0, stops)))
+    found, pieces = {}, 1
+    for stop, f0, f1 in zip(stops, loads[:-1].tolist(), loads[1:].tolist(), strict=True):
+        slope = (f1 - f0) / (stop - now) if stop > now else 0.0
+        while now < stop:
+            matrix = _generator(mass, damping, piece, f0, slope)
+            passed, y, piece = _to_event(matrix, piece, y, stop - now, _spacing(problem, mass))
+            now, f0 = (stop, f0) if passed is None else (now + passed, f0 + slope * passed)
+            pieces += passed is not None
+            if pieces > MOST_EVENTS:
+                raise RouteFailed(f"the motion of '{problem.title}' has more than {MOST_EVENTS} events.")
+        found[stop] = y
+    u, v = np.array([found[at] for at in np.asarray(t, float)]).T
+    return Solution(u, v, pieces, time.perf_counter() - begin)
+
+
+def _spacing(problem: Problem, mass: float) -> float:
+    """Time between two looks for an event."""
+    return 2 * np.pi * np.sqrt(mass / float(problem.force.stiffness)) / PLACES  # type: ignore[attr-defined]
+
+
+def _to_event(matrix, piece: _Piece, y: np.ndarray, duration: float, spacing: float):
+    """Time to the first event within a duration, or None; the state there or at the end, and the piece from there on."""
+
+    def at(tau):
+        return (scipy.linalg.expm(tau * matrix) @ [*y, 1.0, 0.0])[:2]
+
+    count = max(int(np.ceil(duration / spacing)), 1)
+    step, state = scipy.linalg.expm(duration / count * matrix), np.array([*y, 1.0, 0.0])
+    scale = np.abs(y).max() or 1.0
+    for i in range(count):
+        state = step @ state
+        for event, following in piece.events:
+            if event(*state[:2]) <= ROUND_OFF * scale:
+                continue
+            places = i * duration / count, (i + 1) * duration / count
+
+            def value(tau, event=event):
+                return event(*at(tau))
+
+            # right after an event the same function may be above zero by round-off
+            tau = scipy.optimize.brentq(value, *places, xtol=1e-300, rtol=1e-15) if value(places[0]) < 0 else places[0]
+            return tau, at(tau), following(at(tau)[0])
+    return None, state[:2], piece

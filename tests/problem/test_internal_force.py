@@ -1,0 +1,58 @@
+"""What the study reads off a force: its arguments, whether it uses them, and whether its slope may jump."""
+
+import functools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from study.problem.internal_force import depends_on_last, may_have_kinks, number_of_arguments
+
+
+@pytest.mark.parametrize(
+    "force, kinked",
+    [
+        (lambda u: u**3, False),
+        (jnp.sin, False),
+        (lambda u: jnp.where(u > 0, u, 0.0), True),
+        (lambda u: jnp.maximum(u, 0.0), True),
+        (lambda u: jnp.abs(u) * u, True),
+        (lambda u: jnp.clip(u, -1.0, 1.0), True),
+        (lambda u: jnp.interp(u, jnp.array([0.0, 1.0]), jnp.array([0.0, 2.0])), True),
+        (jax.jit(lambda u: jax.lax.cond(u > 0, lambda: u, lambda: 2 * u)), True),
+        (lambda u: jnp.where(jnp.arange(2.0) > 0, 1.0, 2.0).sum() * u, False),
+    ],
+)
+def test_kinks_are_seen(force, kinked):
+    assert may_have_kinks(force, 0.5) is kinked
+    assert study.Problem(force, u0=0.5).kinked is kinked
+
+
+def test_no_problem_of_the_study_has_kinks():
+    """Their iterations need no safeguard, which would cost compilation."""
+    assert not [name for name in study.problems if study.problems[name].kinked]
+
+
+@pytest.mark.parametrize(
+    "force, arguments",
+    [
+        (lambda u: u, 1),
+        (lambda u, k=2.0: u, 1),
+        (lambda u, v: u, 2),
+        (lambda u, v, history: u, 3),
+        (functools.partial(lambda k, u: u, 2.0), 1),
+        (np.sin, 1),
+        (jax.jit(lambda u, v: u), 2),
+        (study.materials.elastoplastic(1.0, 1.0), 3),
+    ],
+)
+def test_arguments_are_counted(force, arguments):
+    assert number_of_arguments(force) == arguments
+
+
+def test_an_unused_velocity_is_seen():
+    assert depends_on_last(lambda u, v: u * v, 1.0, 1.0)
+    assert not depends_on_last(lambda u, v: u, 1.0, 1.0)
+    assert not depends_on_last(jax.jit(lambda u, v: u**2), 1.0, 1.0)

@@ -1,0 +1,155 @@
+"""Materials against closed forms, independent integration, and what every force with a memory must keep."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import scipy.integrate
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import study
+from study import materials
+
+REMEMBER = {
+    "elastoplastic": materials.elastoplastic(stiffness=4.0, yield_force=1.0, hardening=0.1),
+    "friction": materials.friction(slip_force=0.5, stiffness=50.0),
+    "bouc_wen_1": materials.bouc_wen(stiffness=4.0, yield_force=1.0, hardening=0.05),
+    "bouc_wen_2": materials.bouc_wen(stiffness=4.0, yield_force=1.0, exponent=2),
+}
+paths = st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=8)
+
+
+def _along(material, path, history=None):
+    """Forces at the points of a path, each committed, and the last history."""
+    history, forces = material.history if history is None else history, []
+    for u in path:
+        force, history = jax.jit(material)(jnp.asarray(u), jnp.asarray(0.0), history)
+        forces.append(float(force))
+    return np.array(forces), history
+
+
+@pytest.mark.parametrize("name", REMEMBER)
+@settings(max_examples=40, deadline=None)
+@given(path=paths)
+def test_a_committed_state_gives_its_force_again(name, path):
+    material = REMEMBER[name]
+    forces, history = _along(material, path)
+    again, same = _along(material, path[-1:], history)
+    assert again[0] == pytest.approx(forces[-1], abs=1e-12)
+    for one, other in zip(jax.tree.leaves(history), jax.tree.leaves(same), strict=True):
+        assert float(one) == pytest.approx(float(other), abs=1e-12)
+
+
+@pytest.mark.parametrize("name", REMEMBER)
+@settings(max_examples=40, deadline=None)
+@given(path=paths, parts=st.integers(2, 7))
+def test_a_way_in_parts_is_the_way_at_once(name, path, parts):
+    """Nothing but turning points matters to materials without a rate."""
+    material, between, last = REMEMBER[name], [], 0.0
+    for u in path:
+        between += np.linspace(last, u, parts + 1)[1:].tolist()
+        last = u
+    assert _along(material, between)[0][parts - 1 :: parts] == pytest.approx(_along(material, path)[0], abs=1e-11)
+
+
+@pytest.mark.parametrize("name", ["elastoplastic", "friction"])
+def test_a_cycle_dissipates_the_area_of_its_parallelogram(name):
+    material, amplitude = REMEMBER[name], 1.5
+    k, fy, b = (float(x) for x in (material.stiffness, material.yield_force, material.hardening))
+    path = np.concatenate(
+        [[amplitude], np.linspace(amplitude, -amplitude, 4001), np.linspace(-amplitude, amplitude, 4001)]
+    )
+    forces, _ = _along(material, path)
+    area = np.trapezoid(forces[1:], path[1:])
+    assert area == pytest.approx(4 * (1 - b) * fy * (amplitude - fy / k), rel=1e-3)
+
+
+@pytest.mark.parametrize("exponent", [1, 2])
+@pytest.mark.parametrize("ends", [(2.0, -2.0, 0.7), (-0.1, 0.3, -0.05)])
+def test_bouc_wen_solves_its_equation(exponent, ends):
+    material = materials.bouc_wen(stiffness=4.0, yield_force=1.0, hardening=0.05, exponent=exponent)
+    bound, z, last, expected = 0.25, 0.0, 0.0, []
+    for end in ends:
+        sign = np.sign(end - last)
+
+        def slope(u, z, sign=sign):
+            return 1 - 0.5 * np.abs(z / bound) ** exponent * (1 + np.sign(z * sign))
+
+        grid = scipy.integrate.solve_ivp(
+            slope, (last, end), [z], method="DOP853", rtol=1e-11, atol=1e-13, max_step=0.02
+        )
+        z, last = grid.y[0, -1], end
+        expected.append(4.0 * (0.05 * end + 0.95 * z))
+    assert _along(material, ends)[0] == pytest.approx(expected, abs=1e-7)
+
+
+@pytest.mark.parametrize("name", ["elastoplastic", "friction"])
+def test_the_force_is_the_slope_of_the_stored_energy_while_elastic(name):
+    material = REMEMBER[name]
+    _, plastic = _along(material, [1.0, 0.995])
+    slope = jax.grad(material.potential)(jnp.asarray(0.995), plastic)
+    assert float(slope) == pytest.approx(_along(material, [0.995], plastic)[0][0], rel=1e-12)
+
+
+def test_a_damper_and_a_gap():
+    damper, stop = materials.viscous_damper(3.0, 0.5), materials.gap(stiffness=10.0, opening=0.2)
+    v = jnp.asarray([-4.0, 0.0, 9.0])
+    assert damper(v, v).tolist() == [-6.0, 0.0, 9.0]
+    assert np.isfinite(jax.vmap(jax.grad(damper, argnums=1))(v, v)).all()
+    assert stop(jnp.asarray([0.1, 0.2, 0.5])) == pytest.approx([0.0, 0.0, 3.0])
+
+
+def test_elements_assemble_nodal_forces():
+    """Three storeys: the nodal forces are differences of storey forces, and every storey remembers its own."""
+    storey = materials.elastoplastic(stiffness=np.array([4.0, 3.0, 2.0]), yield_force=1.0)
+    force = materials.elements(storey, lambda u: jnp.diff(u, prepend=0.0), count=3)
+    u, v = jnp.asarray([1.0, 0.9, 1.5]), jnp.zeros(3)
+    nodal, plastic = force(u, v, force.history)
+    in_storeys, expected = storey(jnp.diff(u, prepend=0.0), v, np.zeros(3))
+    assert nodal == pytest.approx(np.append(in_storeys[:-1] - in_storeys[1:], in_storeys[-1]))
+    assert plastic == pytest.approx(expected)
+    frame = study.Problem(force, u0=np.zeros(3), v0=np.ones(3), potential=force.potential)
+    assert frame.kinked and not frame.takes_velocity
+    damped = materials.elements(materials.viscous_damper(0.5), lambda u: jnp.diff(u, prepend=0.0), count=3)
+    assert study.Problem(damped, u0=np.zeros(3)).takes_velocity
+    stops = materials.elements(materials.gap(5.0, 0.1), lambda u: jnp.diff(u, prepend=0.0), count=3)
+    assert study.Problem(stops, u0=np.zeros(3), potential=stops.potential).arguments == 1
+
+
+@pytest.mark.parametrize(
+    "make, sentence",
+    [
+        (lambda: materials.elastoplastic(4.0, 0.0), "yield_force must be a number greater than 0, not 0.0"),
+        (lambda: materials.elastoplastic(-4.0, 1.0), "stiffness must be a number greater than 0"),
+        (
+            lambda: materials.elastoplastic(4.0, 1.0, 1.5),
+            "hardening must be a number at least 0 and at most 1, not 1.5",
+        ),
+        (lambda: materials.elastoplastic(4.0, "a"), "yield_force must be a number"),
+        (lambda: materials.bouc_wen(4.0, 1.0, exponent=3), "exponent must be 1 or 2, for which the law has"),
+        (lambda: materials.viscous_damper(-1.0), "coefficient must be a number at least 0"),
+        (lambda: materials.viscous_damper(1.0, 0.0), "exponent must be a number greater than 0 and at most 2"),
+        (lambda: materials.gap(1.0, np.nan), "opening must be a number"),
+        (lambda: materials.elements(REMEMBER["friction"], jnp.diff, count=0), "count must be a whole number"),
+    ],
+)
+def test_a_parameter_out_of_range_is_refused(make, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        make()
+
+
+@pytest.mark.parametrize(
+    "force, history, sentence",
+    [
+        (lambda u, v, h: u, 0.0, "must return the force and its new history, a tuple of two"),
+        (lambda u, v, h: (u, (h, h)), 0.0, "must return a history with the shapes and types of its start"),
+        (lambda u, v, h: (u, jnp.zeros(2)), 0.0, "must return a history with the shapes and types of its start"),
+        (lambda u, v, h: (u, h), "a", "must be arrays of real numbers, in any containers, not 'a'"),
+        (lambda u, v, h: (u, h), np.nan, "the history of 'own' must be finite"),
+        (lambda u, v: u, 0.0, "takes 2 arguments, and the problem has a history"),
+    ],
+)
+def test_a_force_that_forgets_is_refused(force, history, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        study.Problem(force, u0=1.0, history=history, title="own")

@@ -1,0 +1,70 @@
+"""Exact motions in pieces, against formulas of textbooks and conserved quantities."""
+
+import numpy as np
+import pytest
+
+import study
+from reference import piecewise
+from study import materials
+
+
+def test_an_elastic_perfectly_plastic_mass_stops_where_its_energy_is_spent():
+    """½ m v² = ½ p_y u_y + p_y (u − u_y), and then it swings about u − u_y with the amplitude u_y."""
+    k, py, v0 = 9.0, 3.0, 4.0
+    problem = study.Problem(materials.elastoplastic(k, py), u0=0.0, v0=v0)
+    t = np.linspace(1e-3, 10.0, 20_001)
+    motion = piecewise.trajectory(problem, t)
+    uy = py / k
+    largest = uy + (v0**2 / 2 - py * uy / 2) / py
+    assert motion.u.max() == pytest.approx(largest, rel=1e-7)
+    assert motion.u[t > 4.0].min() == pytest.approx(largest - 2 * uy, rel=1e-6)
+    assert motion.evaluations == 3
+
+
+def test_a_bouncing_mass_keeps_its_energy_and_its_period():
+    k, g, height = 400.0, 9.81, 0.5
+    problem = study.Problem(materials.gap(k), u0=-height, load=study.GroundMotion([g, g], 1e3), title="bouncing")
+    sag = g / k
+    speed = np.sqrt(2 * g * height)
+    contact = 2 * (np.pi - np.arctan(speed / np.sqrt(k) / sag)) / np.sqrt(k)
+    period = 2 * speed / g + contact
+    motion = piecewise.trajectory(problem, period * np.arange(1, 11))
+    assert motion.u == pytest.approx(np.full(10, -height), abs=1e-9)
+    assert motion.v == pytest.approx(np.zeros(10), abs=1e-6)
+
+
+def test_a_slipping_mass_loses_four_slip_forces_over_stiffness_a_cycle():
+    """Coulomb friction beside a linear spring would need both; without the spring, a stiff contact stops the mass."""
+    problem = study.Problem(materials.friction(2.0, 1e4), u0=0.0, v0=3.0)
+    motion = piecewise.trajectory(problem, np.linspace(0.01, 5.0, 500))
+    assert motion.u[-1] == pytest.approx(3.0**2 / 2 / 2.0, rel=1e-3)
+    assert np.abs(motion.v[-100:]).max() < 0.03
+
+
+def test_under_a_record_schemes_converge_to_it():
+    w = 2 * np.pi / 0.5
+    spring = materials.elastoplastic(w**2, 0.02 * w**2, 0.05)
+    problem = study.Problem(spring, u0=0.0, damping=0.1 * w, ground=study.GroundMotion.el_centro())
+    exact = piecewise.trajectory(problem, np.arange(1, 501) * 0.02)
+    assert exact.evaluations > 10
+    errors = []
+    for part in (4, 16):
+        ds = study.run(problem, "average_acceleration", dt=0.02 / part, steps=500 * part, every=part)
+        errors.append(np.abs(ds.u.values[1:] - exact.u).max() / np.abs(exact.u).max())
+    assert errors[1] < errors[0] / 8 and errors[1] < 1e-3
+
+
+@pytest.mark.parametrize(
+    "problem, sentence",
+    [
+        (study.Problem(lambda u: u, u0=1.0, title="own"), "the spring of 'own' is not linear in pieces"),
+        (
+            study.Problem(materials.gap(1.0), u0=1.0, load=lambda t: t, title="own"),
+            "need the kinks of the load of 'own'",
+        ),
+        (study.Problem(lambda u: u, u0=[1.0, 2.0], title="own"), "'own' has 2 unknowns; exact pieces take one"),
+    ],
+)
+def test_what_has_no_pieces_is_refused(problem, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        piecewise.trajectory(problem, np.array([1.0]))

@@ -1,0 +1,76 @@
+"""Forces that depend on the velocity: like damping where they are linear, and of the claimed order where they are not."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from tests.scheme.test_convergence import SIXTH, STEPS, one
+
+#: Schemes that weight the internal force and not the damping.
+OTHERWISE = {"hht_alpha"}
+#: Schemes that take the force from a potential.
+CONSERVING = {"energy_momentum"}
+
+
+@pytest.mark.parametrize("name", sorted(set(study.schemes) - OTHERWISE - CONSERVING))
+def test_a_force_linear_in_the_velocity_is_damping(name):
+    def force(u):
+        return 40 * u + 5 * u**3
+
+    damped = study.Problem(force, u0=1.0, damping=0.8)
+    same = study.Problem(lambda u, v: force(u) + 0.8 * v, u0=1.0)
+    one, other = (study.run(problem, name, dt=0.02, steps=200) for problem in (damped, same))
+    np.testing.assert_allclose(one.u, other.u, atol=5e-15)
+    np.testing.assert_allclose(one.v, other.v, atol=5e-14)
+
+
+@pytest.mark.parametrize("tangent", ["dense", "diagonal"])
+@pytest.mark.parametrize("name", ["average_acceleration", "central_difference", "gauss4", "kr_alpha", "houbolt"])
+def test_the_same_with_several_unknowns(name, tangent):
+    n, coefficients = 6, np.linspace(0.2, 0.8, 6)
+
+    def force(u):
+        return jnp.arange(1.0, n + 1) * u + u**3
+
+    u0 = np.linspace(-1, 1, n)
+    damped = study.Problem(force, u0=u0, damping=coefficients, tangent=tangent)
+    same = study.Problem(lambda u, v: force(u) + coefficients * v, u0=u0, tangent=tangent)
+    one, other = (study.run(problem, name, dt=0.05, steps=100) for problem in (damped, same))
+    np.testing.assert_allclose(one.u, other.u, atol=5e-14)
+
+
+def test_the_order_with_quadratic_drag(scheme):
+    scheme = SIXTH if scheme.order == 12 else scheme
+    if scheme.title == study.schemes["energy_momentum"].title:
+        pytest.skip("takes the force from a potential")
+
+    def force(u, v):
+        return 2 * u + u**3 + 0.3 * v * jnp.sqrt(1 + v**2)
+
+    def load(t):
+        u, v, a = one(t)
+        return a + force(u, v)
+
+    u0, v0, _ = one(0.0)
+    problem = study.Problem(force, u0, v0, load=load)
+    steps, errors = STEPS[scheme.damped_order], []
+    for n in steps:
+        end = study.run(problem, scheme, dt=3.0 / n, steps=n, every=n).isel(t=-1)
+        errors.append(abs(float(end.u) - float(one(3.0)[0])))
+    orders = -np.diff(np.log(errors)) / np.diff(np.log(steps))
+    assert orders == pytest.approx(scheme.damped_order, abs=0.15)
+
+
+def test_a_force_without_velocity_compiles_as_before():
+    """A second argument that is not used leaves no trace in the problem."""
+    problem = study.Problem(lambda u, v: 4 * u, u0=1.0)
+    assert problem.arguments == 2 and not problem.takes_velocity and not problem.damped
+    iterations = study.run(problem, "central_difference", dt=0.1, steps=10, observe=["newton_iterations"])
+    assert int(iterations.newton_iterations) == 0
+
+
+def test_an_energy_from_a_potential_alone_is_refused():
+    problem = study.Problem(lambda u, v: u + v, u0=1.0, potential=lambda u: u**2 / 2)
+    with pytest.raises(ValueError, match="'Energy-momentum' takes the force from the potential, and that of"):
+        study.run(problem, "energy_momentum", dt=0.1, steps=1)
