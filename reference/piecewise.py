@@ -4,8 +4,8 @@ Between two events — a yield point, a reversal, a touch, a kink of the load �
 
     m ü + c u̇ + k u + q = f₀ + f₁ (t − t₀),
 
-whose solution is a matrix exponential of (u, u̇, 1, t − t₀). An event is bracketed on times much closer than the shortest
-period and then found by Brent's method on this solution.
+whose solution is a matrix exponential of (u, u̇, 1, t − t₀). An event is bracketed on times much closer than the
+shortest period and then found by Brent's method on this solution.
 """
 
 import time
@@ -126,7 +126,7 @@ def trajectory(problem: Problem, t: Times) -> Solution:
     begin = time.perf_counter()
     mass = 1.0 if problem.mass is None else float(problem.mass)
     damping = 0.0 if problem.damping is None else float(problem.damping)
-    kinks = [] if problem.load is None else np.asarray(problem.load.kinks, float)
+    kinks: np.ndarray = np.array([]) if problem.load is None else np.asarray(problem.load.kinks, float)  # type: ignore[attr-defined]
     stops = np.union1d(np.asarray(t, float), [at for at in kinks if 0 < at < t[-1]])
     piece, now, y = _first_piece(problem), 0.0, np.array([float(problem.u0), float(problem.v0)])
     loads = np.zeros(len(stops) + 1)
@@ -153,7 +153,7 @@ def _spacing(problem: Problem, mass: float) -> float:
 
 
 def _to_event(matrix, piece: _Piece, y: np.ndarray, duration: float, spacing: float):
-    """Time to the first event within a duration, or None; the state there or at the end, and the piece from there on."""
+    """Time to the first event within a duration, or None; the state there or at the end, and the piece after it."""
 
     def at(tau):
         return (scipy.linalg.expm(tau * matrix) @ [*y, 1.0, 0.0])[:2]

@@ -14,6 +14,7 @@ FOLDER = Path(__file__).parent.parent / "examples"
 #: Objects of the files, with the time over which they are run and what is asked.
 PROBLEMS = {
     "frame.py:frame": (6.0, "frame.py:quantities"),
+    "yielding_frame.py:frame": (6.0, "yielding_frame.py:quantities"),
     "driven.py:driven": (30.0, "driven.py:quantities"),
     "truss.py:truss": (0.5, None),
     "pendulum.py:pendulum": (40.0, None),

@@ -89,7 +89,7 @@ def _periods(problem: Problem) -> tuple[float, float] | None:
 def _period(problem: Problem) -> float | None:
     """About the period of a free oscillator of one unknown; None if it is none."""
     periods = _periods(problem)
-    if np.ndim(problem.u0) or problem.damping is not None or problem.load is not None or periods is None:
+    if np.ndim(problem.u0) or not problem.conservative or periods is None:
         return None
     ds = run(problem, "rk4", dt=periods[0] / ESTIMATE[0], steps=ESTIMATE[0] * ESTIMATE[1], on_failure="ignore")
     u = ds.u.values - (ds.u.max().item() + ds.u.min().item()) / 2
@@ -136,8 +136,8 @@ def assess(
         Time of the runs in seconds. A free oscillator of one unknown runs ten of its periods by default.
     quantities
         What must be right: a mapping from names to :class:`study.Quantity`. By default the displacement and velocity
-        along time, the balance of energies if the problem has a potential, and period, phase and amplitude of a free
-        oscillator of one unknown.
+        along time, the balance of energies if the problem has a potential and its force cannot dissipate, and period,
+        phase and amplitude of a free oscillator of one unknown.
     errors
         Errors that may be allowed, as fractions of the largest value of each quantity.
     maps
@@ -169,11 +169,16 @@ def assess(
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = _chosen_schemes(schemes), _checked_errors(errors)
     asked = _asked_for(quantities)
-    of_energy = quantities is None and equation.potential is not None
+    of_energy = quantities is None and equation.potential is not None and not equation.dissipative
     length = asked_for = _duration(equation, duration)
     for name, quantity in asked.items():
         if reason := replace(quantity, name=name).refusal(equation):
             raise ValueError(reason)
+        if quantity.needs_acceleration and equation.history is not None:
+            raise ValueError(
+                f"the quantity '{name}' takes ü, which does not follow from u and u̇ where the force of "
+                f"'{equation.title}' has a history; leave it out."
+            )
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))

@@ -63,7 +63,7 @@ def _upward_crossings(solution: Solution, level: float) -> np.ndarray:
 
 def oscillation(problem: Problem, solution: Solution) -> Oscillation | None:
     """The oscillation of a solution; None if the problem is driven, damped or no oscillator."""
-    if np.ndim(problem.u0) or problem.damping is not None or problem.load is not None:
+    if np.ndim(problem.u0) or not problem.conservative:
         return None
     from scipy.optimize import brentq
 

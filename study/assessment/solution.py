@@ -1,6 +1,7 @@
 """The certified solution of a problem: two routes that share nothing, tightened until they agree."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import equinox as eqx
@@ -13,6 +14,10 @@ from study.algebra.interpolation import quintic, value
 from study.equilibrium.balance import acceleration
 from study.problem.definition import Problem
 from study.problem.frequencies import frequencies
+from study.scheme.base import Scheme
+from study.scheme.bathe import rho_bathe
+from study.scheme.newmark import average_acceleration
+from study.scheme.remembering import Remembering
 
 #: Relative tolerances of the routes, from the first try to the last.
 TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
@@ -25,6 +30,9 @@ MOST_POINTS = 200_000
 
 #: Phase in radians of the highest mode over the run from which on explicit routes take too many steps.
 STIFF = 2e6
+
+#: Steps between two points of a solution by small steps, at the loosest tolerance.
+STEPS_PER_POINT = 10
 
 #: Most steps of a route.
 MAX_STEPS = 4_000_000
@@ -94,17 +102,21 @@ def grid_of(problem: Problem, duration: float, coarsest: float) -> Times:
 
 
 class Route(NamedTuple):
-    """A way to the solution: its name, and displacement and velocity at increasing times for a tolerance."""
+    """A way to the solution: its name, and displacement and velocity at increasing times for a tolerance.
+
+    A third part of the trajectory is the acceleration, where it does not follow from the other two.
+    """
 
     name: str
-    trajectory: Callable[[Problem, Times, float], tuple[Motion, Motion]]
+    trajectory: Callable[[Problem, Times, float], tuple[Motion, ...]]
 
 
 def routes_of(problem: Problem, duration: float) -> tuple[Route, Route]:
     """The two routes for a problem, the more accurate one first.
 
     The Taylor method of heyoka takes a free oscillator whose force translates. Otherwise diffrax and CVODE solve the
-    problem: Dopri8 and Adams' method, or, where it is stiff, Kvaerno5 and BDF.
+    problem: Dopri8 and Adams' method, or, where it is stiff, Kvaerno5 and BDF. A force with a history is no right side
+    of an ordinary differential equation; two schemes of the study with many small steps solve such a problem.
 
     Raises
     ------
@@ -113,6 +125,10 @@ def routes_of(problem: Problem, duration: float) -> tuple[Route, Route]:
     """
     if problem.massless:
         raise NoReference(f"the mass of '{problem.title}' is singular, and no reference takes such a problem.")
+    if problem.history is not None:
+        return Route("ρ∞-Bathe, small steps", partial(_by_small_steps, rho_bathe)), Route(
+            "average acceleration, small steps", partial(_by_small_steps, average_acceleration)
+        )
     try:
         from reference import diffrax, sundials
     except ImportError as error:
@@ -130,7 +146,7 @@ def routes_of(problem: Problem, duration: float) -> tuple[Route, Route]:
 
     of_diffrax = Route(f"diffrax {explicit}", by_diffrax)
     of_cvode = Route(f"CVODE {implicit}", by_cvode)
-    if np.ndim(problem.u0) or problem.damping is not None or problem.load is not None:
+    if np.ndim(problem.u0) or not problem.conservative:
         return of_diffrax, of_cvode
     from reference import symbolic, taylor  # here, because importing them takes a second
 
@@ -146,7 +162,32 @@ def routes_of(problem: Problem, duration: float) -> tuple[Route, Route]:
 
 def solution_by(route: Route, problem: Problem, t: Times, rtol: float) -> Solution:
     """The solution of a route on a grid that begins at zero."""
-    u, v = route.trajectory(problem, t[1:], rtol)
+    u, v, *known = route.trajectory(problem, t[1:], rtol)
     u = np.concatenate([np.asarray(problem.u0, float)[None], u])
     v = np.concatenate([np.asarray(problem.v0, float)[None], v])
+    if known:
+        return Solution(t, u, v, np.concatenate([np.asarray(acceleration(problem, 0.0, u[0], v[0]))[None], *known]))
     return Solution(t, u, v, np.asarray(_accelerations(problem, jnp.asarray(t), jnp.asarray(u), jnp.asarray(v))))
+
+
+@eqx.filter_jit
+def _marched(scheme: Remembering, problem: Problem, t, parts):
+    """Displacement, velocity and acceleration at the times t, with ``parts`` equal steps between two of them."""
+    state, _ = scheme.start(problem, jnp.asarray(problem.u0), jnp.asarray(problem.v0), t[1])
+
+    def between(state, ends):
+        dt = (ends[1] - ends[0]) / parts
+
+        def step(i, state):
+            return scheme.step(problem, state, ends[0] + i.astype(float) * dt, dt)[0]
+
+        state = jax.lax.fori_loop(0, parts, step, state)
+        return state, (state.u, state.v, acceleration(problem.at(state), ends[1], state.u, state.v))
+
+    return jax.lax.scan(between, state, jnp.stack([t[:-1], t[1:]], axis=1))[1]
+
+
+def _by_small_steps(scheme: Scheme, problem: Problem, t: Times, rtol: float) -> tuple[Motion, ...]:
+    """The motion with steps whose number grows as the fourth root of the tolerance falls, from the grid's own on."""
+    parts = jnp.asarray(round(STEPS_PER_POINT * (TOLERANCES[0] / rtol) ** 0.25))
+    return tuple(map(np.asarray, _marched(Remembering(scheme), problem.untitled(), jnp.append(0.0, t), parts)))

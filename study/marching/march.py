@@ -1,6 +1,6 @@
 """Time marching as one compiled loop: of a single run, or of a tile of lanes side by side."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -12,9 +12,11 @@ from jax import lax
 
 from study.algebra.matrices import SMALL
 from study.equilibrium.state import Effort
-from study.observer.base import Record, Reduction
+from study.observer.base import Observer, Record, Reduction
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
+from study.scheme.linearised import Linearised
+from study.scheme.remembering import Remembering
 
 #: Steps per turn of the loop, for a single run with one unknown. Within a turn, values pass from step to step in
 #: registers; between turns they pass through memory. That matters at ten nanoseconds a step, and no longer with two
@@ -61,6 +63,17 @@ class March(eqx.Module):
     reductions: tuple[Reduction, ...]
     records: tuple[Record, ...]
     lanes: bool = eqx.field(static=True, default=False)
+
+    @classmethod
+    def of(cls, problem: Problem, scheme: Scheme, observers: Sequence[Observer], lanes: bool = False) -> "March":
+        """The march of a scheme on a problem, with the history and the neighbour that problem and observers need."""
+        if problem.history is not None:
+            scheme = Remembering(scheme)
+        if any(observer.needs_neighbour for observer in observers):
+            scheme = Linearised(scheme)
+        parts = [observer.marched() for observer in observers]
+        reductions = tuple(part for part in parts if isinstance(part, Reduction))
+        return cls(problem, scheme, reductions, tuple(part for part in parts if isinstance(part, Record)), lanes)
 
     def _each(self, function):
         """A function of one run, mapped over the lanes if there are any."""

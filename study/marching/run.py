@@ -29,13 +29,11 @@ from study.marching.march import March
 from study.marching.program import Program
 from study.marching.result import NOT_FINITE, Labels, Result
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
-from study.observer.base import Observer, Record, Reduction
+from study.observer.base import Observer, Record
 from study.problem.definition import Problem
 from study.problem.named import problems
 from study.scheme.base import Scheme
-from study.scheme.linearised import Linearised
 from study.scheme.named import schemes
-from study.scheme.remembering import Remembering
 
 #: Samples × lanes × unknowns whose records fit into the memory of any machine.
 ANY_MEMORY = 10_000_000
@@ -72,15 +70,7 @@ def _prepared(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...],
     for reason in (scheme.refusal(problem), *(observer.refusal(problem) for observer in observers)):
         if reason:
             raise ValueError(reason)
-    parts = [observer.marched() for observer in observers]
-    stepped = scheme if problem.history is None else Remembering(scheme)
-    march = March(
-        problem,
-        Linearised(stepped) if any(o.needs_neighbour for o in observers) else stepped,
-        tuple(o for o in parts if isinstance(o, Reduction)),
-        tuple(o for o in parts if isinstance(o, Record)),
-        lanes,
-    )
+    march = March.of(problem, scheme, observers, lanes)
     prepared = _Prepared(march, Program(march), Labels(problem, scheme, observers))
     if len(_kept) >= KEPT:
         _kept.clear()

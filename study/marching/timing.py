@@ -22,7 +22,7 @@ class Timed:
     """
 
     def __init__(self, problem: Problem, scheme: Scheme, reductions: tuple[Reduction, ...]):
-        self._program = Program(March(problem, scheme, reductions, ()))
+        self._program = Program(March.of(problem, scheme, reductions))
         self._begin = np.asarray(problem.u0), np.asarray(problem.v0)
         self.compile_time, _ = self.run(1.0, 1)
         self.run(1e-9, 1000)

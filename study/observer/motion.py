@@ -102,11 +102,16 @@ class Quantity(Record):
     def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
         return {self.name: {"long_name": self.long_name or self.name, "units": self.units}}
 
+    @property
+    def needs_acceleration(self) -> bool:
+        """Whether the function takes the acceleration."""
+        return "a" in _arguments_of(self.function)
+
     def marched(self) -> Observer:
         return self if self.reduce is None else _Reduced(self)
 
     def refusal(self, problem):
-        if problem.massless and "a" in _arguments_of(self.function):
+        if problem.massless and self.needs_acceleration:
             return f"the quantity '{self.name}' needs ü, which '{problem.title}' leaves open where it has no mass."
         try:
             value = eqx.filter_eval_shape(self.value, problem, 0.0, problem.u0, problem.v0)

@@ -231,6 +231,11 @@ class Problem(eqx.Module):
         """Whether the internal force has a velocity or a history, so that it may dissipate."""
         return self.arguments > 1
 
+    @property
+    def conservative(self) -> bool:
+        """Whether the energy is constant: no damping, no load, and a force of the displacement alone."""
+        return self.damping is None and self.load is None and not self.dissipative
+
     def internal_force(self, u: VectorLike, v: VectorLike) -> Vector:
         """The force p at displacement u and velocity u̇, from the committed history."""
         if self.history is not None:

@@ -2,6 +2,7 @@
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from study.algebra.arrays import VectorLike
@@ -12,11 +13,11 @@ from study.problem.tangent import FINDABLE
 
 @eqx.filter_jit
 def _stiffness(force, u):
-    return jax.jacfwd(force)(u)
+    return jax.jacfwd(lambda u: force(u, jnp.zeros_like(u)))(u)
 
 
 def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | None:
-    """Circular frequencies ω in ascending order, from det(K − ω² M) = 0 with K = ∂p/∂u at ``u``, by default at u₀.
+    """Circular frequencies ω in ascending order, from det(K − ω² M) = 0 with K = ∂p/∂u at ``u``, by default u₀.
 
     A mode without mass has an infinite frequency; one that grows instead of oscillating, with ω² < 0, has zero.
 
@@ -30,7 +31,7 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
     if n > FINDABLE:
         return None
     at = np.asarray(problem.u0 if u is None else u, float)
-    stiffness = np.asarray(_stiffness(problem.force, at)).reshape(n, n)
+    stiffness = np.asarray(_stiffness(problem.untitled().internal_force, at)).reshape(n, n)
     mass = np.eye(n) if problem.mass is None else np.asarray(dense(problem.mass, n))
     if not np.isfinite(stiffness).all():
         return None

@@ -258,7 +258,7 @@ class _Remembering(_Elements):
         return self._to_nodes(u, forces), history
 
 
-def elements(material: Callable, elongations: Callable[[Vector], Vector], count: int) -> _Elements:
+def elements(material: Callable, elongations: Callable[[Vector], Vector], count: int) -> Any:
     """The force of springs of one material in a structure: p = (∂e/∂u)ᵀ q, with q the force of the material.
 
     Parameters
@@ -270,6 +270,12 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
         e(u), of shape (count,), written with ``jax.numpy``.
     count
         Number of elements.
+
+    Returns
+    -------
+    Callable
+        A force for :class:`study.Problem` with the arguments of the material; with ``potential`` if the material has
+        one, and with the ``history`` of all elements if it has a history.
 
     Raises
     ------

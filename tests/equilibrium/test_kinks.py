@@ -42,10 +42,10 @@ def test_random_pieces_are_solved_as_by_bisection(slopes, kinks, rhs, u, c_u):
 def test_two_branches_do_not_take_turns():
     """Plain Newton from either outer branch of this force lands on the other one for ever."""
     force = PieceByPiece(np.array([1.0, 100.0, 1.0]), np.array([-1.0, 1.0]))
-    a = 3.0
+    plain = 3.0
     for _ in range(20):
-        a -= (float(force(a)) - 99.0) / (1.0 if abs(a) > 1 else 100.0)
-    assert abs(a) > 90
+        plain -= (float(force(plain)) - 99.0) / (1.0 if abs(plain) > 1 else 100.0)
+    assert abs(plain) > 90
     problem = study.Problem(force, u0=0.0, mass=1e-6)
     a, effort = eqx.filter_jit(balance)(problem, *map(jnp.asarray, (99.0, 0.0, 0.0, 1.0, 0.5, 3.0)))
     assert effort.converged and float(a) == pytest.approx(0.0, abs=1e-6)

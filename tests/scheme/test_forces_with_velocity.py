@@ -1,4 +1,4 @@
-"""Forces that depend on the velocity: like damping where they are linear, and of the claimed order where they are not."""
+"""Forces that take the velocity: like damping where linear, and of the claimed order where they are not."""
 
 import jax.numpy as jnp
 import numpy as np

@@ -90,7 +90,8 @@ def test_lanes_compensated_sums_and_neighbours_remember():
 
 
 def test_a_frame_of_yielding_storeys_under_a_record_converges():
-    storeys = materials.elastoplastic(stiffness=np.array([400.0, 350.0, 300.0]), yield_force=np.array([3.0, 2.5, 2.0]))
+    stiffness, yield_force = np.array([400.0, 350.0, 300.0]), np.array([3.0, 2.5, 2.0])
+    storeys = materials.elastoplastic(stiffness, yield_force)
     force = materials.elements(storeys, lambda u: jnp.diff(u, prepend=0.0), count=3)
     ground = study.GroundMotion.el_centro()
     frame = study.Problem(force, u0=np.zeros(3), damping=0.4, ground=ground, potential=force.potential, title="frame")
