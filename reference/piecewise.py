@@ -21,7 +21,7 @@ from reference.solution import RouteFailed, Solution, Times
 from study.problem.definition import Problem
 from study.problem.materials import Elastoplastic, Gap
 
-#: Places in the shortest period at which an event is looked for.
+#: Places in the shortest period of the spring at which an event is looked for, unless asked otherwise.
 PLACES = 200
 
 #: Most events of one motion.
@@ -96,7 +96,7 @@ def _generator(mass: float, damping: float, piece: _Piece, load: float, slope: f
     )
 
 
-def trajectory(problem: Problem, t: Times) -> Solution:
+def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     """Displacement and velocity at the increasing times ``t``, exact up to round-off.
 
     Parameters
@@ -106,6 +106,8 @@ def trajectory(problem: Problem, t: Times) -> Solution:
         between its ``kinks``.
     t
         Times in seconds.
+    places
+        Places in the shortest period at which an event is looked for.
 
     Returns
     -------
@@ -132,12 +134,13 @@ def trajectory(problem: Problem, t: Times) -> Solution:
     loads = np.zeros(len(stops) + 1)
     if problem.load is not None:
         loads = np.asarray(jax.jit(jax.vmap(problem.load))(np.append(0.0, stops)))
+    spacing = 2 * np.pi * np.sqrt(mass / float(problem.force.stiffness)) / places  # type: ignore[attr-defined]
     found, pieces = {}, 1
     for stop, f0, f1 in zip(stops, loads[:-1].tolist(), loads[1:].tolist(), strict=True):
         slope = (f1 - f0) / (stop - now) if stop > now else 0.0
         while now < stop:
             matrix = _generator(mass, damping, piece, f0, slope)
-            passed, y, piece = _to_event(matrix, piece, y, stop - now, _spacing(problem, mass))
+            passed, y, piece = _to_event(matrix, piece, y, stop - now, spacing)
             now, f0 = (stop, f0) if passed is None else (now + passed, f0 + slope * passed)
             pieces += passed is not None
             if pieces > MOST_EVENTS:
@@ -145,11 +148,6 @@ def trajectory(problem: Problem, t: Times) -> Solution:
         found[stop] = y
     u, v = np.array([found[at] for at in np.asarray(t, float)]).T
     return Solution(u, v, pieces, time.perf_counter() - begin)
-
-
-def _spacing(problem: Problem, mass: float) -> float:
-    """Time between two looks for an event."""
-    return 2 * np.pi * np.sqrt(mass / float(problem.force.stiffness)) / PLACES  # type: ignore[attr-defined]
 
 
 def _to_event(matrix, piece: _Piece, y: np.ndarray, duration: float, spacing: float):

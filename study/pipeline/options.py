@@ -8,7 +8,7 @@ second.
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, Len, Lt
 from typing_extensions import TypedDict
@@ -124,6 +124,8 @@ SchemeName = Annotated[str, _listed("scheme")]
 #: A scheme whose displacement and velocity are sums, which can be compensated.
 OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
 Springs = Annotated[list[Spring], _FEW, _DISTINCT]
+#: Problems whose force or load has kinks or remembers, and a smooth one to compare with.
+Kinked = Annotated[list[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken"]], _FEW, _DISTINCT]
 Schemes = Annotated[list[SchemeName], _FEW, _DISTINCT]
 OneStepSchemes = Annotated[list[OneStepName], _FEW, _DISTINCT]
 

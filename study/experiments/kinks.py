@@ -1,0 +1,108 @@
+"""The order that schemes keep where the force has kinks, remembers, or the load has kinks."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from study import datasets
+from study.marching.run import run
+from study.pipeline import labels
+from study.pipeline.command import progress
+from study.pipeline.experiment import Options, experiment
+from study.pipeline.options import Count, Kinked, RisingCounts, Schemes
+from study.problem.named import problems as problems_by_name
+from study.scheme.named import schemes as schemes_by_name
+
+#: An error counts towards the order if it exceeds the uncertainty of the reference by this factor, and if it lies
+#: between round-off and a tenth of the motion.
+ABOVE, SMALLEST, LARGEST = 100.0, 1e-11, 0.1
+
+
+def _jobs(options: Options) -> dict[str, Options]:
+    """The options of one job for each problem."""
+    return {problem: options | {"problems": [problem]} for problem in options["problems"]}
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    return len(options["schemes"]) * sum(options["steps_per_period"]) * options["periods"]
+
+
+def _check(options: Options, configuration: Mapping) -> str | None:
+    for steps in options["steps_per_period"]:
+        if steps % options["samples_per_period"]:
+            return f"samples_per_period, {options['samples_per_period']}, does not divide {steps} steps per period."
+    return None
+
+
+def _order(steps: np.ndarray, error: np.ndarray, uncertainty: float) -> float:
+    """Slope of the error over the step size, by least squares of their logarithms; NaN of fewer than three errors."""
+    counts = np.isfinite(error) & (error > max(ABOVE * uncertainty, SMALLEST)) & (error < LARGEST)
+    if counts.sum() < 3:
+        return np.nan
+    return float(-np.polyfit(np.log(steps[counts]), np.log(error[counts]), 1)[0])
+
+
+@experiment(
+    "kinks",
+    split=_jobs,
+    along="problem",
+    reads=lambda options: ["reference/inelastic"],
+    check=_check,
+    steps=_number_of_steps,
+)
+def kinks(
+    problems: Kinked, schemes: Schemes, steps_per_period: RisingCounts, periods: Count, samples_per_period: Count
+) -> xr.Dataset:
+    """Measure error and order of schemes on forces that yield, remember and touch, and under a record.
+
+    The error is max |u − u_ref| / max |u_ref| over the samples, (problem, scheme, steps_per_period). It is NaN where a
+    run fails, or where a scheme takes its force from a potential and the force dissipates. The order is
+    the slope of its logarithm over that of the step.
+    """
+    reference = datasets.open("reference/inelastic")
+    shape = (len(problems), len(schemes), len(steps_per_period))
+    error, imbalance, order = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape[:2], np.nan)
+    for p, problem in enumerate(problems):
+        known, definition = reference.sel(problem=problem), problems_by_name[problem]
+        size, scale = np.abs(known.u.values).max(), known.time_scale.item()
+        for s, scheme in enumerate(schemes):
+            progress(f"order of {scheme} on {problem}")
+            if schemes_by_name[scheme].refusal(definition):
+                continue
+            for k, steps in enumerate(steps_per_period):
+                ds = run(
+                    definition,
+                    scheme,
+                    dt=scale / steps,
+                    steps=periods * steps,
+                    observe=["trajectory", "energy_balance"],
+                    every=steps // samples_per_period,
+                    on_failure="ignore",
+                )
+                error[p, s, k] = np.abs(ds.u.values[1:] - known.u.values).max() / size
+                imbalance[p, s, k] = ds.max_energy_imbalance
+            order[p, s] = _order(np.array(steps_per_period), error[p, s], known.u_uncertainty.item() / size)
+    dims = ("problem", "scheme", "steps_per_period")
+    return xr.Dataset(
+        {
+            "error": (dims, error, {"long_name": "largest error of the displacement over its size", "units": "1"}),
+            "max_energy_imbalance": (
+                dims,
+                imbalance,
+                {"long_name": "largest error of the balance of energies", "units": "percent"},
+            ),
+            "observed_order": (dims[:2], order, {"long_name": "order that the errors show", "units": "1"}),
+        },
+        coords={
+            **labels.problem_coordinates(problems),
+            **{key: value for key, value in labels.scheme_coordinates(schemes).items() if key != "order"},
+            "claimed_order": (
+                "scheme",
+                labels.scheme_coordinates(schemes)["order"][1],
+                {"long_name": "order on smooth forces without damping", "units": "1"},
+            ),
+            **labels.steps_per_period_coordinate(steps_per_period),
+        },
+        attrs={"title": "Order of schemes on forces that yield, remember and touch, and under a record"},
+    )

@@ -1,0 +1,54 @@
+"""Oscillators whose force has kinks or remembers: yielding, smooth hysteresis, contact, and a load with kinks.
+
+All have a unit mass and the period of one second, of small motions or about.
+"""
+
+import numpy as np
+
+from study.problem.definition import Problem
+from study.problem.ground import GroundMotion
+from study.problem.materials import bouc_wen, elastoplastic, gap
+from study.problem.naming import named
+
+#: Period in seconds of small motions of all of them but the bouncing mass, and their stiffness.
+PERIOD = 1.0
+_STIFFNESS = (2 * np.pi / PERIOD) ** 2
+#: Displacement at yield, and the speed of the start: four times the speed that brings the mass to yield.
+_YIELD, _SPEED = 0.1, 4 * 0.1 * 2 * np.pi / PERIOD
+#: Damping c of two percent of the critical one.
+_DAMPING = 0.02 * 2 * 2 * np.pi / PERIOD
+
+
+@named()
+def yielding() -> Problem:
+    """A mass thrown onto an elastoplastic spring: k = 4π², u_y = 0.1, b = 0.05, u̇₀ = 2.51, two percent of damping."""
+    spring = elastoplastic(_STIFFNESS, _STIFFNESS * _YIELD, hardening=0.05)
+    return Problem(spring, 0.0, _SPEED, potential=spring.potential, damping=_DAMPING, title="yielding oscillator")
+
+
+@named()
+def hysteretic() -> Problem:
+    """The same with the smooth hysteresis of Bouc and Wen, n = 1."""
+    spring = bouc_wen(_STIFFNESS, _STIFFNESS * _YIELD, hardening=0.05)
+    return Problem(spring, 0.0, _SPEED, damping=_DAMPING, title="hysteretic oscillator")
+
+
+@named()
+def bouncing() -> Problem:
+    """A mass that falls from half a metre on a stop of stiffness 100 π² and bounces without loss, under gravity."""
+    stop = gap(25 * _STIFFNESS)
+    weight = GroundMotion(np.array([-9.81, -9.81]), 1e6, title="gravity")
+    return Problem(stop, -0.5, 0.0, potential=stop.potential, ground=weight, title="bouncing mass")
+
+
+@named()
+def shaken() -> Problem:
+    """A linear oscillator with five percent of damping on ground that moves as in El Centro, 1940."""
+    return Problem(
+        lambda u: _STIFFNESS * u,
+        0.0,
+        potential=lambda u: _STIFFNESS * u**2 / 2,
+        damping=2.5 * _DAMPING,
+        ground=GroundMotion.el_centro(),
+        title="shaken oscillator",
+    )

@@ -1,0 +1,50 @@
+"""Smooth hysteresis by CVODE, against SciPy, the schemes, and two ways through its dataset."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import study
+from reference import hysteretic, inelastic
+from study.problem.inelastic import PERIOD
+
+T = np.arange(1, 17) * PERIOD / 8
+
+
+def test_it_agrees_with_scipy_on_the_rate_equation():
+    problem = study.problems["hysteretic"]
+    found = hysteretic.trajectory(problem, T)
+    spring = problem.force
+    k, b, bound = (float(x) for x in (spring.stiffness, spring.hardening, spring.yield_force / spring.stiffness))
+
+    def rate(t, state):
+        u, v, y = state
+        force = b * k * u + (1 - b) * k * bound * y
+        return v, -float(problem.damping) * v - force, v / bound * (1 - abs(y) * (1 + np.sign(y * v)) / 2)
+
+    options = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-12, "max_step": 0.002}
+    other = solve_ivp(rate, (0.0, T[-1]), [0.0, float(problem.v0), 0.0], t_eval=T, **options)
+    assert found.u == pytest.approx(other.y[0], abs=1e-8)
+    assert found.v == pytest.approx(other.y[1], abs=1e-7)
+
+
+@pytest.mark.parametrize("name", ["rk4", "average_acceleration"])
+def test_schemes_converge_to_it(name):
+    problem = study.problems["hysteretic"]
+    expected = hysteretic.trajectory(problem, T).u
+    errors = [
+        np.abs(study.run(problem, name, dt=PERIOD / n, steps=2 * n, every=n // 8).u.values[1:] - expected).max()
+        for n in (256, 4096)
+    ]
+    assert errors[1] < errors[0] / 50 and errors[1] < 1e-6
+
+
+def test_another_problem_is_refused():
+    with pytest.raises(ValueError, match="'yielding oscillator' is no single mass on a Bouc-Wen spring without load"):
+        hysteretic.trajectory(study.problems["yielding"], T)
+
+
+def test_the_references_are_certain_to_many_digits():
+    ds = inelastic.inelastic(["hardening", "yielding", "hysteretic", "bouncing", "shaken"], 2, 8)
+    assert ds.u.shape == (5, 16) and np.isfinite(ds.u).all()
+    assert (ds.u_uncertainty < 1e-9).all()
