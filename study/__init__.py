@@ -8,7 +8,8 @@
     ds.u.plot()
     print(ds.status)
 
-Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble. A run that fails warns with ``RunFailed``.
+Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble, and ``over`` one over anything that a problem is made
+of. ``evolve`` is a run as a pure function, which JAX differentiates. A run that fails warns with ``RunFailed``.
 ``help(study.run)`` describes all arguments, and each of the names below has such a help of its own.
 
 What can be run
@@ -79,6 +80,7 @@ from study.equilibrium.state import Effort as Effort
 from study.equilibrium.state import Motion as Motion
 from study.equilibrium.state import Phase as Phase
 from study.marching.failure import RunFailed as RunFailed
+from study.marching.pure import evolve as evolve
 from study.marching.run import run as run
 from study.observer.base import Observer as Observer
 from study.observer.base import Record as Record

@@ -41,5 +41,6 @@ def test_every_scheme_explains_itself(scheme):
 
 def test_names_are_those_of_the_contract():
     assert list(study.problems)[:4] == ["hardening", "softening", "softening_large", "double_well"]
-    assert list(study.problems)[4:] == list(time_scales)
+    kinked = {"yielding", "hysteretic", "bouncing", "shaken"}
+    assert [name for name in list(study.problems)[4:] if name not in kinked] == list(time_scales)
     assert list(study.schemes)[:7] == printed_energy_errors().scheme.values.tolist()

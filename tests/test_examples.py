@@ -1,6 +1,7 @@
 """The examples, each put through an assessment of one scheme."""
 
 from pathlib import Path
+from types import FunctionType
 
 import jax
 import numpy as np
@@ -48,5 +49,21 @@ def test_the_scheme_of_the_examples_has_its_order():
     assert ds.verdict.sel(quantity="displacement").item() == 0
 
 
+def test_ensembles_of_yielding_oscillators():
+    """Drift grows with the intensity, though not everywhere; lanes agree with single runs."""
+    analysis = load(f"{FOLDER / 'intensities.py'}:analysis", (FunctionType,))()
+    assert float(analysis.drift[-1]) > 5 * float(analysis.drift[0]) and (analysis.status == 0).all()
+    oscillator = load(f"{FOLDER / 'intensities.py'}:oscillator", (FunctionType,))
+    alone = study.run(oscillator(float(analysis.intensity[7])), "average_acceleration", **_run_of_intensities())
+    np.testing.assert_allclose(alone.drift, analysis.drift[7], rtol=1e-12)
+    few = load(f"{FOLDER / 'intensities.py'}:fragility", (FunctionType,))(count=20)
+    assert few.drift.shape == (20,) and float(few.drift.std()) > 0
+
+
+def _run_of_intensities():
+    return load(f"{FOLDER / 'intensities.py'}:RUN", (dict,))
+
+
 def test_every_example_is_tested():
-    assert {path.name for path in FOLDER.glob("*.py")} == {place.split(":")[0] for place in PROBLEMS} | {"scheme.py"}
+    others = {"scheme.py", "intensities.py"}
+    assert {path.name for path in FOLDER.glob("*.py")} == {place.split(":")[0] for place in PROBLEMS} | others

@@ -29,7 +29,7 @@ def test_the_help_is_short_and_starts_with_run():
 def test_the_help_names_all_that_is_public():
     public = {n for n, value in vars(study).items() if not n.startswith("_") and not inspect.ismodule(value)}
     named = set(re.findall(r"``(\w+)``", study.__doc__))
-    assert named - public == {"study", "dt", "u0", "v0", "steps", "u", "v"}
+    assert named - public == {"study", "materials", "dt", "u0", "v0", "steps", "over", "u", "v"}
     assert public <= named
 
 

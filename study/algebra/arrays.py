@@ -1,10 +1,12 @@
-"""Shapes of arrays, for annotations; nothing checks them at run time.
+"""Shapes of arrays, for annotations, which nothing checks at run time; and numbers as arrays.
 
 n is the number of unknowns. A vector of a problem with one unknown is a number: its shape is ().
 """
 
 from typing import Any, TypeAlias
 
+import jax
+import numpy as np
 from jaxtyping import Array, Float
 
 #: A number, shape ().
@@ -30,3 +32,8 @@ RightSides = Float[Array, "n *m"]
 
 #: A matrix in any form of :mod:`study.algebra.matrices`: a number, a diagonal (n,), ``Banded``, full or ``MatrixFree``.
 Matrix: TypeAlias = Any
+
+
+def as_float64(value: Any) -> Any:
+    """A number or an array as float64; one that JAX traces as it is."""
+    return value if isinstance(value, jax.core.Tracer) else np.asarray(value, np.float64)

@@ -109,7 +109,7 @@ class March(eqx.Module):
         stored = {name: jnp.zeros((room + 1, *value.shape)).at[0].set(value) for name, value in first.items()}
         return Progress(jnp.zeros((), int), failure, state, carried), state, stored
 
-    def _step(self, progress: Progress, dt, steps=None) -> Progress:
+    def stepped(self, progress: Progress, dt, steps=None) -> Progress:
         """One step of every run, or with ``steps`` of the lanes that have not yet taken that many."""
 
         def one(step, state, carried, dt):
@@ -181,7 +181,7 @@ class March(eqx.Module):
         """
 
         def step(p):
-            return self._step(p, dt)
+            return self.stepped(p, dt)
 
         def stored_at(place, p, stored):
             sample = self._each(self._sample)(initial, p.state, p.step.astype(dt.dtype) * dt)
@@ -209,7 +209,7 @@ class March(eqx.Module):
             together = until if steps is None else jnp.minimum(steps.min(), until)
             progress = self._advance(progress, step, together)
             if steps is not None:
-                progress = self._advance(progress, lambda p: self._step(p, dt, steps), until)
+                progress = self._advance(progress, lambda p: self.stepped(p, dt, steps), until)
             return progress, stored
 
         def go_on(carry):

@@ -118,7 +118,8 @@ def _stretches(steps: int, every: int, samples: int, room: int, pause: int) -> I
             yield first, begin
 
 
-def _as_result(result: tuple, samples: dict[str, np.ndarray]) -> Result:
+def as_result(result: tuple, samples: dict[str, np.ndarray]) -> Result:
+    """``Progress.failure`` and the values and samples of a march as its result."""
     failure, values = jax.tree.map(np.asarray, result)
     status = np.where(failure == 0, COMPLETED, np.where(failure < 0, NEWTON_FAILED, NOT_FINITE))
     return Result(status, np.abs(failure) - 1, values, samples)
@@ -182,7 +183,7 @@ class Program:
             counts = np.array([steps, every, 0])
             stored, result = _whole(self.form, self.numbers, counts, (u0, v0, dt), room, each_step, own)
             place = (slice(None),) * self._lanes + (slice(samples + 1),)
-            return _as_result(result, {name: np.array(np.asarray(values)[place]) for name, values in stored.items()})
+            return as_result(result, {name: np.array(np.asarray(values)[place]) for name, values in stored.items()})
         room = self._room(u0, IN_STRETCHES)
         return self._in_stretches((u0, v0, dt), steps, every, samples, own, room, each_step, pause, on_pause)
 
@@ -207,4 +208,4 @@ class Program:
                 break
         for values in whole.values():
             values[(*before, slice(first + new, None))] = np.nan
-        return _as_result(result, whole)
+        return as_result(result, whole)

@@ -2,8 +2,8 @@
 
 import math
 import warnings
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -25,6 +25,7 @@ from study.marching.arguments import (
 )
 from study.marching.ensemble import FEW, march_in_tiles, march_one_by_one
 from study.marching.failure import ON_FAILURE
+from study.marching.family import checked_family, march_family
 from study.marching.march import March
 from study.marching.program import Program
 from study.marching.result import NOT_FINITE, Labels, Result
@@ -118,7 +119,7 @@ def _check_memory(march: March, u0: Displacements, v0: Displacements, dt: PerRun
 
 
 def run(
-    problem: str | Problem,
+    problem: str | Problem | Callable[..., Problem],
     scheme: str | Scheme,
     *,
     dt: PerRunLike,
@@ -126,6 +127,7 @@ def run(
     observe: str | Observer | Sequence[str | Observer] = ("trajectory",),
     u0: DisplacementsLike | None = None,
     v0: DisplacementsLike | None = None,
+    over: Mapping[str, Any] | None = None,
     every: int = 1,
     samples: int | None = None,
     on_failure: str = "warn",
@@ -145,6 +147,10 @@ def run(
         Names in ``study.observers``, or your own :class:`study.Reduction` and :class:`study.Record`.
     u0, v0
         Initial displacement and velocity, in place of the problem's; an array (lanes, ...) makes an ensemble.
+    over
+        Makes an ensemble over anything that a problem is made of. ``problem`` is then a function that makes one, and
+        ``over`` a mapping from its arguments to arrays (lanes, ...). The function is part of what is compiled: it must
+        use ``jax.numpy``, and all lanes have the same shapes.
     every
         Steps between two samples of a record; it must divide ``steps`` unless ``samples`` is given.
     samples
@@ -178,14 +184,15 @@ def run(
     >>> print(f"{ds.max_energy_error.item():.1f} {ds.max_energy_error.units}")
     4.1 percent
     """
-    equation = resolve(problem, problems, Problem)
+    if over is not None:
+        return _run_family(problem, scheme, over, dt, steps, observe, (u0, v0), every, samples, on_failure)
+    equation = resolve(problem, problems, Problem)  # type: ignore[arg-type, misc]
     method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     step_size = checked_step_size(dt)
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     count, every = checked_steps(steps), positive_integer("every", every)
     chosen = checked_observers(observe)
-    if on_failure not in ON_FAILURE:
-        raise ValueError(f"on_failure must be one of {', '.join(map(repr, ON_FAILURE))}, not {on_failure!r}.")
+    _check_on_failure(on_failure)
     lanes = number_of_lanes(equation, start, velocity, step_size, count)
     few = lanes <= FEW and np.ndim(equation.u0) > 0 and jax.default_backend() == "cpu"
     march, program, labels = _prepared(equation, method, chosen, bool(lanes) and not few)
@@ -202,9 +209,48 @@ def run(
         result = _march_alone(program, *begin, int(count), every, room)
     if equation.load is not None and np.any(result.status == NOT_FINITE):
         check_load(equation, float(np.max(step_size * count)))
+    _tell(result, equation, method, step_size, on_failure)
+    return labels.dataset(result, start, velocity, step_size, count, every, room, bool(lanes))
+
+
+def _check_on_failure(on_failure: str) -> None:
+    if on_failure not in ON_FAILURE:
+        raise ValueError(f"on_failure must be one of {', '.join(map(repr, ON_FAILURE))}, not {on_failure!r}.")
+
+
+def _tell(result: Result, problem: Problem, scheme: Scheme, dt: PerRun, on_failure: str) -> None:
+    """Warn of runs that failed, raise, or keep silent."""
     if on_failure != "ignore" and np.any(result.status):
-        what = failure.sentence(result, equation, method, step_size)
+        what = failure.sentence(result, problem, scheme, dt)
         if on_failure == "raise":
             raise RuntimeError(what)
-        warnings.warn(what, failure.RunFailed, stacklevel=2)
-    return labels.dataset(result, start, velocity, step_size, count, every, room, bool(lanes))
+        warnings.warn(what, failure.RunFailed, stacklevel=3)
+
+
+def _run_family(make, scheme, over, dt, steps, observe, start, every, samples, on_failure) -> xr.Dataset:
+    """Run an ensemble over what a problem is made of; the arguments are those of :func:`run`."""
+    method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
+    chosen, step_size = checked_observers(observe), checked_step_size(dt)
+    values = checked_family(make, over, chosen)
+    lanes = len(next(iter(values.values())))
+    if any(one is not None for one in start):
+        raise ValueError("u0 and v0 come from the function that makes the problem; make them there if over is given.")
+    if step_size.ndim and len(step_size) != lanes:
+        raise ValueError(f"dt has {len(step_size)} lanes and over {lanes}; give one number, or one for each lane.")
+    count, every = np.asarray(positive_integer("steps", steps)), positive_integer("every", every)
+    _check_on_failure(on_failure)
+    first = make(**{name: value[0] for name, value in values.items()})
+    if not isinstance(first, Problem):
+        raise TypeError(f"the function over whose arguments to run must return a study.Problem, not {first!r}.")
+    march, _, labels = _prepared(first, method, chosen, False)
+    room = _samples(march.records, count, every, samples)
+    u0, v0 = (np.broadcast_to(x, (lanes, *np.shape(x))) for x in (first.u0, first.v0))
+    _check_memory(march, u0, v0, np.broadcast_to(step_size, lanes), room)
+    result = march_family(make, values, method, chosen, np.broadcast_to(step_size, lanes), int(count), every, room)
+    _tell(result, first, method, step_size, on_failure)
+    ds = labels.dataset(result, first.u0, first.v0, step_size, count, every, room, True)
+    for of_first_lane in ("u0", "v0"):
+        ds.attrs.pop(of_first_lane, None)
+    return ds.assign_coords(
+        {name: (("lane", *(f"{name}_{axis}" for axis in range(1, x.ndim))), x) for name, x in values.items()}
+    )

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike
+from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike, as_float64
 from study.algebra.matrices import banded, times
 from study.problem import checks, tangent
 from study.problem.damping import Rayleigh, rayleigh_matrix
@@ -162,7 +162,7 @@ class Problem(eqx.Module):
         checks.check_ground(ground, self.load, self.title)
         if self.influence is None:
             self.influence = np.ones(np.shape(self.u0))
-        return GroundLoad(np.asarray(self.momentum(self.influence)), ground, self.load)
+        return GroundLoad(as_float64(self.momentum(self.influence)), ground, self.load)
 
     def _form_of_tangent(self) -> int | str | None:
         """The form of the tangent, found or as declared; none for one unknown."""

@@ -5,11 +5,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from study.algebra.arrays import Scalar, Vector, VectorLike
+from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 
 #: Metres per second squared in one unit of acceleration.
 UNITS = {"g": 9.80665, "m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "in/s2": 0.0254, "ft/s2": 0.3048}
@@ -47,11 +48,22 @@ class GroundMotion(eqx.Module):
         If there are fewer than two samples, one is not finite, or ``dt`` is not greater than zero.
     """
 
-    acceleration: Samples = eqx.field(converter=lambda samples: np.asarray(samples, float))
-    dt: float = eqx.field(converter=np.float64)
-    title: str = eqx.field(default="ground motion", kw_only=True, static=True)
+    acceleration: Samples
+    dt: float
+    title: str = eqx.field(static=True)
+    #: The straight line c + s (t/Δt) between every two samples, as rows (c, s).
+    _lines: Float[np.ndarray, "samples-1 2"]
 
-    def __check_init__(self):
+    def __init__(self, acceleration: Samples, dt: float, *, title: str = "ground motion"):
+        self.acceleration, self.dt, self.title = as_float64(acceleration), as_float64(dt), title
+        self._check()
+        slope = self.acceleration[1:] - self.acceleration[:-1]
+        numbers = jnp if isinstance(slope, jax.Array) else np
+        self._lines = numbers.stack([self.acceleration[:-1] - np.arange(len(slope)) * slope, slope], axis=1)
+
+    def _check(self) -> None:
+        if isinstance(self.acceleration, jax.core.Tracer) or isinstance(self.dt, jax.core.Tracer):
+            return
         if self.acceleration.ndim != 1 or len(self.acceleration) < 2 or not np.isfinite(self.acceleration).all():
             raise ValueError(f"'{self.title}' needs at least two samples of acceleration, all of them finite.")
         if not (np.isfinite(self.dt) and self.dt > 0):
@@ -59,12 +71,12 @@ class GroundMotion(eqx.Module):
 
     def __call__(self, t: Scalar) -> Scalar:
         """Acceleration at the time t."""
-        samples = jnp.asarray(self.acceleration)
+        last = len(self.acceleration) - 1
         place = jnp.asarray(t) / self.dt
-        before = jnp.clip(place, 0, len(samples) - 2).astype(jnp.int32)
-        part = place - before.astype(place.dtype)
-        value = samples[before] + part * (samples[before + 1] - samples[before])
-        return jnp.where(place < len(samples) - 1, value, 0.0)
+        # The place is looked up once: XLA may compute it twice, and next to a sample the two round to different places,
+        # whose lines meet there. An interpolation between two samples would take one from each place.
+        at_zero, slope = jnp.asarray(self._lines)[jnp.clip(place, 0, last - 1).astype(jnp.int32)]
+        return jnp.where(place < last, at_zero + slope * place, 0.0)
 
     @property
     def kinks(self) -> np.ndarray:

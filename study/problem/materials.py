@@ -18,7 +18,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from study.algebra.arrays import Vector
+from study.algebra.arrays import Vector, as_float64
 from study.problem.internal_force import number_of_arguments
 
 
@@ -47,9 +47,9 @@ class Elastoplastic(eqx.Module):
     J. C. Simo, T. J. R. Hughes, Computational inelasticity, Springer, 1998, section 1.4.
     """
 
-    stiffness: Any = eqx.field(converter=np.float64)
-    yield_force: Any = eqx.field(converter=np.float64)
-    hardening: Any = eqx.field(converter=np.float64)
+    stiffness: Any = eqx.field(converter=as_float64)
+    yield_force: Any = eqx.field(converter=as_float64)
+    hardening: Any = eqx.field(converter=as_float64)
 
     @property
     def history(self) -> np.ndarray:
@@ -117,9 +117,9 @@ class BoucWen(eqx.Module):
     Y. K. Wen, Method for random vibration of hysteretic systems, J. Eng. Mech. Div. ASCE 102(EM2), 1976, 249-263.
     """
 
-    stiffness: Any = eqx.field(converter=np.float64)
-    yield_force: Any = eqx.field(converter=np.float64)
-    hardening: Any = eqx.field(converter=np.float64)
+    stiffness: Any = eqx.field(converter=as_float64)
+    yield_force: Any = eqx.field(converter=as_float64)
+    hardening: Any = eqx.field(converter=as_float64)
     exponent: int = eqx.field(static=True)
 
     @property
@@ -168,8 +168,8 @@ def bouc_wen(stiffness, yield_force, hardening=0.0, exponent: int = 1) -> BoucWe
 class ViscousDamper(eqx.Module):
     """A fluid damper with the force c |u̇|^α sgn u̇."""
 
-    coefficient: Any = eqx.field(converter=np.float64)
-    exponent: Any = eqx.field(converter=np.float64)
+    coefficient: Any = eqx.field(converter=as_float64)
+    exponent: Any = eqx.field(converter=as_float64)
 
     def __call__(self, u, v):
         """Force c |u̇|^α sgn u̇; its derivative, infinite at rest for α < 1, is zero there."""
@@ -194,8 +194,8 @@ def viscous_damper(coefficient, exponent=1.0) -> ViscousDamper:
 class Gap(eqx.Module):
     """A spring that touches at the displacement g: p = k (u − g) for u > g, zero otherwise."""
 
-    stiffness: Any = eqx.field(converter=np.float64)
-    opening: Any = eqx.field(converter=np.float64)
+    stiffness: Any = eqx.field(converter=as_float64)
+    opening: Any = eqx.field(converter=as_float64)
 
     def __call__(self, u):
         """Force k (u − g) for u > g, zero otherwise."""

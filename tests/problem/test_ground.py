@@ -92,3 +92,15 @@ def test_unfit_grounds_get_a_sentence():
         study.Problem(lambda u: u, u0=0.0, influence=1.0)
     with pytest.raises(TypeError, match="must be a study.GroundMotion"):
         study.Problem(lambda u: u, u0=0.0, ground=jnp.sin)
+
+
+def test_a_place_that_rounds_to_either_side_of_a_sample_is_looked_up_once():
+    """In a loop over lanes XLA computes t/Δt twice with other roundings; Runge-Kutta's stages meet the samples."""
+
+    def shaken(intensity):
+        ground = study.GroundMotion.el_centro().scaled(intensity)
+        return study.Problem(lambda u: 100 * u, u0=np.zeros(2), ground=ground, tangent="diagonal")
+
+    lanes = study.run(shaken, "rk4", dt=0.01, steps=400, over={"intensity": [1.0, 1.0]})
+    alone = study.run(shaken(1.0), "rk4", dt=0.01, steps=400)
+    np.testing.assert_allclose(lanes.u[0], alone.u, atol=1e-14)

@@ -1,5 +1,7 @@
 """Smooth hysteresis by CVODE, against SciPy, the schemes, and two ways through its dataset."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -14,7 +16,7 @@ T = np.arange(1, 17) * PERIOD / 8
 def test_it_agrees_with_scipy_on_the_rate_equation():
     problem = study.problems["hysteretic"]
     found = hysteretic.trajectory(problem, T)
-    spring = problem.force
+    spring: Any = problem.force
     k, b, bound = (float(x) for x in (spring.stiffness, spring.hardening, spring.yield_force / spring.stiffness))
 
     def rate(t, state):

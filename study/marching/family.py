@@ -1,0 +1,96 @@
+"""An ensemble over anything that a problem is made of."""
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from study.marching.arguments import RESERVED
+from study.marching.ensemble import TILE
+from study.marching.march import March
+from study.marching.program import as_result
+from study.marching.result import Result
+from study.marching.shapes import OfLanes
+from study.observer.base import Observer
+from study.problem.definition import Problem
+from study.scheme.base import Scheme
+
+
+def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Observer]) -> dict[str, np.ndarray]:
+    """The values over which a family runs, each of shape (lanes, ...).
+
+    Raises
+    ------
+    TypeError, ValueError
+        If ``make`` is no function of the names, a name is taken, or the arrays are no numbers of one length.
+    """
+    if not callable(make) or isinstance(make, Problem):
+        raise TypeError(f"over= needs a function that makes a problem in place of {make!r}.")
+    arguments = inspect.signature(make).parameters
+    takes_any = any(p.kind is p.VAR_KEYWORD for p in arguments.values())
+    taken = {*RESERVED, *(name for observer in observers for name in observer.variables)}
+    values = {name: np.asarray(value) for name, value in over.items()}
+    for name, value in values.items():
+        if name not in arguments and not takes_any:
+            raise ValueError(f"over has '{name}', which the function that makes the problem does not take.")
+        if name in taken:
+            raise ValueError(f"over has '{name}', a name that the result has already; rename the argument.")
+        if value.dtype.kind not in "fiu" or value.ndim == 0 or not np.isfinite(value).all():
+            raise ValueError(f"over['{name}'] must be an array of finite numbers (lanes, ...), not {over[name]!r}.")
+    lengths = {name: len(value) for name, value in values.items()}
+    if len(set(lengths.values())) != 1 or not all(lengths.values()):
+        raise ValueError(f"over needs arrays of one length, at least one, not {lengths or 'nothing'}.")
+    return {name: value.astype(float) for name, value in values.items()}
+
+
+def march_family(
+    make: Callable[..., Problem],
+    over: Mapping[str, np.ndarray],
+    scheme: Scheme,
+    observers: Sequence[Observer],
+    dt: OfLanes,
+    steps: int,
+    every: int,
+    samples: int,
+) -> Result:
+    """March a problem for each lane, made inside the compiled program.
+
+    Parameters
+    ----------
+    make, over
+        Function that makes the problem, and its arguments, each (lanes, ...).
+    dt
+        Step sizes (lanes,).
+    every, samples
+        As in :meth:`study.marching.program.Program.run`.
+
+    Returns
+    -------
+    Result
+        NumPy arrays with the lanes along the first axis and the samples along the second.
+    """
+    lanes = len(dt)
+    tile = min(lanes, TILE)
+    tiles = -(-lanes // tile)
+    # the last lane fills up the last tile
+    place = np.minimum(np.arange(tiles * tile), lanes - 1).reshape(tiles, tile)
+
+    def one(arguments, dt):
+        march = March.of(make(**arguments), scheme, observers)
+        begin = jnp.asarray(march.problem.u0), jnp.asarray(march.problem.v0)
+        progress, initial, stored = march.start(*begin, dt, samples + 1)
+        each_step = every == 1 and begin[0].ndim == 0
+        progress, stored = march.proceed(progress, stored, initial, dt, steps, every, 0, each_step)
+        return {name: values[: samples + 1] for name, values in stored.items()}, march.result(progress)
+
+    @jax.jit
+    def all_of(arguments, dt):
+        return lax.map(lambda tile: jax.vmap(one)(*tile), (arguments, dt))
+
+    found = all_of({name: value[place] for name, value in over.items()}, dt[place])
+    stored, result = jax.tree.map(lambda x: np.asarray(x).reshape(-1, *x.shape[2:])[:lanes].copy(), found)
+    return as_result(result, stored)

@@ -1,0 +1,99 @@
+"""A run as a pure function, which JAX differentiates, vectorises and compiles with what is around it."""
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+from study.algebra.arrays import ScalarLike, VectorLike
+from study.marching.arguments import checked_observers, positive_integer, resolve
+from study.marching.march import March
+from study.observer.base import Observer
+from study.observer.named import observers as named_observers
+from study.problem.definition import Problem
+from study.problem.named import problems
+from study.scheme.base import Scheme
+from study.scheme.named import schemes
+
+
+def evolve(
+    problem: str | Problem,
+    scheme: str | Scheme,
+    *,
+    dt: ScalarLike,
+    steps: int,
+    observe: str | Observer | Sequence[str | Observer] = (),
+    u0: VectorLike | None = None,
+    v0: VectorLike | None = None,
+) -> dict[str, jax.Array]:
+    """The end of a run and its reductions, as a pure function of every number in problem, scheme, dt and start.
+
+    ``jax.grad``, ``jax.jvp``, ``jax.vmap`` and ``jax.jit`` take it, also where they make the problem. Newton's
+    iteration is differentiated by the implicit function theorem, exactly and not iteration by iteration. Backward
+    derivatives keep about 2√steps states and march twice.
+
+    Parameters
+    ----------
+    problem, scheme, dt, u0, v0
+        As in :func:`study.run`; none of them makes an ensemble, ``jax.vmap`` does.
+    steps
+        Number of steps, which is fixed when JAX compiles.
+    observe
+        Names in ``study.observers``, or your own :class:`study.Reduction` or reduced :class:`study.Quantity`.
+
+    Returns
+    -------
+    dict
+        ``u`` and ``v`` at the end, ``failed_at_step`` (−1 for a run that completed), and the variables observed.
+
+    Raises
+    ------
+    ValueError
+        If an observer records along time, or scheme or observer do not fit the problem.
+
+    Examples
+    --------
+    >>> import jax, study
+    >>> def end(stiffness):
+    ...     spring = study.Problem(lambda u: stiffness * u, u0=1.0)
+    ...     return study.evolve(spring, "average_acceleration", dt=0.01, steps=100)["u"]
+    >>> print(f"{jax.grad(end)(4.0):.4f}")
+    -0.2273
+    """
+    equation = resolve(problem, problems, Problem)
+    method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
+    chosen = checked_observers(observe)
+    count = positive_integer("steps", steps)
+    for reason in (method.refusal(equation), *(observer.refusal(equation) for observer in chosen)):
+        if reason:
+            raise ValueError(reason)
+    march = March.of(equation, method, chosen)
+    if march.records:
+        name = next(iter(march.records[0].variables))
+        fit = [known for known in named_observers if not March.of(equation, method, [named_observers[known]]).records]
+        raise ValueError(
+            f"'{name}' is recorded along time, and evolve returns one value a run: observe a reduction, such as "
+            f"{', '.join(fit[:3])}, or a Quantity with reduce=."
+        )
+    start = jnp.asarray(equation.u0 if u0 is None else u0), jnp.asarray(equation.v0 if v0 is None else v0)
+    progress = march.start(*start, jnp.asarray(dt, float), 0)[0]
+    block = max(math.isqrt(count), 1)
+
+    @jax.checkpoint
+    def several(progress, _):
+        return _steps(march, progress, dt, block), None
+
+    progress, _ = lax.scan(several, progress, length=count // block)
+    progress = _steps(march, progress, dt, count % block)
+    failure, values = march.result(progress)
+    return {"u": progress.state.u, "v": progress.state.v, "failed_at_step": jnp.abs(failure) - 1, **values}
+
+
+def _steps(march: March, progress: Any, dt: ScalarLike, count: int) -> Any:
+    """The progress after some steps."""
+    step = partial(march.stepped, dt=jnp.asarray(dt, float))
+    return lax.scan(lambda progress, _: (step(progress), None), progress, length=count)[0]

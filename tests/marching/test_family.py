@@ -1,0 +1,74 @@
+"""Ensembles over what a problem is made of."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+
+PEAK = study.Quantity(lambda u: u, name="largest", reduce="peak")
+
+
+def _spring(stiffness, start=1.0):
+    return study.Problem(lambda u: stiffness * u + u**3, u0=start, damping=0.1, title="spring")
+
+
+def test_every_lane_is_its_own_run():
+    over = {"stiffness": np.linspace(1.0, 9.0, 70), "start": np.linspace(0.5, 2.0, 70)}
+    ds = study.run(_spring, "average_acceleration", dt=0.05, steps=100, over=over, observe=["trajectory", PEAK])
+    assert ds.u.dims == ("lane", "t") and ds.u.shape == (70, 101)
+    np.testing.assert_array_equal(ds.stiffness, over["stiffness"])
+    for lane in (0, 33, 69):
+        problem = _spring(over["stiffness"][lane], over["start"][lane])
+        alone = study.run(problem, "average_acceleration", dt=0.05, steps=100, observe=["trajectory", PEAK])
+        np.testing.assert_allclose(ds.u[lane], alone.u, atol=1e-13)
+        assert float(ds.largest[lane]) == pytest.approx(float(alone.largest), abs=1e-13)
+
+
+def test_a_record_and_a_yield_force_vary():
+    ground = study.GroundMotion.el_centro()
+
+    def frame(intensity, strength):
+        storeys = study.materials.elements(
+            study.materials.elastoplastic(np.array([400.0, 300.0]), strength), lambda u: jnp.diff(u, prepend=0.0), 2
+        )
+        return study.Problem(storeys, u0=np.zeros(2), damping=0.4, ground=ground.scaled(intensity), tangent="dense")
+
+    over = {"intensity": [0.5, 1.0], "strength": [[3.0, 2.0], [1.5, 1.0]]}
+    ds = study.run(frame, "rk4", dt=0.01, steps=400, over=over, observe=[PEAK], every=4)
+    assert ds.largest.shape == (2, 2) and ds.strength.dims == ("lane", "strength_1")
+    alone = study.run(frame(1.0, np.array([1.5, 1.0])), "rk4", dt=0.01, steps=400, observe=[PEAK], every=4)
+    np.testing.assert_allclose(ds.largest[1], alone.largest, atol=1e-12)
+
+
+def test_lanes_may_have_their_own_step():
+    ds = study.run(_spring, "rk4", dt=[0.05, 0.025], steps=20, over={"stiffness": [1.0, 1.0]})
+    alone = study.run(_spring(1.0), "rk4", dt=0.025, steps=20)
+    np.testing.assert_allclose(ds.u[1], alone.u, atol=1e-13)
+
+
+def test_a_lane_that_fails_is_told_and_the_others_go_on():
+    with pytest.warns(study.RunFailed, match="1 of 2 runs failed, the first of them, lane 1"):
+        ds = study.run(_spring, "central_difference", dt=0.5, steps=400, over={"stiffness": [1.0, 1e4]})
+    assert ds.status.values.tolist()[0] == 0 and np.isfinite(ds.u[0]).all()
+
+
+@pytest.mark.parametrize(
+    "make, change, error, sentence",
+    [
+        ("hardening", {}, TypeError, "over= needs a function that makes a problem in place of 'hardening'"),
+        (_spring, {"over": {"k": [1.0]}}, ValueError, "over has 'k', which the function that makes the problem does"),
+        (_spring, {"over": {"stiffness": 1.0}}, ValueError, r"over\['stiffness'\] must be an array of finite numbers"),
+        (_spring, {"over": {"stiffness": [1.0, np.nan]}}, ValueError, "must be an array of finite numbers"),
+        (_spring, {"over": {"stiffness": [1.0], "start": [1.0, 2.0]}}, ValueError, "over needs arrays of one length"),
+        (_spring, {"over": {}}, ValueError, "over needs arrays of one length, at least one, not nothing"),
+        (_spring, {"u0": 1.0}, ValueError, "u0 and v0 come from the function that makes the problem"),
+        (_spring, {"dt": [0.1, 0.2]}, ValueError, "dt has 2 lanes and over 1"),
+        (lambda t: _spring(t), {"over": {"t": [1.0]}}, ValueError, "over has 't', a name that the result has already"),
+        (lambda stiffness: stiffness, {}, TypeError, "must return a study.Problem, not"),
+    ],
+)
+def test_bad_families_are_refused(make, change, error, sentence):
+    arguments = {"dt": 0.1, "steps": 10, "over": {"stiffness": [1.0]}} | change
+    with pytest.raises(error, match=sentence):
+        study.run(make, "rk4", **arguments)

@@ -1,0 +1,108 @@
+"""A run as a pure function: its derivatives against finite differences of many digits, its memory, its refusals."""
+
+import jax
+import jax.numpy as jnp
+import mpmath
+import pytest
+
+import study
+
+
+def _average_acceleration(stiffness, cubic, steps=40, dt="0.05"):
+    """Last displacement of ü + k u + c u³ = 0, u₀ = 1, with mpmath's numbers and bisection-free Newton."""
+    u, v, dt = mpmath.mpf(1), mpmath.mpf(0), mpmath.mpf(dt)
+    a = -stiffness * u - cubic * u**3
+    for _ in range(steps):
+        predicted, half = u + dt * v + dt**2 / 4 * a, v + dt / 2 * a
+        for _ in range(8):
+            at = predicted + dt**2 / 4 * a
+            a -= (a + stiffness * at + cubic * at**3) / (1 + dt**2 / 4 * (stiffness + 3 * cubic * at**2))
+        u, v = predicted + dt**2 / 4 * a, half + dt / 2 * a
+    return u
+
+
+def _end(parameters):
+    spring = study.Problem(lambda u: parameters[0] * u + parameters[1] * u**3, u0=1.0)
+    return study.evolve(spring, "average_acceleration", dt=0.05, steps=40)["u"]
+
+
+def test_derivatives_are_exact_to_round_off():
+    at = jnp.asarray([4.0, 2.0])
+    with mpmath.workdps(40):
+        k, c = mpmath.mpf(4), mpmath.mpf(2)
+        expected = [
+            float(mpmath.diff(lambda k: _average_acceleration(k, c), k)),
+            float(mpmath.diff(lambda c: _average_acceleration(k, c), c)),
+        ]
+    assert jax.grad(_end)(at) == pytest.approx(expected, rel=1e-12)
+    assert jax.jacfwd(_end)(at) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["rk4", "rho_bathe", "houbolt", "gauss4"])
+def test_it_is_the_run(name):
+    ds = study.run("softening", name, dt=0.01, steps=500, observe=["trajectory", "energy_drift"])
+    found = study.evolve("softening", name, dt=0.01, steps=500, observe=["energy_drift"])
+    assert float(found["u"]) == pytest.approx(float(ds.u[-1]), abs=1e-11)
+    assert float(found["energy_drift"]) == pytest.approx(float(ds.energy_drift), abs=1e-9)
+    assert int(found["failed_at_step"]) == -1
+
+
+def test_hysteresis_and_its_dissipation_are_differentiated():
+    def dissipated(yield_force):
+        spring = study.materials.elastoplastic(40.0, yield_force, 0.1)
+        problem = study.Problem(spring, u0=0.0, v0=3.0, potential=spring.potential)
+        return study.evolve(problem, "average_acceleration", dt=0.01, steps=150, observe=["energy_balance"])[
+            "dissipated_energy"
+        ]
+
+    slope = float(dissipated(5.0 + 1e-6) - dissipated(5.0 - 1e-6)) / 2e-6
+    assert float(jax.grad(dissipated)(5.0)) == pytest.approx(slope, rel=1e-6)
+    assert float(jax.jvp(dissipated, (5.0,), (1.0,))[1]) == pytest.approx(slope, rel=1e-6)
+
+
+def test_backward_derivatives_keep_few_states():
+    """The memory of the compiled derivative grows far less than the number of steps."""
+
+    def needed(steps):
+        def end(u0):
+            return jnp.sum(study.evolve("fpu_chain", "average_acceleration", dt=0.01, steps=steps, u0=u0)["u"])
+
+        start = jnp.asarray(study.problems["fpu_chain"].u0)
+        memory = jax.jit(jax.grad(end)).lower(start).compile().memory_analysis()
+        assert memory is not None
+        return memory.temp_size_in_bytes
+
+    assert needed(10_000) < 15 * needed(100)
+
+
+def test_lanes_by_vmap():
+    ends = jax.vmap(_end)(jnp.asarray([[4.0, 2.0], [1.0, 0.0]]))
+    assert ends == pytest.approx([float(_end([4.0, 2.0])), float(_end([1.0, 0.0]))], abs=1e-14)
+
+
+def test_a_failure_is_told():
+    found = study.evolve("hardening", "central_difference", dt=1.0, steps=100)
+    assert int(found["failed_at_step"]) > 0
+
+
+@pytest.mark.parametrize(
+    "change, sentence",
+    [
+        ({"observe": ["trajectory"]}, "'u' is recorded along time, and evolve returns one value a run: observe"),
+        ({"observe": ["momentum_errors"]}, "needs Problem\\(positions=...\\)"),
+        ({"steps": 0}, "steps must be a whole number of at least 1"),
+    ],
+)
+def test_what_it_cannot_do_is_refused(change, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        study.evolve("hardening", "rk4", **{"dt": 0.01, "steps": 10} | change)
+
+
+def test_second_derivatives():
+    def motion(damping):
+        problem = study.Problem(lambda u: 4 * u + u**3, u0=1.0, damping=damping)
+        return study.evolve(problem, "rho_bathe", dt=0.02, steps=50)["u"]
+
+    slope = jax.grad(motion)
+    bend = float(jax.grad(slope)(0.5))
+    assert bend == pytest.approx((float(slope(0.5 + 1e-5)) - float(slope(0.5 - 1e-5))) / 2e-5, rel=1e-7)
