@@ -36,4 +36,4 @@ Matrix: TypeAlias = Any
 
 def as_float64(value: Any) -> Any:
     """A number or an array as float64; one that JAX traces as it is."""
-    return value if isinstance(value, jax.core.Tracer) else np.asarray(value, np.float64)
+    return value if isinstance(value, jax.core.Tracer) else np.asarray(value, np.float64)[()]

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike, as_float64
-from study.algebra.matrices import banded, times
+from study.algebra.matrices import SMALL, banded, times
 from study.problem import checks, tangent
 from study.problem.damping import Rayleigh, rayleigh_matrix
 from study.problem.ground import GroundLoad, GroundMotion
@@ -172,9 +172,21 @@ class Problem(eqx.Module):
                     f"tangent={self.tangent!r} of '{self.title}': the tangent of one unknown is a number; leave it out."
                 )
             return None
-        if self.tangent is None:
-            return tangent.found(self._coupling(), self.u0, self.massless, self.title)
-        return tangent.checked(self._coupling(), self.u0, self.tangent, self.title)
+        known = None if self.tangent is None else tangent.form_named(self.tangent, len(self.u0), self.title)
+        if known == "dense" or (known is None and len(self.u0) <= SMALL):
+            return "dense"
+        try:
+            with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
+                if known is None:
+                    return tangent.found(self._coupling(), self.u0, self.massless, self.title)
+                tangent.check_form(self._coupling(), self.u0, self.tangent, self.title)
+        except checks.NOT_TRACEABLE:  # the force has numbers that JAX traces, so that there is no value to look at
+            if known is None:
+                raise ValueError(
+                    f"'{self.title}' is made while JAX traces numbers in its force: declare the form of its tangent "
+                    f"with Problem(tangent=...), one of {', '.join(tangent.FORMS)} or a half bandwidth."
+                ) from None
+        return known
 
     def _stored(self, matrix: Matrix) -> Matrix:
         """Mass or damping in the smallest form that holds it: a full matrix as a band if the tangent is one."""

@@ -24,6 +24,9 @@ UNIFORM = 1e-2
 #: Accelerations, shape (samples,).
 Samples = Float[np.ndarray, "samples"]
 
+#: Straight lines, shape (samples - 1, 2).
+Lines = Float[np.ndarray, "lines two"]
+
 _RECORDS = Path(__file__).parent / "records"
 
 
@@ -52,14 +55,16 @@ class GroundMotion(eqx.Module):
     dt: float
     title: str = eqx.field(static=True)
     #: The straight line c + s (t/Δt) between every two samples, as rows (c, s).
-    _lines: Float[np.ndarray, "samples-1 2"]
+    _lines: Lines
 
     def __init__(self, acceleration: Samples, dt: float, *, title: str = "ground motion"):
         self.acceleration, self.dt, self.title = as_float64(acceleration), as_float64(dt), title
         self._check()
         slope = self.acceleration[1:] - self.acceleration[:-1]
         numbers = jnp if isinstance(slope, jax.Array) else np
-        self._lines = numbers.stack([self.acceleration[:-1] - np.arange(len(slope)) * slope, slope], axis=1)
+        self._lines = numbers.stack(
+            [self.acceleration[:-1] - np.arange(len(slope), dtype=float) * slope, slope], axis=1
+        )
 
     def _check(self) -> None:
         if isinstance(self.acceleration, jax.core.Tracer) or isinstance(self.dt, jax.core.Tracer):
@@ -73,8 +78,8 @@ class GroundMotion(eqx.Module):
         """Acceleration at the time t."""
         last = len(self.acceleration) - 1
         place = jnp.asarray(t) / self.dt
-        # The place is looked up once: XLA may compute it twice, and next to a sample the two round to different places,
-        # whose lines meet there. An interpolation between two samples would take one from each place.
+        # The place is looked up once. XLA may compute it twice, and next to a sample the two round to different places,
+        # whose lines meet there; an interpolation between two samples would take one from each place.
         at_zero, slope = jnp.asarray(self._lines)[jnp.clip(place, 0, last - 1).astype(jnp.int32)]
         return jnp.where(place < last, at_zero + slope * place, 0.0)
 

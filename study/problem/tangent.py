@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from study.algebra.arrays import Matrix, Vector
-from study.algebra.matrices import SMALL, Banded, MatrixFree, times
+from study.algebra.matrices import Banded, MatrixFree, times
 
 #: Names that a problem may declare for the form of its tangent. A whole number is a half bandwidth.
 FORMS: dict[str, int | str] = {"diagonal": 0, "tridiagonal": 1, "dense": "dense", "matrix_free": "matrix_free"}
@@ -97,8 +97,6 @@ def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | 
         If there are too many unknowns, or the derivative is not finite near u₀.
     """
     n = len(u0)
-    if n <= SMALL:
-        return "dense"
     if n > FINDABLE:
         raise ValueError(
             f"'{title}' has {n} unknowns, too many to find the form of its tangent: declare it with "
@@ -114,26 +112,36 @@ def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | 
     return half_bandwidth if 4 * half_bandwidth <= n else "dense"
 
 
-def checked(force: Callable, u0: np.ndarray, declared: int | str, title: str) -> int | str:
-    """The declared form, after a check that the tangent in this form is the derivative of the force.
+def form_named(declared: int | str, n: int, title: str) -> int | str:
+    """The form that a problem declares for its n unknowns.
 
     Raises
     ------
     ValueError
-        If there is no such form, or its product with a random direction differs from the derivative along it.
+        If there is no such form.
     """
     declared = int(declared) if isinstance(declared, np.integer) else declared
     known = FORMS.get(declared, declared) if isinstance(declared, str) else declared
     if isinstance(declared, str) and isinstance(known, int):
-        known = min(known, len(u0) - 1)
-    is_width = isinstance(known, int) and not isinstance(known, bool) and 0 <= known < len(u0)
+        known = min(known, n - 1)
+    is_width = isinstance(known, int) and not isinstance(known, bool) and 0 <= known < n
     if not is_width and known not in ("dense", "matrix_free"):
         raise ValueError(
             f"tangent={declared!r} of '{title}': give one of {', '.join(FORMS)}, or the half bandwidth as a "
-            f"whole number below {len(u0)}."
+            f"whole number below {n}."
         )
-    if known == "dense":
-        return known
+    return known
+
+
+def check_form(force: Callable, u0: np.ndarray, declared: int | str, title: str) -> None:
+    """Refuse a form, of those that are not dense, in which the tangent is not the derivative of the force.
+
+    Raises
+    ------
+    ValueError
+        If its product with a random direction differs from the derivative along it.
+    """
+    known = form_named(declared, len(u0), title)
     one, other = np.random.default_rng(1).normal(size=(2, len(u0)))
     if known == "matrix_free":
         reason = "it is not symmetric, as conjugate gradients need"
@@ -153,4 +161,3 @@ def checked(force: Callable, u0: np.ndarray, declared: int | str, title: str) ->
         wrong, scale = misfit(u)
         if not wrong <= AGREEMENT * scale:
             raise ValueError(f"tangent={declared!r} does not fit the force of '{title}': {reason}.")
-    return known
