@@ -172,14 +172,15 @@ class Problem(eqx.Module):
                     f"tangent={self.tangent!r} of '{self.title}': the tangent of one unknown is a number; leave it out."
                 )
             return None
-        known = None if self.tangent is None else tangent.form_named(self.tangent, len(self.u0), self.title)
+        declared = self.tangent
+        known = None if declared is None else tangent.form_named(declared, len(self.u0), self.title)
         if known == "dense" or (known is None and len(self.u0) <= SMALL):
             return "dense"
         try:
             with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
-                if known is None:
+                if declared is None:
                     return tangent.found(self._coupling(), self.u0, self.massless, self.title)
-                tangent.check_form(self._coupling(), self.u0, self.tangent, self.title)
+                tangent.check_form(self._coupling(), self.u0, declared, self.title)
         except checks.NOT_TRACEABLE:  # the force has numbers that JAX traces, so that there is no value to look at
             if known is None:
                 raise ValueError(
