@@ -47,7 +47,9 @@ def trajectory(problem: Problem, t: Times, rtol: float = 1e-12, method: str = "A
 
     kinks.terminal = [True, True]  # type: ignore[attr-defined]
     begin, evaluations = time.perf_counter(), 0
-    now, state = 0.0, np.array([float(problem.u0), float(problem.v0), float(problem.history[1])])
+    # the first force is that after a motion straight to u0
+    _, (_, y0) = spring(problem.u0, problem.v0, problem.history)
+    now, state = 0.0, np.array([float(problem.u0), float(problem.v0), float(y0)])
     found = np.empty((len(t), 3))
     while now < t[-1]:
         options = {"rtol": rtol, "atol": rtol * ATOL_BELOW_RTOL, "max_num_steps": MAX_NUM_STEPS}
@@ -59,7 +61,8 @@ def trajectory(problem: Problem, t: Times, rtol: float = 1e-12, method: str = "A
             raise RouteFailed(f"CVODE {method} did not finish '{problem.title}': {part.message}")
         stop = t[-1] if part.t_events is None else float(part.t_events[-1])
         reached = ahead[np.asarray(t)[ahead] <= stop]
-        found[reached] = part.y[1 : len(reached) + 1]
+        # of two times alone CVODE returns all its steps between them
+        found[reached] = part.y[np.searchsorted(part.t, np.asarray(t)[reached])]
         if stop <= now:
             raise RouteFailed(f"CVODE {method} does not leave the event of '{problem.title}' at t = {now:g}.")
         now, state = stop, part.y[-1] if part.t_events is None else part.y_events[-1]

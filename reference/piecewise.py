@@ -131,13 +131,16 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     kinks: np.ndarray = np.array([]) if problem.load is None else np.asarray(problem.load.kinks, float)  # type: ignore[attr-defined]
     stops = np.union1d(np.asarray(t, float), [at for at in kinks if 0 < at < t[-1]])
     piece, now, y = _first_piece(problem), 0.0, np.array([float(problem.u0), float(problem.v0)])
-    loads = np.zeros(len(stops) + 1)
+    begins = np.append(0.0, stops)
+    loads, middles = np.zeros(len(begins)), np.zeros(len(stops))
     if problem.load is not None:
-        loads = np.asarray(jax.jit(jax.vmap(problem.load))(np.append(0.0, stops)))
+        at = jax.jit(jax.vmap(problem.load))
+        loads, middles = np.asarray(at(begins)), np.asarray(at((begins[1:] + begins[:-1]) / 2))
     spacing = 2 * np.pi * np.sqrt(mass / float(problem.force.stiffness)) / places  # type: ignore[attr-defined]
     found, pieces = {}, 1
-    for stop, f0, f1 in zip(stops, loads[:-1].tolist(), loads[1:].tolist(), strict=True):
-        slope = (f1 - f0) / (stop - now) if stop > now else 0.0
+    for stop, f0, middle in zip(stops, loads[:-1].tolist(), middles.tolist(), strict=True):
+        # by the middle, because the load may jump at the end, as a record does that does not end in zero
+        slope = 2 * (middle - f0) / (stop - now) if stop > now else 0.0
         while now < stop:
             matrix = _generator(mass, damping, piece, f0, slope)
             passed, y, piece = _to_event(matrix, piece, y, stop - now, spacing)

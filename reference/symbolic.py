@@ -100,6 +100,11 @@ def _acceleration(problem: Problem, internal_force, v) -> hy.expression:
     return result if problem.mass is None else result / float(problem.mass)
 
 
+def _check_depends_on_displacement(problem: Problem) -> None:
+    if problem.dissipative:
+        raise Untranslatable(f"the force of '{problem.title}' takes more than the displacement, and is not translated.")
+
+
 def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
     """The system u̇ = v, v̇ = (f(t) − C v − p(u)) / M of a problem with one unknown.
 
@@ -110,6 +115,7 @@ def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
     """
     if np.ndim(problem.u0):
         raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; this route takes one.")
+    _check_depends_on_displacement(problem)
     u, v = hy.make_vars("u", "v")
     return [(u, v), (v, _acceleration(problem, expression(problem.force, u), v))]
 
@@ -146,5 +152,6 @@ def with_force_as_state(problem: Problem) -> list[tuple[hy.expression, hy.expres
     ValueError
         If a function of the problem has no translation.
     """
+    _check_depends_on_displacement(problem)
     u, v, w = hy.make_vars("u", "v", "w")
     return [(u, v), (v, _acceleration(problem, w, v)), (w, hy.diff(expression(problem.force, u), u) * v)]

@@ -12,7 +12,7 @@ force was tried: it saves half of the runs that fail on softening springs with s
 loses more runs of structures with stiff members that rotate. Where the slope of the force may jump, the iteration could
 go to and fro between two branches for ever. With one unknown it is then kept between two accelerations with residuals
 of opposite signs, and bisects where Newton's correction leaves them or does not halve. With several unknowns a
-correction that goes too far along its direction is shortened by the secant through the residuals at both ends.
+correction that goes too far is shortened to where the residual along it is nearly zero.
 
 References
 ----------
@@ -162,19 +162,19 @@ def balance(
     # what a correction is compared with
     start, reach = (v, c_v) if problem.takes_velocity else (u, c_u)
 
-    def internal(a):
+    def internal_force(a):
         velocity = v + times(c_v, a) if problem.takes_velocity else v
         return force(u + times(c_u, a), velocity)
 
     def internal_and_effective(a):
         if problem.takes_velocity:
-            value, tangent = force_and_tangent(internal, a, _coupled(problem.tangent, c_u))
+            value, tangent = force_and_tangent(internal_force, a, _coupled(problem.tangent, c_u))
             return weight * value, add(inertia, product(weight, tangent, n), n=n)
         value, tangent = force_and_tangent(lambda u: force(u, v), u + times(c_u, a), problem.tangent)
         return weight * value, add(inertia, product(tangent, weighted, n), n=n)
 
     def residual(a):
-        return times(inertia, a) + weight * internal(a) - rhs
+        return times(inertia, a) + weight * internal_force(a) - rhs
 
     def solved(effective, x):
         return solve(effective, x, symmetric and not problem.takes_velocity)

@@ -46,11 +46,11 @@ TOLERANCES = {
 #: Iterations after which a balance counts as not converged.
 MAX_ITERATIONS = 50
 
-#: A correction is shortened if the residual along it changes its sign and keeps more than this part of its size.
-OVERSHOOT = 0.5
+#: A correction is short enough if the residual along it keeps its sign, or at most this part of its size.
+OVERSHOOT = 0.1
 
-#: A shortened correction keeps at least this part of its length.
-SHORTEST = 0.1
+#: Most residuals that are taken to shorten a correction.
+MOST_LOOKS = 20
 
 
 def norm(x: Vector | float) -> Scalar:
@@ -124,12 +124,33 @@ def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
 
 
 def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
-    """A Newton correction, shortened by the secant where the residual along it overshoots."""
-    before = jnp.vdot(correction, out_of_balance)
-    after = jnp.vdot(correction, residual(a - correction))
-    overshoots = (before * after < 0) & (jnp.abs(after) > OVERSHOOT * jnp.abs(before))
-    part = before / jnp.where(overshoots, before - after, 1.0)
-    return jnp.where(overshoots, jnp.maximum(part, SHORTEST), 1.0) * correction
+    """A Newton correction of several unknowns, shortened to where the residual along it is nearly zero.
+
+    Where the tangent is symmetric and positive, that is the least energy along the correction, and the iteration comes
+    nearer with every correction. The place is found by secants; the value at an end that stays is halved (Illinois).
+    """
+
+    def along(part):
+        return jnp.vdot(correction, residual(a - part * correction))
+
+    def searches(carry):
+        *_, found, looks = carry
+        return ~found & (looks < MOST_LOOKS)
+
+    def look(carry):
+        low, at_low, high, at_high, _, looks = carry
+        part = jnp.clip((low * at_high - high * at_low) / (at_high - at_low), 0.99 * low + 0.01 * high, high)
+        value = along(part)
+        beyond, found = value * before < 0, jnp.abs(value) <= OVERSHOOT * jnp.abs(before)
+        low, at_low = jnp.where(beyond, low, part), jnp.where(beyond, at_low / 2, value)
+        high, at_high = jnp.where(beyond | found, part, high), jnp.where(beyond, value, at_high / 2)
+        return low, at_low, high, at_high, found, looks + 1
+
+    before, whole = jnp.vdot(correction, out_of_balance), along(jnp.ones((), a.dtype))
+    found = ~((whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before)))
+    ends = jnp.zeros((), a.dtype), before, jnp.ones((), a.dtype), whole
+    _, _, part, *_ = lax.while_loop(searches, look, (*ends, found, jnp.zeros((), int)))
+    return part * correction
 
 
 def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:

@@ -7,6 +7,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import lax
 
 from study.algebra.arrays import ScalarLike, VectorLike
@@ -76,6 +77,13 @@ def evolve(
     for reason in (method.refusal(equation), *(observer.refusal(equation) for observer in chosen)):
         if reason:
             raise ValueError(reason)
+    starts = []
+    for name, given, own in (("u0", u0, equation.u0), ("v0", v0, equation.v0)):
+        if given is not None and np.shape(given) != np.shape(own):
+            raise ValueError(f"{name} must have the shape {np.shape(own)} of the problem, not {np.shape(given)}.")
+        starts.append(jnp.asarray(own if given is None else given, float))
+    if np.ndim(dt) or (not isinstance(dt, jax.core.Tracer) and not (np.isfinite(dt) and dt > 0)):
+        raise ValueError(f"dt must be one number, finite and greater than zero, not {dt}.")
     march = March.of(equation, method, chosen)
     if march.records:
         name = next(iter(march.records[0].variables))
@@ -84,8 +92,7 @@ def evolve(
             f"'{name}' is recorded along time, and evolve returns one value a run: observe a reduction, such as "
             f"{', '.join(fit[:3])}, or a Quantity with reduce=."
         )
-    start = jnp.asarray(equation.u0 if u0 is None else u0), jnp.asarray(equation.v0 if v0 is None else v0)
-    progress = march.start(*start, jnp.asarray(dt, float), 0)[0]
+    progress = march.start(starts[0], starts[1], jnp.asarray(dt, float), 0)[0]
     block = max(math.isqrt(count), 1)
 
     @jax.checkpoint

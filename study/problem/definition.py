@@ -1,6 +1,7 @@
 """Equation (1): M ü + C u̇ + p = f(t), with u(0) and u̇(0); p is of u, or also of u̇ and of a history."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import fields
 from typing import Any
 
@@ -92,6 +93,8 @@ class Problem(eqx.Module):
     tangent: str | int | None = eqx.field(default=None, kw_only=True, static=True)
     positions: PositionsLike = eqx.field(default=None, kw_only=True)
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
+    #: The history at rest, which stays as others are committed.
+    _at_rest: Any = eqx.field(default=None, kw_only=True, repr=False)
     #: Whether M is singular.
     massless: bool = eqx.field(init=False, static=True)
     #: Number of arguments of the force.
@@ -122,7 +125,8 @@ class Problem(eqx.Module):
         self.kinked = may_have_kinks(self.internal_force, self.u0, self.v0)
         self.takes_velocity = self.arguments > 1 and depends_on_last(self.internal_force, self.u0, self.v0)
         if self.potential is not None and not derived and not traced and self.history is None:
-            checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
+            with suppress(*checks.NOT_TRACEABLE):  # numbers that JAX traces have no values to compare
+                checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
 
         checks.check_symmetry("mass", self.mass)
         if self.tangent == "matrix_free":  # conjugate gradients need it; otherwise damping may be gyroscopic
@@ -141,7 +145,7 @@ class Problem(eqx.Module):
         if self.history is None:
             self.history = getattr(self.force, "history", None)
         if self.history is not None:
-            self.history = as_history(self.history, self.title)
+            self.history = self._at_rest = as_history(self.history, self.title)
         if self.arguments > 3 or (self.arguments == 3) != (self.history is not None):
             given = "a history" if self.history is not None else "no history"
             raise ValueError(
@@ -223,6 +227,10 @@ class Problem(eqx.Module):
     def at(self, state: Any) -> "Problem":
         """The problem with the history that a state has committed; without a history the problem itself."""
         return self if self.history is None else self.remembering(state.history)
+
+    def at_rest(self) -> "Problem":
+        """The problem with its first history."""
+        return self if self.history is None else self.remembering(self._at_rest)
 
     def remembering(self, history: Any) -> "Problem":
         """The problem with another history."""

@@ -11,7 +11,9 @@ import numpy as np
 from jax.extend import core
 
 #: Operations whose slope jumps where they do so for no other reason than the value of their argument.
-KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "while"}
+KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "while", "reduce_max", "reduce_min", "sort"}
+#: Operations of which the truth of a comparison becomes a number, as in ``u * (u > 0)``.
+CONVERSION = "convert_element_type"
 #: Operations that branch by their first argument.
 BRANCHES = {"select_n", "cond"}
 
@@ -58,6 +60,7 @@ def _kinked(jaxpr: core.Jaxpr, depends: list[bool]) -> tuple[bool, list[bool]]:
         given = [not isinstance(x, core.Literal) and x in marked for x in equation.invars]
         name, results = equation.primitive.name, [any(given)] * len(equation.outvars)
         kinked |= (name in KINKS and any(given)) or (name in BRANCHES and given[0])
+        kinked |= name == CONVERSION and given[0] and equation.invars[0].aval.dtype == bool  # type: ignore[attr-defined]
         for inner in _inner(equation) if any(given) else ():
             same = len(inner.invars) == len(given)
             inside, found = _kinked(inner, given if same else [True] * len(inner.invars))

@@ -18,7 +18,8 @@ class NohBathe(OneStep):
     q₁ = (1 − 2p)/(2p(1 − p)),    q₂ = ½ − p q₁,    q₀ = ½ − q₁ − q₂
 
     Second order; with p = 0.54 stable without damping for ωΔt ≤ 3.745, a limit computed from the amplification matrix.
-    p = ½ is central difference twice. Carries u, u̇ and ü; two forces a step, and two solutions with M.
+    p = ½ is central difference twice. Carries u, u̇ and ü; two forces a step, and two solutions with
+    M. The first sub-step commits the history of a force with a memory.
 
     Parameters
     ----------

@@ -32,10 +32,10 @@ class Remembering(Wrapper):
     p and h₁ = force(u₁, u̇₁, h₀)
 
     Within a step every iteration and every stage takes the force from the history h₀ that the step before committed, as
-    if the motion led straight from u₀ to the displacement of the stage. The end of the step commits h₁. A scheme of
-    sub-steps, each with a balance at its end, commits at the end of each of them, and hands the last but one out in its
-    effort. A march wraps its scheme in this one if the problem has a history. Carries the state of the scheme and the
-    history; one force a step more.
+    if the motion led straight from u₀ to the displacement of the stage. The end of the step commits h₁; the start
+    commits that of a motion from rest straight to the first displacement. A scheme of sub-steps, each with a balance at
+    its end, commits at the end of each of them, and hands the last but one out in its effort. A march wraps its scheme
+    in this one if the problem has a history. Carries the state of the scheme and the history; one force a step more.
 
     Parameters
     ----------
@@ -59,6 +59,7 @@ class Remembering(Wrapper):
         return self.scheme.evaluations + 1
 
     def start(self, problem, u0, v0, dt):
+        problem = problem.committed(u0, v0)
         inner, effort = self.scheme.start(problem, u0, v0, dt)
         return Remembered(inner, problem.history), effort
 

@@ -81,3 +81,37 @@ def test_several_unknowns_with_stops_are_solved(seed):
     a, effort = eqx.filter_jit(balance)(problem, *arguments)
     assert effort.converged
     assert np.asarray(a + force(u + a) - rhs) == pytest.approx(np.zeros(4), abs=1e-8)
+
+
+def _softened(u):
+    """A hundredth of the stiffness beyond a tenth."""
+    return 1e4 * (u - 0.99 * jnp.where(u > 0.1, u - 0.1, 0.0) - 0.99 * jnp.where(u < -0.1, u + 0.1, 0.0))
+
+
+@pytest.mark.parametrize("v0", [[5.0], [5.0, 3.0], [5.0, 3.0, 2.0, 1.0]])
+@pytest.mark.parametrize("dt", [0.05, 0.1])
+def test_uncoupled_springs_that_soften_run_as_each_of_them_alone(v0, dt):
+    together = study.run(
+        study.Problem(_softened, np.zeros(len(v0)), v0), "average_acceleration", dt=dt, steps=100, on_failure="raise"
+    )
+    alone = study.run(study.Problem(_softened, 0.0, v0[0]), "average_acceleration", dt=dt, steps=100)
+    # neighbours part where the step is beyond what the spring allows
+    np.testing.assert_allclose(together.u[:20, 0], alone.u[:20], atol=1e-6)
+
+
+@pytest.mark.parametrize("hardening", [0.0, 0.05])
+def test_a_yielding_frame_runs_with_coarse_steps(hardening):
+    storeys = study.materials.elements(
+        study.materials.elastoplastic(1e4, 100.0, hardening), lambda u: jnp.diff(u, prepend=0.0), 5
+    )
+    ground = study.GroundMotion.el_centro().scaled(3.0)
+    frame = study.Problem(storeys, np.zeros(5), ground=ground)
+    ds = study.run(frame, "average_acceleration", dt=0.1, steps=200, observe=["newton_iterations"], on_failure="raise")
+    assert int(ds.max_newton_iterations) < MAX_ITERATIONS
+
+
+@pytest.mark.parametrize("exponent", [0.1, 0.25])
+def test_fluid_dampers_of_small_exponent_run(exponent):
+    dampers = study.materials.elements(study.materials.viscous_damper(5.0, exponent), lambda u: u, 2)
+    problem = study.Problem(lambda u, v: 40.0 * u + dampers(u, v), np.zeros(2), ground=study.GroundMotion.el_centro())
+    study.run(problem, "average_acceleration", dt=0.02, steps=300, on_failure="raise")

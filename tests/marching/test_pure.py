@@ -91,11 +91,22 @@ def test_a_failure_is_told():
         ({"observe": ["trajectory"]}, "'u' is recorded along time, and evolve returns one value a run: observe"),
         ({"observe": ["momentum_errors"]}, "needs Problem\\(positions=...\\)"),
         ({"steps": 0}, "steps must be a whole number of at least 1"),
+        ({"dt": -0.01}, "dt must be one number, finite and greater than zero, not -0.01"),
+        ({"dt": [0.1, 0.2]}, "dt must be one number"),
+        ({"u0": [1.0, 2.0]}, r"u0 must have the shape \(\) of the problem, not \(2,\)"),
     ],
 )
 def test_what_it_cannot_do_is_refused(change, sentence):
     with pytest.raises(ValueError, match=sentence):
         study.evolve("hardening", "rk4", **{"dt": 0.01, "steps": 10} | change)
+
+
+def test_a_potential_does_not_hinder_derivatives():
+    def end(stiffness):
+        spring = study.Problem(lambda u: stiffness * u, u0=1.0, potential=lambda u: stiffness * u**2 / 2)
+        return study.evolve(spring, "average_acceleration", dt=0.01, steps=100, observe=["energy_drift"])["u"]
+
+    assert float(jax.grad(end)(4.0)) == pytest.approx(float(end(4.0 + 1e-6) - end(4.0 - 1e-6)) / 2e-6, rel=1e-7)
 
 
 def test_second_derivatives():

@@ -41,6 +41,14 @@ def test_schemes_converge_to_it(name):
     assert errors[1] < errors[0] / 50 and errors[1] < 1e-6
 
 
+@pytest.mark.parametrize("count", [2, 40])
+def test_a_start_that_is_loaded_already(count):
+    problem = study.Problem(study.materials.bouc_wen(40.0, 4.0), u0=0.3)
+    t = np.linspace(0, 0.8, count + 1)[1:]
+    ds = study.run(problem, "rk4", dt=0.8 / 4000, steps=4000, every=4000 // count)
+    assert hysteretic.trajectory(problem, t).u == pytest.approx(ds.u.values[1:], abs=1e-7)
+
+
 def test_another_problem_is_refused():
     with pytest.raises(ValueError, match="'yielding oscillator' is no single mass on a Bouc-Wen spring without load"):
         hysteretic.trajectory(study.problems["yielding"], T)

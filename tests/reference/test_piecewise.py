@@ -54,6 +54,12 @@ def test_under_a_record_schemes_converge_to_it():
     assert errors[1] < errors[0] / 8 and errors[1] < 1e-3
 
 
+def test_a_record_may_end_with_a_jump():
+    problem = study.Problem(materials.elastoplastic(10.0, 5.0), u0=0.0, ground=study.GroundMotion(np.ones(2), 1.0))
+    t = np.array([0.5, 1.0])
+    assert piecewise.trajectory(problem, t).u == pytest.approx(-(1 - np.cos(np.sqrt(10) * t)) / 10, abs=1e-13)
+
+
 @pytest.mark.parametrize(
     "problem, sentence",
     [

@@ -35,6 +35,22 @@ def test_no_scheme_has_more_than_order_two_at_yield_points(name):
     assert order < (1.4 if name in FIRST - BACKWARDS else 2.6)
 
 
+@pytest.mark.parametrize("name", ["average_acceleration", "rk4", "houbolt", "bathe", "noh_bathe"])
+def test_a_start_beyond_yield_unloads_elastically(name):
+    started = study.Problem(SPRING, u0=0.6, damping=0.3)
+    exact = piecewise.trajectory(started, np.arange(1, 21) / 5)
+    ds = study.run(started, name, dt=4 / 6400, steps=6400, every=320)
+    assert np.abs(ds.u.values[1:] - exact.u).max() < 1e-4
+
+
+def test_the_model_of_kr_alpha_is_that_of_the_undeformed_structure():
+    """At steps far beyond the period the method stays bounded, as it would not with the stiffness after yield."""
+    spring = materials.elastoplastic(40.0, 8.0, 0.05)
+    problem = study.Problem(spring, u0=0.0, v0=4.0, damping=0.5)
+    late = study.run(problem, "kr_alpha", dt=1.0, steps=400).u.values[-50:]
+    assert np.ptp(late) < 0.01
+
+
 def test_the_history_is_committed_once_a_step():
     """By hand: average acceleration with the return mapping from the history at the end of the last step."""
     dt, steps = 0.05, 60
