@@ -61,3 +61,20 @@ def test_heyoka_takes_a_free_oscillator_and_a_table_sends_it_away():
 def test_stiff_problems_take_implicit_routes():
     routes = solution.routes_of(study.problems["stiff_soft"], 1e4)
     assert [route.name for route in routes] == ["diffrax Kvaerno5", "CVODE BDF"]
+
+
+def test_a_force_with_a_velocity_is_solved_by_diffrax():
+    drag = study.Problem(lambda u, v: 40 * u + 2 * v**3, 0.5, title="drag")
+    assert [route.name for route in solution.routes_of(drag, 2.0)] == ["diffrax Dopri8", "CVODE Adams"]
+    t = np.linspace(0, 2, 21)
+    one, other = (solution.solution_by(route, drag, t, 1e-10) for route in solution.routes_of(drag, 2.0))
+    np.testing.assert_allclose(one.u, other.u, atol=1e-7)
+
+
+def test_a_force_that_remembers_is_solved_by_two_schemes():
+    spring = study.materials.elastoplastic(40.0, 4.0, 0.1)
+    problem = study.Problem(spring, 0.0, 3.0, title="yielding")
+    t = np.linspace(0, 2, 81)
+    one, other = (solution.solution_by(route, problem, t, 1e-12) for route in solution.routes_of(problem, 2.0))
+    np.testing.assert_allclose(one.u, other.u, atol=1e-6)
+    assert np.isfinite(one.a).all()

@@ -19,7 +19,7 @@ from study.problem.internal_force import depends_on_last, may_have_kinks, number
         (lambda u: jnp.where(u > 0, u, 0.0), True),
         (lambda u: jnp.maximum(u, 0.0), True),
         (lambda u: jnp.abs(u) * u, True),
-        (lambda u: u * (u > 0), True),
+        (lambda u: u * (u > 0).astype(float), True),
         (lambda u: jnp.max(jnp.stack([u, 2 * u])), True),
         (lambda u: jnp.clip(u, -1.0, 1.0), True),
         (lambda u: jnp.interp(u, jnp.array([0.0, 1.0]), jnp.array([0.0, 2.0])), True),
