@@ -47,6 +47,31 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
     return {name: value.astype(float) for name, value in values.items()}
 
 
+def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) -> Problem:
+    """The problem of the first lane, after a check of the lanes where an argument is least or largest.
+
+    Only there is the problem made with numbers, so that its own checks see them.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If ``make`` returns no problem, or one that its checks refuse, or an unknown has no mass.
+    """
+    ends = {0}
+    for value in over.values():
+        flat = value.reshape(len(value), -1)
+        ends |= {*flat.argmin(axis=0).tolist(), *flat.argmax(axis=0).tolist()}
+    made = {lane: make(**{name: value[lane] for name, value in over.items()}) for lane in sorted(ends)}
+    for lane, problem in made.items():
+        if not isinstance(problem, Problem):
+            raise TypeError(f"the function over whose arguments to run must return a study.Problem, not {problem!r}.")
+        if problem.massless:
+            raise ValueError(
+                f"lane {lane} of over has an unknown without mass, which a family of problems cannot have."
+            )
+    return made[0]
+
+
 def march_family(
     make: Callable[..., Problem],
     over: Mapping[str, np.ndarray],

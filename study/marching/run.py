@@ -25,7 +25,7 @@ from study.marching.arguments import (
 )
 from study.marching.ensemble import FEW, march_in_tiles, march_one_by_one
 from study.marching.failure import ON_FAILURE
-from study.marching.family import checked_family, march_family
+from study.marching.family import checked_family, checked_lanes, march_family
 from study.marching.march import March
 from study.marching.program import Program
 from study.marching.result import NOT_FINITE, Labels, Result
@@ -239,9 +239,7 @@ def _run_family(make, scheme, over, dt, steps, observe, start, every, samples, o
         raise ValueError(f"dt has {len(step_size)} lanes and over {lanes}; give one number, or one for each lane.")
     count, every = np.asarray(positive_integer("steps", steps)), positive_integer("every", every)
     _check_on_failure(on_failure)
-    first = make(**{name: value[0] for name, value in values.items()})
-    if not isinstance(first, Problem):
-        raise TypeError(f"the function over whose arguments to run must return a study.Problem, not {first!r}.")
+    first = checked_lanes(make, values)
     march, _, labels = _prepared(first, method, chosen, False)
     room = _samples(march.records, count, every, samples)
     u0, v0 = (np.broadcast_to(x, (lanes, *np.shape(x))) for x in (first.u0, first.v0))

@@ -212,12 +212,15 @@ def is_singular(mass) -> bool:
 
 def check_rayleigh(damping: Rayleigh, title: str) -> None:
     """Refuse coefficients of Rayleigh damping that are not finite numbers."""
+    if any(isinstance(c, jax.core.Tracer) for c in damping):
+        return
     if not all(np.ndim(c) == 0 and np.asarray(c).dtype.kind in "fiu" and np.isfinite(c) for c in damping):
         raise ValueError(f"{damping} of '{title}': a and b must be finite numbers.")
 
 
 def finite_damping(damping: Matrix, title: str) -> Matrix:
     """Rayleigh damping, after a check that the stiffness on which it is based is finite."""
-    if not all(np.isfinite(part).all() for part in jax.tree.leaves(eqx.filter(damping, eqx.is_array))):
+    parts = jax.tree.leaves(eqx.filter(damping, eqx.is_array))
+    if not all(isinstance(part, jax.core.Tracer) or np.isfinite(part).all() for part in parts):
         raise ValueError(f"the stiffness of '{title}' at u = 0, on which its Rayleigh damping is based, is not finite.")
     return damping

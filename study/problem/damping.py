@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from study.algebra.arrays import Matrix
+from study.algebra.arrays import Matrix, as_float64
 from study.algebra.matrices import add, product
 
 
@@ -19,4 +19,4 @@ class Rayleigh(NamedTuple):
 def rayleigh_matrix(damping: Rayleigh, mass: Matrix, stiffness: Matrix, n: int) -> Matrix:
     """C = a M + b K for n unknowns."""
     a, b = damping
-    return add(product(float(a), mass, n), product(float(b), stiffness, n), n=n)
+    return add(product(as_float64(a), mass, n), product(as_float64(b), stiffness, n), n=n)

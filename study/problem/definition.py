@@ -133,11 +133,10 @@ class Problem(eqx.Module):
             checks.check_symmetry("damping", self.damping)
         self.massless = checks.is_singular(self.mass)
 
-        if not traced:
-            self.tangent = self._form_of_tangent()
-            self.mass, self.damping = self._stored(self.mass), self._stored(self.damping)
-            if isinstance(self.damping, Rayleigh):
-                self.damping = self._rayleigh(self.damping)
+        self.tangent = self._form_of_tangent()
+        self.mass, self.damping = self._stored(self.mass), self._stored(self.damping)
+        if isinstance(self.damping, Rayleigh):
+            self.damping = self._rayleigh(self.damping)
 
     def _count_arguments(self) -> None:
         """The number of arguments of the force, and its history at rest."""

@@ -30,6 +30,7 @@ def _check(name: str, value: Any, low: float, strict: bool, high: float = np.inf
     real = numbers.dtype.kind in "fiu" and np.isfinite(numbers).all()
     if not real or not np.all((numbers > low if strict else numbers >= low) & (numbers <= high)):
         limits = f"greater than {low:g}" if strict else f"at least {low:g}"
+        limits = "that is finite" if np.isinf(low) else limits
         limits += "" if np.isinf(high) else f" and at most {high:g}"
         raise ValueError(f"{name} must be a number {limits}, not {value}.")
 
@@ -160,7 +161,7 @@ def bouc_wen(stiffness, yield_force, hardening=0.0, exponent: int = 1) -> BoucWe
     _check("stiffness", stiffness, 0.0, strict=True)
     _check("yield_force", yield_force, 0.0, strict=True)
     _check("hardening", hardening, 0.0, strict=False, high=1.0)
-    if exponent not in (1, 2):
+    if isinstance(exponent, bool) or not isinstance(exponent, int | np.integer) or exponent not in (1, 2):
         raise ValueError(f"exponent must be 1 or 2, for which the law has a closed solution, not {exponent!r}.")
     return BoucWen(stiffness, yield_force, hardening, int(exponent))
 
@@ -282,7 +283,7 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
     ValueError
         If the number of elements is not a whole number of at least one.
     """
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
         raise ValueError(f"count must be a whole number of at least 1, not {count!r}.")
     kind = {1: _Elastic, 2: _Damping}.get(number_of_arguments(material), _Remembering)
-    return kind(material, elongations, count)
+    return kind(material, elongations, int(count))

@@ -53,6 +53,28 @@ def test_a_lane_that_fails_is_told_and_the_others_go_on():
     assert ds.status.values.tolist()[0] == 0 and np.isfinite(ds.u[0]).all()
 
 
+def test_rayleigh_damping_and_starts_of_several_unknowns_vary():
+    def pair(a, start):
+        return study.Problem(lambda u: 4 * u + u**3, u0=start * np.array([1.0, -0.5]), damping=study.Rayleigh(a, 0.01))
+
+    ds = study.run(pair, "average_acceleration", dt=0.05, steps=50, over={"a": [0.1, 0.3], "start": [1.0, 2.0]})
+    alone = study.run(pair(0.3, 2.0), "average_acceleration", dt=0.05, steps=50)
+    np.testing.assert_allclose(ds.u[1], alone.u, atol=1e-13)
+
+
+def test_numbers_that_one_lane_alone_gets_wrong_are_refused():
+    def yielding(strength):
+        return study.Problem(study.materials.elastoplastic(40.0, strength), u0=0.0, v0=1.0)
+
+    def heavy(mass):
+        return study.Problem(lambda u: u, u0=np.ones(2), mass=mass * jnp.asarray([0.0, 1.0]))
+
+    with pytest.raises(ValueError, match="yield_force must be a number greater than 0, not -1"):
+        study.run(yielding, "rk4", dt=0.1, steps=5, over={"strength": [4.0, -1.0, 3.0]})
+    with pytest.raises(ValueError, match="lane 0 of over has an unknown without mass"):
+        study.run(heavy, "average_acceleration", dt=0.1, steps=5, over={"mass": [1.0, 2.0]})
+
+
 @pytest.mark.parametrize(
     "make, change, error, sentence",
     [
