@@ -6,7 +6,10 @@ import numpy as np
 from jax import lax
 
 from study.algebra.arrays import Full, Matrix, RightSides, Vector
+from study.algebra.factorisation import factorisations
+from study.algebra.host import on_host
 from study.algebra.matrices import SMALL, Form, MatrixFree, form_of
+from study.algebra.sparse import Sparse
 
 #: Rows of a tridiagonal system that one pass of its loop eliminates.
 UNROLL = 4
@@ -135,6 +138,21 @@ def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
     return largest * solution / size
 
 
+def _solve_sparse(matrix: Sparse, rhs):
+    solved = factorisations(matrix.pattern).solved
+
+    def transposed(_, b):
+        return on_host(solved, b, matrix.transposed().values, b)
+
+    return lax.custom_linear_solve(
+        matrix.scattered_times,
+        rhs,
+        lambda _, b: on_host(solved, b, matrix.values, b),
+        transposed,
+        symmetric=matrix.pattern.symmetric,
+    )
+
+
 def solve(matrix: Matrix, rhs: Vector, symmetric: bool = True) -> Vector:
     """Solve matrix · x = rhs for x.
 
@@ -154,6 +172,8 @@ def solve(matrix: Matrix, rhs: Vector, symmetric: bool = True) -> Vector:
             return _solve_banded(matrix.bands, rhs)
         case Form.BAND:
             return rhs / matrix.bands[0]
+        case Form.SPARSE:
+            return _solve_sparse(matrix, rhs)
         case Form.FULL:
             return eliminate(matrix, rhs) if len(rhs) <= SMALL else jnp.linalg.solve(matrix, rhs)
         case Form.FREE:

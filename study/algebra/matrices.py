@@ -1,7 +1,8 @@
 """Square matrices, each stored in the smallest form that holds it, with their sums and products.
 
-The forms in ascending order: a number (times the identity), a diagonal (n,), a :class:`Banded`, a full matrix (n, n)
-and a :class:`MatrixFree`, whose products alone are known.
+The forms in ascending order: a number (times the identity), a diagonal (n,), a :class:`Banded`, a
+:class:`study.algebra.sparse.Sparse`, a full matrix (n, n) and a :class:`MatrixFree`, whose products alone are known.
+Sparse matrices of one problem have one pattern.
 """
 
 from collections.abc import Callable
@@ -13,8 +14,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
+from scipy import sparse
 
 from study.algebra.arrays import Full, Matrix, Vector
+from study.algebra.sparse import Sparse, SparseEntries
 
 #: Systems of up to this many unknowns are eliminated without a loop: a call of LAPACK would take ten times longer.
 SMALL = 4
@@ -45,13 +48,19 @@ class MatrixFree(NamedTuple):
 class Form(IntEnum):
     """Forms of a matrix; each can hold the matrices of the forms before it."""
 
-    NUMBER, DIAGONAL, BAND, FULL, FREE = range(5)
+    NUMBER, DIAGONAL, BAND, SPARSE, FULL, FREE = range(6)
 
 
 def form_of(matrix: Matrix) -> Form:
     """The form in which a matrix is stored."""
-    if isinstance(matrix, Banded | MatrixFree):
-        return Form.BAND if isinstance(matrix, Banded) else Form.FREE
+    for kind, form in (
+        (Banded, Form.BAND),
+        (Sparse, Form.SPARSE),
+        (SparseEntries, Form.SPARSE),
+        (MatrixFree, Form.FREE),
+    ):
+        if isinstance(matrix, kind):
+            return form
     return (Form.NUMBER, Form.DIAGONAL, Form.FULL)[jnp.ndim(matrix)]
 
 
@@ -78,6 +87,8 @@ def times(matrix: Matrix, x: Vector) -> Vector:
     match form_of(matrix):
         case Form.BAND:
             return _banded_times(matrix, x)
+        case Form.SPARSE:
+            return (matrix if isinstance(matrix, Sparse) else matrix.alone()).times(x)
         case Form.FULL:
             return _written_out(matrix, x) if len(x) <= SMALL else matrix @ x
         case Form.FREE:
@@ -105,6 +116,8 @@ def _diagonal(matrix):
     match form_of(matrix):
         case Form.BAND:
             return matrix.bands[matrix.half_bandwidth]
+        case Form.SPARSE:
+            return matrix.values[matrix.pattern.diagonal]
         case Form.FULL:
             return jnp.diag(matrix)
         case Form.FREE:
@@ -123,12 +136,20 @@ def banded(matrix: np.ndarray, half_bandwidth: int) -> Banded | np.ndarray:
     return Banded(np.stack(bands))
 
 
+def banded_sparse(matrix: sparse.sparray, half_bandwidth: int) -> Banded:
+    """A matrix of :mod:`scipy.sparse`, without entries outside the band, as a band."""
+    n, offsets = matrix.shape[0], range(-half_bandwidth, half_bandwidth + 1)
+    return Banded(np.stack([np.pad(matrix.diagonal(d), (max(-d, 0), max(d, 0))) for d in offsets]).reshape(-1, n))
+
+
 def dense(matrix: Matrix, n: int) -> Full:
     """The full matrix (n, n) of any form except the matrix-free one."""
     match form_of(matrix):
         case Form.BAND:
             offsets = enumerate(matrix.bands, start=-matrix.half_bandwidth)
             return sum(jnp.diag(band[max(-d, 0) : n - max(d, 0)], d) for d, band in offsets if abs(d) < n)  # type: ignore[return-value]
+        case Form.SPARSE:
+            return matrix.dense()
         case Form.FULL:
             return matrix
         case _:
@@ -146,9 +167,24 @@ def _sum_of_bands(one: Banded, other: Banded) -> Banded:
     return Banded(jnp.concatenate([wide.bands[:gap], inner, wide.bands[end:]]))
 
 
+def _sum_of_sparse(terms):
+    whole = [t for t in terms if isinstance(t, Sparse)]
+    few = [t for t in terms if isinstance(t, SparseEntries)]
+    first, *rest = whole or [few.pop().alone()]
+    total = Sparse(sum((t.values for t in rest), start=first.values), first.pattern)
+    for entries in few:
+        total = entries.added_to(total)
+    for diagonal in terms:
+        if form_of(diagonal) != Form.SPARSE:
+            total = total.plus(diagonal, total.pattern.diagonal)
+    return total
+
+
 def add(*terms: Matrix, n: int) -> Matrix:
     """Sum of matrices in any form, for n unknowns."""
     form = max(map(form_of, terms))
+    if form == Form.SPARSE:
+        return _sum_of_sparse(terms)
     if form > Form.DIAGONAL:
         terms = tuple(_widened(t, form, n) for t in terms)
     if form == Form.BAND:

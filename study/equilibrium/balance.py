@@ -5,7 +5,8 @@ In every implicit scheme the new displacement and velocity are affine in one unk
     u = ũ + c_u a,    u̇ = ṽ + c_v a,    M a + C (ṽ + c_v a) + w p(ũ + c_u a) = r.
 
 The schemes differ in ũ, ṽ, c_u and c_v, in the weight w of the internal force and in the right side r. A force may take
-the velocity ṽ + c_v a too, and a history, which the iteration leaves as it was committed.
+the velocity ṽ + c_v a too, and a history, which the iteration leaves as it was committed. A problem may have a constant
+stiffness K, so that its internal force is K u + p; then only p is differentiated.
 
 Newton corrections are never shortened where the force is smooth. Halving those that do not reduce the out-of-balance
 force was tried: it saves half of the runs that fail on softening springs with steps beyond a fifth of the period, but
@@ -21,6 +22,7 @@ M. A. Crisfield, Non-linear finite element analysis of solids and structures, vo
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Protocol
 
 import jax.numpy as jnp
@@ -29,18 +31,31 @@ from jax import lax
 from study.algebra.arrays import Matrix, ScalarLike, Vector
 from study.algebra.elimination import solve
 from study.algebra.matrices import Banded, add, dense, product, times
+from study.algebra.sparse import Sparse
 from study.equilibrium.newton import TOLERANCES, iterated, narrowed, norm, opened_closure, root, shortened
 from study.equilibrium.state import Effort
 from study.problem.definition import Problem
-from study.problem.tangent import force_and_tangent
+from study.problem.tangent import FormOfTangent, force_and_tangent
 
 
 class System(Protocol):
-    """The terms of a problem that a balance needs: p, M, C and the form of ∂p/∂u."""
+    """The terms of a problem that a balance needs: p, K, M, C and the form of ∂p/∂u."""
 
     @property
     def internal_force(self) -> Callable:
+        """The force K u + p as a function of u and u̇."""
+
+    @property
+    def varying_force(self) -> Callable:
         """The force p as a function of u and u̇."""
+
+    @property
+    def linear(self) -> bool:
+        """Whether there is no p."""
+
+    @property
+    def stiffness(self) -> Matrix:
+        """K, zero if None."""
 
     @property
     def takes_velocity(self) -> bool:
@@ -59,7 +74,7 @@ class System(Protocol):
         """C, zero if None."""
 
     @property
-    def tangent(self) -> str | int | None:
+    def tangent(self) -> FormOfTangent:
         """Form of ∂p/∂u as in :func:`study.problem.tangent.force_and_tangent`."""
 
 
@@ -103,6 +118,9 @@ def initial_acceleration(problem: Problem, u0: Vector, v0: Vector) -> Vector:
     if not problem.massless:
         return acceleration(problem, 0.0, u0, v0)
     rhs = _less_damping(problem, load(problem, 0.0) - problem.internal_force(u0, v0), v0)
+    if isinstance(problem.mass, Sparse):
+        massless = problem.mass.values[problem.mass.pattern.diagonal] == 0
+        return solve(problem.mass.plus(massless, problem.mass.pattern.diagonal), jnp.where(massless, 0.0, rhs))
     if not isinstance(problem.mass, Banded) and jnp.ndim(problem.mass) == 1:
         return jnp.where(problem.mass > 0, rhs / problem.mass, 0.0)
     return jnp.linalg.pinv(dense(problem.mass, u0.size), hermitian=True) @ rhs
@@ -140,7 +158,8 @@ def balance(
     weight
         w, the weight of the internal force.
     force
-        Internal force as a function of u + c_u a and v + c_v a, in place of the problem's p.
+        Internal force as a function of u + c_u a and v + c_v a, in place of the problem's p, which has no stiffness
+        beside it then.
     symmetric
         Whether the tangent is symmetric if M and C are.
     tolerance
@@ -153,31 +172,40 @@ def balance(
         The acceleration, and the :class:`Effort` with its flag of convergence within ``MAX_ITERATIONS``. A value that
         is not finite ends the iteration at once and remains in the acceleration.
     """
-    force = problem.internal_force if force is None else force
+    force, whole = (problem.varying_force, problem.internal_force) if force is None else (force, force)
     n, tolerances = u.size, TOLERANCES[u.dtype]
     tolerance = tolerances.displacement if tolerance is None else tolerance
     inertia = _inertia(problem, c_v, n)
     rhs = _less_damping(problem, rhs, v)
     weighted = product(weight, c_u, n)
+    # assembled once; Newton's iterations add what varies
+    constant = inertia if problem.stiffness is None else add(inertia, product(problem.stiffness, weighted, n), n=n)
     # what a correction is compared with
     start, reach = (v, c_v) if problem.takes_velocity else (u, c_u)
 
-    def internal_force(a):
+    def internal_force(of, a):
         velocity = v + times(c_v, a) if problem.takes_velocity else v
-        return force(u + times(c_u, a), velocity)
+        return of(u + times(c_u, a), velocity)
 
     def internal_and_effective(a):
         if problem.takes_velocity:
-            value, tangent = force_and_tangent(internal_force, a, _coupled(problem.tangent, c_u))
-            return weight * value, add(inertia, product(weight, tangent, n), n=n)
-        value, tangent = force_and_tangent(lambda u: force(u, v), u + times(c_u, a), problem.tangent)
-        return weight * value, add(inertia, product(tangent, weighted, n), n=n)
+            value, tangent = force_and_tangent(partial(internal_force, force), a, _coupled(problem.tangent, c_u))
+            tangent = product(weight, tangent, n)
+        else:
+            value, tangent = force_and_tangent(lambda u: force(u, v), u + times(c_u, a), problem.tangent)
+            tangent = product(tangent, weighted, n)
+        if problem.stiffness is not None:
+            value = value + times(problem.stiffness, u + times(c_u, a))
+        return weight * value, add(constant, tangent, n=n)
 
     def residual(a):
-        return times(inertia, a) + weight * internal_force(a) - rhs
+        return times(inertia, a) + weight * internal_force(whole, a) - rhs
 
     def solved(effective, x):
         return solve(effective, x, symmetric and not problem.takes_velocity)
+
+    if problem.linear:
+        return guess - solved(constant, residual(guess)), Effort(jnp.ones((), int))
 
     def iterate(a, before):
         internal, effective = internal_and_effective(a)
@@ -225,6 +253,6 @@ def balance(
     return differentiable(a[0] if bracketed else a), Effort(iterations, ~unfinished)
 
 
-def _coupled(form: str | int | None, c_u: Matrix) -> str | int | None:
+def _coupled(form: FormOfTangent, c_u: Matrix) -> FormOfTangent:
     """Form of a tangent after multiplication by ``c_u``."""
     return form + c_u.half_bandwidth if isinstance(form, int) and isinstance(c_u, Banded) else form

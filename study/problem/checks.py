@@ -11,24 +11,31 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from scipy import sparse
 
 from study.algebra.arrays import Matrix
+from study.algebra.factorisation import Factorisations
 from study.algebra.matrices import Banded, MatrixFree
+from study.algebra.sparse import SYMMETRY, Pattern, Sparse, as_sparse
 from study.problem.damping import Rayleigh
 from study.problem.ground import GroundMotion
 from study.problem.potential import StrainEnergy
 
+#: Arguments of a problem that are matrices.
+MATRICES = ("stiffness", "mass", "damping")
+
 #: A potential and its force may differ by this part of the force: the error of a central difference.
 GRADIENT_AGREEMENT = 1e-5
-
-#: Entries that mirror each other in a symmetric matrix may differ by this part of the largest entry.
-SYMMETRY = 1e-12
 
 
 def real_numbers(name: str, value):
     """The value as a float64 array; None, matrices in a form of their own and what JAX is tracing stay as they are."""
-    if value is None or isinstance(value, jax.core.Tracer | Rayleigh | Banded | MatrixFree):
+    if value is None or isinstance(value, jax.core.Tracer | Rayleigh | Banded | Sparse | MatrixFree):
         return value
+    if sparse.issparse(value):
+        if value.dtype.kind not in "fiu":
+            raise ValueError(f"{name} must be a sparse matrix of real numbers, not of {value.dtype}.")
+        return as_sparse(value)
     try:
         numbers = np.asarray(value)
     except ValueError:  # rows of different lengths
@@ -46,8 +53,10 @@ def check_shapes(problem) -> None:
         raise ValueError(f"u0 must be a number or a vector (n,), not {got}.")
     if np.shape(problem.v0) != shape:
         raise ValueError(f"v0 must have the shape of u0, {shape}, not {np.shape(problem.v0)}.")
-    for name in ("mass", "damping"):
+    for name in MATRICES:
         value = getattr(problem, name)
+        if sparse.issparse(value) and value.shape != shape * 2:
+            raise ValueError(f"{name} must have the shape {shape * 2} for u0 of shape {shape}; got {value.shape}.")
         if isinstance(value, np.ndarray | jax.Array) and value.shape not in {(), shape, shape * 2}:
             raise ValueError(
                 f"{name} must be a number, a diagonal or a matrix for u0 of shape {shape}; got {value.shape}."
@@ -71,6 +80,10 @@ def check_finite(name: str, value) -> None:
     """Refuse numbers that are not finite."""
     if isinstance(value, np.ndarray) and not np.isfinite(value).all():
         raise ValueError(f"{name} must be finite, not {value}.")
+    if sparse.issparse(value) and not np.isfinite(value.data).all():
+        places = sparse.coo_array(value)
+        row, column = (int(place[np.argmin(np.isfinite(places.data))]) for place in places.coords)
+        raise ValueError(f"{name} must be finite, and its entry ({row}, {column}) is {value[row, column]}.")
 
 
 #: What a function raises that JAX cannot trace.
@@ -108,7 +121,8 @@ def check_functions(problem) -> None:
     """
     for name, (given, arguments, expected) in _calls(problem).items():
         function = getattr(problem, name)
-        if not callable(function) and (function is not None or name == "force"):
+        needed = name == "force" and problem.stiffness is None
+        if not callable(function) and (function is not None or needed):
             raise TypeError(f"{name} must be a function, not {function!r}.")
         if function is None:
             continue
@@ -188,14 +202,19 @@ def check_gradient(force: Callable, potential: Callable, u0, title: str) -> None
 
 def check_symmetry(name: str, matrix) -> None:
     """Refuse a matrix (n, n) that is not symmetric."""
-    if isinstance(matrix, np.ndarray) and matrix.ndim == 2:
+    if sparse.issparse(matrix) or (isinstance(matrix, np.ndarray) and matrix.ndim == 2):
         difference = np.abs(matrix - matrix.T).max()
         if difference > SYMMETRY * np.abs(matrix).max():
             raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}.")
 
 
 def is_singular(mass) -> bool:
-    """Whether the mass is singular; a negative or zero one is refused."""
+    """Whether the mass is singular; a negative or zero one is refused.
+
+    A sparse mass may be singular only because unknowns have none.
+    """
+    if sparse.issparse(mass):
+        return _is_singular(mass)
     if not isinstance(mass, np.ndarray):
         return False
     diagonal = np.diagonal(mass) if mass.ndim == 2 else mass
@@ -208,6 +227,16 @@ def is_singular(mass) -> bool:
     if np.abs(values).max() == 0:
         raise ValueError("mass must not be zero everywhere: the problem would have no dynamics.")
     return bool(smallest <= zero)
+
+
+def _is_singular(mass: sparse.csc_array) -> bool:
+    has = abs(mass).sum(axis=0) > 0
+    singular = is_singular(has.astype(float))
+    rest = mass[has][:, has]
+    pattern = Pattern(rest, symmetric=True)
+    if not Factorisations(pattern).positive_definite(pattern.values(rest)):
+        raise ValueError("mass must be positive definite, but for unknowns without any mass; it is not.")
+    return singular
 
 
 def check_rayleigh(damping: Rayleigh, title: str) -> None:

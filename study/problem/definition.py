@@ -1,40 +1,44 @@
-"""Equation (1): M ü + C u̇ + p = f(t), with u(0) and u̇(0); p is of u, or also of u̇ and of a history."""
+"""Equation (1): M ü + C u̇ + K u + p = f(t), with u(0) and u̇(0); p is of u, or also of u̇ and of a history."""
 
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import fields
+from functools import partial
 from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from scipy import sparse
 
 from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike, as_float64
-from study.algebra.matrices import SMALL, banded, times
+from study.algebra.matrices import SMALL, add, banded, banded_sparse, times
+from study.algebra.sparse import Sparse
 from study.problem import checks, tangent
 from study.problem.damping import Rayleigh, rayleigh_matrix
 from study.problem.ground import GroundLoad, GroundMotion
 from study.problem.internal_force import as_history, depends_on_last, may_have_kinks, number_of_arguments
 from study.problem.potential import gradient
+from study.problem.tangent import FormOfTangent
 
 #: Arguments of a problem that are numbers.
-NUMBERS = ("u0", "v0", "mass", "damping", "positions", "influence")
+NUMBERS = ("u0", "v0", *checks.MATRICES, "positions", "influence")
 
 
 class Problem(eqx.Module):
     """A second-order initial value problem M ü + C u̇ + p(u) = f(t), Xie (1996), eq. (1).
 
-    A problem needs a force (or a potential) and ``u0``. All else is optional, and an absent term costs nothing: it is
-    not in the compiled loop.
+    A problem needs a force (or a potential, or a stiffness) and ``u0``. All else is optional, and an absent term costs
+    nothing: it is not in the compiled loop.
 
     Parameters
     ----------
     force
         Internal force p(u), written with ``jax.numpy``; returns the shape of ``u``. Without it, the force is the
-        gradient of the potential. A function of two arguments is p(u, u̇). One of three takes a history too, and
-        returns the force and the new history: see ``history``. If it branches, as contact does, Newton's iteration is
-        safeguarded.
+        gradient of the potential, if there is one. A function of two arguments is p(u, u̇). One of three takes a
+        history too, and returns the force and the new history: see ``history``. If it branches, as contact does,
+        Newton's iteration is safeguarded.
     u0, v0
         Displacement and velocity at t = 0, both of shape () or (n,). The default velocity is zero.
     history
@@ -43,17 +47,22 @@ class Problem(eqx.Module):
         motion from the end of the last step, where the history was committed, to u and u̇. Newton's iterations and the
         stages of a scheme start from the committed history; the end of the step commits the new one. At u and u̇ where
         it was committed, the new history must give the same force and return itself.
+    stiffness
+        K, the constant part of the internal force, which is K u + p then: a number, a diagonal (n,), or a symmetric
+        matrix (n, n), dense or of :mod:`scipy.sparse`. Only p is differentiated. A problem with a stiffness and no
+        force is linear, and takes one solution a step without iteration. With sparse matrices p should act on few
+        unknowns or couple neighbours; the factorisation follows the pattern, and is kept while the matrix stays.
     potential
         V(u) with p = ∂V/∂u, a scalar, or a :class:`study.StrainEnergy`; V(u, history) for a force with a history. Of a
         force that dissipates it is the energy that is stored. Only energies and conserving schemes need it.
     mass
-        M: a number, a diagonal (n,) or a symmetric matrix (n, n); the identity by default. An unknown without mass
-        makes M singular. Implicit schemes that are stable at infinite frequency can step such a problem; ``u0`` and
-        ``v0`` should leave the unknown in balance, because schemes that do not damp make it oscillate from step to step
-        otherwise.
+        M: a number, a diagonal (n,) or a symmetric matrix (n, n), dense or sparse; the identity by default. An unknown
+        without mass makes M singular. Implicit schemes that are stable at infinite frequency can step such a problem;
+        ``u0`` and ``v0`` should leave the unknown in balance, because schemes that do not damp make it oscillate from
+        step to step otherwise.
     damping
-        C: a number, a diagonal, a matrix (symmetric if the tangent is matrix-free) or :class:`study.Rayleigh`; zero by
-        default.
+        C: a number, a diagonal, a matrix (dense or sparse; symmetric if the tangent is matrix-free) or
+        :class:`study.Rayleigh`; zero by default.
     load
         f(t), of the shape of ``u``. If its slope jumps, an attribute ``kinks`` may hold the times, which references
         then step on.
@@ -63,10 +72,11 @@ class Problem(eqx.Module):
         load −M ι a(t).
     tangent
         Form of ∂p/∂u with several unknowns: ``diagonal``, ``tridiagonal``, ``dense``, ``matrix_free`` (for symmetric
-        tangents), or the half bandwidth as a number. By default it is found from the tangent at two displacements, for
-        up to a thousand unknowns. Declare it if the force couples other unknowns later, as in contact. Bands are
-        eliminated without pivoting between rows that are far apart; a saddle point needs such pivoting, and is
-        ``dense``. Number the joints of a mesh along its short side: a narrow band is much faster.
+        tangents), the half bandwidth as a number, or a sparse matrix with an entry wherever ∂p/∂u has one. By default
+        it is found from the tangent at two displacements, and is sparse for more than a thousand unknowns. Declare it
+        if the force couples other unknowns later, as in contact. Bands are eliminated without pivoting between rows
+        that are far apart; a saddle point needs such pivoting, and is ``dense``. Number the joints of a mesh along its
+        short side: a narrow band is much faster. Of sparse matrices the order does not matter.
     positions
         Positions of the masses at u = 0, of shape (points, directions); u is their change, point by point. Only
         momenta need them.
@@ -85,12 +95,13 @@ class Problem(eqx.Module):
     v0: VectorLike = None
     history: Any = eqx.field(default=None, kw_only=True)
     potential: Callable | None = eqx.field(default=None, kw_only=True)
+    stiffness: Matrix = eqx.field(default=None, kw_only=True)
     mass: Matrix = eqx.field(default=None, kw_only=True)
     damping: Matrix = eqx.field(default=None, kw_only=True)
     load: Callable | None = eqx.field(default=None, kw_only=True)
     ground: GroundMotion | None = eqx.field(default=None, kw_only=True)
     influence: VectorLike = eqx.field(default=None, kw_only=True)
-    tangent: str | int | None = eqx.field(default=None, kw_only=True, static=True)
+    tangent: Any = eqx.field(default=None, kw_only=True, static=True)
     positions: PositionsLike = eqx.field(default=None, kw_only=True)
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
     #: The history at rest, which stays as others are committed.
@@ -122,19 +133,23 @@ class Problem(eqx.Module):
             self.load = self._with(self.ground)
         self._count_arguments()
         checks.check_functions(self)
-        self.kinked = may_have_kinks(self.internal_force, self.u0, self.v0)
-        self.takes_velocity = self.arguments > 1 and depends_on_last(self.internal_force, self.u0, self.v0)
-        if self.potential is not None and not derived and not traced and self.history is None:
+        self.kinked = not self.linear and may_have_kinks(self.varying_force, self.u0, self.v0)
+        self.takes_velocity = self.arguments > 1 and depends_on_last(self.varying_force, self.u0, self.v0)
+        if self.linear:
+            self.potential = _nothing
+        elif self.potential is not None and not derived and not traced and self.history is None:
             with suppress(*checks.NOT_TRACEABLE):  # numbers that JAX traces have no values to compare
                 checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
 
         checks.check_symmetry("mass", self.mass)
+        checks.check_symmetry("stiffness", self.stiffness)
         if self.tangent == "matrix_free":  # conjugate gradients need it; otherwise damping may be gyroscopic
             checks.check_symmetry("damping", self.damping)
         self.massless = checks.is_singular(self.mass)
 
         self.tangent = self._form_of_tangent()
-        self.mass, self.damping = self._stored(self.mass), self._stored(self.damping)
+        for name in checks.MATRICES:
+            setattr(self, name, self._stored(getattr(self, name)))
         if isinstance(self.damping, Rayleigh):
             self.damping = self._rayleigh(self.damping)
 
@@ -154,20 +169,21 @@ class Problem(eqx.Module):
 
     def _without_velocity(self) -> Callable:
         """The force p(u, 0) as a function of u."""
-        return self.force if not self.dissipative else lambda u: self.internal_force(u, jnp.zeros_like(u))
+        return self.force if not self.dissipative else lambda u: self.varying_force(u, jnp.zeros_like(u))
 
     def _coupling(self) -> Callable:
         """A function of u whose derivative has an entry wherever ∂p/∂u or ∂p/∂u̇ has one."""
-        return self.force if not self.dissipative else lambda u: self.internal_force(u, self.v0 + (u - self.u0))
+        return self.force if not self.dissipative else lambda u: self.varying_force(u, self.v0 + (u - self.u0))
 
     def _with(self, ground: GroundMotion) -> GroundLoad:
         """The load with that of the moving ground."""
         checks.check_ground(ground, self.load, self.title)
         if self.influence is None:
             self.influence = np.ones(np.shape(self.u0))
-        return GroundLoad(as_float64(self.momentum(self.influence)), ground, self.load)
+        moved = self.mass @ self.influence if sparse.issparse(self.mass) else self.momentum(self.influence)
+        return GroundLoad(as_float64(moved), ground, self.load)
 
-    def _form_of_tangent(self) -> int | str | None:
+    def _form_of_tangent(self) -> FormOfTangent:
         """The form of the tangent, found or as declared; none for one unknown."""
         if np.ndim(self.u0) == 0:
             if self.tangent is not None:
@@ -176,6 +192,14 @@ class Problem(eqx.Module):
                 )
             return None
         declared = self.tangent
+        matrices = [m for m in map(partial(getattr, self), checks.MATRICES) if sparse.issparse(m)]
+        many = declared is None and not self.linear and len(self.u0) > tangent.FINDABLE
+        if matrices or many or sparse.issparse(declared):
+            with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
+                force = None if self.linear else self._coupling()
+                return tangent.sparse_form(force, self.u0, declared, matrices, self.title)
+        if self.linear:
+            return 0
         known = None if declared is None else tangent.form_named(declared, len(self.u0), self.title)
         if known == "dense" or (known is None and len(self.u0) <= SMALL):
             return "dense"
@@ -193,7 +217,13 @@ class Problem(eqx.Module):
         return known
 
     def _stored(self, matrix: Matrix) -> Matrix:
-        """Mass or damping in the smallest form that holds it: a full matrix as a band if the tangent is one."""
+        """Stiffness, mass or damping in the smallest form that holds it: as a band if the tangent is one."""
+        if sparse.issparse(matrix):
+            if matrix.nnz == np.count_nonzero(matrix.diagonal()):
+                return matrix.diagonal()
+            if isinstance(self.tangent, int):
+                return banded_sparse(matrix, 1)
+            return Sparse(self.tangent.pattern.values(matrix), self.tangent.pattern)
         is_matrix = isinstance(matrix, np.ndarray) and matrix.ndim == 2
         return banded(matrix, self.tangent) if is_matrix and isinstance(self.tangent, int) else matrix
 
@@ -203,8 +233,7 @@ class Problem(eqx.Module):
         mass = 1.0 if self.mass is None else self.mass
 
         def matrix(u):
-            _, stiffness = tangent.force_and_tangent(self._without_velocity(), u, self.tangent)
-            return rayleigh_matrix(damping, mass, stiffness, u.size)
+            return rayleigh_matrix(damping, mass, self.stiffness_at(u), u.size)
 
         # a matrix-free one holds functions, which a compiled function cannot return
         at_once = matrix if self.tangent == "matrix_free" else jax.jit(matrix)
@@ -241,6 +270,18 @@ class Problem(eqx.Module):
         """The problem with the history after a motion to u and u̇; without a history the problem itself."""
         return self if self.history is None else self.remembering(self.force(u, v, self.history)[1])
 
+    def stiffness_at(self, u: VectorLike) -> Matrix:
+        """K + ∂p/∂u at displacement u and without velocity."""
+        if self.linear:
+            return self.stiffness
+        _, varying = tangent.force_and_tangent(self._without_velocity(), u, self.tangent)
+        return varying if self.stiffness is None else add(varying, self.stiffness, n=np.size(u))
+
+    @property
+    def linear(self) -> bool:
+        """Whether the internal force is K u alone."""
+        return self.force is None
+
     @property
     def damped(self) -> bool:
         """Whether forces depend on the velocity."""
@@ -257,7 +298,14 @@ class Problem(eqx.Module):
         return self.damping is None and self.load is None and not self.dissipative
 
     def internal_force(self, u: VectorLike, v: VectorLike) -> Vector:
-        """The force p at displacement u and velocity u̇, from the committed history."""
+        """The force K u + p at displacement u and velocity u̇, from the committed history."""
+        if self.stiffness is None:
+            return self.varying_force(u, v)
+        elastic = times(self.stiffness, u)
+        return elastic if self.linear else elastic + self.varying_force(u, v)
+
+    def varying_force(self, u: VectorLike, v: VectorLike) -> Vector:
+        """The force p, without K u."""
         if self.history is not None:
             return self.force(u, v, self.history)[0]
         return self.force(u, v) if self.arguments == 2 else self.force(u)
@@ -267,11 +315,17 @@ class Problem(eqx.Module):
         return v if self.mass is None else times(self.mass, v)
 
     def energy(self, u: VectorLike, v: VectorLike) -> Scalar:
-        """Kinetic and potential energy ½ u̇ᵀ M u̇ + V, the scalar E of Xie (1996), eqs (4) and (5)."""
+        """Kinetic and potential energy ½ u̇ᵀ M u̇ + ½ uᵀ K u + V, the scalar E of Xie (1996), eqs (4) and (5)."""
         return 0.5 * jnp.vdot(v, self.momentum(v)) + self.stored_energy(u)
 
     def stored_energy(self, u: VectorLike) -> Scalar:
-        """V at displacement u, with the committed history."""
+        """½ uᵀ K u + V at displacement u, with the committed history."""
         if self.potential is None:
             raise ValueError("the energy of a problem needs its potential: give Problem(potential=...).")
-        return self.potential(u) if self.history is None else self.potential(u, self.history)
+        stored = self.potential(u) if self.history is None else self.potential(u, self.history)
+        return stored if self.stiffness is None else stored + 0.5 * jnp.vdot(u, times(self.stiffness, u))
+
+
+def _nothing(u: Vector) -> Scalar:
+    """The potential of a linear problem beside ½ uᵀ K u."""
+    return jnp.zeros((), u.dtype)

@@ -1,13 +1,17 @@
 """The tangent ∂p/∂u by automatic differentiation, in the form that a problem declares or that is found."""
 
 from collections.abc import Callable
+from typing import Any, TypeAlias
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from scipy import sparse
 
 from study.algebra.arrays import Matrix, Vector
 from study.algebra.matrices import Banded, MatrixFree, times
+from study.algebra.sparse import SYMMETRY, union
+from study.problem.sparse_tangent import SparseTangent, coupling_of
 
 #: Names that a problem may declare for the form of its tangent. A whole number is a half bandwidth.
 FORMS: dict[str, int | str] = {"diagonal": 0, "tridiagonal": 1, "dense": "dense", "matrix_free": "matrix_free"}
@@ -46,7 +50,11 @@ def _bands(slope: Callable, half_bandwidth: int, n: int) -> Banded:
     return Banded(jnp.take_along_axis(jax.vmap(slope)(directions), column, axis=0))
 
 
-def force_and_tangent(force: Callable, u: Vector, form: int | str | None) -> tuple[Vector, Matrix]:
+#: Form of a tangent: a half bandwidth, ``"dense"``, ``"matrix_free"`` or sparse; None for one unknown.
+FormOfTangent: TypeAlias = int | str | SparseTangent | None
+
+
+def force_and_tangent(force: Callable, u: Vector, form: FormOfTangent) -> tuple[Vector, Matrix]:
     """p(u) and ∂p/∂u: a number for one unknown, otherwise a matrix in the given form.
 
     Parameters
@@ -56,10 +64,12 @@ def force_and_tangent(force: Callable, u: Vector, form: int | str | None) -> tup
     u
         Displacement, () or (n,).
     form
-        Half bandwidth, ``"dense"`` or ``"matrix_free"``; None for one unknown.
+        Half bandwidth, ``"dense"``, ``"matrix_free"`` or sparse; None for one unknown.
     """
     if jnp.ndim(u) == 0:
         return jax.jvp(force, (u,), (jnp.ones_like(u),))
+    if isinstance(form, SparseTangent):
+        return form.force_and_tangent(force, u)
     if form == "dense":
         tangent, value = jax.jacfwd(lambda x: (force(x),) * 2, has_aux=True)(u)
         return value, tangent
@@ -73,7 +83,7 @@ def force_and_tangent(force: Callable, u: Vector, form: int | str | None) -> tup
     return value, _bands(slope, form, n)  # type: ignore[arg-type]
 
 
-def _two_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarray]:
+def two_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarray]:
     """Two displacements near u₀ where the derivative of the force is finite, scattered so that no entry is zero."""
     scatter = np.random.default_rng(0).uniform(0.5, 1.5, (2, len(u0)))
     slope = jax.jit(lambda u: jax.jvp(force, (u,), (jnp.ones_like(u),))[1])
@@ -86,7 +96,7 @@ def _two_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarray]
 
 
 def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | str:
-    """Form of the tangent at two displacements near u₀: a half bandwidth, or ``"dense"``.
+    """Form of the tangent at two displacements near u₀, up to ``FINDABLE`` unknowns: a half bandwidth, or ``"dense"``.
 
     It is ``"dense"`` too if the mass is singular and an unknown has no stiffness of its own, because bands are
     eliminated without pivoting.
@@ -94,16 +104,11 @@ def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | 
     Raises
     ------
     ValueError
-        If there are too many unknowns, or the derivative is not finite near u₀.
+        If the derivative is not finite near u₀.
     """
     n = len(u0)
-    if n > FINDABLE:
-        raise ValueError(
-            f"'{title}' has {n} unknowns, too many to find the form of its tangent: declare it with "
-            f"Problem(tangent=...), one of {', '.join(FORMS)} or a half bandwidth."
-        )
     jacobian = jax.jit(jax.jacfwd(force))
-    entries = sum(np.abs(np.asarray(jacobian(u))) for u in _two_states(force, u0, title))
+    entries = sum(np.abs(np.asarray(jacobian(u))) for u in two_states(force, u0, title))
     rows, columns = np.nonzero(entries)
     half_bandwidth = int(np.abs(rows - columns).max(initial=0))
     if massless and not np.diagonal(entries).all():
@@ -133,6 +138,76 @@ def form_named(declared: int | str, n: int, title: str) -> int | str:
     return known
 
 
+def _declared_coupling(declared: Any, n: int, title: str) -> sparse.sparray:
+    """A matrix (n, n) with an entry at each place that a declaration names."""
+    if sparse.issparse(declared):
+        if declared.shape != (n, n):
+            raise ValueError(f"tangent of '{title}' must be a matrix of shape {(n, n)}, not {declared.shape}.")
+        return union([declared])
+    width = form_named(declared, n, title)
+    if isinstance(width, str):
+        raise ValueError(
+            f"tangent={declared!r} of '{title}', whose stiffness, mass or damping is sparse: give diagonal, "
+            "tridiagonal, a half bandwidth, or a sparse matrix with an entry wherever the derivative of the force has "
+            "one; or leave it out."
+        )
+    bands = range(-width, width + 1)
+    return sparse.diags_array([1.0] * len(bands), offsets=bands, shape=(n, n))
+
+
+def sparse_form(
+    force: Callable | None,
+    u0: np.ndarray,
+    declared: Any,
+    others: list[sparse.csc_array],
+    title: str,
+) -> SparseTangent | int:
+    """Form of a tangent that is added to sparse matrices: a half bandwidth of 0 or 1 if that holds all of them.
+
+    Parameters
+    ----------
+    force
+        The force beside the stiffness, as a function of u; None if there is none.
+    others
+        Stiffness, mass and damping, as far as they are sparse.
+
+    Raises
+    ------
+    ValueError
+        If the derivative of the force is not finite near u₀, or not that of the declared form.
+    """
+    n = len(u0)
+    states = [] if force is None else two_states(force, u0, title)
+    if declared is not None:
+        coupling = _declared_coupling(declared, n, title)
+    else:
+        coupling = sparse.csc_array((n, n)) if force is None else coupling_of(force, states)
+    rows, columns = sparse.coo_array(union([coupling, *others])).coords
+    width = int(np.abs(rows - columns).max(initial=0))
+    if width <= 1:
+        return width
+    one, other = np.random.default_rng(1).normal(size=(2, n))
+    form = SparseTangent(coupling, others, symmetric=False)
+
+    @jax.jit
+    def misfit(u):
+        _, slope = jax.linearize(force, u)  # type: ignore[arg-type]
+        along, across = slope(one), slope(other)
+        tangent = form.force_and_tangent(force, u)[1]  # type: ignore[arg-type]
+        size = jnp.linalg.norm(other) * jnp.linalg.norm(along)
+        return jnp.abs(times(tangent, one) - along).max(), jnp.abs(other @ along - one @ across) / size
+
+    symmetric = all(abs(matrix - matrix.T).max() <= SYMMETRY * abs(matrix).max() for matrix in others)
+    for outside, skew in map(misfit, states if coupling.nnz else ()):
+        if not outside <= AGREEMENT * np.abs(one).max():
+            raise ValueError(
+                f"tangent={declared!r} does not fit the force of '{title}': the derivative of the force has entries "
+                "outside it."
+            )
+        symmetric &= not skew > AGREEMENT
+    return SparseTangent(coupling, others, symmetric)
+
+
 def check_form(force: Callable, u0: np.ndarray, declared: int | str, title: str) -> None:
     """Refuse a form, of those that are not dense, in which the tangent is not the derivative of the force.
 
@@ -157,7 +232,7 @@ def check_form(force: Callable, u0: np.ndarray, declared: int | str, title: str)
         _, tangent = force_and_tangent(force, u, known)
         return jnp.abs(times(tangent, one) - along).max(), jnp.abs(along).max()
 
-    for u in _two_states(force, u0, title):
+    for u in two_states(force, u0, title):
         wrong, scale = misfit(u)
         if not wrong <= AGREEMENT * scale:
             raise ValueError(f"tangent={declared!r} does not fit the force of '{title}': {reason}.")

@@ -14,7 +14,7 @@ from study.equilibrium.balance import balance, load
 from study.equilibrium.state import Motion
 from study.problem.definition import Problem
 from study.problem.potential import StrainEnergy
-from study.scheme.base import OneStep, start_in_balance
+from study.scheme.base import OneStep, Scheme, start_in_balance
 
 
 class ImplicitMidpoint(OneStep):
@@ -133,6 +133,8 @@ class EnergyMomentum(OneStep):
     def refusal(self, problem):
         if problem.dissipative:
             return f"'{self.title}' takes the force from the potential, and that of '{problem.title}' dissipates."
+        if problem.stiffness is not None:
+            return _with_stiffness(self, problem)
         if problem.potential is None:
             return f"'{self.title}' needs the potential of '{problem.title}': give Problem(potential=...)."
         if problem.tangent not in (None, "dense") and not isinstance(problem.potential, StrainEnergy):
@@ -154,6 +156,13 @@ class EnergyMomentum(OneStep):
 
         a, effort = balance(problem, rhs, u + dt * v, v, dt**2 / 2, dt / 2, guess, force=mean_force, symmetric=False)
         return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
+
+
+def _with_stiffness(scheme: Scheme, problem: Problem) -> str:
+    return (
+        f"'{scheme.title}' takes a mean of the whole force, and '{problem.title}' has a stiffness beside its force: "
+        "make it part of the force and of the potential."
+    )
 
 
 class AverageVectorField(OneStep):
@@ -197,6 +206,9 @@ class AverageVectorField(OneStep):
     @property
     def evaluations_per_iteration(self) -> int:
         return self.points
+
+    def refusal(self, problem):
+        return _with_stiffness(self, problem) if problem.stiffness is not None else super().refusal(problem)
 
     start = start_in_balance
 

@@ -70,10 +70,9 @@ class KolayRicles(OneStep):
         n = u.size
         at_rest = jnp.zeros_like(u)
         undeformed = problem.at_rest()
-        _, stiffness = force_and_tangent(lambda u: undeformed.internal_force(u, at_rest), at_rest, problem.tangent)
-        model = product(beta * dt**2, stiffness, n)
+        model = product(beta * dt**2, undeformed.stiffness_at(at_rest), n)
         if problem.takes_velocity:
-            _, viscosity = force_and_tangent(lambda v: undeformed.internal_force(at_rest, v), at_rest, problem.tangent)
+            _, viscosity = force_and_tangent(lambda v: undeformed.varying_force(at_rest, v), at_rest, problem.tangent)
             model = add(model, product(gamma * dt, viscosity, n), n=n)
         if problem.damping is not None:
             model = add(model, product(gamma * dt, problem.damping, n), n=n)

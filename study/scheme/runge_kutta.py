@@ -1,6 +1,7 @@
 """Runge-Kutta methods: the classical one, Nyström's, and the two-stage Gauss method."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import ClassVar, NamedTuple
 
 import equinox as eqx
@@ -13,6 +14,8 @@ from study.algebra.matrices import Banded, MatrixFree, product
 from study.equilibrium.balance import acceleration, balance, initial_acceleration
 from study.equilibrium.state import Effort, Phase
 from study.problem.definition import Problem
+from study.problem.sparse_tangent import SparseTangent
+from study.problem.tangent import FormOfTangent
 from study.scheme.base import OneStep
 
 
@@ -104,18 +107,20 @@ class _Twice(NamedTuple):
     """Two stages of a problem as one system of twice as many unknowns; the stages of an unknown are neighbours."""
 
     internal_force: Callable
+    varying_force: Callable
+    linear: bool
     takes_velocity: bool
     kinked: bool
+    stiffness: Matrix
     mass: Matrix
     damping: Matrix
-    tangent: str | int | None
+    tangent: FormOfTangent
 
 
 def _twice(problem: Problem, u) -> _Twice:
-    def internal_force(u_stages, v_stages):
+    def of_both(force, u_stages, v_stages):
         (first_u, second_u), (first_v, second_v) = (x.reshape(*u.shape, 2).T for x in (u_stages, v_stages))
-        forces = [problem.internal_force(first_u, first_v), problem.internal_force(second_u, second_v)]
-        return jnp.stack(forces).T.ravel()
+        return jnp.stack([force(first_u, first_v), force(second_u, second_v)]).T.ravel()
 
     def doubled(matrix):
         if matrix is None or (isinstance(matrix, np.ndarray | jax.Array) and matrix.ndim == 0):
@@ -132,9 +137,12 @@ def _twice(problem: Problem, u) -> _Twice:
 
     structure = 2 * problem.tangent if isinstance(problem.tangent, int) else "dense" if u.ndim == 0 else problem.tangent
     return _Twice(
-        internal_force,
+        partial(of_both, problem.internal_force),
+        partial(of_both, problem.varying_force),
+        problem.linear,
         problem.takes_velocity,
         problem.kinked,
+        doubled(problem.stiffness),
         doubled(problem.mass),
         doubled(problem.damping),
         structure,
@@ -179,6 +187,14 @@ class Gauss4(OneStep):
     order = 4
     explicit = False
     evaluations_per_iteration = 2
+
+    def refusal(self, problem):
+        if isinstance(problem.tangent, SparseTangent):
+            return (
+                f"'{self.title}' solves for two stages together, which it does not for the sparse matrices of "
+                f"'{problem.title}': take a scheme that solves for one acceleration, such as a composite one."
+            )
+        return super().refusal(problem)
 
     def start(self, problem, u0, v0, dt):
         a0 = initial_acceleration(problem, u0, v0)

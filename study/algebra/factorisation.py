@@ -1,0 +1,190 @@
+"""Factorisations of sparse matrices by LAPACK, CHOLMOD and SuperLU, kept while the matrix stays the same.
+
+In the order of reverse Cuthill-McKee, the unknowns of a beam, a frame or a slender mesh have a narrow band: LAPACK's
+banded Cholesky factorisation is the fastest then. A wide mesh goes to CHOLMOD, which orders the unknowns once, for few
+new entries. A matrix that is not symmetric, or not positive definite as at a snap-through, goes to SuperLU.
+
+References
+----------
+E. Cuthill, J. McKee, Reducing the bandwidth of sparse symmetric matrices, Proc. 24th ACM National Conf., 1969, 157-172.
+Y. Chen, T. A. Davis, W. W. Hager, S. Rajamanickam, Algorithm 887: CHOLMOD, ACM Trans. Math. Softw. 35, 2008, 22.
+"""
+
+import abc
+from functools import lru_cache
+from importlib.util import find_spec
+from threading import Lock
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import lapack
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+from scipy.sparse.linalg import splu
+
+from study.algebra.sparse import Pattern
+
+#: Up to this half bandwidth LAPACK is faster than CHOLMOD, whatever the number of unknowns.
+WIDEST_BAND = 100
+
+#: Factorisations that are kept: those of a step with sub-steps, and that of the mass.
+KEPT = 3
+
+
+class NotPositiveDefiniteError(Exception):
+    """A matrix has no Cholesky factorisation."""
+
+
+class Method(abc.ABC):
+    """A way to factorise matrices of one pattern."""
+
+    @abc.abstractmethod
+    def factor(self, values: np.ndarray, spare: Any) -> Any:
+        """The factor of the matrix with these values (entries,), in the memory of a spare one if there is one."""
+
+    @abc.abstractmethod
+    def solution(self, factor: Any, rhs: np.ndarray) -> np.ndarray:
+        """X (n,) for a right side (n,)."""
+
+
+class Banded(Method):
+    """LAPACK's Cholesky factorisation of a band, with the unknowns in another order."""
+
+    def __init__(self, pattern: Pattern, order: np.ndarray, half_bandwidth: int):
+        self.order, self.place = order, np.argsort(order)
+        one, other = self.place[pattern.rows], self.place[pattern.columns]
+        low, high = np.minimum(one, other), np.maximum(one, other)
+        self.shape = pattern.size, half_bandwidth + 1
+        # LAPACK has the entry (high, low) of the lower triangle here
+        self.entry = low * (half_bandwidth + 1) + (high - low)
+
+    def factor(self, values, spare):
+        band = np.zeros(self.shape) if spare is None else spare.T
+        band.fill(0.0)
+        band.reshape(-1)[self.entry] = values
+        factor, failed = lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)
+        if failed:
+            raise NotPositiveDefiniteError
+        return factor
+
+    def solution(self, factor, rhs):
+        return lapack.dpbtrs(factor, rhs[self.order], lower=1, overwrite_b=1)[0][self.place]
+
+
+class Cholmod(Method):
+    """CHOLMOD's sparse Cholesky factorisation; a spare factor has been ordered and analysed before."""
+
+    def __init__(self, pattern: Pattern):
+        from cvxopt import cholmod, matrix, spmatrix  # an extra of the package
+
+        self.cholmod, self.matrix = cholmod, matrix
+        self.entries = spmatrix(1.0, pattern.rows.tolist(), pattern.columns.tolist(), (pattern.size,) * 2)
+
+    def factor(self, values, spare):
+        if not np.isfinite(values).all():
+            raise NotPositiveDefiniteError
+        self.entries.V = self.matrix(values)
+        factor = self.cholmod.symbolic(self.entries) if spare is None else spare
+        try:
+            self.cholmod.numeric(self.entries, factor)
+        except ArithmeticError as error:
+            raise NotPositiveDefiniteError from error
+        return factor
+
+    def solution(self, factor, rhs):
+        x = self.matrix(rhs)
+        self.cholmod.solve(factor, x)
+        return np.array(x).ravel()
+
+
+class SuperLU(Method):
+    """SciPy's sparse LU factorisation with pivoting; a matrix that is singular or not finite has no factor."""
+
+    def __init__(self, pattern: Pattern):
+        self.pattern = pattern
+
+    def factor(self, values, spare):
+        pattern = self.pattern
+        matrix = sparse.csc_array((values, pattern.rows, pattern.starts), (pattern.size,) * 2)
+        if pattern.symmetric:
+            matrix = sparse.csc_array(matrix + sparse.tril(matrix, -1).T)
+        if not np.isfinite(values).all():
+            return None
+        try:
+            return splu(matrix, permc_spec="MMD_AT_PLUS_A")
+        except RuntimeError:  # exactly singular
+            return None
+
+    def solution(self, factor, rhs):
+        return np.full_like(rhs, np.nan) if factor is None else factor.solve(rhs)
+
+
+def _best(pattern: Pattern) -> Method:
+    """The fastest method for positive definite matrices of a pattern."""
+    if not pattern.symmetric:
+        return SuperLU(pattern)
+    graph = sparse.csr_array((np.ones(len(pattern.rows)), (pattern.rows, pattern.columns)), (pattern.size,) * 2)
+    order = reverse_cuthill_mckee(sparse.csr_array(graph + graph.T), symmetric_mode=True)
+    place = np.argsort(order)
+    half_bandwidth = int(np.abs(place[pattern.rows] - place[pattern.columns]).max())
+    if half_bandwidth <= WIDEST_BAND:
+        return Banded(pattern, order, half_bandwidth)
+    return Cholmod(pattern) if find_spec("cvxopt") else SuperLU(pattern)
+
+
+class Kept(NamedTuple):
+    """A factor, and the matrix and the method that it is of."""
+
+    total: float
+    values: np.ndarray
+    method: Method
+    factor: Any
+
+
+class Factorisations:
+    """Solves systems of one pattern, and keeps the last factors for matrices that come again."""
+
+    def __init__(self, pattern: Pattern):
+        self._methods = _best(pattern), SuperLU(pattern)
+        self._kept: list[Kept] = []
+        self._alone = Lock()
+        #: Number of factorisations so far.
+        self.count = 0
+
+    def solved(self, values: np.ndarray, rhs: np.ndarray) -> np.ndarray:
+        """X (n,) with A x = rhs, for the matrix A with these values (entries,); no numbers if A is singular."""
+        with self._alone:  # runs in other threads share the factors
+            kept = self._of(values.astype(np.float64, copy=False))
+            x = kept.method.solution(kept.factor, rhs.astype(np.float64))
+        return x.astype(rhs.dtype, copy=False)
+
+    def positive_definite(self, values: np.ndarray) -> bool:
+        """Whether a symmetric matrix is positive definite, as far as round-off lets see."""
+        return self._of(values).method is self._methods[0]
+
+    def _of(self, values: np.ndarray) -> Kept:
+        total = float(values.sum())
+        same = (k for k, kept in enumerate(self._kept) if kept.total == total and np.array_equal(kept.values, values))
+        number = next(same, None)
+        if number is not None:
+            kept = self._kept.pop(number)
+        else:
+            kept = self._factorised(values, total, self._kept.pop() if len(self._kept) == KEPT else None)
+        self._kept.insert(0, kept)
+        return kept
+
+    def _factorised(self, values: np.ndarray, total: float, oldest: Kept | None) -> Kept:
+        self.count += 1
+        best, general = self._methods
+        values = values.copy()
+        spare = oldest.factor if oldest is not None and oldest.method is best else None
+        try:
+            return Kept(total, values, best, best.factor(values, spare))
+        except NotPositiveDefiniteError:
+            return Kept(total, values, general, general.factor(values, None))
+
+
+@lru_cache(maxsize=8)
+def factorisations(pattern: Pattern) -> Factorisations:
+    """The factorisations of a pattern."""
+    return Factorisations(pattern)

@@ -1,0 +1,114 @@
+"""The form of a sparse tangent: its pattern, and which products with the derivative of the force tell its entries.
+
+Columns without a common row share a product: they have the same colour (Curtis, Powell and Reid, 1974). A force that
+acts on few unknowns, beside a constant stiffness, needs few products.
+
+References
+----------
+A. R. Curtis, M. J. D. Powell, J. K. Reid, On the estimation of sparse Jacobian matrices, IMA J. Appl. Math. 13, 1974,
+117-119.
+"""
+
+from collections.abc import Callable, Iterable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from scipy import sparse
+
+from study.algebra.arrays import Matrix, Vector
+from study.algebra.sparse import Pattern, SparseEntries, union
+
+#: Numbers that the products hold with which the entries of a derivative are found.
+ROOM = 2**22
+
+
+class SparseTangent:
+    """Form of ∂p/∂u as a :class:`Sparse`. Forms with the same places are equal.
+
+    Parameters
+    ----------
+    coupling
+        Matrix (n, n) with an entry wherever the derivative of the force has one.
+    others
+        Matrices to which the tangent is added.
+    symmetric
+        Whether the tangent and the others are symmetric.
+
+    Attributes
+    ----------
+    pattern
+        The places of the tangent and of the others.
+    entries
+        Numbers in the pattern of the entries of the tangent.
+    colours
+        Number of products.
+    """
+
+    def __init__(self, coupling: sparse.sparray, others: Iterable[sparse.sparray], symmetric: bool):
+        self.pattern = Pattern(union([coupling, *others]), symmetric)
+        self._colour = coloured(coupling)
+        self.colours = int(self._colour.max(initial=-1)) + 1
+        places = sparse.coo_array(sparse.tril(coupling) if symmetric else coupling)
+        self._rows, columns = (place.astype(np.int32) for place in places.coords)
+        self._colour_of_entry = self._colour[columns]
+        self.entries = self.pattern.numbers(self._rows, columns)
+        self._key = self.pattern, self.entries.tobytes(), self._colour.tobytes()
+
+    def __eq__(self, other):
+        return isinstance(other, SparseTangent) and self._key == other._key
+
+    def __hash__(self):
+        return hash(self._key)
+
+    def __repr__(self):
+        return f"SparseTangent({self.pattern}, {len(self.entries)} entries of the force in {self.colours} products)"
+
+    def force_and_tangent(self, force: Callable, u: Vector) -> tuple[Vector, Matrix]:
+        """p(u) and ∂p/∂u, or the number 0 for a force that is constant."""
+        if not self.colours:
+            return force(u), 0.0
+        value, slope = jax.linearize(force, u)
+        directions = self._colour[None] == np.arange(self.colours, dtype=np.int32)[:, None]
+        products = jax.vmap(slope)(jnp.asarray(directions, u.dtype))
+        return value, SparseEntries(products[self._colour_of_entry, self._rows], self)
+
+
+def coloured(coupling: sparse.sparray) -> np.ndarray:
+    """A colour for each column (n,), so that columns of one colour share no row; −1 for an empty column."""
+    rows = sparse.csc_array(coupling)
+    together = sparse.csr_array(rows.T @ rows)
+    colour = np.full(rows.shape[1], -1, np.int32)
+    for column in np.flatnonzero(np.diff(rows.indptr)):
+        neighbours = colour[together.indices[together.indptr[column] : together.indptr[column + 1]]]
+        taken = np.zeros(len(neighbours) + 1, bool)
+        taken[neighbours[(neighbours >= 0) & (neighbours < len(taken))]] = True
+        colour[column] = np.argmin(taken)
+    return colour
+
+
+def coupling_of(force: Callable, states: Iterable[np.ndarray]) -> sparse.csc_array:
+    """A matrix (n, n) with an entry wherever ∂p/∂u is not zero at one of the displacements (n,)."""
+
+    @jax.jit
+    def columns_with_entries(u, direction):
+        return jax.vjp(force, u)[1](direction)[0]
+
+    @jax.jit
+    def derivatives(u, directions):
+        _, slope = jax.linearize(force, u)
+        return jax.vmap(slope)(directions)
+
+    found = []
+    for u in states:
+        n = len(u)
+        at_once = max(1, min(n, ROOM // n))
+        scattered = np.random.default_rng(2).uniform(0.5, 1.5, n)
+        columns = np.flatnonzero(columns_with_entries(u, scattered))
+        for first in range(0, len(columns), at_once):
+            some = columns[first : first + at_once]
+            directions = np.zeros((at_once, n))
+            directions[np.arange(len(some)), some] = 1.0
+            which, rows = np.nonzero(np.asarray(derivatives(u, directions))[: len(some)])
+            found.append(sparse.csc_array((np.ones(len(rows)), (rows, some[which])), (n, n)))
+    return union(found) if found else sparse.csc_array((len(u), len(u)))
