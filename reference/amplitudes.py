@@ -31,14 +31,16 @@ def _turning_points(problem: Problem, u0: _ByAmplitude) -> _TurningPoints:
 def _highest_frequency(problem: Problem, ends: _TurningPoints) -> _ByAmplitude:
     """√(max p′(u)) between the turning points of each motion."""
     places = ends[:, :1] + np.diff(ends) * np.linspace(0, 1, 1001)
-    return np.sqrt(np.asarray(jax.jit(jax.vmap(jax.grad(problem.force)))(places.ravel())).reshape(places.shape).max(1))
+    return np.sqrt(
+        np.asarray(jax.jit(jax.vmap(jax.grad(problem.static_force)))(places.ravel())).reshape(places.shape).max(1)
+    )
 
 
 def _orbit(problem: Problem, ends: _TurningPoints) -> tuple[_Orbits, _Orbits]:
     """Displacement and velocity once around each orbit, from its largest displacement."""
     angle = np.linspace(0, 2 * np.pi, POINTS)
     u = ends.mean(1, keepdims=True) + np.diff(ends) / 2 * np.cos(angle)
-    potential = np.asarray(jax.jit(jax.vmap(problem.potential))(u.ravel())).reshape(u.shape)  # type: ignore[arg-type, type-var]
+    potential = np.asarray(jax.jit(jax.vmap(problem.stored_energy))(u.ravel())).reshape(u.shape)
     speed = np.sqrt(2 * np.maximum(potential[:, :1] - potential, 0))
     return u, -np.copysign(speed, np.sin(angle))
 

@@ -22,7 +22,8 @@ DIGITS = 50
 
 def is_known(problem: Problem) -> bool:
     """Whether the period has a closed form: a free, undamped cubic or tanh spring of unit mass, released from rest."""
-    free = problem.damping is None and problem.load is None and problem.mass is None
+    others = problem.damping, problem.load, problem.mass, problem.stiffness
+    free = all(other is None for other in others)
     spring = getattr(problem.force, "__self__", None)
     return free and isinstance(spring, CubicSpring | TanhSpring) and float(problem.v0) == 0.0
 
@@ -164,7 +165,7 @@ def _modes(problem: Problem, t: Iterable) -> tuple[list, list]:
         q = φᵀf / (ω² − Ω²) (cos(Ωt − α) − cos α cos ωt − Ω/ω sin α sin ωt)
     """
     load = cast(HarmonicLoad, problem.load)
-    stiffness = mpmath.matrix(np.asarray(jax.jit(jax.jacobian(problem.force))(problem.u0)).tolist())
+    stiffness = mpmath.matrix(np.asarray(jax.jit(jax.jacobian(problem.static_force))(problem.u0)).tolist())
     squares, shapes = mpmath.eigsy(stiffness)
     frequency, phase = mpmath.mpf(float(load.frequency)), mpmath.mpf(float(load.phase))
     forces = shapes.T * mpmath.matrix(np.asarray(load.amplitude).tolist())

@@ -168,7 +168,7 @@ def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certifi
     solution = trajectory(problem, [rests[i] for i in order])
     back = np.argsort(order)[where]
     doubt = period_certified * float(np.max(np.abs(times)))
-    fastest, strongest = np.max(np.abs(solution.v)), np.max(np.abs(jax.vmap(problem.force)(solution.u)))
+    fastest, strongest = np.max(np.abs(solution.v)), np.max(np.abs(jax.vmap(problem.static_force)(solution.u)))
     return ExactSolution(
         solution.u[back],
         solution.v[back],
@@ -240,7 +240,7 @@ def reference(problem: str, steps_per_period: Sequence[int]) -> xr.Dataset:
     times = [exact_period * part.numerator / part.denominator for part in parts]
     solution = trajectory(definition, times)
     energy = np.asarray(jax.vmap(definition.energy)(solution.u, solution.v))
-    forces = np.asarray(jax.vmap(definition.force)(solution.u))
+    forces = np.asarray(jax.vmap(definition.static_force)(solution.u))
     rounded = float(exact_period)
 
     def scalar(value, long_name, units):

@@ -8,7 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from study.algebra.elimination import solve
 from study.algebra.matrices import Banded, dense, times
+from study.algebra.sparse import Sparse
 from study.problem.definition import Problem
 
 #: Absolute over relative tolerance; displacements and velocities are of order one and more.
@@ -91,7 +93,9 @@ def right_side(t, y: State, problem: Problem) -> State:
         force -= times(problem.damping, v)
     if problem.load is not None:
         force += problem.load(t)
-    if problem.mass is not None and not isinstance(problem.mass, Banded) and jnp.ndim(problem.mass) < 2:
+    if isinstance(problem.mass, Sparse):
+        force = solve(problem.mass, force)
+    elif problem.mass is not None and not isinstance(problem.mass, Banded) and jnp.ndim(problem.mass) < 2:
         force /= problem.mass
     elif problem.mass is not None:
         force = jnp.linalg.solve(dense(problem.mass, u.size), force)
@@ -118,9 +122,9 @@ def release(route: str, problem: Problem, estimate: float) -> float:
         "it is loaded": problem.load is not None,
         "it has more than one unknown": np.ndim(problem.u0) > 0,
         "it does not start from rest": np.ndim(problem.u0) == 0 and float(problem.v0) != 0.0,
-        "it starts in balance": np.ndim(problem.u0) == 0 and float(problem.force(problem.u0)) == 0.0,
+        "it starts in balance": np.ndim(problem.u0) == 0 and float(problem.static_force(problem.u0)) == 0.0,
     }
     for reason, holds in reasons.items():
         if holds:
             raise ValueError(f"{route} finds no period of '{problem.title}': {reason}.")
-    return -np.sign(float(problem.force(problem.u0)))
+    return -np.sign(float(problem.static_force(problem.u0)))

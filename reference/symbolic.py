@@ -117,7 +117,7 @@ def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
         raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; this route takes one.")
     _check_depends_on_displacement(problem)
     u, v = hy.make_vars("u", "v")
-    return [(u, v), (v, _acceleration(problem, expression(problem.force, u), v))]
+    return [(u, v), (v, _acceleration(problem, expression(problem.static_force, u), v))]
 
 
 class _ToTheBit(PythonCodePrinter):
@@ -154,4 +154,4 @@ def with_force_as_state(problem: Problem) -> list[tuple[hy.expression, hy.expres
     """
     _check_depends_on_displacement(problem)
     u, v, w = hy.make_vars("u", "v", "w")
-    return [(u, v), (v, _acceleration(problem, w, v)), (w, hy.diff(expression(problem.force, u), u) * v)]
+    return [(u, v), (v, _acceleration(problem, w, v)), (w, hy.diff(expression(problem.static_force, u), u) * v)]

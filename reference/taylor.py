@@ -26,7 +26,7 @@ def _integrator(problem: Problem, bits: int, formulation: Callable, **options) -
     kind = {} if bits == DOUBLE else {"fp_type": hy.real, "prec": bits}
     if len(system) == 3:
         u = hy.make_vars("u")
-        force = hy.cfunc([expression(problem.force, u)], [u], **kind)
+        force = hy.cfunc([expression(problem.static_force, u)], [u], **kind)
         start.append(force(np.array(start[:1]))[0])
     return hy.taylor_adaptive(system, start, **kind, **options)
 

@@ -71,7 +71,7 @@ def errors(
     """
     scales = np.max(np.abs(exact_solution.u)), np.max(np.abs(exact_solution.v))
     off = (solution.u - exact_solution.u) / scales[0], (solution.v - exact_solution.v) / scales[1]
-    rate = exact_solution.v[-1] / scales[0], -float(problem.force(exact_solution.u[-1])) / scales[1]
+    rate = exact_solution.v[-1] / scales[0], -float(problem.static_force(exact_solution.u[-1])) / scales[1]
     delay = -(off[0][-1] * rate[0] + off[1][-1] * rate[1]) / (rate[0] ** 2 + rate[1] ** 2)
     initial = float(problem.energy(problem.u0, problem.v0))
     lost = initial - np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
@@ -80,7 +80,7 @@ def errors(
         "max_trajectory_error": np.max(np.abs(off[0])),
         "phase_error": delay / period,
         "period_elongation": delay / period / periods,
-        "amplitude_decay": lost[-1] / (float(problem.force(turn)) * turn) / periods,
+        "amplitude_decay": lost[-1] / (float(problem.static_force(turn)) * turn) / periods,
         "max_energy_error": 100 * np.max(np.abs(lost / initial)),
         "energy_drift": -100 * lost[-1] / abs(initial),
     }

@@ -1,5 +1,6 @@
 """The examples, each put through an assessment of one scheme."""
 
+import runpy
 from pathlib import Path
 from types import FunctionType
 
@@ -9,6 +10,7 @@ import pytest
 
 import study
 from study.assessment.load import load
+from study.problem.frequencies import frequencies
 
 FOLDER = Path(__file__).parent.parent / "examples"
 
@@ -67,3 +69,14 @@ def _run_of_intensities():
 def test_every_example_is_tested():
     others = {"scheme.py", "intensities.py"}
     assert {path.name for path in FOLDER.glob("*.py")} == {place.split(":")[0] for place in PROBLEMS} | others
+
+
+def test_the_plate_bends_like_a_beam():
+    """A plate of elements that bend too stiffly has the first frequency of a beam to a few percent."""
+    plate = load(f"{FOLDER / 'plate.py'}:cantilever", (FunctionType,))(40, 4)
+    file = runpy.run_path(str(FOLDER / "plate.py"))
+    length, height = 40 * file["SIDE"], 4 * file["SIDE"]
+    of_beam = 1.8751**2 / length**2 * np.sqrt(file["YOUNG"] * height**2 / (12 * file["DENSITY"]))
+    assert frequencies(plate)[0] == pytest.approx(of_beam, rel=0.03)
+    ds = study.run(plate, "average_acceleration", dt=5e-5, steps=100, observe=["max_energy_error"])
+    assert ds.status == 0 and ds.max_energy_error < 1

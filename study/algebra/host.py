@@ -3,6 +3,8 @@
 from collections.abc import Callable
 
 import jax
+import jax.numpy as jnp
+import numpy as np
 from jax.core import ShapedArray
 from jax.extend.core import Primitive
 from jax.interpreters import batching, mlir
@@ -10,15 +12,26 @@ from jax.interpreters import batching, mlir
 _on_host = Primitive("on_host")
 
 
+def _silent(function, arrays):
+    """The result of a function; a run that grows beyond all numbers says so by its status."""
+    with np.errstate(all="ignore"):
+        return function(*arrays)
+
+
 @_on_host.def_abstract_eval
 def _shape(*arguments, function, result):
     return result
 
 
+@_on_host.def_impl
+def _at_once(*arguments, function, result):
+    return jnp.asarray(_silent(function, map(np.asarray, arguments)), result.dtype)
+
+
 def _lowered(context, *arguments, function, result):
     called, *_ = mlir.emit_python_callback(
         context,
-        lambda *arrays: (function(*arrays),),
+        lambda *arrays: (_silent(function, arrays),),
         None,
         list(arguments),
         context.avals_in,
@@ -31,7 +44,7 @@ def _lowered(context, *arguments, function, result):
 
 def _one_by_one(arguments, axes, *, function, result):
     lanes = next(x.shape[axis] for x, axis in zip(arguments, axes, strict=True) if axis is not None)
-    moved = [x if axis is None else jax.numpy.moveaxis(x, axis, 0) for x, axis in zip(arguments, axes, strict=True)]
+    moved = [x if axis is None else jnp.moveaxis(x, axis, 0) for x, axis in zip(arguments, axes, strict=True)]
 
     def of_lane(lane):
         return _on_host.bind(
@@ -40,7 +53,7 @@ def _one_by_one(arguments, axes, *, function, result):
             result=result,
         )
 
-    return jax.lax.map(of_lane, jax.numpy.arange(lanes)), 0
+    return jax.lax.map(of_lane, jnp.arange(lanes)), 0
 
 
 mlir.register_lowering(_on_host, _lowered)

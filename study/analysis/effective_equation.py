@@ -54,7 +54,7 @@ def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.nda
     numpy.ndarray
         Number of roots, of shape (coefficients, predictors).
     """
-    force = jax.jit(jax.vmap(problem.force))
+    force = jax.jit(jax.vmap(problem.static_force))
     far = 2 * np.abs(predictor).max()
     # beyond all roots the left side exceeds every predictor and grows; double the range until its ends do so
     while far < FARTHEST:
@@ -72,5 +72,5 @@ def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.nda
 
 def unique_up_to(problem: Problem, scheme: Scheme, u: np.ndarray) -> float:
     """Largest Δt with one root for every ũ, 1/√(κ max(−p′)) over the displacements ``u``; infinite if p′ ≥ 0."""
-    softest = -np.asarray(jax.vmap(jax.grad(problem.force))(u)).min()
+    softest = -np.asarray(jax.vmap(jax.grad(problem.static_force))(u)).min()
     return float(1 / np.sqrt(effective_coefficient(scheme) * softest)) if softest > 0 else np.inf

@@ -15,8 +15,8 @@ from study.marching.timing import Timed
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
 
-#: Timed runs of a recommended step, and their fewest steps.
-REPEATS, FEWEST_TIMED = 5, 20_000
+#: Timed runs of a recommended step, the seconds that suffice for each, and the most steps that short runs are given.
+REPEATS, ENOUGH, MOST_TIMED = 5, 0.02, 20_000
 
 #: How a run of a ladder can end; most steps of a scheme are not tried.
 STATUSES = ("completed", "newton_not_converged", "not_finite", "not_tried")
@@ -43,14 +43,15 @@ def processor() -> str:
 def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: set[int]) -> dict[int, tuple[float, float]]:
     """Median time of the steps of a run and its interquartile range, by number of steps.
 
-    Short runs are timed over more steps of the same size, and the time of a run of one step is subtracted: it is that
-    of the call.
+    Short runs are timed over more steps of the same size, as many as a clock needs, and the time of a run of one step
+    is subtracted: it is that of the call.
     """
     timed = Timed(problem, scheme, ())
     call = np.median([timed.run(duration / min(wanted), 1)[0] for _ in range(REPEATS)])
     times = {}
     for steps in sorted(wanted):
-        most = max(steps, FEWEST_TIMED)
+        once = max(timed.run(duration / steps, steps)[0] - call, ENOUGH * steps / MOST_TIMED)
+        most = max(steps, int(steps * ENOUGH / once))
         runs = [timed.run(duration / steps, most) for _ in range(REPEATS)]
         if not all(completed for _, completed in runs):  # it fails beyond the time that is asked for
             most, runs = steps, [timed.run(duration / steps, steps) for _ in range(REPEATS)]

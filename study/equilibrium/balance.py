@@ -119,8 +119,10 @@ def initial_acceleration(problem: Problem, u0: Vector, v0: Vector) -> Vector:
         return acceleration(problem, 0.0, u0, v0)
     rhs = _less_damping(problem, load(problem, 0.0) - problem.internal_force(u0, v0), v0)
     if isinstance(problem.mass, Sparse):
-        massless = problem.mass.values[problem.mass.pattern.diagonal] == 0
-        return solve(problem.mass.plus(massless, problem.mass.pattern.diagonal), jnp.where(massless, 0.0, rhs))
+        diagonal = problem.mass.pattern.diagonal
+        massless = problem.mass.values[diagonal] == 0
+        with_ones = problem.mass.plus(massless.astype(rhs.dtype), diagonal)
+        return solve(with_ones, jnp.where(massless, 0.0, rhs))
     if not isinstance(problem.mass, Banded) and jnp.ndim(problem.mass) == 1:
         return jnp.where(problem.mass > 0, rhs / problem.mass, 0.0)
     return jnp.linalg.pinv(dense(problem.mass, u0.size), hermitian=True) @ rhs

@@ -97,7 +97,7 @@ class Fate(Reduction):
         problem = problems[problem] if isinstance(problem, str) else problem
         if refusal := _refusal(problem):
             raise ValueError(refusal)
-        potential = jax.jit(problem.potential)  # type: ignore[arg-type]  # which _refusal has checked
+        potential = jax.jit(problem.stored_energy)
         u0 = float(problem.u0)
         try:
             found = optimize.minimize_scalar(potential, bracket=(u0, 0.99 * u0 if u0 else 0.01), tol=1e-12)

@@ -13,14 +13,13 @@ import numpy as np
 from scipy import sparse
 
 from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike, as_float64
-from study.algebra.matrices import SMALL, add, banded, banded_sparse, times
-from study.algebra.sparse import Sparse
+from study.algebra.matrices import add, times
 from study.problem import checks, tangent
 from study.problem.damping import Rayleigh, rayleigh_matrix
+from study.problem.forms import form_of_tangent, stored
 from study.problem.ground import GroundLoad, GroundMotion
 from study.problem.internal_force import as_history, depends_on_last, may_have_kinks, number_of_arguments
 from study.problem.potential import gradient
-from study.problem.tangent import FormOfTangent
 
 #: Arguments of a problem that are numbers.
 NUMBERS = ("u0", "v0", *checks.MATRICES, "positions", "influence")
@@ -143,13 +142,17 @@ class Problem(eqx.Module):
 
         checks.check_symmetry("mass", self.mass)
         checks.check_symmetry("stiffness", self.stiffness)
-        if self.tangent == "matrix_free":  # conjugate gradients need it; otherwise damping may be gyroscopic
+        if (
+            isinstance(self.tangent, str) and self.tangent == "matrix_free"
+        ):  # conjugate gradients need it; otherwise damping may be gyroscopic
             checks.check_symmetry("damping", self.damping)
         self.massless = checks.is_singular(self.mass)
 
-        self.tangent = self._form_of_tangent()
+        force = None if self.linear else self._coupling()
+        sparse_ones = [m for m in map(partial(getattr, self), checks.MATRICES) if sparse.issparse(m)]
+        self.tangent = form_of_tangent(force, self.u0, self.tangent, self.massless, sparse_ones, self.title)
         for name in checks.MATRICES:
-            setattr(self, name, self._stored(getattr(self, name)))
+            setattr(self, name, stored(getattr(self, name), self.tangent))
         if isinstance(self.damping, Rayleigh):
             self.damping = self._rayleigh(self.damping)
 
@@ -182,50 +185,6 @@ class Problem(eqx.Module):
             self.influence = np.ones(np.shape(self.u0))
         moved = self.mass @ self.influence if sparse.issparse(self.mass) else self.momentum(self.influence)
         return GroundLoad(as_float64(moved), ground, self.load)
-
-    def _form_of_tangent(self) -> FormOfTangent:
-        """The form of the tangent, found or as declared; none for one unknown."""
-        if np.ndim(self.u0) == 0:
-            if self.tangent is not None:
-                raise ValueError(
-                    f"tangent={self.tangent!r} of '{self.title}': the tangent of one unknown is a number; leave it out."
-                )
-            return None
-        declared = self.tangent
-        matrices = [m for m in map(partial(getattr, self), checks.MATRICES) if sparse.issparse(m)]
-        many = declared is None and not self.linear and len(self.u0) > tangent.FINDABLE
-        if matrices or many or sparse.issparse(declared):
-            with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
-                force = None if self.linear else self._coupling()
-                return tangent.sparse_form(force, self.u0, declared, matrices, self.title)
-        if self.linear:
-            return 0
-        known = None if declared is None else tangent.form_named(declared, len(self.u0), self.title)
-        if known == "dense" or (known is None and len(self.u0) <= SMALL):
-            return "dense"
-        try:
-            with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
-                if declared is None:
-                    return tangent.found(self._coupling(), self.u0, self.massless, self.title)
-                tangent.check_form(self._coupling(), self.u0, declared, self.title)
-        except checks.NOT_TRACEABLE:  # the force has numbers that JAX traces, so that there is no value to look at
-            if known is None:
-                raise ValueError(
-                    f"'{self.title}' is made while JAX traces numbers in its force: declare the form of its tangent "
-                    f"with Problem(tangent=...), one of {', '.join(tangent.FORMS)} or a half bandwidth."
-                ) from None
-        return known
-
-    def _stored(self, matrix: Matrix) -> Matrix:
-        """Stiffness, mass or damping in the smallest form that holds it: as a band if the tangent is one."""
-        if sparse.issparse(matrix):
-            if matrix.nnz == np.count_nonzero(matrix.diagonal()):
-                return matrix.diagonal()
-            if isinstance(self.tangent, int):
-                return banded_sparse(matrix, 1)
-            return Sparse(self.tangent.pattern.values(matrix), self.tangent.pattern)
-        is_matrix = isinstance(matrix, np.ndarray) and matrix.ndim == 2
-        return banded(matrix, self.tangent) if is_matrix and isinstance(self.tangent, int) else matrix
 
     def _rayleigh(self, damping: Rayleigh) -> Matrix:
         """C of Rayleigh damping, from the tangent at u = 0."""
@@ -303,6 +262,10 @@ class Problem(eqx.Module):
             return self.varying_force(u, v)
         elastic = times(self.stiffness, u)
         return elastic if self.linear else elastic + self.varying_force(u, v)
+
+    def static_force(self, u: VectorLike) -> Vector:
+        """The force K u + p at displacement u and without velocity, from the committed history."""
+        return self.internal_force(u, jnp.zeros_like(u))
 
     def varying_force(self, u: VectorLike, v: VectorLike) -> Vector:
         """The force p, without K u."""

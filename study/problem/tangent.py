@@ -1,17 +1,15 @@
 """The tangent ∂p/∂u by automatic differentiation, in the form that a problem declares or that is found."""
 
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy import sparse
 
 from study.algebra.arrays import Matrix, Vector
 from study.algebra.matrices import Banded, MatrixFree, times
-from study.algebra.sparse import SYMMETRY, union
-from study.problem.sparse_tangent import SparseTangent, coupling_of
+from study.problem.sparse_tangent import SparseTangent
 
 #: Names that a problem may declare for the form of its tangent. A whole number is a half bandwidth.
 FORMS: dict[str, int | str] = {"diagonal": 0, "tridiagonal": 1, "dense": "dense", "matrix_free": "matrix_free"}
@@ -136,76 +134,6 @@ def form_named(declared: int | str, n: int, title: str) -> int | str:
             f"whole number below {n}."
         )
     return known
-
-
-def _declared_coupling(declared: Any, n: int, title: str) -> sparse.sparray:
-    """A matrix (n, n) with an entry at each place that a declaration names."""
-    if sparse.issparse(declared):
-        if declared.shape != (n, n):
-            raise ValueError(f"tangent of '{title}' must be a matrix of shape {(n, n)}, not {declared.shape}.")
-        return union([declared])
-    width = form_named(declared, n, title)
-    if isinstance(width, str):
-        raise ValueError(
-            f"tangent={declared!r} of '{title}', whose stiffness, mass or damping is sparse: give diagonal, "
-            "tridiagonal, a half bandwidth, or a sparse matrix with an entry wherever the derivative of the force has "
-            "one; or leave it out."
-        )
-    bands = range(-width, width + 1)
-    return sparse.diags_array([1.0] * len(bands), offsets=bands, shape=(n, n))
-
-
-def sparse_form(
-    force: Callable | None,
-    u0: np.ndarray,
-    declared: Any,
-    others: list[sparse.csc_array],
-    title: str,
-) -> SparseTangent | int:
-    """Form of a tangent that is added to sparse matrices: a half bandwidth of 0 or 1 if that holds all of them.
-
-    Parameters
-    ----------
-    force
-        The force beside the stiffness, as a function of u; None if there is none.
-    others
-        Stiffness, mass and damping, as far as they are sparse.
-
-    Raises
-    ------
-    ValueError
-        If the derivative of the force is not finite near u₀, or not that of the declared form.
-    """
-    n = len(u0)
-    states = [] if force is None else two_states(force, u0, title)
-    if declared is not None:
-        coupling = _declared_coupling(declared, n, title)
-    else:
-        coupling = sparse.csc_array((n, n)) if force is None else coupling_of(force, states)
-    rows, columns = sparse.coo_array(union([coupling, *others])).coords
-    width = int(np.abs(rows - columns).max(initial=0))
-    if width <= 1:
-        return width
-    one, other = np.random.default_rng(1).normal(size=(2, n))
-    form = SparseTangent(coupling, others, symmetric=False)
-
-    @jax.jit
-    def misfit(u):
-        _, slope = jax.linearize(force, u)  # type: ignore[arg-type]
-        along, across = slope(one), slope(other)
-        tangent = form.force_and_tangent(force, u)[1]  # type: ignore[arg-type]
-        size = jnp.linalg.norm(other) * jnp.linalg.norm(along)
-        return jnp.abs(times(tangent, one) - along).max(), jnp.abs(other @ along - one @ across) / size
-
-    symmetric = all(abs(matrix - matrix.T).max() <= SYMMETRY * abs(matrix).max() for matrix in others)
-    for outside, skew in map(misfit, states if coupling.nnz else ()):
-        if not outside <= AGREEMENT * np.abs(one).max():
-            raise ValueError(
-                f"tangent={declared!r} does not fit the force of '{title}': the derivative of the force has entries "
-                "outside it."
-            )
-        symmetric &= not skew > AGREEMENT
-    return SparseTangent(coupling, others, symmetric)
 
 
 def check_form(force: Callable, u0: np.ndarray, declared: int | str, title: str) -> None:

@@ -1,7 +1,10 @@
 """What is timed, and for how long."""
 
+import importlib.util
 import time
 from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
 from typing import NamedTuple
 
 from study.problem.named import printed_periods
@@ -20,6 +23,15 @@ class Case(NamedTuple):
     target: float
     #: Nanoseconds are per this many steps.
     steps: int
+
+
+def example(name: str) -> ModuleType:
+    """A file of the examples as a module."""
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).parents[2] / "examples" / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 def step_size(problem: str) -> float:

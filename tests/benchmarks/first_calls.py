@@ -1,16 +1,14 @@
 """First calls on a structure, compilation included, against a loop written by hand; and many runs against one."""
 
-import importlib.util
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from case import Case, timed
+from case import Case, example, timed
 from jax import lax
 
 import study
@@ -19,16 +17,6 @@ from study.marching import run as runs
 
 STEPS, DURATION, LANES = 3000, 31.2, 8
 DT = DURATION / STEPS
-
-
-def _frame() -> study.Problem:
-    """The frame of the examples."""
-    path = Path(__file__).parents[2] / "examples" / "frame.py"
-    spec = importlib.util.spec_from_file_location("frame", path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.frame
 
 
 def _by_hand(frame: study.Problem) -> Callable:
@@ -82,7 +70,7 @@ def _as_often(call: Callable[[], Any]) -> float:
 
 def cases() -> Iterator[Case]:
     """First calls, alone and of eight lanes, and eight lanes against eight runs."""
-    frame = _frame()
+    frame = example("frame").frame
     by_hand = _by_hand(frame)
     u0 = np.linspace(0.0, 1e-3, LANES)[:, None] * np.ones(3)
 

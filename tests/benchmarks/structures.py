@@ -1,11 +1,14 @@
 """Structures: what an unknown and an iteration of Newton's cost."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import jax.numpy as jnp
 import numpy as np
-from case import STEPS, Case, step_size, timed
-from scipy.linalg import get_lapack_funcs, solve_banded
+from case import STEPS, Case, example, step_size, timed
+from scipy import sparse
+from scipy.linalg import get_lapack_funcs, solve_banded, solveh_banded
+from scipy.sparse.linalg import splu
 
 import study
 from study.marching.timing import Timed
@@ -17,6 +20,7 @@ def cases() -> Iterator[Case]:
     yield from few_unknowns()
     yield from long_bars()
     yield from full_tangent()
+    yield from sparse_plates()
 
 
 def few_unknowns() -> Iterator[Case]:
@@ -81,3 +85,37 @@ def full_tangent() -> Iterator[Case]:
         1.5,
         solved,
     )
+
+
+def sparse_plates() -> Iterator[Case]:
+    """A Newton iteration on plates with few stops against SciPy's solution of such a system alone."""
+    strip, wide = (example("plate").cantilever(*size) for size in ((100, 9), (100, 99)))
+    for plate, steps, baseline, solver, target in (
+        (strip, 200, "solveh_banded", _by_band, 1.4),
+        (wide, 20, "splu", lambda matrix, rhs: splu(matrix).solve(rhs), 0.5),
+    ):
+        dt, n = 5e-5, len(plate.u0)
+        ours, solved = _iterations(plate, dt, steps)
+        effective = sparse.csc_array(sparse.diags_array(4 / dt**2 * plate.mass) + _as_sparse(plate.stiffness))
+        solve = partial(solver, effective) if baseline == "splu" else solver(effective)
+        yield Case(
+            f"plate of {n:,} unknowns, an iteration : SciPy's {baseline}",
+            ours,
+            lambda solve=solve, n=n, solved=solved: solved / 10 * timed(lambda: [solve(np.ones(n)) for _ in range(10)]),
+            target,
+            solved,
+        )
+
+
+def _as_sparse(matrix) -> sparse.csc_array:
+    """A matrix of the study as one of SciPy, from one triangle."""
+    pattern = matrix.pattern
+    lower = sparse.csc_array((matrix.values, (pattern.rows, pattern.columns)))
+    return sparse.csc_array(lower + sparse.tril(lower, -1).T)
+
+
+def _by_band(matrix) -> Callable:
+    """SciPy's solution of a symmetric band."""
+    width = int(np.abs(np.subtract(*matrix.nonzero())).max())
+    bands = np.stack([np.pad(matrix.diagonal(-d), (0, d)) for d in range(width + 1)])
+    return lambda rhs: solveh_banded(bands, rhs, lower=True)
