@@ -20,8 +20,9 @@ class HHTAlpha(OneStep):
     agree, for a non-linear one they differ.
 
     Second order for γ = ½ − α without damping and load; first order with either, except for α = 0, which is Newmark's
-    method. With β = (1 − α)²/4, γ = ½ − α and −⅓ ≤ α ≤ 0 it is unconditionally stable for linear systems. Carries u,
-    u̇ and ü; one force a Newton iteration and one force a step.
+    method. With β = (1 − α)²/4, γ = ½ − α and −⅓ ≤ α ≤ 0 it is unconditionally stable for linear systems. Carries u, u̇
+    and ü; one force a Newton iteration and one force a step. A force with a history commits it at u₁; p(u₀) is taken
+    from what was committed there.
 
     Parameters
     ----------
@@ -92,9 +93,10 @@ class GeneralizedAlpha(OneStep):
     M ü_m + C u̇_f + p(u_f) = f(t_f),    t_f = t₀ + (1 − α_f) Δt
     x_f = (1 − α_f) x₁ + α_f x₀ for u and u̇,    ü_m = (1 − α_m) ü₁ + α_m ü₀,    u₁ and u̇₁ by Newmark's formulas
 
-    The internal force is evaluated once, at the weighted displacement, as finite element codes do. Second order for
-    γ = ½ − α_m + α_f. With β = (1 − α_m + α_f)²/4 and α_m ≤ α_f ≤ ½ it is unconditionally stable for linear systems,
-    and its spectral radius falls to ρ∞ as ωΔt grows. Carries u, u̇ and the algorithmic ü; one force a Newton iteration.
+    The internal force is evaluated once, at the weighted displacement, as finite element codes do. Second order for γ =
+    ½ − α_m + α_f. With β = (1 − α_m + α_f)²/4 and α_m ≤ α_f ≤ ½ it is unconditionally stable for linear systems, and
+    its spectral radius falls to ρ∞ as ωΔt grows. Carries u, u̇ and the algorithmic ü; one force a Newton iteration. A
+    force with a history commits it at u₁, not where the balance is.
 
     Parameters
     ----------

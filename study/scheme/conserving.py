@@ -23,7 +23,8 @@ class ImplicitMidpoint(OneStep):
     M (u̇₁ − u̇₀)/Δt + C u̇_m + p(u_m) = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2,    u_m = (u₀ + u₁)/2
 
     Second order and symplectic; conserves linear and angular momentum. For linear systems it is the trapezoidal rule:
-    unconditionally stable, without numerical damping. Carries u, u̇ and a guess of ü; one force a Newton iteration.
+    unconditionally stable, without numerical damping. Carries u, u̇ and a guess of ü; one force a Newton iteration. A
+    force with a history commits it at u₁, not at the midpoint where the balance is.
 
     References
     ----------
@@ -172,7 +173,8 @@ class AverageVectorField(OneStep):
 
     Gauss quadrature with m = ``points`` points evaluates the integral. It conserves the energy exactly if p is a
     polynomial of degree 2m − 1 or less, and nearly otherwise. Second order. For linear systems it is the trapezoidal
-    rule, unconditionally stable. Needs no potential. Carries u, u̇ and a guess of ü; m forces a Newton iteration.
+    rule, unconditionally stable. Needs no potential. Carries u, u̇ and a guess of ü; m forces a Newton iteration. A
+    force with a history commits it at u₁; the points of the mean all start from the history at u₀.
 
     Parameters
     ----------

@@ -18,9 +18,10 @@ class ExplicitAlpha(OneStep):
     u₁ = u₀ + Δt u̇₀ + Δt² (½ − β) ü₀ + Δt² β ü₁,    u̇₁ = u̇₀ + Δt (1 − γ) ü₀ + Δt γ ü₁
 
     Second order for γ = 3/2 − α_m; stable without damping for ωΔt ≤ √(2(1 − 2α_m)/(2β − γ)). The parameter is the
-    spectral radius ρ_b at ωΔt = (1 + ρ_b) √(2 − ρ_b), where the principal roots meet: α_m = (2ρ_b − 1)/(1 + ρ_b) and
-    β = (5 − 3ρ_b)/((1 + ρ_b)² (2 − ρ_b)). α_m = 0 with 1 ≤ β ≤ 28/27 is the method of Chung and Lee: β = 1 does not
-    damp, β = 28/27 is ρ_b = ½. Carries u, u̇ and the algorithmic ü; one force a step, and one solution with M.
+    spectral radius ρ_b at ωΔt = (1 + ρ_b) √(2 − ρ_b), where the principal roots meet: α_m = (2ρ_b − 1)/(1 + ρ_b) and β
+    = (5 − 3ρ_b)/((1 + ρ_b)² (2 − ρ_b)). α_m = 0 with 1 ≤ β ≤ 28/27 is the method of Chung and Lee: β = 1 does not damp,
+    β = 28/27 is ρ_b = ½. Carries u, u̇ and the algorithmic ü; one force a step, and one solution with M. A force with a
+    history commits it at u₁.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ class Houbolt(Scheme):
 
     Second order, unconditionally stable for linear systems; its damping cannot be controlled. In terms of the
     acceleration, u₁ = ũ + Δt²/2 ü₁ and u̇₁ = ṽ + 11Δt/12 ü₁. Carries u, u̇, ü and two older u; one force a Newton
-    iteration.
+    iteration. A force with a history commits it at u₁, where the balance is.
 
     Parameters
     ----------

@@ -26,9 +26,10 @@ class KolayRicles(OneStep):
     α_m, α_f, β and γ are those of the generalized-α method for ρ∞. For a linear structure the eigenvalues are those of
     that method too: of second order, and unconditionally stable. The carried velocity lags by half a step, so a motion
     that starts with an acceleration is of first order. The method was published as stable for structures that soften.
-    If the tangent k exceeds K, as in a structure that hardens, eigenvalues exceed one: without damping for ρ∞ = 1 if
-    k > 4/Δt² M + K, and for ρ∞ = 0.8 at every step size, though slightly at small ones. Carries u, u̇ and ü; one force a
-    step (the tangent at u = 0 is the same in all steps), and three solutions.
+    If the tangent k exceeds K, as in a structure that hardens, eigenvalues exceed one: without damping for ρ∞ = 1 if k
+    > 4/Δt² M + K, and for ρ∞ = 0.8 at every step size, though slightly at small ones. Carries u, u̇ and ü; one force a
+    step (the tangent at u = 0 is the same in all steps), and three solutions. A force with a history commits it at u₁;
+    the model stiffness is that at rest.
 
     Parameters
     ----------

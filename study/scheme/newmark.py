@@ -20,7 +20,8 @@ class Newmark(OneStep):
     M ü₁ + C u̇₁ + p(u₁) = f(t₁)
 
     Second order for γ = ½, first order otherwise. Unconditionally stable for linear systems if 2β ≥ γ ≥ ½. With γ > ½
-    high frequencies are damped. Carries u, u̇ and ü; one force a Newton iteration. Members of the family:
+    high frequencies are damped. Carries u, u̇ and ü; one force a Newton iteration. A force with a
+    history commits it at u₁, where the balance is. Members of the family:
 
     - β = ¼, γ = ½, average acceleration, the trapezoidal rule;
     - β = 1/6, γ = ½, linear acceleration, stable for ωΔt ≤ 2√3;

@@ -25,7 +25,8 @@ class RungeKutta4(OneStep):
     y₁ = y₀ + k₁/6 + k₂/3 + k₃/3 + k₄/6,    y = (u, v)
     k₁ = Δt F(t, y₀), k₂ = Δt F(t + Δt/2, y₀ + k₁/2), k₃ = Δt F(t + Δt/2, y₀ + k₂/2), k₄ = Δt F(t + Δt, y₀ + k₃)
 
-    Fourth order; stable without damping for ωΔt ≤ 2√2. Carries u and u̇; four forces a step.
+    Fourth order; stable without damping for ωΔt ≤ 2√2. Carries u and u̇; four forces a step. A force with a history
+    commits it at u₁; the stages all start from the history at u₀.
 
     References
     ----------
@@ -65,7 +66,7 @@ class Nystrom4(OneStep):
     u₁ = u₀ + Δt u̇₀ + Δt²/6 (k₁ + k₂ + k₃),    u̇₁ = u̇₀ + Δt/6 (k₁ + 2k₂ + 2k₃ + k₄)
 
     Fourth order; stable without damping for ωΔt ≤ 2.586. Carries u and u̇; three forces a step, because k₂ and k₃ share
-    one. Without damping k₃ = k₂.
+    one. Without damping k₃ = k₂. A force with a history commits it at u₁; the stages all start from the history at u₀.
 
     References
     ----------
@@ -171,7 +172,7 @@ class Gauss4(OneStep):
 
     Fourth order and symplectic; unconditionally stable for linear systems, without numerical damping. Both stages are
     solved together. Carries u, u̇ and both stage accelerations as a guess; two forces a Newton iteration, and one
-    solution for 2n unknowns.
+    solution for 2n unknowns. A force with a history commits it at u₁; the stages all start from the history at u₀.
 
     References
     ----------

@@ -33,7 +33,7 @@ class Splitting(OneStep):
     at the time t_i = t₀ + (d₀ + ... + d_{i−1}) Δt. Symplectic without damping. d = (0, 1), k = (1) is the symplectic
     Euler method, of first order and stable for ωΔt ≤ 2. McLachlan's method of order four has five kicks and is stable
     for ωΔt ≤ 2.921. It is derived for ü that does not depend on u̇, and is of second order with damping. Carries u and
-    u̇; s forces a step.
+    u̇; s forces a step. A force with a history commits it at u₁; the kicks in between all start from the history at u₀.
 
     Parameters
     ----------
@@ -112,7 +112,8 @@ class Composition(OneStep):
     so weights that cancel its errors of third order, of fifth, and so on make methods of order 4 (Yoshida, three steps,
     stable for ωΔt ≤ 1.573), 6 (Yoshida, seven steps, stable for ωΔt ≤ 2.269) and 8 (Kahan and Li, seventeen steps,
     stable for ωΔt ≤ 3.096, and again beyond a narrow window at π), with damping and load too. Symplectic without
-    damping. Carries u, u̇ and ü; s forces a step.
+    damping. Carries u, u̇ and ü; s forces a step. A force with a history commits it at u₁; the steps in between all
+    start from the history at u₀.
 
     Parameters
     ----------

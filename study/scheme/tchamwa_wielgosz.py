@@ -16,7 +16,8 @@ class TchamwaWielgosz(OneStep):
     M ü₁ + C u̇₁ + p(u₁) = f(t₁)
 
     First order. Without damping φ = 1 is the symplectic Euler method; φ > 1 damps high frequencies. Stable without
-    damping for ωΔt ≤ 2/√(2φ − 1). Carries u, u̇ and ü; one force a step.
+    damping for ωΔt ≤ 2/√(2φ − 1). Carries u, u̇ and ü; one force a step. A force with a history commits it at u₁, where
+    the balance is.
 
     Parameters
     ----------

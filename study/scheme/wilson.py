@@ -23,9 +23,9 @@ class WilsonTheta(OneStep):
     M ü_θ + C u̇_θ + p(u_θ) = f(t₀ + τ)
     ü₁ = (1 − 1/θ) ü₀ + ü_θ / θ,    then u₁ and u̇₁ by Newmark's formulas.
 
-    Second order for γ = ½, first order otherwise. θ = 1 is Newmark's method (linear acceleration for β = 1/6). With
-    β = 1/6 and γ = ½ it is unconditionally stable for linear systems if θ ≥ (1 + √3)/2 ≈ 1.366. Carries u, u̇ and ü;
-    one force a Newton iteration.
+    Second order for γ = ½, first order otherwise. θ = 1 is Newmark's method (linear acceleration for β = 1/6). With β =
+    1/6 and γ = ½ it is unconditionally stable for linear systems if θ ≥ (1 + √3)/2 ≈ 1.366. Carries u, u̇ and ü; one
+    force a Newton iteration. A force with a history commits it at u₁, not at t₀ + θΔt where the balance is.
 
     Parameters
     ----------
