@@ -2,14 +2,15 @@
 
 Between two events — a yield point, a reversal, a touch, a kink of the load — the motion obeys
 
-    m ü + c u̇ + k u + q = f₀ + f₁ (t − t₀),
+    m ü + c u̇ + k u = q,    q linear in time: the load less the offset of the piece,
 
-whose solution is a matrix exponential of (u, u̇, 1, t − t₀). An event is bracketed on times much closer than the
+whose solution is a matrix exponential of (u, u̇, q, q̇). An event is bracketed on times much closer than the
 shortest period and then found by Brent's method on this solution.
 """
 
 import time
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import jax
@@ -84,16 +85,22 @@ def _first_piece(problem: Problem) -> _Piece:
     raise ValueError(f"the spring of '{problem.title}' is not linear in pieces: {spring!r}.")
 
 
-def _generator(mass: float, damping: float, piece: _Piece, load: float, slope: float) -> np.ndarray:
-    """Matrix (4, 4) of the linear equation of (u, u̇, 1, t − t₀)."""
+def _generator(mass: float, damping: float, stiffness: float) -> np.ndarray:
+    """Matrix (4, 4) of the linear equation of (u, u̇, q, q̇), with q = f(t) − offset of the piece, linear in time."""
     return np.array(
         [
             [0.0, 1.0, 0.0, 0.0],
-            [-piece.stiffness / mass, -damping / mass, (load - piece.offset) / mass, slope / mass],
+            [-stiffness / mass, -damping / mass, 1 / mass, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
             [0.0, 0.0, 0.0, 0.0],
-            [0.0, 0.0, 1.0, 0.0],
         ]
     )
+
+
+@lru_cache(maxsize=4096)
+def _transition(mass: float, damping: float, stiffness: float, duration: float) -> np.ndarray:
+    """Matrix (4, 4) that takes (u, u̇, q, q̇) over a duration; steps between samples of a record have few durations."""
+    return scipy.linalg.expm(duration * _generator(mass, damping, stiffness))
 
 
 def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
@@ -142,8 +149,7 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
         # by the middle, because the load may jump at the end, as a record does that does not end in zero
         slope = 2 * (middle - f0) / (stop - now) if stop > now else 0.0
         while now < stop:
-            matrix = _generator(mass, damping, piece, f0, slope)
-            passed, y, piece = _to_event(matrix, piece, y, stop - now, spacing)
+            passed, y, piece = _to_event((mass, damping), piece, y, (f0, slope), stop - now, spacing)
             now, f0 = (stop, f0) if passed is None else (now + passed, f0 + slope * passed)
             pieces += passed is not None
             if pieces > MOST_EVENTS:
@@ -153,14 +159,16 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     return Solution(u, v, pieces, time.perf_counter() - begin)
 
 
-def _to_event(matrix, piece: _Piece, y: np.ndarray, duration: float, spacing: float):
+def _to_event(terms: tuple[float, float], piece: _Piece, y: np.ndarray, load: tuple[float, float], duration, spacing):
     """Time to the first event within a duration, or None; the state there or at the end, and the piece after it."""
+    begin = np.array([*y, load[0] - piece.offset, load[1]])
+    generator = _generator(*terms, piece.stiffness)
 
     def at(tau):
-        return (scipy.linalg.expm(tau * matrix) @ [*y, 1.0, 0.0])[:2]
+        return (scipy.linalg.expm(tau * generator) @ begin)[:2]
 
     count = max(int(np.ceil(duration / spacing)), 1)
-    step, state = scipy.linalg.expm(duration / count * matrix), np.array([*y, 1.0, 0.0])
+    step, state = _transition(*terms, piece.stiffness, duration / count), begin
     scale = np.abs(y).max() or 1.0
     for i in range(count):
         state = step @ state

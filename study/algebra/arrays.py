@@ -33,6 +33,9 @@ RightSides = Float[Array, "n *m"]
 #: A matrix in any form of :mod:`study.algebra.matrices`: a number, a diagonal (n,), ``Banded``, full or ``MatrixFree``.
 Matrix: TypeAlias = Any
 
+#: A matrix of :mod:`scipy.sparse`, of any kind.
+ScipySparse: TypeAlias = Any
+
 
 def as_float64(value: Any) -> Any:
     """A number or an array as float64; one that JAX traces as it is."""

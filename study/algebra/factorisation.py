@@ -17,10 +17,7 @@ from threading import Lock
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import sparse
-from scipy.linalg import lapack
-from scipy.sparse.csgraph import reverse_cuthill_mckee
-from scipy.sparse.linalg import splu
+import scipy
 
 from study.algebra.sparse import Pattern
 
@@ -62,13 +59,13 @@ class Banded(Method):
         band = np.zeros(self.shape) if spare is None else spare.T
         band.fill(0.0)
         band.reshape(-1)[self.entry] = values
-        factor, failed = lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)
+        factor, failed = scipy.linalg.lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)
         if failed:
             raise NotPositiveDefiniteError
         return factor
 
     def solution(self, factor, rhs):
-        return lapack.dpbtrs(factor, rhs[self.order], lower=1, overwrite_b=1)[0][self.place]
+        return scipy.linalg.lapack.dpbtrs(factor, rhs[self.order], lower=1, overwrite_b=1)[0][self.place]
 
 
 class Cholmod(Method):
@@ -105,13 +102,13 @@ class SuperLU(Method):
 
     def factor(self, values, spare):
         pattern = self.pattern
-        matrix = sparse.csc_array((values, pattern.rows, pattern.starts), (pattern.size,) * 2)
+        matrix = scipy.sparse.csc_array((values, pattern.rows, pattern.starts), (pattern.size,) * 2)
         if pattern.symmetric:
-            matrix = sparse.csc_array(matrix + sparse.tril(matrix, -1).T)
+            matrix = scipy.sparse.csc_array(matrix + scipy.sparse.tril(matrix, -1).T)
         if not np.isfinite(values).all():
             return None
         try:
-            return splu(matrix, permc_spec="MMD_AT_PLUS_A")
+            return scipy.sparse.linalg.splu(matrix, permc_spec="MMD_AT_PLUS_A")
         except RuntimeError:  # exactly singular
             return None
 
@@ -123,8 +120,8 @@ def _best(pattern: Pattern) -> Method:
     """The fastest method for positive definite matrices of a pattern."""
     if not pattern.symmetric:
         return SuperLU(pattern)
-    graph = sparse.csr_array((np.ones(len(pattern.rows)), (pattern.rows, pattern.columns)), (pattern.size,) * 2)
-    order = reverse_cuthill_mckee(sparse.csr_array(graph + graph.T), symmetric_mode=True)
+    graph = scipy.sparse.csr_array((np.ones(len(pattern.rows)), (pattern.rows, pattern.columns)), (pattern.size,) * 2)
+    order = scipy.sparse.csgraph.reverse_cuthill_mckee(scipy.sparse.csr_array(graph + graph.T), symmetric_mode=True)
     place = np.argsort(order)
     half_bandwidth = int(np.abs(place[pattern.rows] - place[pattern.columns]).max())
     if half_bandwidth <= WIDEST_BAND:

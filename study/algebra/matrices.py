@@ -14,9 +14,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
-from scipy import sparse
 
-from study.algebra.arrays import Full, Matrix, Vector
+from study.algebra.arrays import Full, Matrix, ScipySparse, Vector
 from study.algebra.sparse import Sparse, SparseEntries
 
 #: Systems of up to this many unknowns are eliminated without a loop: a call of LAPACK would take ten times longer.
@@ -136,7 +135,7 @@ def banded(matrix: np.ndarray, half_bandwidth: int) -> Banded | np.ndarray:
     return Banded(np.stack(bands))
 
 
-def banded_sparse(matrix: sparse.sparray, half_bandwidth: int) -> Banded:
+def banded_sparse(matrix: ScipySparse, half_bandwidth: int) -> Banded:
     """A matrix of :mod:`scipy.sparse`, without entries outside the band, as a band."""
     n, offsets = matrix.shape[0], range(-half_bandwidth, half_bandwidth + 1)
     return Banded(np.stack([np.pad(matrix.diagonal(d), (max(-d, 0), max(d, 0))) for d in offsets]).reshape(-1, n))

@@ -1,5 +1,6 @@
 """Sparse matrices whose pattern is known when a problem is made, with their sums and products."""
 
+import sys
 from collections.abc import Iterable
 from functools import partial
 from hashlib import blake2b
@@ -10,9 +11,9 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy import sparse
+import scipy
 
-from study.algebra.arrays import Vector
+from study.algebra.arrays import ScipySparse, Vector
 from study.algebra.host import on_host
 
 #: Entries that mirror each other in a symmetric matrix may differ by this part of the largest entry.
@@ -33,18 +34,18 @@ class Pattern:
         Number of the entry that is on the diagonal, (n,).
     """
 
-    def __init__(self, places: sparse.sparray, symmetric: bool):
+    def __init__(self, places: ScipySparse, symmetric: bool):
         n = places.shape[0]
-        there = sparse.csc_array(abs(places) + sparse.eye_array(n))
+        there = scipy.sparse.csc_array(abs(places) + scipy.sparse.eye_array(n))
         there = there + there.T
-        there = sparse.csc_array(sparse.tril(there) if symmetric else there)
+        there = scipy.sparse.csc_array(scipy.sparse.tril(there) if symmetric else there)
         there.sort_indices()
         self.size, self.symmetric = n, symmetric
         self.rows = there.indices.astype(np.int32)
         self.columns = np.repeat(np.arange(n, dtype=np.int32), np.diff(there.indptr))
         self.starts = there.indptr
         self.diagonal = np.flatnonzero(self.rows == self.columns).astype(np.int32)
-        self._matrix = sparse.csc_array((np.zeros(len(self.rows)), self.rows, self.starts), (n, n))
+        self._matrix = scipy.sparse.csc_array((np.zeros(len(self.rows)), self.rows, self.starts), (n, n))
         self._mirrored, self._alone = self._matrix.T, Lock()
         self._key = n, symmetric, blake2b(self.rows.tobytes() + self.columns.tobytes()).digest()
 
@@ -62,9 +63,9 @@ class Pattern:
         order = self.columns.astype(np.int64) * self.size + self.rows
         return np.searchsorted(order, np.asarray(columns, np.int64) * self.size + rows).astype(np.int32)
 
-    def values(self, matrix: sparse.sparray) -> np.ndarray:
+    def values(self, matrix: ScipySparse) -> np.ndarray:
         """The values of a matrix at the places of the pattern."""
-        places = sparse.coo_array(sparse.tril(matrix) if self.symmetric else matrix)
+        places = scipy.sparse.coo_array(scipy.sparse.tril(matrix) if self.symmetric else matrix)
         values = np.zeros(len(self.rows))
         np.add.at(values, self.numbers(*places.coords), places.data)
         return values
@@ -143,14 +144,23 @@ def _derivative_of_times(pattern, primals, tangents):
     return _times(pattern, values, x), change
 
 
-def as_sparse(matrix: Any) -> sparse.csc_array:
+def is_sparse(matrix: Any) -> bool:
+    """Whether it is a matrix of :mod:`scipy.sparse`."""
+    # importing that takes a tenth of a second, and whoever has such a matrix has done so
+    module = sys.modules.get("scipy.sparse")
+    return module is not None and module.issparse(matrix)
+
+
+def as_sparse(matrix: Any) -> ScipySparse:
     """A matrix of :mod:`scipy.sparse`, of any kind, with float64 and without entries twice."""
-    columns = sparse.csc_array(matrix).astype(np.float64)
+    columns = scipy.sparse.csc_array(matrix).astype(np.float64)
     columns.sum_duplicates()
     return columns
 
 
-def union(matrices: Iterable[sparse.sparray]) -> sparse.csc_array:
+def union(matrices: Iterable[ScipySparse]) -> ScipySparse:
     """A matrix with an entry, greater than zero, wherever one of the matrices has one."""
-    first, *rest = (sparse.csc_array((np.ones(m.nnz), m.indices, m.indptr), m.shape) for m in map(as_sparse, matrices))
+    first, *rest = (
+        scipy.sparse.csc_array((np.ones(m.nnz), m.indices, m.indptr), m.shape) for m in map(as_sparse, matrices)
+    )
     return sum(rest, start=first)

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-import jax
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
@@ -70,7 +70,7 @@ def oscillation(problem: Problem, solution: Solution) -> Oscillation | None:
     low, high = solution.u.min(), solution.u.max()
     level = float(low + high) / 2
     times = _upward_crossings(solution, level)
-    force = jax.jit(problem.static_force)
+    force = eqx.filter_jit(problem.static_force)
     ends = float(force(low)), float(force(high))
     if len(times) < FEWEST or not ends[0] < 0 < ends[1]:
         return None

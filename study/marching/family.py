@@ -14,7 +14,7 @@ from study.marching.ensemble import TILE
 from study.marching.march import March
 from study.marching.program import as_result
 from study.marching.result import Result
-from study.marching.shapes import OfLanes
+from study.marching.shapes import CountOfLanes, OfLanes
 from study.observer.base import Observer
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
@@ -78,7 +78,7 @@ def march_family(
     scheme: Scheme,
     observers: Sequence[Observer],
     dt: OfLanes,
-    steps: int,
+    steps: CountOfLanes,
     every: int,
     samples: int,
 ) -> Result:
@@ -88,8 +88,8 @@ def march_family(
     ----------
     make, over
         Function that makes the problem, and its arguments, each (lanes, ...).
-    dt
-        Step sizes (lanes,).
+    dt, steps
+        Step sizes and numbers of steps (lanes,).
     every, samples
         As in :meth:`study.marching.program.Program.run`.
 
@@ -104,7 +104,7 @@ def march_family(
     # the last lane fills up the last tile
     place = np.minimum(np.arange(tiles * tile), lanes - 1).reshape(tiles, tile)
 
-    def one(arguments, dt):
+    def one(arguments, dt, steps):
         march = March.of(make(**arguments), scheme, observers)
         begin = jnp.asarray(march.problem.u0), jnp.asarray(march.problem.v0)
         progress, initial, stored = march.start(*begin, dt, samples + 1)
@@ -113,9 +113,9 @@ def march_family(
         return {name: values[: samples + 1] for name, values in stored.items()}, march.result(progress)
 
     @jax.jit
-    def all_of(arguments, dt):
-        return lax.map(lambda tile: jax.vmap(one)(*tile), (arguments, dt))
+    def all_of(*lanes):
+        return lax.map(lambda tile: jax.vmap(one)(*tile), lanes)
 
-    found = all_of({name: value[place] for name, value in over.items()}, dt[place])
+    found = all_of({name: value[place] for name, value in over.items()}, dt[place], steps[place])
     stored, result = jax.tree.map(lambda x: np.asarray(x).reshape(-1, *x.shape[2:])[:lanes].copy(), found)
     return as_result(result, stored)

@@ -235,16 +235,19 @@ def _run_family(make, scheme, over, dt, steps, observe, start, every, samples, o
     lanes = len(next(iter(values.values())))
     if any(one is not None for one in start):
         raise ValueError("u0 and v0 come from the function that makes the problem; make them there if over is given.")
-    if step_size.ndim and len(step_size) != lanes:
-        raise ValueError(f"dt has {len(step_size)} lanes and over {lanes}; give one number, or one for each lane.")
-    count, every = np.asarray(positive_integer("steps", steps)), positive_integer("every", every)
+    count, every = checked_steps(steps), positive_integer("every", every)
+    for name, value in (("dt", step_size), ("steps", count)):
+        if value.ndim and len(value) != lanes:
+            raise ValueError(f"{name} has {len(value)} lanes and over {lanes}; give one number, or one for each lane.")
     _check_on_failure(on_failure)
     first = checked_lanes(make, values)
     march, _, labels = _prepared(first, method, chosen, False)
     room = _samples(march.records, count, every, samples)
     u0, v0 = (np.broadcast_to(x, (lanes, *np.shape(x))) for x in (first.u0, first.v0))
     _check_memory(march, u0, v0, np.broadcast_to(step_size, lanes), room)
-    result = march_family(make, values, method, chosen, np.broadcast_to(step_size, lanes), int(count), every, room)
+    result = march_family(
+        make, values, method, chosen, np.broadcast_to(step_size, lanes), np.broadcast_to(count, lanes), every, room
+    )
     _tell(result, first, method, step_size, on_failure)
     ds = labels.dataset(result, first.u0, first.v0, step_size, count, every, room, True)
     for of_first_lane in ("u0", "v0"):

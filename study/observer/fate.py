@@ -97,7 +97,7 @@ class Fate(Reduction):
         problem = problems[problem] if isinstance(problem, str) else problem
         if refusal := _refusal(problem):
             raise ValueError(refusal)
-        potential = jax.jit(problem.stored_energy)
+        potential = eqx.filter_jit(problem.stored_energy)
         u0 = float(problem.u0)
         try:
             found = optimize.minimize_scalar(potential, bracket=(u0, 0.99 * u0 if u0 else 0.01), tol=1e-12)
@@ -105,7 +105,7 @@ class Fate(Reduction):
             found = optimize.OptimizeResult(fun=-np.inf)
         if not np.isfinite(found.fun) or abs(found.x) > FARTHEST * max(abs(u0), 1):
             raise ValueError(f"the potential of '{problem.title}' has no minimum downhill of u0 = {u0:g}.")
-        barrier, start = potential(0.0), potential(u0)
+        barrier, start = float(potential(0.0)), float(potential(u0))
         return cls(found.fun, barrier if barrier - found.fun > AT_REST * (start - found.fun) else None)
 
     def refusal(self, problem):

@@ -11,12 +11,12 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy import sparse
+import scipy
 
-from study.algebra.arrays import Matrix
+from study.algebra.arrays import Matrix, ScipySparse
 from study.algebra.factorisation import Factorisations
 from study.algebra.matrices import Banded, MatrixFree
-from study.algebra.sparse import SYMMETRY, Pattern, Sparse, as_sparse
+from study.algebra.sparse import SYMMETRY, Pattern, Sparse, as_sparse, is_sparse
 from study.problem.damping import Rayleigh
 from study.problem.ground import GroundMotion
 from study.problem.potential import StrainEnergy
@@ -32,7 +32,7 @@ def real_numbers(name: str, value):
     """The value as a float64 array; None, matrices in a form of their own and what JAX is tracing stay as they are."""
     if value is None or isinstance(value, jax.core.Tracer | Rayleigh | Banded | Sparse | MatrixFree):
         return value
-    if sparse.issparse(value):
+    if is_sparse(value):
         if value.dtype.kind not in "fiu":
             raise ValueError(f"{name} must be a sparse matrix of real numbers, not of {value.dtype}.")
         return as_sparse(value)
@@ -55,7 +55,7 @@ def check_shapes(problem) -> None:
         raise ValueError(f"v0 must have the shape of u0, {shape}, not {np.shape(problem.v0)}.")
     for name in MATRICES:
         value = getattr(problem, name)
-        if sparse.issparse(value) and value.shape != shape * 2:
+        if is_sparse(value) and value.shape != shape * 2:
             raise ValueError(f"{name} must have the shape {shape * 2} for u0 of shape {shape}; got {value.shape}.")
         if isinstance(value, np.ndarray | jax.Array) and value.shape not in {(), shape, shape * 2}:
             raise ValueError(
@@ -80,8 +80,8 @@ def check_finite(name: str, value) -> None:
     """Refuse numbers that are not finite."""
     if isinstance(value, np.ndarray) and not np.isfinite(value).all():
         raise ValueError(f"{name} must be finite, not {value}.")
-    if sparse.issparse(value) and not np.isfinite(value.data).all():
-        places = sparse.coo_array(value)
+    if is_sparse(value) and not np.isfinite(value.data).all():
+        places = scipy.sparse.coo_array(value)
         row, column = (int(place[np.argmin(np.isfinite(places.data))]) for place in places.coords)
         raise ValueError(f"{name} must be finite, and its entry ({row}, {column}) is {value[row, column]}.")
 
@@ -202,7 +202,7 @@ def check_gradient(force: Callable, potential: Callable, u0, title: str) -> None
 
 def check_symmetry(name: str, matrix) -> None:
     """Refuse a matrix (n, n) that is not symmetric."""
-    if sparse.issparse(matrix) or (isinstance(matrix, np.ndarray) and matrix.ndim == 2):
+    if is_sparse(matrix) or (isinstance(matrix, np.ndarray) and matrix.ndim == 2):
         difference = np.abs(matrix - matrix.T).max()
         if difference > SYMMETRY * np.abs(matrix).max():
             raise ValueError(f"{name} must be symmetric; it differs from its transpose by {difference:g}.")
@@ -213,7 +213,7 @@ def is_singular(mass) -> bool:
 
     A sparse mass may be singular only because unknowns have none.
     """
-    if sparse.issparse(mass):
+    if is_sparse(mass):
         return _is_singular(mass)
     if not isinstance(mass, np.ndarray):
         return False
@@ -229,7 +229,7 @@ def is_singular(mass) -> bool:
     return bool(smallest <= zero)
 
 
-def _is_singular(mass: sparse.csc_array) -> bool:
+def _is_singular(mass: ScipySparse) -> bool:
     has = abs(mass).sum(axis=0) > 0
     singular = is_singular(has.astype(float))
     rest = mass[has][:, has]

@@ -10,10 +10,10 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy import sparse
 
 from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike, as_float64
 from study.algebra.matrices import add, times
+from study.algebra.sparse import is_sparse
 from study.problem import checks, tangent
 from study.problem.damping import Rayleigh, rayleigh_matrix
 from study.problem.forms import form_of_tangent, stored
@@ -149,7 +149,7 @@ class Problem(eqx.Module):
         self.massless = checks.is_singular(self.mass)
 
         force = None if self.linear else self._coupling()
-        sparse_ones = [m for m in map(partial(getattr, self), checks.MATRICES) if sparse.issparse(m)]
+        sparse_ones = [m for m in map(partial(getattr, self), checks.MATRICES) if is_sparse(m)]
         self.tangent = form_of_tangent(force, self.u0, self.tangent, self.massless, sparse_ones, self.title)
         for name in checks.MATRICES:
             setattr(self, name, stored(getattr(self, name), self.tangent))
@@ -183,7 +183,7 @@ class Problem(eqx.Module):
         checks.check_ground(ground, self.load, self.title)
         if self.influence is None:
             self.influence = np.ones(np.shape(self.u0))
-        moved = self.mass @ self.influence if sparse.issparse(self.mass) else self.momentum(self.influence)
+        moved = self.mass @ self.influence if is_sparse(self.mass) else self.momentum(self.influence)
         return GroundLoad(as_float64(moved), ground, self.load)
 
     def _rayleigh(self, damping: Rayleigh) -> Matrix:

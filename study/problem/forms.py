@@ -6,11 +6,11 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy import sparse
+import scipy
 
-from study.algebra.arrays import Matrix
+from study.algebra.arrays import Matrix, ScipySparse
 from study.algebra.matrices import SMALL, banded, banded_sparse, times
-from study.algebra.sparse import SYMMETRY, Sparse, union
+from study.algebra.sparse import SYMMETRY, Sparse, is_sparse, union
 from study.problem import tangent
 from study.problem.checks import NOT_TRACEABLE
 from study.problem.sparse_tangent import SparseTangent, coupling_of
@@ -18,7 +18,7 @@ from study.problem.tangent import FormOfTangent
 
 
 def form_of_tangent(
-    force: Callable | None, u0: np.ndarray, declared: Any, massless: bool, others: list[sparse.csc_array], title: str
+    force: Callable | None, u0: np.ndarray, declared: Any, massless: bool, others: list[ScipySparse], title: str
 ) -> FormOfTangent:
     """The form of the tangent, found or as declared; none for one unknown.
 
@@ -44,16 +44,16 @@ def form_of_tangent(
                 f"tangent={declared!r} of '{title}': the tangent of one unknown is a number; leave it out."
             )
         return None
-    is_sparse = bool(others) or sparse.issparse(declared)
-    if force is None and not is_sparse:
+    beside_sparse = bool(others) or is_sparse(declared)
+    if force is None and not beside_sparse:
         return 0
-    known = None if declared is None or is_sparse else tangent.form_named(declared, len(u0), title)
-    coupling = _declared_coupling(declared, len(u0), title) if is_sparse and declared is not None else None
-    if known == "dense" or (known is None and not is_sparse and len(u0) <= SMALL):
+    known = None if declared is None or beside_sparse else tangent.form_named(declared, len(u0), title)
+    coupling = _declared_coupling(declared, len(u0), title) if beside_sparse and declared is not None else None
+    if known == "dense" or (known is None and not beside_sparse and len(u0) <= SMALL):
         return "dense"
     try:
         with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
-            if is_sparse or (declared is None and len(u0) > tangent.FINDABLE):
+            if beside_sparse or (declared is None and len(u0) > tangent.FINDABLE):
                 return _beside_sparse(force, u0, coupling, others, title)
             if declared is None:
                 return tangent.found(force, u0, massless, title)  # type: ignore[arg-type]
@@ -71,7 +71,7 @@ def form_of_tangent(
 
 def stored(matrix: Matrix, form: FormOfTangent) -> Matrix:
     """Stiffness, mass or damping in the smallest form that holds it, beside a tangent of this form."""
-    if sparse.issparse(matrix):
+    if is_sparse(matrix):
         if matrix.nnz == np.count_nonzero(matrix.diagonal()):
             return matrix.diagonal()
         if isinstance(form, SparseTangent):
@@ -81,9 +81,9 @@ def stored(matrix: Matrix, form: FormOfTangent) -> Matrix:
     return banded(matrix, form) if is_matrix and isinstance(form, int) else matrix
 
 
-def _declared_coupling(declared: Any, n: int, title: str) -> sparse.sparray:
+def _declared_coupling(declared: Any, n: int, title: str) -> ScipySparse:
     """A matrix (n, n) with an entry at each place that a declaration names."""
-    if sparse.issparse(declared):
+    if is_sparse(declared):
         if declared.shape != (n, n):
             raise ValueError(f"tangent of '{title}' must be a matrix of shape {(n, n)}, not {declared.shape}.")
         return union([declared])
@@ -95,19 +95,19 @@ def _declared_coupling(declared: Any, n: int, title: str) -> sparse.sparray:
             "one; or leave it out."
         )
     bands = range(-width, width + 1)
-    return sparse.diags_array([1.0] * len(bands), offsets=bands, shape=(n, n))
+    return scipy.sparse.diags_array([1.0] * len(bands), offsets=bands, shape=(n, n))
 
 
 def _beside_sparse(
-    force: Callable | None, u0: np.ndarray, coupling: sparse.sparray | None, others: list[sparse.csc_array], title: str
+    force: Callable | None, u0: np.ndarray, coupling: ScipySparse | None, others: list[ScipySparse], title: str
 ) -> SparseTangent | int:
     """The form of a tangent that is added to sparse matrices: a half bandwidth of 0 or 1 if that holds all of them."""
     n = len(u0)
     states = [] if force is None else tangent.two_states(force, u0, title)
     declared = coupling is not None
     if coupling is None:
-        coupling = sparse.csc_array((n, n)) if force is None else coupling_of(force, states)
-    rows, columns = sparse.coo_array(union([coupling, *others])).coords
+        coupling = scipy.sparse.csc_array((n, n)) if force is None else coupling_of(force, states)
+    rows, columns = scipy.sparse.coo_array(union([coupling, *others])).coords
     width = int(np.abs(rows - columns).max(initial=0))
     if width <= 1:
         return width

@@ -41,6 +41,22 @@ def bouncing() -> Problem:
     return Problem(stop, -0.5, 0.0, potential=stop.potential, ground=weight, title="bouncing mass")
 
 
+def yielding_under_record(period, yield_force) -> Problem:
+    """A unit mass that yields, with two percent of hardening and five percent of damping, under El Centro, 1940.
+
+    Parameters
+    ----------
+    period
+        Period of small motions, in s.
+    yield_force
+        Force at which the spring yields, in N per kg of mass.
+    """
+    frequency = 2 * np.pi / period
+    spring = elastoplastic(frequency**2, yield_force, hardening=0.02)
+    ground = GroundMotion.el_centro()
+    return Problem(spring, 0.0, damping=2 * 0.05 * frequency, ground=ground, title="yielding oscillator under a record")
+
+
 @named()
 def shaken() -> Problem:
     """A linear oscillator with five percent of damping on ground that moves as in El Centro, 1940."""

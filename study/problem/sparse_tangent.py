@@ -14,9 +14,9 @@ from collections.abc import Callable, Iterable
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy import sparse
+import scipy
 
-from study.algebra.arrays import Matrix, Vector
+from study.algebra.arrays import Matrix, ScipySparse, Vector
 from study.algebra.sparse import Pattern, SparseEntries, union
 
 #: Numbers that the products hold with which the entries of a derivative are found.
@@ -45,11 +45,11 @@ class SparseTangent:
         Number of products.
     """
 
-    def __init__(self, coupling: sparse.sparray, others: Iterable[sparse.sparray], symmetric: bool):
+    def __init__(self, coupling: ScipySparse, others: Iterable[ScipySparse], symmetric: bool):
         self.pattern = Pattern(union([coupling, *others]), symmetric)
         self._colour = coloured(coupling)
         self.colours = int(self._colour.max(initial=-1)) + 1
-        places = sparse.coo_array(sparse.tril(coupling) if symmetric else coupling)
+        places = scipy.sparse.coo_array(scipy.sparse.tril(coupling) if symmetric else coupling)
         self._rows, columns = (place.astype(np.int32) for place in places.coords)
         self._colour_of_entry = self._colour[columns]
         self.entries = self.pattern.numbers(self._rows, columns)
@@ -74,10 +74,10 @@ class SparseTangent:
         return value, SparseEntries(products[self._colour_of_entry, self._rows], self)
 
 
-def coloured(coupling: sparse.sparray) -> np.ndarray:
+def coloured(coupling: ScipySparse) -> np.ndarray:
     """A colour for each column (n,), so that columns of one colour share no row; −1 for an empty column."""
-    rows = sparse.csc_array(coupling)
-    together = sparse.csr_array(rows.T @ rows)
+    rows = scipy.sparse.csc_array(coupling)
+    together = scipy.sparse.csr_array(rows.T @ rows)
     colour = np.full(rows.shape[1], -1, np.int32)
     for column in np.flatnonzero(np.diff(rows.indptr)):
         neighbours = colour[together.indices[together.indptr[column] : together.indptr[column + 1]]]
@@ -87,7 +87,7 @@ def coloured(coupling: sparse.sparray) -> np.ndarray:
     return colour
 
 
-def coupling_of(force: Callable, states: Iterable[np.ndarray]) -> sparse.csc_array:
+def coupling_of(force: Callable, states: Iterable[np.ndarray]) -> ScipySparse:
     """A matrix (n, n) with an entry wherever ∂p/∂u is not zero at one of the displacements (n,)."""
 
     @jax.jit
@@ -110,5 +110,5 @@ def coupling_of(force: Callable, states: Iterable[np.ndarray]) -> sparse.csc_arr
             directions = np.zeros((at_once, n))
             directions[np.arange(len(some)), some] = 1.0
             which, rows = np.nonzero(np.asarray(derivatives(u, directions))[: len(some)])
-            found.append(sparse.csc_array((np.ones(len(rows)), (rows, some[which])), (n, n)))
-    return union(found) if found else sparse.csc_array((len(u), len(u)))
+            found.append(scipy.sparse.csc_array((np.ones(len(rows)), (rows, some[which])), (n, n)))
+    return union(found) if found else scipy.sparse.csc_array((len(u), len(u)))

@@ -47,6 +47,20 @@ def test_lanes_may_have_their_own_step():
     np.testing.assert_allclose(ds.u[1], alone.u, atol=1e-13)
 
 
+def test_lanes_may_have_their_own_number_of_steps():
+    steps = [40, 100, 7]
+    springs = {"stiffness": np.array([1.0, 4.0, 9.0])}
+    with pytest.raises(ValueError, match="is recorded along time, which takes one number of steps for all lanes"):
+        study.run(_spring, "rk4", over=springs, steps=steps, dt=0.05, observe=["trajectory"])
+    with pytest.raises(ValueError, match="steps has 2 lanes and over 3; give one number, or one for each lane"):
+        study.run(_spring, "rk4", over=springs, steps=[40, 100], dt=0.05, observe=[PEAK])
+    last = study.Quantity(lambda u: u, name="last", reduce="final")
+    ds = study.run(_spring, "rk4", over=springs, steps=steps, dt=0.05, observe=[last])
+    for lane, count in enumerate(steps):
+        alone = study.run(_spring(springs["stiffness"][lane]), "rk4", steps=count, dt=0.05, observe=[last])
+        assert float(ds["last"][lane]) == pytest.approx(float(alone["last"]), abs=1e-13)
+
+
 def test_a_lane_that_fails_is_told_and_the_others_go_on():
     with pytest.warns(study.RunFailed, match="1 of 2 runs failed, the first of them, lane 1"):
         ds = study.run(_spring, "central_difference", dt=0.5, steps=400, over={"stiffness": [1.0, 1e4]})
