@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy
 
+from study.algebra.arrays import ScipySparse
 from study.algebra.sparse import Pattern
 
 #: Up to this half bandwidth LAPACK is faster than CHOLMOD, whatever the number of unknowns.
@@ -32,6 +33,17 @@ class NotPositiveDefiniteError(Exception):
     """A matrix has no Cholesky factorisation."""
 
 
+def is_positive_definite(matrix: ScipySparse) -> bool:
+    """Whether a symmetric matrix is positive definite, by the signs of its pivots."""
+    try:
+        factor = scipy.sparse.linalg.splu(
+            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+    except RuntimeError:  # exactly singular
+        return False
+    return bool((factor.perm_r == factor.perm_c).all() and (factor.U.diagonal() > 0).all())
+
+
 class Method(abc.ABC):
     """A way to factorise matrices of one pattern."""
 
@@ -41,7 +53,7 @@ class Method(abc.ABC):
 
     @abc.abstractmethod
     def solution(self, factor: Any, rhs: np.ndarray) -> np.ndarray:
-        """X (n,) for a right side (n,)."""
+        """The solution (n,) for a right side (n,)."""
 
 
 class Banded(Method):
@@ -149,15 +161,11 @@ class Factorisations:
         self.count = 0
 
     def solved(self, values: np.ndarray, rhs: np.ndarray) -> np.ndarray:
-        """X (n,) with A x = rhs, for the matrix A with these values (entries,); no numbers if A is singular."""
+        """The solution (n,) with the matrix of these values (entries,); no numbers if it is singular."""
         with self._alone:  # runs in other threads share the factors
             kept = self._of(values.astype(np.float64, copy=False))
             x = kept.method.solution(kept.factor, rhs.astype(np.float64))
         return x.astype(rhs.dtype, copy=False)
-
-    def positive_definite(self, values: np.ndarray) -> bool:
-        """Whether a symmetric matrix is positive definite, as far as round-off lets see."""
-        return self._of(values).method is self._methods[0]
 
     def _of(self, values: np.ndarray) -> Kept:
         total = float(values.sum())

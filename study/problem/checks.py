@@ -14,9 +14,9 @@ import numpy as np
 import scipy
 
 from study.algebra.arrays import Matrix, ScipySparse
-from study.algebra.factorisation import Factorisations
+from study.algebra.factorisation import is_positive_definite
 from study.algebra.matrices import Banded, MatrixFree
-from study.algebra.sparse import SYMMETRY, Pattern, Sparse, as_sparse, is_sparse
+from study.algebra.sparse import SYMMETRY, Sparse, as_sparse, is_sparse
 from study.problem.damping import Rayleigh
 from study.problem.ground import GroundMotion
 from study.problem.potential import StrainEnergy
@@ -232,9 +232,7 @@ def is_singular(mass) -> bool:
 def _is_singular(mass: ScipySparse) -> bool:
     has = abs(mass).sum(axis=0) > 0
     singular = is_singular(has.astype(float))
-    rest = mass[has][:, has]
-    pattern = Pattern(rest, symmetric=True)
-    if not Factorisations(pattern).positive_definite(pattern.values(rest)):
+    if not is_positive_definite(mass[has][:, has]):
         raise ValueError("mass must be positive definite, but for unknowns without any mass; it is not.")
     return singular
 

@@ -142,9 +142,8 @@ class Problem(eqx.Module):
 
         checks.check_symmetry("mass", self.mass)
         checks.check_symmetry("stiffness", self.stiffness)
-        if (
-            isinstance(self.tangent, str) and self.tangent == "matrix_free"
-        ):  # conjugate gradients need it; otherwise damping may be gyroscopic
+        # conjugate gradients need a symmetric one; otherwise damping may be gyroscopic
+        if isinstance(self.tangent, str) and self.tangent == "matrix_free":
             checks.check_symmetry("damping", self.damping)
         self.massless = checks.is_singular(self.mass)
 
