@@ -2,7 +2,7 @@
 
 from paper.asks import rising, spans
 from paper.claims.ledger import Finding, by_name, claim, listed
-from paper.tables.verdicts import is_outcome, near_1996, some_near_1996
+from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_1996
 
 #: Lyapunov exponent per step above which a map is chaotic; a regular map has less than 0.01 after a thousand steps.
 CHAOTIC = 0.05

@@ -7,7 +7,7 @@ from paper.asks import rising
 from paper.claims.ledger import by_name
 from paper.claims.stability import CHAOTIC
 from paper.products import numbers
-from paper.tables.verdicts import FAILURES, SPAN, is_outcome, near_1996
+from paper.tables.outcomes_near_1996 import FAILURES, SPAN, is_outcome, near_1996
 
 
 @numbers(runs="long_times", asks={"long_times.schemes": ["central_difference", "energy_momentum", "yoshida4"]})

@@ -11,7 +11,7 @@ from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.observer.effort import NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
@@ -79,9 +79,9 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
             "flagged": flagged(values, uncertainty[:, :, None, None, :], ("measure", *dims)),
         },
         coords={
-            **labels.problem_coordinates(problems),
-            **labels.scheme_coordinates(schemes),
-            **labels.steps_per_period_coordinate(steps_per_period),
+            **coordinates.problem_coordinates(problems),
+            **coordinates.scheme_coordinates(schemes),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
             "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
             "measure": ("measure", measures, {"long_name": "measure of error, a variable of this dataset"}),
         },

@@ -17,7 +17,7 @@ from study.equilibrium.newton import MAX_ITERATIONS
 from study.marching.result import NEWTON_FAILED
 from study.marching.run import run
 from study.observer.fate import Fate, Height
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import step_beyond_run
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
@@ -221,7 +221,7 @@ def atlas(
             xr.Dataset(
                 {name: ((*dims, *along), np.moveaxis(v, 1, 2), attributes[name]) for name, v in values.items()},
                 coords={
-                    **labels.problem_coordinates(problems),
+                    **coordinates.problem_coordinates(problems),
                     "amplitude": exact.amplitude,
                     "u0": exact.u0,
                     "period": exact.period,
@@ -232,7 +232,7 @@ def atlas(
                 attrs={"title": title},
             )
             .expand_dims("scheme")
-            .assign_coords(labels.scheme_coordinates([scheme]))
+            .assign_coords(coordinates.scheme_coordinates([scheme]))
         )
 
     portrait = labelled(

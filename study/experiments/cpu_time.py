@@ -7,7 +7,7 @@ import xarray as xr
 
 from study.marching.timing import Timed
 from study.observer.energy import MaxEnergyError
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Repeats, Schemes, Springs
@@ -77,8 +77,8 @@ def cpu_time(
         },
         coords={
             "repeat": ("repeat", np.arange(repeats), {"long_name": "repeat", "units": "1"}),
-            **labels.problem_coordinates(problems),
-            **labels.scheme_coordinates(schemes),
+            **coordinates.problem_coordinates(problems),
+            **coordinates.scheme_coordinates(schemes),
         },
         attrs={"title": f"Time of {steps} steps at T/{steps_per_period} with the energy observed", "steps": steps},
     )

@@ -14,7 +14,7 @@ from typing_extensions import TypedDict
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.observer.crossings import crosses_upwards
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import IN_ORDER, Count, SchemeName, Spring, section
@@ -99,7 +99,7 @@ def energy_drift(
             "status": (along, lanes.status.values, STATUS_ATTRIBUTES),
             "failed_at_step": (along, lanes.failed_at_step.values, FAILED_AT_STEP_ATTRIBUTES),
         },
-        coords=labels.steps_per_period_coordinate(parts),
+        coords=coordinates.steps_per_period_coordinate(parts),
         attrs={
             "title": f"Energy drift of {scheme} on the {problem} problem over step sizes",
             "problem": problem,

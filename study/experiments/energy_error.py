@@ -7,7 +7,7 @@ import xarray as xr
 
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Counts, Schemes, Springs
@@ -41,7 +41,7 @@ def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, 
     status, failed_at_step = np.zeros(shape, np.int32), np.full(shape, -1)
     for p, problem in enumerate(problems):
         progress(f"energy error on {problem}")
-        known = labels.periods(problem)
+        known = coordinates.periods(problem)
         for s, scheme in enumerate(schemes):
             for i, used in enumerate(period_used):
                 period[i, p] = known[used]
@@ -71,9 +71,9 @@ def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, 
                 period_used,
                 {"long_name": "which period the step size is a part of: the paper's rounded one or the exact one"},
             ),
-            **labels.problem_coordinates(problems),
-            **labels.steps_per_period_coordinate(steps_per_period),
-            **labels.scheme_coordinates(schemes),
+            **coordinates.problem_coordinates(problems),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
+            **coordinates.scheme_coordinates(schemes),
         },
         attrs={"title": "Largest energy error by problem, step size and scheme (Tables 1 and 2 of the paper)"},
     )

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Counts, Springs
@@ -45,8 +45,8 @@ def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -
     return xr.Dataset(
         {"max_energy_error": (("problem", "steps_per_period", "start"), error, attributes)},
         coords={
-            **labels.problem_coordinates(problems),
-            **labels.steps_per_period_coordinate(steps_per_period),
+            **coordinates.problem_coordinates(problems),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
             "start": ("start", list(starts), {"long_name": "how the displacements before t = 0 are found"}),
         },
         attrs={"title": "Largest energy error of Houbolt's method by start, problem and step size"},

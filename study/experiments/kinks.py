@@ -7,7 +7,7 @@ import xarray as xr
 
 from study import datasets
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, Kinked, RisingCounts, Schemes
@@ -100,9 +100,9 @@ def kinks(
             "observed_order": (dims[:2], order, {"long_name": "order that the errors show", "units": "1"}),
         },
         coords={
-            **labels.problem_coordinates(problems),
-            **labels.scheme_coordinates(schemes),
-            **labels.steps_per_period_coordinate(steps_per_period),
+            **coordinates.problem_coordinates(problems),
+            **coordinates.scheme_coordinates(schemes),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
         },
         attrs={"title": "Order of schemes on forces that yield, remember and touch, and under a record"},
     )

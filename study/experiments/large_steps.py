@@ -7,7 +7,7 @@ import xarray as xr
 
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import step_beyond_run
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
@@ -63,8 +63,8 @@ def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, peri
             "failed_at_step": (dims, failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
         },
         coords={
-            **labels.problem_coordinates(problems),
-            **labels.scheme_coordinates(schemes),
+            **coordinates.problem_coordinates(problems),
+            **coordinates.scheme_coordinates(schemes),
             "dt_over_period": (
                 "dt_over_period",
                 list(dt_over_period),

@@ -13,7 +13,7 @@ from study import datasets
 from study.analysis.comparison import first_crossing
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Count, OneStepSchemes, RisingCounts, Spring
@@ -195,7 +195,7 @@ def long_times(
                     observed.setdefault(variable, np.empty(shape))[s, a, k] = values.reshape(dt.shape)
     return (
         summary({name: np.moveaxis(values, -2, 2) for name, values in observed.items()}, lengths)
-        .assign_coords(labels.scheme_coordinates(schemes))
+        .assign_coords(coordinates.scheme_coordinates(schemes))
         .assign_attrs(
             title=f"Long times on the {definition.title}",
             problem=problem,

@@ -7,7 +7,7 @@ import xarray as xr
 
 from study.marching.result import STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Numbers, RecordedSteps, Schemes, Sizes, Spring
@@ -61,7 +61,7 @@ def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, ste
             "status": (dims, np.stack([one.status.values for one in runs]).reshape(shape), STATUS_ATTRIBUTES),
         },
         coords={
-            **labels.scheme_coordinates(schemes),
+            **coordinates.scheme_coordinates(schemes),
             "dt": ("dt", list(dt), {"long_name": "step size", "units": "s"}),
             "u0": ("u0", starts, {"long_name": "initial displacement", "units": "1"}),
             "iterate": ("iterate", np.arange(steps + 1), {"long_name": "steps taken", "units": "1"}),

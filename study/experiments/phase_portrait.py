@@ -7,7 +7,7 @@ import xarray as xr
 from typing_extensions import TypedDict
 
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import less_than_a_step
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
@@ -54,7 +54,7 @@ def phase_portrait(problem: str, schemes: Sequence[str], dt: float, duration: fl
         run(problem, scheme, dt=dt, steps=steps, observe=["trajectory", "energy_error"], on_failure="ignore")
         for scheme in schemes
     ]
-    dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(labels.scheme_coordinates(schemes))
+    dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(coordinates.scheme_coordinates(schemes))
     dataset["dt"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})
     dataset.attrs = {
         "title": f"Phase portraits and energy error of the {problems_by_name[problem].title} at one step size",

@@ -8,7 +8,7 @@ import xarray as xr
 from study import datasets
 from study.analysis.comparison import MEASURES
 from study.analysis.recommendation import candidates
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import unlisted
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Counts, Names, Springs, Tolerances
@@ -63,8 +63,8 @@ def recommendation(problems: Springs, measures: Names, errors: Tolerances, perio
         {"cheapest_scheme": (dims, cheapest.astype(str), {"long_name": "cheapest scheme, empty where none"})}
         | {name: ((*dims, "scheme"), values, _NEEDS[name]) for name, values in needs.items()},
         coords={
-            **labels.problem_coordinates(problems),
-            **labels.scheme_coordinates(schemes),
+            **coordinates.problem_coordinates(problems),
+            **coordinates.scheme_coordinates(schemes),
             "measure": ("measure", list(measures), {"long_name": "measure of error"}),
             "error": ("error", list(errors), {"long_name": "largest error that may be made, a fraction", "units": "1"}),
             "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),

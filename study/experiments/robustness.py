@@ -8,7 +8,7 @@ import xarray as xr
 from study import datasets
 from study.marching.run import run
 from study.observer.fate import LEVELS, Excursions, Fate
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
@@ -110,8 +110,8 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
             "most_steps": ((), max(steps_per_period), {"long_name": "most steps per period tried", "units": "1"}),
         },
         coords={
-            **labels.problem_coordinates(problems),
-            **labels.scheme_coordinates(schemes),
+            **coordinates.problem_coordinates(problems),
+            **coordinates.scheme_coordinates(schemes),
             "level": ("level", list(LEVELS), {"long_name": "error of the energy over its height", "units": "percent"}),
             "periods": ("periods", sorted(periods), {"long_name": "length of the run in periods", "units": "1"}),
         },

@@ -17,7 +17,7 @@ import xarray as xr
 from study.analysis.effective_equation import effective_coefficient, number_of_roots, unique_up_to
 from study.equilibrium.balance import balance, load
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Numbers, RecordedSteps, Schemes, Size, Spring, StepSizes, Tolerances
@@ -194,7 +194,7 @@ def roots(
             "paper_dt": ((), paper_dt, {"long_name": "step size of the paper", "units": "s"}),
         },
         coords={
-            **labels.scheme_coordinates(schemes),
+            **coordinates.scheme_coordinates(schemes),
             "dt": ("dt", step_sizes, {"long_name": "step size", "units": "s"}),
             "predictor": ("predictor", predictors, {"long_name": "predictor of the displacement", "units": "1"}),
             "guess": ("guess", predictors, {"long_name": "displacement at which Newton starts", "units": "1"}),

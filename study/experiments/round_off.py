@@ -9,7 +9,7 @@ import xarray as xr
 from study import datasets
 from study.analysis.comparison import flagged
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import no_multiple
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
@@ -100,9 +100,9 @@ def round_off(problem: Spring, schemes: Schemes, steps_per_period: RisingCounts,
             "flagged": flagged(error, uncertainty, dims),
         },
         coords={
-            **labels.scheme_coordinates(schemes),
+            **coordinates.scheme_coordinates(schemes),
             "summation": ("summation", summation, {"long_name": "how displacement and velocity are summed"}),
-            **labels.steps_per_period_coordinate(steps_per_period),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
         },
         attrs={"title": f"Round-off at small steps on the {problems_by_name[problem].title}", "problem": problem},
     )

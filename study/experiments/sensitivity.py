@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import less_than_a_step
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
@@ -48,6 +48,6 @@ def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, per
             ),
             "perturbation": ((), perturbation, {"long_name": "initial distance", "units": "1"}),
         },
-        coords={"t": pairs[0].t, **labels.scheme_coordinates(schemes)},
+        coords={"t": pairs[0].t, **coordinates.scheme_coordinates(schemes)},
         attrs={"title": f"Sensitivity of the schemes to the initial displacement: {problems_by_name[problem].title}"},
     )

@@ -12,7 +12,7 @@ from typing_extensions import TypedDict
 
 from study.analysis.linear_theory import OVERSHOOT_STEPS, LinearTheory, oscillator
 from study.equilibrium.state import Motion
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import IN_ORDER, Schemes, section
@@ -132,7 +132,7 @@ def spectral(
             )
         },
         coords={
-            **labels.scheme_coordinates(schemes),
+            **coordinates.scheme_coordinates(schemes),
             "dt_over_period": ("dt_over_period", dt_over_period, {"long_name": "step size over period", "units": "1"}),
             "damping_ratio": (
                 "damping_ratio",

@@ -8,7 +8,7 @@ import xarray as xr
 from study import datasets
 from study.marching.run import run
 from study.observer.motion import Quantity
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Schemes, Size, Sizes, Tolerance
@@ -78,7 +78,7 @@ def spectrum(
             "step_needed": ((dims[0], *dims[2:]), needed, {"long_name": "largest step within the error", "units": "s"}),
         },
         coords={
-            **labels.scheme_coordinates(schemes),
+            **coordinates.scheme_coordinates(schemes),
             "step_size": ("step_size", step_sizes, {"long_name": "step", "units": "s"}),
             "period": exact.period,
             "reduction": exact.reduction,

@@ -12,7 +12,7 @@ from study import datasets
 from study.marching.run import run
 from study.observer.base import Observer
 from study.observer.motion import Quantity
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import LARGEST_SAMPLE
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
@@ -99,7 +99,7 @@ def structure_history(
         run(problem, scheme, dt=dt, steps=steps, observe=observe, every=every, on_failure="ignore")
         for scheme in schemes
     ]
-    dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(labels.scheme_coordinates(schemes))
+    dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(coordinates.scheme_coordinates(schemes))
     reference = datasets.open(f"reference/{problem}")
     exact = {"u": reference.u.values, "v": reference.v.values}
     for quantity in observe:

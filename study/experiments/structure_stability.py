@@ -10,7 +10,7 @@ from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcomes_of_balance
 from study.equilibrium.newton import MAX_ITERATIONS
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, NEWTON_FAILED, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Counts, Schemes, Sizes, StructureLengths
@@ -116,14 +116,14 @@ def structure_stability(
             "failed_at_step": (dims, failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
         },
         coords={
-            **labels.problem_coordinates(names),
-            **labels.scheme_coordinates(schemes),
+            **coordinates.problem_coordinates(names),
+            **coordinates.scheme_coordinates(schemes),
             "excitation": (
                 "excitation",
                 list(excitations),
                 {"long_name": "initial velocity and load over those of the problem", "units": "1"},
             ),
-            **labels.steps_per_period_coordinate(steps_per_period),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
             "periods": ("problem", [one["periods"] for one in lengths], {"long_name": "length of runs", "units": "1"}),
         },
         attrs={"title": "How the schemes end on structures that are stiff or chaotic, over excitation and step size"},

@@ -15,7 +15,7 @@ from study.marching.run import run
 from study.observer.effort import NewtonIterations
 from study.observer.energy import EnergyBalance
 from study.observer.momentum import MomentumErrors
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import LARGEST_SAMPLE, no_multiple
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
@@ -171,9 +171,9 @@ def structures(problem: str, schemes: Sequence[str], steps_per_period: Sequence[
             for name, value in of_reference.items()
         },
         coords={
-            **labels.problem_coordinates([problem]),
-            **labels.scheme_coordinates(schemes),
-            **labels.steps_per_period_coordinate(steps_per_period),
+            **coordinates.problem_coordinates([problem]),
+            **coordinates.scheme_coordinates(schemes),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
         },
         attrs={"title": "The schemes on structures: errors, balances and failures"},
     )

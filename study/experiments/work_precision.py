@@ -11,7 +11,7 @@ import xarray as xr
 from study import datasets
 from study.marching.timing import Timed
 from study.observer.energy import EnergyDrift
-from study.pipeline import labels
+from study.pipeline import coordinates
 from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment, merged
@@ -114,6 +114,6 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
         ),
     )
     numbered = ("repeat", np.arange(repeats), {"long_name": "repeat", "units": "1"})
-    return ds.assign_coords(repeat=numbered, **labels.scheme_coordinates(schemes)).assign_attrs(
+    return ds.assign_coords(repeat=numbered, **coordinates.scheme_coordinates(schemes)).assign_attrs(
         title="Work and precision of schemes and solvers"
     )

@@ -1,9 +1,9 @@
-"""What the table of verdicts reads off a map."""
+"""What the table of outcomes near those of 1996 reads off a map."""
 
 import numpy as np
 import xarray as xr
 
-from paper.tables.verdicts import accurate_up_to, first_of, near_1996, tabulate
+from paper.tables.outcomes_near_1996 import accurate_up_to, first_of, near_1996, tabulate
 
 NAMES = ["accurate", "bounded", "damped_to_rest", "in_the_wrong_well", "chaotic", "growing", "newton_not_converged"]
 

@@ -25,7 +25,7 @@ def some_near_1996(exponents: dict) -> str | None:
     amplitudes = np.linspace(exponents["first"], exponents["last"], exponents["count"])
     if np.any(np.abs(amplitudes) <= np.log10(SPAN)):
         return None
-    return f"atlas.amplitudes has none within a factor of {SPAN:g} of the paper's, as verdicts need."
+    return f"atlas.amplitudes has none within a factor of {SPAN:g} of the paper's, as the table of outcomes needs."
 
 
 def near_1996(atlas: xr.Dataset) -> xr.Dataset:
