@@ -33,7 +33,8 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     axes[1].axhline(0, color="black", linewidth=0.6)
     axes[1].set(ylabel="exponent, a step")
     # by the exponent λ alone a perturbation grows by e^λΔt per step; left out where the run ends before
-    growth = np.log(bifurcation.order_one.item() / bifurcation.perturbation.item())
+    small, large = bifurcation.perturbation.item(), bifurcation.order_one.item()
+    growth = np.log(large / small)
     chaotic = (a_step.values > growth / bifurcation.steps.item()) & (bifurcation.status == 0).values
     axes[2].semilogy(
         dt[chaotic], growth / a_step.values[chaotic], ".", markersize=3, color="#E69F00", label="from the exponent"
@@ -47,7 +48,11 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     for ax in axes:
         ax.axvline(2.5, color="#D55E00", linewidth=0.8, linestyle="--")
     for index, (ax, title) in enumerate(
-        zip(axes, ["last iterates", "Lyapunov exponent", "steps until a perturbation of 1e-10 is 0.1"], strict=True)
+        zip(
+            axes,
+            ["last iterates", "Lyapunov exponent", f"steps until a perturbation of {small:g} is {large:g}"],
+            strict=True,
+        )
     ):
         letter(ax, index, title)
     return figure

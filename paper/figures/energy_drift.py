@@ -30,7 +30,7 @@ def draw(drift: xr.Dataset) -> Figure:
         above.plot(part, value, "o", color="#D55E00", markersize=6, markerfacecolor="none")
         label = f"$T/{part}$, printed {printed.sel(steps_per_period=part):.1f} %"
         above.annotate(label, (part, value), xytext=place, arrowprops={"arrowstyle": "-", "linewidth": 0.5})
-    above.set_ylabel("signed energy error\nafter 100 periods (%)")
+    above.set_ylabel(f"signed energy error\nafter {drift.periods:d} periods (%)")
     below.plot(parts, drift.steps_per_oscillation, color="#0072B2", linewidth=0.6, marker=".", markersize=3)
     below.plot(parts, parts, color="0.6", linestyle="--", linewidth=0.8, label="period kept")
     for whole in range(10, 32, 2):

@@ -19,6 +19,6 @@ def draw(round_off: xr.Dataset) -> Figure:
         title = run.scheme_title.item()
         ax.plot(run.steps_per_period, run.sel(summation="plain"), label=title, **look)
         ax.plot(run.steps_per_period, run.sel(summation="compensated"), **{**look, "markerfacecolor": "white"})
-    ax.set(xscale="log", yscale="log", xlabel="steps per period", ylabel="error after 10⅛ periods")
+    ax.set(xscale="log", yscale="log", xlabel="steps per period", ylabel=f"error after {round_off.periods:d}⅛ periods")
     figure.legend(loc="outside right center", fontsize=legend_size(round_off.sizes["scheme"], most=12))
     return figure

@@ -99,7 +99,10 @@ def energy_drift(
             "status": (along, lanes.status.values, STATUS_ATTRIBUTES),
             "failed_at_step": (along, lanes.failed_at_step.values, FAILED_AT_STEP_ATTRIBUTES),
         },
-        coords=coordinates.steps_per_period_coordinate(parts),
+        coords={
+            **coordinates.steps_per_period_coordinate(parts),
+            "periods": ((), periods, {"long_name": "length of the runs in periods", "units": "1"}),
+        },
         attrs={
             "title": f"Energy drift of {scheme} on the {problem} problem over step sizes",
             "problem": problem,

@@ -103,6 +103,7 @@ def round_off(problem: Spring, schemes: Schemes, steps_per_period: RisingCounts,
             **coordinates.scheme_coordinates(schemes),
             "summation": ("summation", summation, {"long_name": "how displacement and velocity are summed"}),
             **coordinates.steps_per_period_coordinate(steps_per_period),
+            "periods": ((), periods, {"long_name": "whole periods of the runs", "units": "1"}),
         },
         attrs={"title": f"Round-off at small steps on the {problems_by_name[problem].title}", "problem": problem},
     )
