@@ -14,6 +14,7 @@ from study.datasets import flags
 from study.marching.timing import Timed
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
+from study.scheme.remembering import Remembering
 
 #: Timed runs of a recommended step, the seconds that suffice for each, and the most steps that short runs are given.
 REPEATS, ENOUGH, MOST_TIMED = 5, 0.02, 20_000
@@ -98,7 +99,8 @@ def dataset_of(
             how[at], accidents[at] = verdict.how, verdict.accidents
             if verdict.steps > 0:
                 run = one.rungs.run(verdict.steps)
-                per_step = scheme.evaluations + scheme.evaluations_per_iteration * run.iterations
+                marched = scheme if problem.history is None else Remembering(scheme)
+                per_step = marched.evaluations + marched.evaluations_per_iteration * run.iterations
                 dt[at], (time[at], spread[at]) = duration / verdict.steps, times[verdict.steps]
                 forces[at], reached[at] = verdict.steps * per_step, run.errors[quantity]
     runs, verdicts = ("scheme", "dt"), ("scheme", "quantity", "allowed_error")
