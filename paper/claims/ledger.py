@@ -69,7 +69,7 @@ class Declared(dict[str, xr.Dataset]):
 
 CLAIMS: list[Claim] = []
 #: Sections with claims of ours, and the prefix of their numbers in the text. All other sections are the paper's.
-OURS = {"stability": "stability_claims", "structures": "structure_claims"}
+OURS = {"materials": "material_claims", "stability": "stability_claims", "structures": "structure_claims"}
 _SECTION_OF_THE_PAPER = re.compile(r"[1-5](\.[1-9])?")
 #: Datasets over the schemes of 1996, and of later ones if the configuration says so.
 _OVER_SCHEMES = ("cpu_time", "energy_error", "large_steps", "sensitivity", "spectral", "phase_portrait/")

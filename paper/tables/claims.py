@@ -8,7 +8,7 @@ from paper.products import table
 
 @table(
     claims="claims.csv",
-    titled=["energy_error", "structures", "structure_history/stiff_soft", "stability/roots"],
+    titled=["energy_error", "structures", "structure_history/stiff_soft", "stability/roots", "kinks", "spectrum"],
 )
 def tabulate(claims: pd.DataFrame, titled: list[xr.Dataset]) -> pd.DataFrame:
     """One row per claim; ``titled`` are the datasets whose schemes the ledger lists."""
