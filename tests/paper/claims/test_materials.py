@@ -1,0 +1,52 @@
+"""Claims of practice on forces that yield: each check can come out either way."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from paper.claims import materials
+
+KINKED = ["yielding", "hysteretic", "shaken"]
+
+
+def _kinks(gain=10.0, order=2.0, imbalance=1e-13):
+    error = np.full((3, 2, 2), 1e-2)
+    error[:, 1] /= gain
+    return xr.Dataset(
+        {
+            "error": (("problem", "scheme", "steps_per_period"), error),
+            "observed_order": (("problem", "scheme"), np.full((3, 2), order)),
+            "max_energy_imbalance": (("problem", "scheme", "steps_per_period"), np.full((3, 2, 2), imbalance)),
+        },
+        {"problem": KINKED, "scheme": ["average_acceleration", "rk4"], "steps_per_period": [64, 128]},
+    )
+
+
+@pytest.mark.parametrize("gain, order, holds", [(1.0, 2.0, True), (10.0, 2.0, False), (1.0, 4.0, False)])
+def test_the_order_does_not_matter_if_neither_order_nor_error_does(gain, order, holds):
+    assert materials.order_does_not_matter({"kinks": _kinks(gain, order)}).holds == holds
+
+
+@pytest.mark.parametrize("imbalance, holds", [(1e-13, False), (1.0, True)])
+def test_a_balance_that_is_kept_by_a_wrong_motion_is_no_verdict(imbalance, holds):
+    assert materials.balance_is_a_verdict({"kinks": _kinks(imbalance=imbalance)}).holds == holds
+
+
+@pytest.mark.parametrize("step, holds", [(0.1, True), (0.02, False), (np.nan, False)])
+def test_twenty_steps_are_enough_where_no_oscillator_needs_more(step, holds):
+    needed = xr.DataArray(
+        [[[0.1, step]]],
+        dims=("scheme", "period", "reduction"),
+        coords={"scheme": ["average_acceleration"], "period": [1.0], "reduction": [1.0, 4.0]},
+    )
+    assert materials.twenty_steps_for_the_peak({"spectrum": needed.to_dataset(name="step_needed")}).holds == holds
+
+
+@pytest.mark.parametrize("damped, holds", [(1.08, False), (2.0, True)])
+def test_the_order_of_the_alpha_method_is_that_with_damping(damped, holds):
+    order = xr.DataArray(
+        [[2.0, damped]],
+        dims=("scheme", "damping_ratio"),
+        coords={"scheme": ["hht_alpha"], "damping_ratio": [0.0, 0.1]},
+    )
+    assert materials.order_of_the_alpha_method({"spectral": order.to_dataset(name="linear_order")}).holds == holds
