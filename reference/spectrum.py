@@ -1,12 +1,14 @@
 """Peak drifts of oscillators that yield under a record, over their periods and their strengths."""
 
 import numpy as np
+import scipy.interpolate
 import xarray as xr
 
 from reference import piecewise
+from reference.solution import Solution
 from study.pipeline.command import progress
 from study.pipeline.experiment import experiment
-from study.pipeline.options import Size, Sizes
+from study.pipeline.options import RecordDuration, RecordPeriods, Reductions
 from study.problem.inelastic import yielding_under_record
 
 #: Times of the exact motion in a second, between which its peak is that of a cubic polynomial.
@@ -19,15 +21,12 @@ PLACES = (50, 83)
 STRONG = 1e9
 
 
-def _peak(solution, dt: float) -> float:
-    """Largest displacement in size, of the cubic polynomials through displacements and velocities."""
-    u, v = (np.append(0.0, x) for x in (solution.u, solution.v))
-    place = np.linspace(0, 1, 21)
-    at_begin, at_end = (1 + 2 * place) * (1 - place) ** 2, (3 - 2 * place) * place**2
-    slope_begin, slope_end = place * (1 - place) ** 2, (place - 1) * place**2
-    between = np.outer(u[:-1], at_begin) + np.outer(u[1:], at_end)
-    between += dt * (np.outer(v[:-1], slope_begin) + np.outer(v[1:], slope_end))
-    return float(np.abs(between).max())
+def _peak(solution: Solution, t: np.ndarray) -> float:
+    """Largest displacement in size, of the cubic polynomials through displacements and velocities from rest on."""
+    times, u, v = (np.append(0.0, x) for x in (t, solution.u, solution.v))
+    between = scipy.interpolate.CubicHermiteSpline(times, u, v)
+    turns = between.derivative().roots(extrapolate=False)
+    return float(np.abs(np.append(u, between(turns[np.isfinite(turns)]))).max())
 
 
 def _options(configuration) -> dict:
@@ -35,23 +34,22 @@ def _options(configuration) -> dict:
 
 
 @experiment("reference/spectrum", section="spectrum", options=_options)
-def spectrum(periods: Sizes, reductions: Sizes, duration: Size) -> xr.Dataset:
+def spectrum(periods: RecordPeriods, reductions: Reductions, duration: RecordDuration) -> xr.Dataset:
     """Compute exact peak drifts over periods and reductions of the strength.
 
     The strength is the largest force of the elastic oscillator divided by the reduction; at 1 nothing yields.
     """
-    dt = 1 / TIMES_PER_SECOND
-    t = np.arange(1, round(duration * TIMES_PER_SECOND) + 1) * dt
+    t = np.arange(1, round(duration * TIMES_PER_SECOND) + 1) / TIMES_PER_SECOND
     shape = (len(periods), len(reductions))
     peak, strength, uncertainty = np.empty(shape), np.empty(shape), np.empty(shape)
     for p, period in enumerate(periods):
         progress(f"peak drifts at a period of {period:g} s")
         stiffness = (2 * np.pi / period) ** 2
-        of_elastic = _peak(piecewise.trajectory(yielding_under_record(period, STRONG), t), dt)
+        of_elastic = _peak(piecewise.trajectory(yielding_under_record(period, STRONG), t), t)
         for r, reduction in enumerate(reductions):
             strength[p, r] = stiffness * of_elastic / reduction if reduction > 1 else STRONG
             problem = yielding_under_record(period, strength[p, r])
-            one, other = (_peak(piecewise.trajectory(problem, t, places), dt) for places in PLACES)
+            one, other = (_peak(piecewise.trajectory(problem, t, places), t) for places in PLACES)
             peak[p, r], uncertainty[p, r] = one, max(abs(one - other), np.spacing(one))
     dims = ("period", "reduction")
     elastic = peak * (2 * np.pi / np.array(periods)[:, None]) ** 2

@@ -29,14 +29,15 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
     needed = spectrum.step_needed
     average, rk4 = (needed.sel(scheme=name) for name in ("average_acceleration", "rk4"))
     long = spectrum.period >= LONG
-    same = _span(average.where(long, drop=True), "g").count(" ") == 0
+    steps = average.where(long, drop=True)
+    same = float(steps.min()) == float(steps.max())
     yields = spectrum.reduction > 1
     return {
         "spectrum_error": f"{100 * spectrum.allowed_error.item():g}",
         "spectrum_long": f"{LONG:g}",
         "spectrum_ductility": f"{float(spectrum.ductility.max()):.0f}",
         "spectrum_rule": "the record sets the step, not the period" if same else "the step depends on the period",
-        "spectrum_average": _multiples(average.where(long, drop=True) / spectrum.spacing),
+        "spectrum_average": _multiples(steps / spectrum.spacing),
         "spectrum_rk4": _multiples(rk4.where(long, drop=True) / spectrum.spacing),
         "spectrum_average_elastic": _span((0.2 / average.sel(period=0.2)).where(~yields, drop=True), ".0f"),
         "spectrum_average_yielding": _span((0.2 / average.sel(period=0.2)).where(yields, drop=True), ".0f"),

@@ -68,7 +68,7 @@ class Banded(Method):
         self.entry = low * (half_bandwidth + 1) + (high - low)
 
     def factor(self, values, spare):
-        band = np.zeros(self.shape) if spare is None else spare.T
+        band = np.empty(self.shape) if spare is None else spare.T
         band.fill(0.0)
         band.reshape(-1)[self.entry] = values
         factor, failed = scipy.linalg.lapack.dpbtrf(band.T, lower=1, overwrite_ab=1)

@@ -109,6 +109,11 @@ Size = Annotated[float, Ge(1e-9), Le(1e9)]
 #: A relative tolerance, error or perturbation.
 Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
 Counts = Annotated[list[Count], _FEW, _DISTINCT]
+FallingSizes = Annotated[list[Size], _FEW, _DISTINCT, Checked(_falling)]
+#: Periods in s of oscillators under a record, elastic force over strength, and seconds of the record.
+RecordPeriods = Annotated[list[Annotated[float, Ge(0.05), Le(10)]], _FEW, _DISTINCT]
+Reductions = Annotated[list[Annotated[float, Ge(1), Le(100)]], _FEW, _DISTINCT]
+RecordDuration = Annotated[float, Ge(1), Le(100)]
 RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
 Sizes = Annotated[list[Size], _FEW, _DISTINCT]
 Tolerances = Annotated[list[Tolerance], _FEW, _DISTINCT]
