@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from reference import diffrax, exact, hysteretic, piecewise, sundials
+from reference import diffrax, exact, piecewise, reversals, sundials
 from reference.solution import Solution, Times
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
@@ -26,7 +26,7 @@ def _in_pieces(problem, t: Times) -> tuple[str, Solution, Solution]:
 
 
 def _hysteretic(problem, t: Times) -> tuple[str, Solution, Solution]:
-    one, other = (hysteretic.trajectory(problem, t, RTOL, method) for method in ("Adams", "BDF"))
+    one, other = (reversals.trajectory(problem, t, RTOL, method) for method in ("Adams", "Dopri8"))
     return "CVODE Adams from kink to kink", one, other
 
 
@@ -53,8 +53,8 @@ def _options(configuration: Mapping) -> Options:
 def inelastic(problems: list[str], periods: int, samples_per_period: int) -> xr.Dataset:
     """Compute the motion of oscillators with kinks and memory.
 
-    Yielding and bouncing are exact from event to event. Smooth hysteresis is solved by CVODE from one kink of its rate
-    to the next, the record by diffrax and CVODE from sample to sample. The uncertainty is the largest difference of two
+    Yielding and bouncing are exact from event to event. Smooth hysteresis is solved by CVODE and diffrax from one kink
+    of its rate to the next, the record by both from sample to sample. The uncertainty is the largest difference of two
     such solutions. A spring with a closed form is the smooth one of them, for comparison.
     """
     u, uncertainty, route, scale = [], [], [], []

@@ -17,6 +17,8 @@ from jaxtyping import Float, Int
 
 from reference.solution import Solution
 from study.problem.definition import Problem
+from study.problem.ground import GroundMotion
+from study.problem.materials import BoucWen, Elastoplastic, ViscousDamper
 from study.problem.named import problems as problems_by_name
 from study.problem.springs import CubicSpring
 
@@ -40,6 +42,7 @@ SUB_STEPS = {"bathe": 2}
 _Positions = Float[np.ndarray, "joints directions"]
 _Velocities = Float[np.ndarray, "joints*directions"]
 _Bars = Int[np.ndarray, "bars 2"]
+_PerStorey = Float[np.ndarray, "storeys"]
 
 
 class NotInstalled(ImportError):
@@ -192,6 +195,66 @@ def truss(
     return _stepped(
         ops, scheme, dt, steps, lambda of_node: [x for node in range(1, len(joints) + 1) for x in of_node(node)]
     )
+
+
+def shear_frame(
+    storeys: Elastoplastic | BoucWen,
+    mass: _PerStorey,
+    scheme: str,
+    dt: float,
+    steps: int,
+    *,
+    dampers: ViscousDamper | None = None,
+    ground: GroundMotion | None = None,
+    v0: _PerStorey | None = None,
+) -> Solution:
+    """Displacement and velocity relative to the ground of a frame of storeys, after every step, each (steps, storeys).
+
+    Storeys that yield are OpenSees' ``Steel01``, smooth hysteresis its ``BoucWen``, dampers its ``Viscous``. Its
+    ``BoucWen`` steps the rate of the law implicitly, so that its force has an error of the first order in Δt.
+
+    Parameters
+    ----------
+    storeys, dampers
+        A spring and a damper in every storey; their parameters are arrays (storeys,).
+    mass
+        Mass of each floor.
+    ground
+        Acceleration of the ground.
+    v0
+        Initial velocities.
+
+    Raises as :func:`trajectory` does.
+    """
+    floors = len(mass)
+    ops = _line(nodes=floors + 1)
+    for number in range(1, floors + 1):
+        ops.mass(number + 1, float(mass[number - 1]))
+        stiffness, bound, hardening = (
+            float(np.broadcast_to(value, floors)[number - 1])
+            for value in (storeys.stiffness, storeys.yield_force, storeys.hardening)
+        )
+        if isinstance(storeys, Elastoplastic):
+            ops.uniaxialMaterial("Steel01", number, bound, stiffness, hardening)
+        else:
+            # its z is the displacement u_y y, and β = γ = 1/2 per u_yⁿ
+            n, scale = storeys.exponent, 0.5 * (stiffness / bound) ** storeys.exponent
+            ops.uniaxialMaterial("BoucWen", number, hardening, stiffness, n, scale, scale, 1.0, 0.0, 0.0, 0.0)
+        ops.element("zeroLength", number, number, number + 1, "-mat", number, "-dir", 1)
+        if dampers is not None:
+            coefficient, exponent = (
+                float(np.broadcast_to(value, floors)[number - 1]) for value in (dampers.coefficient, dampers.exponent)
+            )
+            ops.uniaxialMaterial("Viscous", floors + number, coefficient, exponent)
+            ops.element("zeroLength", floors + number, number, number + 1, "-mat", floors + number, "-dir", 1)
+    if ground is not None:
+        samples = np.asarray(ground.acceleration).tolist()
+        ops.timeSeries("Path", 1, "-dt", float(ground.dt), "-values", *samples)
+        ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+    _choose(ops, scheme)
+    for number, speed in enumerate([] if v0 is None else np.asarray(v0).tolist(), start=2):
+        ops.setNodeVel(number, 1, speed, "-commit")
+    return _stepped(ops, scheme, dt, steps, lambda of_node: [of_node(node, 1) for node in range(2, floors + 2)])
 
 
 def _stepped(ops: ModuleType, scheme: str, dt: float, steps: int, read: Callable) -> Solution:

@@ -91,8 +91,9 @@ def elastoplastic(stiffness, yield_force, hardening=0.0) -> Elastoplastic:
 def friction(slip_force, stiffness) -> Elastoplastic:
     """Coulomb friction: a contact of the given stiffness that slips where its force reaches the slip force.
 
-    The stiffness is that of the asperities. A stiff one, with a period well above that of the time step, comes near the
-    rigid law of Coulomb, whose force jumps and has no tangent.
+    The stiffness is that of the asperities. A stiff one, with a period well above the time step, comes near the rigid
+    law of Coulomb, whose force jumps and has no tangent: the motions differ by a part that falls with the square root
+    of the stiffness.
 
     Raises
     ------

@@ -65,6 +65,60 @@ def test_a_truss_that_spins_agrees(theirs, scheme):
     np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-9)
 
 
+IMPLICIT = ("average_acceleration", "newmark_dissipative", "wilson_theta", "hht_alpha_one_force", "bathe")
+
+
+@pytest.mark.parametrize("scheme", IMPLICIT)
+def test_an_oscillator_that_yields_agrees_step_by_step(theirs, scheme):
+    spring = study.materials.elastoplastic([40.0], [4.0], hardening=0.05)
+    problem = study.Problem(spring, u0=[0.0], v0=[2.5], history=spring.history)
+    ours = study.run(problem, scheme, dt=0.02, steps=300)
+    solution = opensees.shear_frame(spring, np.ones(1), scheme, 0.02, 300, v0=np.array([2.5]))
+    assert np.abs(ours.u).max() > 3 * 0.1
+    np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-11)
+    np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-10)
+
+
+@pytest.mark.parametrize("scheme", IMPLICIT)
+@pytest.mark.parametrize("exponent", [None, 1.0, 0.5])
+def test_a_yielding_frame_under_the_record_agrees_step_by_step(theirs, scheme, exponent):
+    """The three storeys of the example, without and with dampers: stiffness in N/m, yield force in N, mass in kg."""
+    dt = 0.01
+    ground = study.GroundMotion.el_centro()
+    storey = study.materials.elastoplastic([4.0e7, 3.5e7, 3.0e7], [4.0e5, 3.0e5, 2.0e5], hardening=0.05)
+    damper = None if exponent is None else study.materials.viscous_damper([5.0e4] * 3, exponent)
+
+    def drifts(u):
+        return u - jnp.pad(u[:-1], (1, 0))
+
+    storeys = study.materials.elements(storey, drifts, 3)
+    dampers = None if damper is None else study.materials.elements(damper, drifts, 3)
+
+    def force(u, v, history):
+        p, history = storeys(u, v, history)
+        return (p if dampers is None else p + dampers(u, v)), history
+
+    mass, steps = np.array([1.0e5, 1.0e5, 0.8e5]), round(12 / dt)
+    frame = study.Problem(force, u0=np.zeros(3), history=storeys.history, mass=mass, ground=ground)
+    ours = study.run(frame, scheme, dt=dt, steps=steps)
+    solution = opensees.shear_frame(storey, mass, scheme, dt, steps, dampers=damper, ground=ground)
+    np.testing.assert_allclose(solution.u, ours.u[1:], atol=1e-11)
+
+
+def test_smooth_hysteresis_agrees_as_the_step_of_opensees_falls(theirs):
+    """Its law is stepped implicitly, with an error of the first order, where ours has a closed form."""
+    spring = study.materials.bouc_wen([40.0], [4.0], hardening=0.05)
+    problem = study.Problem(spring, u0=[0.0], v0=[2.5], history=spring.history)
+    exact = study.run(problem, "average_acceleration", dt=1e-4, steps=20_000, every=2_000).u[1:]
+    off = []
+    for part in (20, 80):
+        solution = opensees.shear_frame(
+            spring, np.ones(1), "average_acceleration", 0.2 / part, 10 * part, v0=np.array([2.5])
+        )
+        off.append(float(np.abs(solution.u[part - 1 :: part] - exact).max()))
+    assert off[1] < 0.01 * float(np.abs(exact).max()) and 3 < off[0] / off[1]
+
+
 def test_houbolts_recurrence_is_the_same_and_its_start_is_not(theirs):
     """OpenSees starts it by two steps of average acceleration; from there each of its points follows from ours."""
     problem, houbolt = study.problems["hardening"], study.schemes["houbolt"]

@@ -1,4 +1,4 @@
-"""Smooth hysteresis by CVODE, against SciPy, the schemes, and two ways through its dataset."""
+"""Smooth hysteresis and fluid dampers by CVODE and diffrax, against SciPy, the schemes, and each other."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import study
-from reference import hysteretic, inelastic
+from reference import inelastic, reversals
 from study.problem.inelastic import PERIOD
 
 T = np.arange(1, 17) * PERIOD / 8
@@ -15,7 +15,7 @@ T = np.arange(1, 17) * PERIOD / 8
 
 def test_it_agrees_with_scipy_on_the_rate_equation():
     problem = study.problems["hysteretic"]
-    found = hysteretic.trajectory(problem, T)
+    found = reversals.trajectory(problem, T)
     spring: Any = problem.force
     k, b, bound = (float(x) for x in (spring.stiffness, spring.hardening, spring.yield_force / spring.stiffness))
 
@@ -33,7 +33,7 @@ def test_it_agrees_with_scipy_on_the_rate_equation():
 @pytest.mark.parametrize("name", ["rk4", "average_acceleration"])
 def test_schemes_converge_to_it(name):
     problem = study.problems["hysteretic"]
-    expected = hysteretic.trajectory(problem, T).u
+    expected = reversals.trajectory(problem, T).u
     errors = [
         np.abs(study.run(problem, name, dt=PERIOD / n, steps=2 * n, every=n // 8).u.values[1:] - expected).max()
         for n in (256, 4096)
@@ -46,12 +46,40 @@ def test_a_start_that_is_loaded_already(count):
     problem = study.Problem(study.materials.bouc_wen(40.0, 4.0), u0=0.3)
     t = np.linspace(0, 0.8, count + 1)[1:]
     ds = study.run(problem, "rk4", dt=0.8 / 4000, steps=4000, every=4000 // count)
-    assert hysteretic.trajectory(problem, t).u == pytest.approx(ds.u.values[1:], abs=1e-7)
+    assert reversals.trajectory(problem, t).u == pytest.approx(ds.u.values[1:], abs=1e-7)
 
 
-def test_another_problem_is_refused():
-    with pytest.raises(ValueError, match="'yielding oscillator' is no single mass on a Bouc-Wen spring without load"):
-        hysteretic.trajectory(study.problems["yielding"], T)
+def damped(exponent):
+    damper = study.materials.viscous_damper(1.0, exponent)
+    return study.Problem(lambda u, v: 40 * u + damper(u, v), u0=1.0, title="damped")
+
+
+@pytest.mark.parametrize("problem", [study.problems["hysteretic"], damped(0.5), damped(1.5)], ids=lambda one: one.title)
+def test_three_solvers_agree(problem):
+    one = reversals.trajectory(problem, T, 1e-13, "Dopri8")
+    for method in ("Adams", "BDF"):
+        other = reversals.trajectory(problem, T, 1e-13, method)
+        assert one.u == pytest.approx(other.u, abs=1e-10)
+        assert one.v == pytest.approx(other.v, abs=1e-9)
+
+
+def test_schemes_converge_to_the_motion_of_a_damper():
+    expected = reversals.trajectory(damped(0.5), T).u
+    errors = []
+    for n in (64, 1024):
+        ds = study.run(damped(0.5), "average_acceleration", dt=1 / n, steps=2 * n, every=n // 8)
+        errors.append(np.abs(ds.u.values[1:] - expected).max())
+    assert errors[1] < errors[0] / 100 and errors[1] < 1e-4
+
+
+@pytest.mark.parametrize(
+    "problem",
+    [study.problems["yielding"], study.Problem(lambda u: u, u0=1.0, load=lambda t: t, title="loaded")],
+    ids=lambda one: one.title,
+)
+def test_another_problem_is_refused(problem):
+    with pytest.raises(ValueError, match=f"'{problem.title}' is no free mass on a Bouc-Wen spring or with a force"):
+        reversals.trajectory(problem, T)
 
 
 def test_the_references_are_certain_to_many_digits():

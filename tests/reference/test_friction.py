@@ -1,0 +1,65 @@
+"""Rigid Coulomb friction against its energy, and as the limit of a contact that grows stiff."""
+
+import numpy as np
+import pytest
+
+import study
+from reference import friction, piecewise
+
+T = np.linspace(0.0, 12.0, 2401)[1:]
+MASS, STIFFNESS, SLIP = 2.0, 8.0, 0.7
+
+
+def test_the_energy_falls_by_the_slip_force_times_the_way():
+    u, v = friction.released(MASS, STIFFNESS, SLIP, -1.0, T)
+    path = np.abs(np.diff(np.concatenate([[-1.0], u]))).cumsum()
+    energy = MASS * v**2 / 2 + STIFFNESS * u**2 / 2
+    assert energy == pytest.approx(STIFFNESS / 2 - SLIP * path, abs=1e-4)
+
+
+def test_it_stops_where_the_spring_no_longer_overcomes_the_friction():
+    u, v = friction.released(MASS, STIFFNESS, SLIP, -1.0, T)
+    assert (v[-100:] == 0).all() and np.ptp(u[-100:]) == 0
+    assert abs(STIFFNESS * u[-1]) <= SLIP
+    assert (friction.released(MASS, STIFFNESS, SLIP, 0.99 * SLIP / STIFFNESS, T)[1] == 0).all()
+
+
+def test_without_friction_it_swings_for_ever():
+    assert friction.released(MASS, STIFFNESS, 0.0, 1.0, T)[0] == pytest.approx(np.cos(2 * T), abs=1e-12)
+
+
+def contact(stiffness):
+    """The spring beside a contact that slips: together one elastoplastic spring."""
+    both = STIFFNESS + stiffness
+    spring = study.materials.elastoplastic(both, SLIP * both / stiffness, hardening=STIFFNESS / both)
+    # at the start the contact is strained as it is where the mass has slipped to its place
+    return study.Problem(spring, u0=1.0, history=1.0 + SLIP / stiffness, mass=MASS, title="contact")
+
+
+def test_a_stiff_contact_comes_near_it_with_the_root_of_its_stiffness():
+    u, _ = friction.released(MASS, STIFFNESS, SLIP, 1.0, T[:400])
+    off = [np.abs(piecewise.trajectory(contact(k), T[:400]).u - u).max() for k in (1e4, 1e6, 1e8)]
+    assert off[2] < 2e-5
+    assert [off[0] / off[1], off[1] / off[2]] == pytest.approx([10, 10], rel=0.02)
+
+
+def test_schemes_come_near_it_with_the_contact_of_the_study():
+    slip = study.materials.friction(SLIP, 1e5)
+
+    def force(u, v, history):
+        p, history = slip(u, v, history)
+        return STIFFNESS * u + p, history
+
+    problem = study.Problem(force, u0=1.0, history=1.0 + SLIP / 1e5, mass=MASS)
+    expected, _ = friction.released(MASS, STIFFNESS, SLIP, 1.0, T)
+    ds = study.run(problem, "average_acceleration", dt=5e-4, steps=24_000, every=10)
+    assert np.abs(ds.u.values[1:] - expected).max() < 3e-3
+    assert np.abs(ds.u.values[1:] - piecewise.trajectory(contact(1e5), T).u).max() < 2e-5
+
+
+@pytest.mark.parametrize(
+    "mass, stiffness, slip_force", [(0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, -1.0), (np.nan, 1.0, 1.0)]
+)
+def test_parameters_that_cannot_be_are_refused(mass, stiffness, slip_force):
+    with pytest.raises(ValueError, match="must be greater than zero and the slip force at least zero"):
+        friction.released(mass, stiffness, slip_force, 1.0, T)
