@@ -4,6 +4,7 @@ Each check refuses what a run could not use, with a sentence that names the argu
 expected. Values that JAX is tracing have a shape but no numbers: only their shape is checked.
 """
 
+import inspect
 import reprlib
 from collections.abc import Callable
 
@@ -23,6 +24,9 @@ from study.problem.potential import StrainEnergy
 
 #: Arguments of a problem that are matrices.
 MATRICES = ("stiffness", "mass", "damping")
+
+#: Names of arguments that a force takes from the motion.
+NEVER_OPTIONAL = ("v", "velocity", "history")
 
 #: A potential and its force may differ by this part of the force: the error of a central difference.
 GRADIENT_AGREEMENT = 1e-5
@@ -114,6 +118,20 @@ def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
     }
 
 
+def check_defaults(force: Callable, title: str) -> None:
+    """Refuse a default for the velocity or the history, with which the force would never receive them."""
+    try:
+        parameters = inspect.signature(force).parameters.values()
+    except (TypeError, ValueError):  # no function, or a built-in one, which tells nothing
+        return
+    for parameter in parameters:
+        if parameter.default is not parameter.empty and parameter.name in NEVER_OPTIONAL:
+            raise ValueError(
+                f"force of '{title}' gives '{parameter.name}' a default, so that it would never receive it: "
+                f"drop the default."
+            )
+
+
 def check_functions(problem) -> None:
     """Refuse functions that JAX cannot trace, or whose values have the wrong shape or type.
 
@@ -180,10 +198,46 @@ def check_ground(ground, load, title: str) -> None:
 
 def check_gradient(force: Callable, potential: Callable, u0, title: str) -> None:
     """Refuse a force that is not the gradient of the potential, along one direction near u₀."""
+    u, direction, h = _near(u0)
+    _compare(force, potential, u, direction, h, title)
+
+
+def check_stored_energy(force: Callable, potential: Callable, u0, history, title: str) -> None:
+    """Refuse a stored energy whose slope is not the force where a motion leaves the history as it is.
+
+    That is so after a reversal in springs that yield. Where the history changes on both ways, nothing is compared.
+    """
+    u, direction, h = _near(u0)
+
+    @jax.jit
+    def after(u, history):
+        return force(u, jnp.zeros_like(u), history)[1]
+
+    with jax.ensure_compile_time_eval():
+        committed = after(u, history)
+        for way in (-1, 1):
+            place = u + way * 2 * h * direction
+            changes = jax.tree.map(lambda old, new: jnp.abs(new - old).max(), committed, after(place, committed))
+            if max(map(float, jax.tree.leaves(changes))) < 1e-4 * h:
+                _compare(
+                    lambda u: force(u, jnp.zeros_like(u), committed)[0],
+                    lambda u: potential(u, committed),
+                    place,
+                    direction,
+                    h,
+                    title,
+                )
+                return
+
+
+def _near(u0):
+    """A place near u₀, a direction, and a small distance."""
     scale = max(np.abs(u0).max(), 1.0)
     direction, offset = np.random.default_rng(0).uniform(0.5, 1.5, (2, *np.shape(u0)))
-    u, h = u0 + 0.05 * scale * offset, 1e-5 * scale
+    return u0 + 0.05 * scale * offset, direction, 1e-5 * scale
 
+
+def _compare(force: Callable, potential: Callable, u, direction, h, title: str) -> None:
     @jax.jit
     def values(ahead, behind, u):
         return potential(ahead), potential(behind), jnp.vdot(direction, force(u))

@@ -136,9 +136,12 @@ class Problem(eqx.Module):
         self.takes_velocity = self.arguments > 1 and depends_on_last(self.varying_force, self.u0, self.v0)
         if self.linear:
             self.potential = _nothing
-        elif self.potential is not None and not derived and not traced and self.history is None:
+        elif self.potential is not None and not derived and not traced:
             with suppress(*checks.NOT_TRACEABLE):  # numbers that JAX traces have no values to compare
-                checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
+                if self.history is None:
+                    checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
+                else:
+                    checks.check_stored_energy(self.force, self.potential, self.u0, self.history, self.title)
 
         checks.check_symmetry("mass", self.mass)
         checks.check_symmetry("stiffness", self.stiffness)
@@ -157,6 +160,7 @@ class Problem(eqx.Module):
 
     def _count_arguments(self) -> None:
         """The number of arguments of the force, and its history at rest."""
+        checks.check_defaults(self.force, self.title)
         self.arguments = number_of_arguments(self.force) if callable(self.force) else 1
         if self.history is None:
             self.history = getattr(self.force, "history", None)

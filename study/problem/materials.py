@@ -35,6 +35,14 @@ def _check(name: str, value: Any, low: float, strict: bool, high: float = np.inf
         raise ValueError(f"{name} must be a number {limits}, not {value}.")
 
 
+def _check_shapes(**parameters: Any) -> None:
+    """Refuse parameters that are numbers for different numbers of elements."""
+    shapes = {name: np.shape(value) for name, value in parameters.items()}
+    if len({shape for shape in shapes.values() if shape != ()}) > 1:
+        each = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise ValueError(f"parameters must be numbers or arrays of one shape, a value for each element, not {each}.")
+
+
 class Elastoplastic(eqx.Module):
     """An elastoplastic spring with linear kinematic hardening, the bilinear spring of structural codes.
 
@@ -55,7 +63,7 @@ class Elastoplastic(eqx.Module):
     @property
     def history(self) -> np.ndarray:
         """No plastic displacement."""
-        return np.zeros(np.broadcast_shapes(*(np.shape(x) for x in (self.stiffness, self.yield_force))))
+        return np.zeros(np.broadcast_shapes(*map(np.shape, (self.stiffness, self.yield_force, self.hardening))))
 
     def _elastic(self, u, plastic):
         bound, trial = self.yield_force / self.stiffness, u - plastic
@@ -80,11 +88,12 @@ def elastoplastic(stiffness, yield_force, hardening=0.0) -> Elastoplastic:
     Raises
     ------
     ValueError
-        If k or p_y is not greater than zero, or b is not between 0 and 1.
+        If k or p_y is not greater than zero, b is not between 0 and 1, or their shapes differ.
     """
     _check("stiffness", stiffness, 0.0, strict=True)
     _check("yield_force", yield_force, 0.0, strict=True)
     _check("hardening", hardening, 0.0, strict=False, high=1.0)
+    _check_shapes(stiffness=stiffness, yield_force=yield_force, hardening=hardening)
     return Elastoplastic(stiffness, yield_force, hardening)
 
 
@@ -98,10 +107,11 @@ def friction(slip_force, stiffness) -> Elastoplastic:
     Raises
     ------
     ValueError
-        If one of them is not greater than zero.
+        If one of them is not greater than zero, or their shapes differ.
     """
     _check("slip_force", slip_force, 0.0, strict=True)
     _check("stiffness", stiffness, 0.0, strict=True)
+    _check_shapes(slip_force=slip_force, stiffness=stiffness)
     return Elastoplastic(stiffness, slip_force, 0.0)
 
 
@@ -127,7 +137,7 @@ class BoucWen(eqx.Module):
     @property
     def history(self) -> tuple[np.ndarray, np.ndarray]:
         """At rest in u = 0, without a force."""
-        zero = np.zeros(np.broadcast_shapes(*(np.shape(x) for x in (self.stiffness, self.yield_force))))
+        zero = np.zeros(np.broadcast_shapes(*map(np.shape, (self.stiffness, self.yield_force, self.hardening))))
         return zero, zero
 
     def _loaded(self, y, x):
@@ -157,11 +167,13 @@ def bouc_wen(stiffness, yield_force, hardening=0.0, exponent: int = 1) -> BoucWe
     Raises
     ------
     ValueError
-        If k or p_y is not greater than zero, b is not between 0 and 1, or n is neither 1 nor 2.
+        If k or p_y is not greater than zero, b is not between 0 and 1, n is neither 1 nor 2, or their shapes
+        differ.
     """
     _check("stiffness", stiffness, 0.0, strict=True)
     _check("yield_force", yield_force, 0.0, strict=True)
     _check("hardening", hardening, 0.0, strict=False, high=1.0)
+    _check_shapes(stiffness=stiffness, yield_force=yield_force, hardening=hardening)
     if isinstance(exponent, bool) or not isinstance(exponent, int | np.integer) or exponent not in (1, 2):
         raise ValueError(f"exponent must be 1 or 2, for which the law has a closed solution, not {exponent!r}.")
     return BoucWen(stiffness, yield_force, hardening, int(exponent))
@@ -186,10 +198,11 @@ def viscous_damper(coefficient, exponent=1.0) -> ViscousDamper:
     Raises
     ------
     ValueError
-        If c is negative, or α is not greater than zero and at most 2.
+        If c is negative, α is not greater than zero and at most 2, or their shapes differ.
     """
     _check("coefficient", coefficient, 0.0, strict=False)
     _check("exponent", exponent, 0.0, strict=True, high=2.0)
+    _check_shapes(coefficient=coefficient, exponent=exponent)
     return ViscousDamper(coefficient, exponent)
 
 
@@ -214,10 +227,11 @@ def gap(stiffness, opening=0.0) -> Gap:
     Raises
     ------
     ValueError
-        If k is not greater than zero, or g is not a finite number.
+        If k is not greater than zero, g is not a finite number, or their shapes differ.
     """
     _check("stiffness", stiffness, 0.0, strict=True)
     _check("opening", opening, -np.inf, strict=True)
+    _check_shapes(stiffness=stiffness, opening=opening)
     return Gap(stiffness, opening)
 
 
@@ -282,9 +296,13 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
     Raises
     ------
     ValueError
-        If the number of elements is not a whole number of at least one.
+        If the number of elements is not a whole number of at least one, or the material has a history of another number
+        of elements.
     """
     if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
         raise ValueError(f"count must be a whole number of at least 1, not {count!r}.")
+    for start in jax.tree.leaves(getattr(material, "history", None)):
+        if np.shape(start) not in ((), (count,)):
+            raise ValueError(f"{count} elements need a material with numbers or arrays ({count},), not {material}.")
     kind = {1: _Elastic, 2: _Damping}.get(number_of_arguments(material), _Remembering)
     return kind(material, elongations, int(count))

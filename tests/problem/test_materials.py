@@ -133,6 +133,15 @@ def test_elements_assemble_nodal_forces():
         (lambda: materials.viscous_damper(1.0, 0.0), "exponent must be a number greater than 0 and at most 2"),
         (lambda: materials.gap(1.0, np.nan), "opening must be a number"),
         (lambda: materials.elements(REMEMBER["friction"], jnp.diff, count=0), "count must be a whole number"),
+        (
+            lambda: materials.elastoplastic([1.0, 2.0], [1.0, 2.0, 3.0]),
+            r"one shape, a value for each element, not stiffness \(2,\), yield_force \(3,\), hardening \(\)",
+        ),
+        (lambda: materials.gap([1.0, 2.0], np.zeros(3)), "arrays of one shape, a value for each element"),
+        (
+            lambda: materials.elements(materials.elastoplastic([1.0, 2.0], 1.0), jnp.diff, count=3),
+            r"3 elements need a material with numbers or arrays \(3,\), not Elastoplastic",
+        ),
     ],
 )
 def test_a_parameter_out_of_range_is_refused(make, sentence):
@@ -154,3 +163,25 @@ def test_a_parameter_out_of_range_is_refused(make, sentence):
 def test_a_force_that_forgets_is_refused(force, history, sentence):
     with pytest.raises(ValueError, match=sentence):
         study.Problem(force, u0=1.0, history=history, title="own")
+
+
+@pytest.mark.parametrize("name", ["v", "velocity", "history"])
+def test_an_argument_with_a_default_that_the_motion_would_never_give_is_refused(name):
+    scope: dict = {}
+    exec(f"def force(u, {name}=0.0): return u + {name}", scope)
+    with pytest.raises(ValueError, match=f"gives '{name}' a default, so that it would never receive it"):
+        study.Problem(scope["force"], u0=1.0, title="own")
+
+
+def test_a_constant_may_be_bound_by_a_default():
+    assert study.Problem(lambda u, k=3.0: k * u, u0=1.0).arguments == 1
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.5, -1.0])
+def test_a_stored_energy_is_compared_with_the_force_after_a_reversal(factor):
+    spring = materials.elements(materials.elastoplastic([4.0, 5.0], [0.3, 0.2], 0.1), jnp.asarray, 2)
+    if factor == 1.0:
+        study.Problem(spring, u0=np.zeros(2), potential=spring.potential)
+        return
+    with pytest.raises(ValueError, match="the force of 'own' is not the gradient of its potential"):
+        study.Problem(spring, u0=np.zeros(2), potential=lambda u, h: factor * spring.potential(u, h), title="own")
