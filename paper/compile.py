@@ -6,6 +6,7 @@ from pathlib import Path
 import typst
 
 from paper.manuscript import TEXT, check_uses, made_in
+from paper.writing import write
 
 
 def main(results: Path, output: Path) -> None:
@@ -23,14 +24,14 @@ def main(results: Path, output: Path) -> None:
         check_uses(TEXT.read_text(encoding="utf-8"), made_in(results))
     except ValueError as error:
         raise SystemExit(str(error)) from None
-    typst.compile(
+    pdf = typst.compile(
         str(TEXT),
-        output=str(output),
         root="/",
         sys_inputs={"results": str(results.resolve())},
         ignore_system_fonts=True,
         timestamp=0,
     )
+    write(output, pdf)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from typing import Any
 
 from paper.asks import value_at
 from paper.data import load, load_table
+from paper.writing import write
 
 #: Requirements on the configuration by dotted key. A list must be contained in the value, and any other object must
 #: equal it. A function takes the value and returns a sentence if it is unfit, None otherwise. The key "" stands for
@@ -195,7 +196,7 @@ def main(module: str, name: str, results: str, output: str) -> None:
         # imported by name, so that only figures, whose modules import the style, depend on its source
         importlib.import_module("paper.figures.style").save(one, Path(output))
     else:
-        Path(output).write_text(one, encoding="utf-8")
+        write(Path(output), one)
 
 
 if __name__ == "__main__":

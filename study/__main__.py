@@ -21,6 +21,7 @@ from study.problem.named import problems
 from study.registry import Registry, UnknownName
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
+from study.writing import check_writable
 
 _REGISTRIES: dict[str, Registry[Any]] = {"problems": problems, "schemes": schemes, "observers": observers}
 
@@ -87,7 +88,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def _run(arguments: argparse.Namespace) -> None:
     if arguments.output:
-        datasets.check_writable(arguments.output)
+        check_writable(arguments.output)
     dataset = run(
         arguments.problem,
         arguments.scheme,
@@ -106,7 +107,7 @@ def _run(arguments: argparse.Namespace) -> None:
 def _assess(arguments: argparse.Namespace) -> None:
     outputs = [arguments.output.with_name(arguments.output.name + suffix) for suffix in (".nc", ".html")]
     for output in outputs:
-        datasets.check_writable(output)
+        check_writable(output)
 
     def given(place: str, kind: type) -> Any:
         return load(place, (kind,)) if ".py" in place else place
@@ -133,7 +134,7 @@ def _assess(arguments: argparse.Namespace) -> None:
 
 
 def _assess_scheme(arguments: argparse.Namespace) -> None:
-    output = datasets.check_writable(arguments.output)
+    output = check_writable(arguments.output)
     scheme = load(arguments.scheme, (Scheme,)) if ".py" in arguments.scheme else arguments.scheme
     wanted = dict.fromkeys(arguments.problems) if arguments.problems else None
     assessed = assess_scheme(scheme, beside=arguments.beside, problems=wanted)
@@ -182,8 +183,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return
     except (UnknownName, TypeError, ValueError, OSError) as error:
-        mistake = str(error)
-    except SystemExit as error:  # a file that cannot be written
         mistake = str(error)
     else:
         return

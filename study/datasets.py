@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from study.registry import nearest
+from study.writing import whole
 
 #: Folder of the pipeline's products, relative to the folder in which it runs.
 RESULTS = Path("results")
@@ -115,35 +116,16 @@ def _encoding(dataset: xr.Dataset) -> dict:
     return encoding
 
 
-def check_writable(path: str | Path) -> Path:
-    """Make the folder of a file and check that the file can be written.
+def write(dataset: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset whole or not at all.
 
     Raises
     ------
-    SystemExit
-        If it cannot; the message says why.
+    NotWritten
+        If it cannot be written; the message says why.
     """
-    path = Path(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise SystemExit(f"the results folder '{path.parent}' cannot be made: {error.strerror}.") from None
-    if not os.access(path.parent, os.W_OK):
-        raise SystemExit(f"the results folder '{path.parent}' is not writable; choose one that is.")
-    if path.is_dir():
-        raise SystemExit(f"'{path}' is a folder; the dataset needs the name.")
-    return path
-
-
-def write(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset whole or not at all: to a file of this process beside ``path``, renamed when it is complete."""
-    path = check_writable(path)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
-    try:
+    with whole(path) as unfinished:
         dataset.to_netcdf(unfinished, engine="netcdf4", encoding=_encoding(dataset))
-        os.replace(unfinished, path)
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 #: The datasets that may be opened by name; all of them outside of an experiment.

@@ -57,7 +57,7 @@ def test_a_recommendation_is_printed(capsys, monkeypatch):
         ([*RUN[:2], "newmark_d", *RUN[3:]], "there is no scheme 'newmark_d'; did you mean 'newmark_dissipative'?"),
         ([*RUN[:4], "-1", *RUN[5:]], "dt must be finite and greater than zero, not -1.0."),
         ([*RUN, "--every", "3"], "every must divide the number of steps; 3 does not divide 20."),
-        ([*RUN, "--output", "{folder}"], "'{folder}' is a folder; the dataset needs the name."),
+        ([*RUN, "--output", "{folder}"], "'{folder}' is a folder, and the name of a file is needed."),
         ([*RUN, "--output", "{folder}/file/one.nc"], "the results folder '{folder}/file' cannot be made: File exists."),
         (
             ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],

@@ -119,9 +119,3 @@ def test_a_foreign_dataset_is_refused(tmp_path):
     xr.Dataset({"x": ("y", np.arange(3))}).to_netcdf(tmp_path / "one.nc")
     with pytest.raises(ValueError, match="was not written by this study"):
         study.open("one", tmp_path)
-
-
-def test_results_that_cannot_be_written_are_refused_before_any_work(tmp_path):
-    (tmp_path / "results").write_text("a file where a folder should be")
-    with pytest.raises(SystemExit, match="results' cannot be made"):
-        datasets.check_writable(tmp_path / "results" / "one.nc")

@@ -7,6 +7,7 @@ import pandas as pd
 
 from paper.claims.ledger import CLAIMS
 from paper.products import discover, made, reader
+from paper.writing import write
 
 
 def main(results: Path, output: Path) -> None:
@@ -28,7 +29,7 @@ def main(results: Path, output: Path) -> None:
                 "reason": finding.qualification,
             }
         )
-    pd.DataFrame(rows).to_csv(output, index=False)
+    write(output, pd.DataFrame(rows).to_csv(index=False))
 
 
 if __name__ == "__main__":

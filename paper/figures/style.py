@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable
 from functools import partial
+from io import BytesIO
 from pathlib import Path
 
 import matplotlib
@@ -18,6 +19,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from paper.data import families
+from paper.writing import write
 
 #: Width in inches of the page of the manuscript.
 PAGE = 7.1
@@ -134,11 +136,13 @@ def save(figure: Figure, output: Path) -> None:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
-    printers: dict[str, Callable[[Path], None]] = {
+    printers: dict[str, Callable[[BytesIO], None]] = {
         ".pdf": FigureCanvasPdf(figure).print_pdf,
         ".png": FigureCanvasAgg(figure).print_png,
         ".svg": partial(FigureCanvasSVG(figure).print_svg, metadata={"Date": None}),
     }
     for suffix, printer in printers.items():
         figure.dpi = plt.rcParams["savefig.dpi"]  # for rasters; vectors reset it to points
-        printer(output.with_suffix(suffix))
+        content = BytesIO()
+        printer(content)
+        write(output.with_suffix(suffix), content.getvalue())

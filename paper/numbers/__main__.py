@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from paper.products import Product, discover, made, reader
+from paper.writing import write
 
 
 def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[str, str]:
@@ -33,7 +34,7 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
 def main(results: Path, output: Path) -> None:
     """Write the numbers of a folder of results."""
     products = [product for product in discover(["numbers"]) if product.kind == "numbers"]
-    output.write_text(json.dumps(gathered(products, reader(results)), indent=1, ensure_ascii=False) + "\n")
+    write(output, json.dumps(gathered(products, reader(results)), indent=1, ensure_ascii=False) + "\n")
 
 
 if __name__ == "__main__":

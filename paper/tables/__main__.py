@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 from paper.products import discover, made, reader
+from paper.writing import write
 
 
 def main(results: Path, folder: Path) -> None:
@@ -11,8 +12,8 @@ def main(results: Path, folder: Path) -> None:
     read = reader(results)
     for product in (one for one in discover(["tables"]) if one.kind == "table"):
         frame = made(product, read)
-        frame.to_csv(folder / f"{product.name}.csv", index=False)
-        (folder / f"{product.name}.tex").write_text(frame.to_latex(index=False, escape=True))
+        write(folder / f"{product.name}.csv", frame.to_csv(index=False))
+        write(folder / f"{product.name}.tex", frame.to_latex(index=False, escape=True))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 import html
 import io
-import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -12,9 +11,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from study import datasets
 from study.analysis.outcomes import OUTCOMES
 from study.analysis.recommendation import of_assessment
+from study.writing import whole
 
 #: Colours that differ in greyscale and for the colour-blind, and markers that tell more curves apart.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
@@ -283,11 +282,9 @@ def page(assessed: xr.Dataset) -> str:
 
 def write_page(text: str, path: str | Path) -> Path:
     """Write a page whole or not at all."""
-    path = datasets.check_writable(path)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
-    unfinished.write_text(text, encoding="utf-8")
-    unfinished.replace(path)
-    return path
+    with whole(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+    return Path(path)
 
 
 def report(assessed: xr.Dataset, path: str | Path) -> Path:

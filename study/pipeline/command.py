@@ -8,9 +8,10 @@ import sys
 import xarray as xr
 
 from study import datasets
-from study.datasets import check_writable, provenance, write
+from study.datasets import provenance, write
 from study.pipeline.experiment import DECLARED, Experiment, arguments_of
 from study.registry import did_you_mean
+from study.writing import NotWritten, check_writable
 
 
 def _options(experiment: Experiment, text: str) -> dict:
@@ -53,7 +54,19 @@ def main(arguments: list[str]) -> None:
     """Make the datasets of one job, one for each output, and write each whole, with its provenance.
 
     The outputs are checked first.
+
+    Raises
+    ------
+    SystemExit
+        If an argument is wrong, the experiment fails, or a dataset cannot be written; the message is one sentence.
     """
+    try:
+        _make(arguments)
+    except NotWritten as error:
+        raise SystemExit(str(error)) from None
+
+
+def _make(arguments: list[str]) -> None:
     if len(arguments) < 4:
         raise SystemExit("usage: python -m study.pipeline.command MODULE DATASET OUTPUT... 'JSON OPTIONS'")
     module, dataset, *outputs, text = arguments

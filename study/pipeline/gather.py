@@ -7,10 +7,12 @@ row. Datasets that complement each other are merged; their dimension is ``none``
 import sys
 from collections.abc import Iterable
 from itertools import groupby
+from pathlib import Path
 
 import xarray as xr
 
-from study.datasets import check_writable, provenance, read, write
+from study.datasets import provenance, read, write
+from study.writing import NotWritten, check_writable
 
 
 def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
@@ -28,13 +30,16 @@ def main(output: str, dimensions: str, inputs: list[str]) -> None:
     Raises
     ------
     SystemExit
-        If a dataset is missing, damaged or not of this study.
+        If a dataset is missing, damaged or not of this study, or the new one cannot be written.
     """
-    path = check_writable(output)
     try:
-        parts = [read(name) for name in inputs]
-    except ValueError as error:
+        _gather(check_writable(output), dimensions, inputs)
+    except (ValueError, NotWritten) as error:
         raise SystemExit(f"study.pipeline.gather: {error}") from None
+
+
+def _gather(path: Path, dimensions: str, inputs: list[str]) -> None:
+    parts = [read(name) for name in inputs]
     # the encoding of the first part would cut names to its own length
     parts = [part.drop_encoding() for part in parts]
     if dimensions == "none":
