@@ -49,8 +49,9 @@ MAX_ITERATIONS = 50
 #: A correction is short enough if the residual along it keeps its sign, or at most this part of its size.
 OVERSHOOT = 0.1
 
-#: Most residuals that are taken to shorten a correction.
-MOST_LOOKS = 20
+#: Most residuals that are taken to shorten a correction: every second one halves the bracket, and the slopes of a force
+#: may differ by as many powers of two.
+MOST_LOOKS = 100
 
 
 def norm(x: Vector | float) -> Scalar:
@@ -127,7 +128,8 @@ def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance:
     """A Newton correction of several unknowns, shortened to where the residual along it is nearly zero.
 
     Where the tangent is symmetric and positive, that is the least energy along the correction, and the iteration comes
-    nearer with every correction. The place is found by secants; the value at an end that stays is halved (Illinois).
+    nearer with every correction. The place is found by secants, where the value at an end that stays is halved
+    (Illinois), and by bisection in turn.
     """
 
     def along(part):
@@ -139,7 +141,8 @@ def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance:
 
     def look(carry):
         low, at_low, high, at_high, _, looks = carry
-        part = jnp.clip((low * at_high - high * at_low) / (at_high - at_low), 0.99 * low + 0.01 * high, high)
+        secant = (low * at_high - high * at_low) / (at_high - at_low)
+        part = jnp.where(looks % 2 == 0, jnp.clip(secant, 0.99 * low + 0.01 * high, high), (low + high) / 2)
         value = along(part)
         beyond, found = value * before < 0, jnp.abs(value) <= OVERSHOOT * jnp.abs(before)
         low, at_low = jnp.where(beyond, low, part), jnp.where(beyond, at_low / 2, value)

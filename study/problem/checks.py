@@ -202,6 +202,28 @@ def check_gradient(force: Callable, potential: Callable, u0, title: str) -> None
     _compare(force, potential, u, direction, h, title)
 
 
+def check_history(force: Callable, u0, v0, history, title: str) -> None:
+    """Refuse a force whose new history does not give the same force again and return itself."""
+    u, _, _ = _near(u0)
+
+    @jax.jit
+    def twice(u, v, history):
+        p, new = force(u, v, history)
+        return (p, new), force(u, v, new)
+
+    with jax.ensure_compile_time_eval():
+        once, again = (jax.tree.leaves(one) for one in twice(u, v0, history))
+    changes = [
+        np.abs(np.asarray(x) - y).max() > GRADIENT_AGREEMENT * np.abs(x).max() for x, y in zip(once, again, strict=True)
+    ]
+    if any(changes):
+        what = "another force" if changes[0] else "another history"
+        raise ValueError(
+            f"force of '{title}' gives {what} when it is called again with the same displacement and the history that it "
+            "returned; a committed history must give the same force and return itself."
+        )
+
+
 def check_stored_energy(force: Callable, potential: Callable, u0, history, title: str) -> None:
     """Refuse a stored energy whose slope is not the force where a motion leaves the history as it is.
 

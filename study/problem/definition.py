@@ -134,6 +134,9 @@ class Problem(eqx.Module):
         checks.check_functions(self)
         self.kinked = not self.linear and may_have_kinks(self.varying_force, self.u0, self.v0)
         self.takes_velocity = self.arguments > 1 and depends_on_last(self.varying_force, self.u0, self.v0)
+        if self.history is not None and not traced:
+            with suppress(*checks.NOT_TRACEABLE):
+                checks.check_history(self.force, self.u0, self.v0, self.history, self.title)
         if self.linear:
             self.potential = _nothing
         elif self.potential is not None and not derived and not traced:

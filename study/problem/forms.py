@@ -103,7 +103,7 @@ def _beside_sparse(
 ) -> SparseTangent | int:
     """The form of a tangent that is added to sparse matrices: a half bandwidth of 0 or 1 if that holds all of them."""
     n = len(u0)
-    states = [] if force is None else tangent.two_states(force, u0, title)
+    states = [] if force is None else tangent.probed_states(force, u0, title)
     declared = coupling is not None
     if coupling is None:
         coupling = scipy.sparse.csc_array((n, n)) if force is None else coupling_of(force, states)

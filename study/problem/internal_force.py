@@ -11,7 +11,8 @@ import numpy as np
 from jax.extend import core
 
 #: Operations whose slope jumps where they do so for no other reason than the value of their argument.
-KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "while", "reduce_max", "reduce_min", "sort"}
+KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "rem", "while"}
+KINKS |= {"reduce_max", "reduce_min", "cummax", "cummin", "sort", "top_k"}
 #: Operations of which the truth of a comparison becomes a number, as in ``u * (u > 0)``.
 CONVERSION = "convert_element_type"
 #: Operations that branch by their first argument.
@@ -77,7 +78,10 @@ def _program(force: Callable, arguments: tuple) -> core.Jaxpr:
 
 
 def may_have_kinks(force: Callable, *arguments: Any) -> bool:
-    """Whether the force branches by an argument, or takes its size, its sign, or the larger of two values of it."""
+    """Whether the force branches by an argument, or takes its size, its sign, or the larger of two values of it.
+
+    A root is taken for smooth, as in the length of a bar, although it has a kink where its argument is zero.
+    """
     program = _program(force, arguments)
     return _kinked(program, [True] * len(program.invars))[0]
 

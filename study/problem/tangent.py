@@ -26,6 +26,9 @@ WRITTEN_OUT = 3
 #: Distances from u₀, relative to its size, at which the tangent is examined: the first one at which it is finite.
 PROBED = (0.05, 1e-3, 1e-6, 1e-9)
 
+#: Another distance, within which springs have not yielded yet.
+ELASTIC = 1e-6
+
 #: The true tangent and that of the declared form may differ by this part, for round-off.
 AGREEMENT = 1e-8
 
@@ -81,20 +84,26 @@ def force_and_tangent(force: Callable, u: Vector, form: FormOfTangent) -> tuple[
     return value, _bands(slope, form, n)  # type: ignore[arg-type]
 
 
-def two_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarray]:
-    """Two displacements near u₀ where the derivative of the force is finite, scattered so that no entry is zero."""
+def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarray]:
+    """Displacements at which the derivative of the force is examined, and is finite.
+
+    Two of them lie around u₀, scattered so that no entry of the derivative is zero by chance. Where springs yield or
+    slip there already, their coupling shows closer to u₀, in u₀ and in zero.
+    """
     scatter = np.random.default_rng(0).uniform(0.5, 1.5, (2, len(u0)))
     slope = jax.jit(lambda u: jax.jvp(force, (u,), (jnp.ones_like(u),))[1])
+    scale = max(np.abs(u0).max(), 1.0)
     # the smallest distance is far below any displacement, whatever its units
-    for size in np.array(PROBED) * max(np.abs(u0).max(), 1.0):
-        states = [u0 + size * scatter[0], u0 - size / 2 * scatter[1]]
-        if all(np.isfinite(slope(u)).all() for u in states):
-            return states
+    for size in np.array(PROBED) * scale:
+        around = [u0 + size * scatter[0], u0 - size / 2 * scatter[1]]
+        if all(np.isfinite(slope(u)).all() for u in around):
+            close = [u0 + ELASTIC * scale * scatter[0], u0, np.zeros_like(u0)]
+            return around + [u for u in close if np.isfinite(slope(u)).all()]
     raise ValueError(f"the derivative of the force of '{title}' is not finite near u0.")
 
 
 def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | str:
-    """Form of the tangent at two displacements near u₀, up to ``FINDABLE`` unknowns: a half bandwidth, or ``"dense"``.
+    """Form of the tangent near u₀ and in zero, up to ``FINDABLE`` unknowns: a half bandwidth, or ``"dense"``.
 
     It is ``"dense"`` too if the mass is singular and an unknown has no stiffness of its own, because bands are
     eliminated without pivoting.
@@ -106,7 +115,7 @@ def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | 
     """
     n = len(u0)
     jacobian = jax.jit(jax.jacfwd(force))
-    entries = sum(np.abs(np.asarray(jacobian(u))) for u in two_states(force, u0, title))
+    entries = sum(np.abs(np.asarray(jacobian(u))) for u in probed_states(force, u0, title))
     rows, columns = np.nonzero(entries)
     half_bandwidth = int(np.abs(rows - columns).max(initial=0))
     if massless and not np.diagonal(entries).all():
@@ -160,7 +169,7 @@ def check_form(force: Callable, u0: np.ndarray, declared: int | str, title: str)
         _, tangent = force_and_tangent(force, u, known)
         return jnp.abs(times(tangent, one) - along).max(), jnp.abs(along).max()
 
-    for u in two_states(force, u0, title):
+    for u in probed_states(force, u0, title):
         wrong, scale = misfit(u)
         if not wrong <= AGREEMENT * scale:
             raise ValueError(f"tangent={declared!r} does not fit the force of '{title}': {reason}.")

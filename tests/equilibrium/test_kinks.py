@@ -115,3 +115,18 @@ def test_fluid_dampers_of_small_exponent_run(exponent):
     dampers = study.materials.elements(study.materials.viscous_damper(5.0, exponent), lambda u: u, 2)
     problem = study.Problem(lambda u, v: 40.0 * u + dampers(u, v), np.zeros(2), ground=study.GroundMotion.el_centro())
     study.run(problem, "average_acceleration", dt=0.02, steps=300, on_failure="raise")
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e9])
+def test_several_unknowns_do_not_swing_between_sticking_and_slipping(stiffness):
+    """A contact far stiffer than its neighbours: the balance is the least of a convex function, and is found."""
+    contact = study.materials.elements(study.materials.friction(20.0, stiffness), lambda u: u[:-1] - u[1:], 1)
+
+    def force(u, v, history):
+        q, history = contact(u, v, history)
+        return q + jnp.array([50.0, 100.0]) * u, history
+
+    problem = study.Problem(force, u0=np.zeros(2), history=contact.history, tangent="dense")
+    v0 = 3 * np.random.default_rng(0).normal(size=(40, 2))
+    ds = study.run(problem, "average_acceleration", dt=0.3, steps=300, v0=v0)
+    assert not ds.status.any()

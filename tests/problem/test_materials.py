@@ -158,6 +158,8 @@ def test_a_parameter_out_of_range_is_refused(make, sentence):
         (lambda u, v, h: (u, h), "a", "must be arrays of real numbers, in any containers, not 'a'"),
         (lambda u, v, h: (u, h), np.nan, "the history of 'own' must be finite"),
         (lambda u, v: u, 0.0, "takes 2 arguments, and the problem has a history"),
+        (lambda u, v, h: (u + h, h + 0.1 * u), 0.0, "gives another force when it is called again with the same"),
+        (lambda u, v, h: (u, h + 1.0), 0.0, "gives another history when it is called again with the same"),
     ],
 )
 def test_a_force_that_forgets_is_refused(force, history, sentence):

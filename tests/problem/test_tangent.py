@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import study
+from study.algebra.matrices import times
 from study.problem import tangent
 from study.problem.sparse_tangent import SparseTangent
 
@@ -83,3 +84,20 @@ def test_a_structure_is_sought_where_the_force_has_a_derivative():
     assert study.Problem(potential=potential, u0=np.zeros(n)).tangent == "dense"
     with pytest.raises(ValueError, match="has entries outside it"):
         study.Problem(potential=potential, u0=np.zeros(n), tangent="tridiagonal")
+
+
+@pytest.mark.parametrize("slip", [2e5, 2.0])
+def test_the_coupling_of_contacts_that_slip_near_the_start_is_found(slip):
+    """Already a small motion makes all of them slip, where the tangent is a diagonal."""
+    contacts = study.materials.elements(study.materials.friction(slip, 1e9), lambda u: u - jnp.pad(u[:-1], (1, 0)), 8)
+
+    def force(u, v, history):
+        p, history = contacts(u, v, history)
+        return 1e7 * u + p, history
+
+    options = {"u0": np.zeros(8), "history": contacts.history, "damping": study.Rayleigh(0.0, 0.02)}
+    found = study.Problem(force, **options)
+    assert found.tangent == 1
+    declared = study.Problem(force, tangent="dense", **options)
+    v = np.arange(8.0)
+    np.testing.assert_allclose(times(found.damping, v), times(declared.damping, v), rtol=1e-12)
