@@ -108,6 +108,22 @@ class Sparse(eqx.Module):
         """The sum with values at some of the entries, given by their numbers."""
         return Sparse(jnp.asarray(self.values).at[entries].add(values), self.pattern)
 
+    def within(self, pattern: Pattern) -> "Sparse":
+        """The same matrix in a wider pattern; in that of a symmetric one, its lower triangle."""
+        rows, columns, values = self.pattern.rows, self.pattern.columns, jnp.asarray(self.values)
+        if pattern.symmetric:
+            lower = np.flatnonzero(rows >= columns)
+            rows, columns, values = rows[lower], columns[lower], values[lower]
+        wide = jnp.zeros(len(pattern.rows), values.dtype)
+        return Sparse(wide.at[pattern.numbers(rows, columns)].add(values), pattern)
+
+    def band(self, offset: int) -> jax.Array:
+        """The entries (i, i + offset), as a vector (n,) with zeros where there are none."""
+        rows, columns = self.pattern.rows, self.pattern.columns
+        there = np.flatnonzero(columns - rows == offset)
+        values = jnp.asarray(self.values)
+        return jnp.zeros(self.pattern.size, values.dtype).at[rows[there]].set(values[there])
+
     def dense(self) -> jax.Array:
         """The full matrix (n, n)."""
         pattern = self.pattern
@@ -149,6 +165,23 @@ def is_sparse(matrix: Any) -> bool:
     # importing that takes a tenth of a second, and whoever has such a matrix has done so
     module = sys.modules.get("scipy.sparse")
     return module is not None and module.issparse(matrix)
+
+
+def is_sparse_of_jax(matrix: Any) -> bool:
+    """Whether it is a ``BCOO`` of :mod:`jax.experimental.sparse`, whose entries JAX may trace."""
+    module = sys.modules.get("jax.experimental.sparse")
+    return module is not None and isinstance(matrix, module.BCOO)
+
+
+def of_jax(matrix: Any) -> ScipySparse | Sparse:
+    """A ``BCOO`` as a matrix of :mod:`scipy.sparse`, or where JAX traces its entries as one with their pattern."""
+    rows, columns = np.asarray(matrix.indices).T
+    if not isinstance(matrix.data, jax.core.Tracer):
+        return as_sparse(scipy.sparse.coo_array((np.asarray(matrix.data), (rows, columns)), matrix.shape))
+    places = scipy.sparse.coo_array((np.ones(len(rows)), (rows, columns)), matrix.shape)
+    pattern = Pattern(places, symmetric=False)
+    values = jnp.zeros(len(pattern.rows), matrix.data.dtype).at[pattern.numbers(rows, columns)].add(matrix.data)
+    return Sparse(values, pattern)
 
 
 def as_sparse(matrix: Any) -> ScipySparse:

@@ -16,6 +16,7 @@ from study.marching.program import as_result
 from study.marching.result import Result
 from study.marching.shapes import CountOfLanes, OfLanes
 from study.observer.base import Observer
+from study.problem.checks import NOT_TRACEABLE
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
 
@@ -29,7 +30,10 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
         If ``make`` is no function of the names, a name is taken, or the arrays are no numbers of one length.
     """
     if not callable(make) or isinstance(make, Problem):
-        raise TypeError(f"over= needs a function that makes a problem in place of {make!r}.")
+        what = f"the problem '{make.title}'" if isinstance(make, Problem) else repr(make)
+        raise TypeError(f"over= needs a function that makes a problem in place of {what}.")
+    if not isinstance(over, Mapping):
+        raise TypeError(f"over must be a mapping of names to arrays, such as over={{'scale': [1, 2]}}, not {over!r}.")
     arguments = inspect.signature(make).parameters
     takes_any = any(p.kind is p.VAR_KEYWORD for p in arguments.values())
     taken = {*RESERVED, *(name for observer in observers for name in observer.variables)}
@@ -44,6 +48,9 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
     lengths = {name: len(value) for name, value in values.items()}
     if len(set(lengths.values())) != 1 or not all(lengths.values()):
         raise ValueError(f"over needs arrays of one length, at least one, not {lengths or 'nothing'}.")
+    for name, one in arguments.items():
+        if one.default is one.empty and one.kind in (one.POSITIONAL_OR_KEYWORD, one.KEYWORD_ONLY) and name not in over:
+            raise ValueError(f"over lacks '{name}', an argument of the function that makes the problem.")
     return {name: value.astype(float) for name, value in values.items()}
 
 
@@ -61,7 +68,8 @@ def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) 
     for value in over.values():
         flat = value.reshape(len(value), -1)
         ends |= {*flat.argmin(axis=0).tolist(), *flat.argmax(axis=0).tolist()}
-    made = {lane: make(**{name: value[lane] for name, value in over.items()}) for lane in sorted(ends)}
+    # arrays of JAX, as the march gives them: a number of NumPy times a sparse matrix of JAX is none
+    made = {lane: make(**{name: jnp.asarray(value[lane]) for name, value in over.items()}) for lane in sorted(ends)}
     for lane, problem in made.items():
         if not isinstance(problem, Problem):
             raise TypeError(f"the function over whose arguments to run must return a study.Problem, not {problem!r}.")
@@ -116,6 +124,13 @@ def march_family(
     def all_of(*lanes):
         return lax.map(lambda tile: jax.vmap(one)(*tile), lanes)
 
-    found = all_of({name: value[place] for name, value in over.items()}, dt[place], steps[place])
+    try:
+        found = all_of({name: value[place] for name, value in over.items()}, dt[place], steps[place])
+    except NOT_TRACEABLE as error:
+        reason = (str(error).splitlines() or [""])[0]
+        raise ValueError(
+            "the function that makes the problem of each lane must be written with jax.numpy, and a sparse matrix that "
+            f"depends on its arguments with jax.experimental.sparse.BCOO: {type(error).__name__}: {reason}"
+        ) from error
     stored, result = jax.tree.map(lambda x: np.asarray(x).reshape(-1, *x.shape[2:])[:lanes].copy(), found)
     return as_result(result, stored)

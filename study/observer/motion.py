@@ -10,8 +10,14 @@ import jax.numpy as jnp
 from study.equilibrium.balance import acceleration
 from study.observer.base import Observer, Record, Reduction
 
-#: Arguments that the function of a quantity may have: time, displacement, velocity and acceleration.
-ARGUMENTS = ("t", "u", "v", "a")
+#: Arguments that the function of a quantity may have.
+ARGUMENTS = {
+    "t": "time",
+    "u": "displacement",
+    "v": "velocity",
+    "a": "acceleration",
+    "ground": "acceleration of the ground",
+}
 
 #: How a quantity is reduced to one value a run; along time for None.
 REDUCTIONS = (None, "peak", "final", "rms")
@@ -57,8 +63,8 @@ def _arguments_of(function: Callable) -> tuple[str, ...]:
     names = tuple(inspect.signature(function).parameters)
     if not names or any(name not in ARGUMENTS for name in names):
         raise ValueError(
-            f"the function of a quantity takes some of {', '.join(ARGUMENTS)} (time, displacement, velocity, "
-            f"acceleration) by these names, not {', '.join(names) or 'nothing'}."
+            f"the function of a quantity takes some of {', '.join(ARGUMENTS)} ({', '.join(ARGUMENTS.values())}) by "
+            f"these names, not {', '.join(names) or 'nothing'}."
         )
     return names
 
@@ -69,10 +75,11 @@ class Quantity(Record):
     Parameters
     ----------
     function
-        Function of some of the arguments ``t``, ``u``, ``v`` and ``a``, which it gets by these names: the time, and
-        displacement, velocity and acceleration, each of shape () or (n,). It returns a number or a vector and must be
-        written with ``jax.numpy``. The acceleration is that of the equation of motion, M⁻¹ (f − C u̇ − p(u)), whatever
-        the scheme carries.
+        Function of some of the arguments ``t``, ``u``, ``v``, ``a`` and ``ground``, which it gets by these names: the
+        time, and displacement, velocity and acceleration, each of shape () or (n,). It returns a number or a vector and
+        must be written with ``jax.numpy``. The acceleration is that of the equation of motion, M⁻¹ (f − C u̇ − p(u)),
+        whatever the scheme carries; on moving ground it is relative, ``ground`` is ι a(t), that of the ground at each
+        unknown, and ``lambda a, ground: a + ground`` is the absolute one.
     name, long_name, units
         Name and attributes of the variable in the dataset.
     reduce
@@ -111,6 +118,8 @@ class Quantity(Record):
         return self if self.reduce is None else _Reduced(self)
 
     def refusal(self, problem):
+        if problem.ground is None and "ground" in _arguments_of(self.function):
+            return f"the quantity '{self.name}' needs Problem(ground=...), which '{problem.title}' was made without."
         if problem.massless and self.needs_acceleration:
             return f"the quantity '{self.name}' needs ü, which '{problem.title}' leaves open where it has no mass."
         try:
@@ -129,6 +138,8 @@ class Quantity(Record):
         given = {"t": t, "u": u, "v": v}
         if "a" in names:
             given["a"] = acceleration(problem, t, u, v)
+        if "ground" in names:
+            given["ground"] = problem.influence * problem.ground(t)
         return jnp.asarray(self.function(**{name: given[name] for name in names}))
 
     def sample(self, problem, initial, state, t):

@@ -17,7 +17,7 @@ import scipy
 from study.algebra.arrays import Matrix, ScipySparse
 from study.algebra.factorisation import is_positive_definite
 from study.algebra.matrices import Banded, MatrixFree
-from study.algebra.sparse import SYMMETRY, Sparse, as_sparse, is_sparse
+from study.algebra.sparse import SYMMETRY, Sparse, as_sparse, is_sparse, is_sparse_of_jax, of_jax
 from study.problem.damping import Rayleigh
 from study.problem.ground import GroundMotion
 from study.problem.potential import StrainEnergy
@@ -36,7 +36,13 @@ def real_numbers(name: str, value):
     """The value as a float64 array; None, matrices in a form of their own and what JAX is tracing stay as they are."""
     if value is None or isinstance(value, jax.core.Tracer | Rayleigh | Banded | Sparse | MatrixFree):
         return value
+    if is_sparse_of_jax(value):
+        if isinstance(value.indices, jax.core.Tracer):
+            raise ValueError(f"{name}: JAX may trace the entries of a sparse matrix, not their places.")
+        return of_jax(value)
     if is_sparse(value):
+        if value.ndim != 2:
+            raise ValueError(f"{name} must be a matrix; the sparse array has the shape {value.shape}.")
         if value.dtype.kind not in "fiu":
             raise ValueError(f"{name} must be a sparse matrix of real numbers, not of {value.dtype}.")
         return as_sparse(value)
@@ -59,8 +65,9 @@ def check_shapes(problem) -> None:
         raise ValueError(f"v0 must have the shape of u0, {shape}, not {np.shape(problem.v0)}.")
     for name in MATRICES:
         value = getattr(problem, name)
-        if is_sparse(value) and value.shape != shape * 2:
-            raise ValueError(f"{name} must have the shape {shape * 2} for u0 of shape {shape}; got {value.shape}.")
+        has = (value.pattern.size,) * 2 if isinstance(value, Sparse) else getattr(value, "shape", None)
+        if (is_sparse(value) or isinstance(value, Sparse)) and has != shape * 2:
+            raise ValueError(f"{name} must have the shape {shape * 2} for u0 of shape {shape}; got {has}.")
         if isinstance(value, np.ndarray | jax.Array) and value.shape not in {(), shape, shape * 2}:
             raise ValueError(
                 f"{name} must be a number, a diagonal or a matrix for u0 of shape {shape}; got {value.shape}."
@@ -173,8 +180,8 @@ def _without_history(returned, history, title: str):
     )
     if start != new:
         raise ValueError(
-            f"force of '{title}' must return a history with the shapes and types of its start, {start[1]}, in the same "
-            f"containers, not {new[1]}."
+            f"force of '{title}' must return a history with the containers, shapes and types of its start, "
+            f"{jax.tree.map(_kind, history)}, not {jax.tree.map(_kind, returned[1])}."
         )
     return returned[0]
 
@@ -202,6 +209,11 @@ def check_gradient(force: Callable, potential: Callable, u0, title: str) -> None
     _compare(force, potential, u, direction, h, title)
 
 
+def _kind(array) -> str:
+    """Type and shape of an array in short."""
+    return f"{jnp.result_type(array)}{list(jnp.shape(array))}"
+
+
 def check_history(force: Callable, u0, v0, history, title: str) -> None:
     """Refuse a force whose new history does not give the same force again and return itself."""
     u, _, _ = _near(u0)
@@ -219,8 +231,8 @@ def check_history(force: Callable, u0, v0, history, title: str) -> None:
     if any(changes):
         what = "another force" if changes[0] else "another history"
         raise ValueError(
-            f"force of '{title}' gives {what} when it is called again with the same displacement and the history that it "
-            "returned; a committed history must give the same force and return itself."
+            f"force of '{title}' gives {what} when it is called again with the same displacement and the history that "
+            "it returned; a committed history must give the same force and return itself."
         )
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import fields
-from functools import partial
 from typing import Any
 
 import equinox as eqx
@@ -16,7 +15,7 @@ from study.algebra.matrices import add, times
 from study.algebra.sparse import is_sparse
 from study.problem import checks, tangent
 from study.problem.damping import Rayleigh, rayleigh_matrix
-from study.problem.forms import form_of_tangent, stored
+from study.problem.forms import entries_of, form_of_tangent, stored
 from study.problem.ground import GroundLoad, GroundMotion
 from study.problem.internal_force import as_history, depends_on_last, may_have_kinks, number_of_arguments
 from study.problem.potential import gradient
@@ -48,9 +47,11 @@ class Problem(eqx.Module):
         it was committed, the new history must give the same force and return itself.
     stiffness
         K, the constant part of the internal force, which is K u + p then: a number, a diagonal (n,), or a symmetric
-        matrix (n, n), dense or of :mod:`scipy.sparse`. Only p is differentiated. A problem with a stiffness and no
-        force is linear, and takes one solution a step without iteration. With sparse matrices p should act on few
-        unknowns or couple neighbours; the factorisation follows the pattern, and is kept while the matrix stays.
+        matrix (n, n), dense, of :mod:`scipy.sparse`, or a ``BCOO`` of :mod:`jax.experimental.sparse`, whose entries
+        may depend on what JAX differentiates or on the lane of a family. Only p is differentiated. A problem with a
+        stiffness and no force is linear, and takes one solution a step without iteration. With sparse matrices p should
+        act on few unknowns or couple neighbours; the factorisation follows the pattern, and is kept while the matrix
+        stays.
     potential
         V(u) with p = ∂V/∂u, a scalar, or a :class:`study.StrainEnergy`; V(u, history) for a force with a history. Of a
         force that dissipates it is the energy that is stored. Only energies and conserving schemes need it.
@@ -154,7 +155,7 @@ class Problem(eqx.Module):
         self.massless = checks.is_singular(self.mass)
 
         force = None if self.linear else self._coupling()
-        sparse_ones = [m for m in map(partial(getattr, self), checks.MATRICES) if is_sparse(m)]
+        sparse_ones = [of for name in checks.MATRICES if (of := entries_of(getattr(self, name), name)) is not None]
         self.tangent = form_of_tangent(force, self.u0, self.tangent, self.massless, sparse_ones, self.title)
         for name in checks.MATRICES:
             setattr(self, name, stored(getattr(self, name), self.tangent))

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from study.algebra.arrays import Matrix, ScipySparse
-from study.algebra.matrices import SMALL, banded, banded_sparse, times
+from study.algebra.matrices import SMALL, Banded, banded, banded_sparse, times
 from study.algebra.sparse import SYMMETRY, Sparse, is_sparse, union
 from study.problem import tangent
 from study.problem.checks import NOT_TRACEABLE
@@ -60,17 +60,40 @@ def form_of_tangent(
             tangent.check_form(force, u0, declared, title)  # type: ignore[arg-type]
     except NOT_TRACEABLE:  # the force has numbers that JAX traces, so that there is no value to look at
         if declared is None:
+            forms = (
+                "diagonal, tridiagonal, a half bandwidth, or a sparse matrix with an entry wherever it has one"
+                if beside_sparse
+                else f"one of {', '.join(tangent.FORMS)} or a half bandwidth"
+            )
             raise ValueError(
                 f"'{title}' is made while JAX traces numbers in its force: declare the form of its tangent "
-                f"with Problem(tangent=...), one of {', '.join(tangent.FORMS)} or a half bandwidth."
+                f"with Problem(tangent=...), {forms}."
             ) from None
         if coupling is not None:
             return SparseTangent(coupling, others, symmetric=False)
     return known
 
 
+def entries_of(matrix: Matrix, name: str) -> ScipySparse | None:
+    """A sparse matrix whose entries and symmetry are those of stiffness, mass or damping; None if that is not sparse.
+
+    Of a matrix whose numbers JAX traces the places are known. Stiffness and mass are symmetric, and damping may not be.
+    """
+    if is_sparse(matrix):
+        return matrix
+    if not isinstance(matrix, Sparse):
+        return None
+    pattern = matrix.pattern
+    numbers = np.where(pattern.rows > pattern.columns, 2.0 if name == "damping" else 1.0, 1.0)
+    return scipy.sparse.csc_array((numbers, (pattern.rows, pattern.columns)), (pattern.size,) * 2)
+
+
 def stored(matrix: Matrix, form: FormOfTangent) -> Matrix:
     """Stiffness, mass or damping in the smallest form that holds it, beside a tangent of this form."""
+    if isinstance(matrix, Sparse):
+        if isinstance(form, SparseTangent):
+            return matrix.within(form.pattern)
+        return matrix.band(0) if form == 0 else Banded(jnp.stack([matrix.band(offset) for offset in (-1, 0, 1)]))
     if is_sparse(matrix):
         if matrix.nnz == np.count_nonzero(matrix.diagonal()):
             return matrix.diagonal()

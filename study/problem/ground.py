@@ -1,8 +1,10 @@
 """Motion of the ground, and the load that it is on a structure."""
 
 import re
+import reprlib
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -29,12 +31,20 @@ Lines = Float[np.ndarray, "lines two"]
 
 _RECORDS = Path(__file__).parent / "records"
 
+_NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+#: Forms of the last line of an AT2 file's header, of today and of before.
+_HEADERS = [
+    re.compile(rf"NPTS\s*=\s*(\d+).*?DT\s*=\s*{_NUMBER}", re.IGNORECASE),
+    re.compile(rf"(\d+)\s+{_NUMBER}\s+NPTS,\s*DT", re.IGNORECASE),
+]
+
 
 class GroundMotion(eqx.Module):
-    """Acceleration of the ground along time: samples a constant time apart, linear between them, zero after the last.
+    """Acceleration of the ground along time: samples a constant time apart, and linear between them.
 
-    This is the convention of the field. The kinks at the samples limit the order of every scheme, unless its steps end
-    there. The value at a time is found by its place among the samples, without a search.
+    This is the convention of the field. From the time of the last sample on the acceleration is zero. The kinks at the
+    samples limit the order of every scheme, unless its steps end there. The value at a time is found by its place among
+    the samples, without a search.
 
     Parameters
     ----------
@@ -48,7 +58,7 @@ class GroundMotion(eqx.Module):
     Raises
     ------
     ValueError
-        If there are fewer than two samples, one is not finite, or ``dt`` is not greater than zero.
+        If there are fewer than two samples, one is no finite real number, or ``dt`` is not greater than zero.
     """
 
     acceleration: Samples
@@ -58,6 +68,7 @@ class GroundMotion(eqx.Module):
     _lines: Lines
 
     def __init__(self, acceleration: Samples, dt: float, *, title: str = "ground motion"):
+        _check_numbers(acceleration, dt, title)
         self.acceleration, self.dt, self.title = as_float64(acceleration), as_float64(dt), title
         self._check()
         slope = self.acceleration[1:] - self.acceleration[:-1]
@@ -103,7 +114,7 @@ class GroundMotion(eqx.Module):
 
         Two forms are read. An AT2 file of the PEER ground motion database has four lines of header, of which the last
         holds ``NPTS`` and ``DT``; its first sample belongs to t = DT, and the motion starts from zero at t = 0. A file
-        of two columns holds times and accelerations; lines that begin with ``#`` are skipped.
+        of two columns holds times and accelerations; lines that begin with ``#`` or ``%`` are skipped.
 
         Parameters
         ----------
@@ -118,12 +129,12 @@ class GroundMotion(eqx.Module):
             If the unit is unknown or cannot be right, if header and samples disagree, or if samples are missing.
         """
         path = Path(path)
-        if unit not in UNITS:
+        if not isinstance(unit, str) or unit not in UNITS:
             raise ValueError(f"unit must be one of {', '.join(UNITS)}, not {unit!r}.")
         if not path.is_file():
             raise FileNotFoundError(f"there is no record '{path}'.")
-        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-        header = re.search(r"NPTS\s*=\s*(\d+).*?DT\s*=\s*([\d.eE+-]+)", " ".join(lines[:4]), re.IGNORECASE)
+        lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+        header = next((found for form in _HEADERS if (found := form.search(" ".join(lines[:4])))), None)
         samples, dt = _of_peer(path, lines, header, unit) if header else _of_columns(path, lines)
         samples = UNITS[unit] * samples
         peak = np.abs(samples).max() / UNITS["g"]
@@ -140,6 +151,17 @@ class GroundMotion(eqx.Module):
         return cls.read(_RECORDS / "el_centro_1940_ns.at2", unit="g")
 
 
+def _check_numbers(acceleration: Any, dt: Any, title: str) -> None:
+    for value, ndim, what in ((acceleration, 1, "samples of acceleration"), (dt, 0, "a time between samples")):
+        try:
+            numbers = value if isinstance(value, jax.core.Tracer) else np.asarray(value)
+        except ValueError:  # rows of different lengths
+            numbers = np.asarray(None)
+        if numbers.ndim != ndim or np.dtype(numbers.dtype).kind not in "fiu":
+            shape = "of shape (samples,)" if ndim else "that is a number"
+            raise ValueError(f"'{title}' needs {what} {shape}, of real numbers, not {reprlib.repr(value)}.")
+
+
 def _numbers(path: Path, words: list[str]) -> np.ndarray:
     try:
         numbers = np.array([float(word) for word in words])
@@ -150,13 +172,27 @@ def _numbers(path: Path, words: list[str]) -> np.ndarray:
     return numbers
 
 
+def _unit_of(word: str) -> str | None:
+    """The unit that a header states, None if it is not known."""
+    plain = re.sub(r"[\s*^.,;:()]", "", word.lower()).replace("sec", "s").replace("/s/s", "/s2")
+    return {"gal": "cm/s2"}.get(plain, plain if plain in UNITS else None)
+
+
 def _of_peer(path: Path, lines: list[str], header: re.Match, unit: str) -> tuple[np.ndarray, float]:
     """Samples and the time between them, of an AT2 file."""
-    stated = re.search(r"units of (\S+)", " ".join(lines[:4]), re.IGNORECASE)
-    if stated and stated[1].lower().replace("**", "").replace("^", "") in UNITS and stated[1].lower() != unit:
+    text = " ".join(lines[:4])
+    other = re.search(r"velocity|displacement", text, re.IGNORECASE)
+    if other and not re.search("acceleration", text, re.IGNORECASE):
+        raise ValueError(
+            f"the header of '{path}' announces {other[0].lower()}, and a record of acceleration is needed."
+        )
+    stated = re.search(r"units of (\S+)", text, re.IGNORECASE)
+    if stated and _unit_of(stated[1]) not in (unit, None):
         raise ValueError(f"the header of '{path}' states the unit {stated[1]}, not {unit!r}.")
     samples = _numbers(path, " ".join(lines[4:]).split())
     count, dt = int(header[1]), float(header[2])
+    if not count:
+        raise ValueError(f"the header of '{path}' announces no samples.")
     if len(samples) != count:
         raise ValueError(f"the header of '{path}' announces {count} samples, and the file holds {len(samples)}.")
     return np.concatenate([[0.0], samples]), dt
@@ -164,7 +200,7 @@ def _of_peer(path: Path, lines: list[str], header: re.Match, unit: str) -> tuple
 
 def _of_columns(path: Path, lines: list[str]) -> tuple[np.ndarray, float]:
     """Samples from t = 0 on and the time between them, of a file with times and accelerations."""
-    rows = [words for line in lines if (words := line.replace(",", " ").split()) and not words[0].startswith("#")]
+    rows = [words for line in lines if (words := line.replace(",", " ").split()) and words[0][0] not in "#%"]
     if len(rows) < 2 or any(len(row) != 2 for row in rows):
         raise ValueError(f"'{path}' is neither an AT2 file with NPTS and DT in its header nor one of two columns.")
     t, samples = _numbers(path, [word for row in rows for word in row]).reshape(-1, 2).T

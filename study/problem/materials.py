@@ -32,7 +32,7 @@ def _check(name: str, value: Any, low: float, strict: bool, high: float = np.inf
         limits = f"greater than {low:g}" if strict else f"at least {low:g}"
         limits = "that is finite" if np.isinf(low) else limits
         limits += "" if np.isinf(high) else f" and at most {high:g}"
-        raise ValueError(f"{name} must be a number {limits}, not {value}.")
+        raise ValueError(f"{name} must be a number {limits}, not {value!r}.")
 
 
 def _check_shapes(**parameters: Any) -> None:
@@ -295,12 +295,17 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
 
     Raises
     ------
+    TypeError
+        If the material or the elongations are no function.
     ValueError
         If the number of elements is not a whole number of at least one, or the material has a history of another number
         of elements.
     """
     if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
         raise ValueError(f"count must be a whole number of at least 1, not {count!r}.")
+    for what, given in (("material", material), ("elongations", elongations)):
+        if not callable(given):
+            raise TypeError(f"{what} of elements must be a function, not {given!r}.")
     for start in jax.tree.leaves(getattr(material, "history", None)):
         if np.shape(start) not in ((), (count,)):
             raise ValueError(f"{count} elements need a material with numbers or arrays ({count},), not {material}.")

@@ -1,8 +1,11 @@
 """Ensembles over what a problem is made of."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import scipy.sparse
+from jax.experimental.sparse import BCOO
 
 import study
 
@@ -108,3 +111,65 @@ def test_bad_families_are_refused(make, change, error, sentence):
     arguments = {"dt": 0.1, "steps": 10, "over": {"stiffness": [1.0]}} | change
     with pytest.raises(error, match=sentence):
         study.run(make, "rk4", **arguments)
+
+
+def _mesh(side):
+    """The stiffness of a membrane of side × side nodes."""
+    row = scipy.sparse.diags_array([2 * np.ones(side), -np.ones(side - 1), -np.ones(side - 1)], offsets=[0, 1, -1])
+    one = scipy.sparse.eye_array(side)
+    return scipy.sparse.csc_array(scipy.sparse.kron(row, one) + scipy.sparse.kron(one, row))
+
+
+_ROW = scipy.sparse.csc_array(_mesh(40)[:40, :40])
+
+
+@pytest.mark.parametrize("stiffness", [_mesh(8), _ROW, scipy.sparse.eye_array(64)], ids=["mesh", "row", "diagonal"])
+def test_sparse_matrices_of_jax_depend_on_the_lane_and_are_differentiated(stiffness):
+    n = stiffness.shape[0]
+    u0, cubic = np.linspace(0.5, 1.0, n), lambda u: u**3
+    of_jax = BCOO.from_scipy_sparse(stiffness)
+
+    def make(scale, matrix=of_jax):
+        return study.Problem(cubic, u0=u0, stiffness=scale * matrix, damping=0.1 * matrix, mass=2.0 * matrix)
+
+    options = {"scheme": "average_acceleration", "dt": 0.05, "steps": 20}
+    lanes = study.run(make, over={"scale": [1.0, 3.0]}, **options)
+    for lane, scale in enumerate((1.0, 3.0)):
+        alone = study.run(make(scale, stiffness), **options)
+        np.testing.assert_allclose(lanes.u.isel(lane=lane).squeeze(), alone.u.squeeze(), rtol=1e-12)
+
+    def last(scale):
+        return study.evolve(make(scale), **options)["u"][0]
+
+    h = 1e-5
+    slope = (last(2.0 + h) - last(2.0 - h)) / (2 * h)
+    assert jax.grad(last)(2.0) == pytest.approx(float(slope), rel=1e-7)
+
+
+def test_the_peak_of_the_absolute_acceleration_is_a_quantity_of_a_family():
+    def shaken(scale):
+        ground = study.GroundMotion.el_centro().scaled(scale)
+        return study.Problem(lambda u: 100 * u, u0=np.zeros(2), ground=ground, tangent="diagonal")
+
+    absolute = study.Quantity(lambda a, ground: a + ground, name="floor", reduce="peak")
+    options = {"scheme": "average_acceleration", "dt": 0.01, "steps": 500}
+    lanes = study.run(shaken, over={"scale": [1.0, 2.0]}, observe=[absolute], **options)
+    alone = study.run(shaken(2.0), observe=["absolute_acceleration"], **options)
+    np.testing.assert_allclose(lanes.floor[1], np.abs(alone.absolute_acceleration).max("t"), rtol=1e-12)
+    with pytest.raises(ValueError, match="'floor' needs Problem"):
+        study.run("hardening", observe=[absolute], **options)
+
+
+@pytest.mark.parametrize(
+    "make, over, sentence",
+    [
+        (lambda s: study.Problem(None, np.ones(64), stiffness=s * _mesh(8)), {"s": [1.0, 2.0]}, "sparse.BCOO"),
+        (lambda s: study.Problem(lambda u: u if s > 0 else -u, 1.0), {"s": [1.0, 2.0]}, "must be written with jax.num"),
+        (lambda s, k: study.Problem(lambda u: s * k * u, 1.0), {"s": [1.0]}, "over lacks 'k', an argument"),
+        (lambda s: study.Problem(lambda u: s * u, 1.0), ["s"], "over must be a mapping of names to arrays"),
+        (study.problems["hardening"], {"s": [1.0]}, "needs a function that makes a problem in place of the problem"),
+    ],
+)
+def test_a_family_that_cannot_be_made_says_why(make, over, sentence):
+    with pytest.raises((TypeError, ValueError), match=sentence):
+        study.run(make, "rk4", over=over, dt=0.01, steps=5)

@@ -46,7 +46,7 @@ def test_quantities_are_reduced(pair, lanes):
 
 
 def test_unfit_quantities_are_refused():
-    with pytest.raises(ValueError, match="takes some of t, u, v, a .* not x, y"):
+    with pytest.raises(ValueError, match="takes some of t, u, v, a, ground .* not x, y"):
         study.Quantity(lambda x, y: x)
     with pytest.raises(ValueError, match="reduce must be one of None, 'peak', 'final', 'rms', not 'mean'"):
         study.Quantity(lambda u: u, reduce="mean")

@@ -59,12 +59,38 @@ def test_the_ground_is_a_load_on_every_mass():
 
 
 @pytest.mark.parametrize(
+    "stated, unit",
+    [("G,", "g"), ("CM/S**2", "cm/s2"), ("cm/s^2", "cm/s2"), ("cm/sec/sec", "cm/s2"), ("Gal", "cm/s2"), ("ells", "g")],
+)
+def test_units_of_headers_are_known_by_any_spelling(tmp_path, stated, unit):
+    path = written(tmp_path / "quake.at2", np.array([0.1, -0.2, 0.3]))
+    path.write_text(path.read_text().replace("units of g", f"UNITS OF {stated}"))
+    assert len(study.GroundMotion.read(path, unit=unit).acceleration) == 4
+
+
+def test_an_old_header_and_the_mark_of_a_byte_order_are_read(tmp_path):
+    path = tmp_path / "old.at2"
+    path.write_text("\ufeffa\nb\nunits of g\n  4  .0050  NPTS, DT\n0.1 0.2 0.3 0.4\n", encoding="utf-8")
+    record = study.GroundMotion.read(path, unit="g")
+    assert record.dt == 0.005 and len(record.acceleration) == 5
+
+
+@pytest.mark.parametrize(
     "text, unit, sentence",
     [
         (HEADER.format(3) + "0.1 0.2\n", "g", "announces 3 samples, and the file holds 2"),
         (HEADER.format(2) + "0.1 nan\n", "g", "sample 2 of '.*' is not finite"),
         (HEADER.format(2) + "0.1 x\n", "g", "holds something else than numbers"),
         (HEADER.format(2) + "0.1 0.2\n", "cm/s2", "states the unit g, not 'cm/s2'"),
+        (HEADER.format(2).replace("of g", "OF G,") + "0.1 0.2\n", "m/s2", "states the unit G,, not 'm/s2'"),
+        (HEADER.format(2).replace("of g", "of CM/SEC/SEC") + "0.1 0.2\n", "g", "states the unit CM/SEC/SEC, not 'g'"),
+        (
+            HEADER.format(2).replace("acceleration", "VELOCITY") + "0.1 0.2\n",
+            "g",
+            "announces velocity, and a record",
+        ),
+        (HEADER.format(0), "g", "announces no samples"),
+        (HEADER.format(2).replace("DT= .02000", "DT= .") + "0.1 0.2\n", "g", "is neither an AT2 file"),
         ("0 300\n1 -1\n", "g", "the peak of '.*' would be 300 g in the unit 'g'"),
         ("0 1\n1 2\n3 4\n4 5\n", "g", "must be a constant time apart, and are not after t = 1"),
         ("1 2 3\n4 5 6\n", "g", "is neither an AT2 file"),
@@ -82,6 +108,13 @@ def test_unfit_grounds_get_a_sentence():
     record = study.GroundMotion([0.0, 1.0], 0.1)
     with pytest.raises(FileNotFoundError, match="there is no record 'nowhere'"):
         study.GroundMotion.read("nowhere", unit="g")
+    with pytest.raises(ValueError, match="unit must be one of g, m/s2"):
+        study.GroundMotion.read("nowhere", unit=["g"])  # type: ignore[arg-type]
+    for samples in ([1j, 2j], ["a", "b"], [[1.0], [1.0, 2.0]], [[1.0, 2.0]]):
+        with pytest.raises(ValueError, match=r"needs samples of acceleration of shape \(samples,\), of real numbers"):
+            study.GroundMotion(samples, 0.1)
+    with pytest.raises(ValueError, match="needs a time between samples that is a number, of real numbers, not"):
+        study.GroundMotion([1.0, 2.0], [0.1, 0.2])
     with pytest.raises(ValueError, match="at least two samples"):
         study.GroundMotion([1.0], 0.1)
     with pytest.raises(ValueError, match="must be greater than zero, not 0"):

@@ -153,8 +153,12 @@ def test_a_parameter_out_of_range_is_refused(make, sentence):
     "force, history, sentence",
     [
         (lambda u, v, h: u, 0.0, "must return the force and its new history, a tuple of two"),
-        (lambda u, v, h: (u, (h, h)), 0.0, "must return a history with the shapes and types of its start"),
-        (lambda u, v, h: (u, jnp.zeros(2)), 0.0, "must return a history with the shapes and types of its start"),
+        (lambda u, v, h: (u, (h, h)), 0.0, "must return a history with the containers, shapes and types of its start"),
+        (
+            lambda u, v, h: (u, jnp.zeros(2)),
+            0.0,
+            "must return a history with the containers, shapes and types of its start",
+        ),
         (lambda u, v, h: (u, h), "a", "must be arrays of real numbers, in any containers, not 'a'"),
         (lambda u, v, h: (u, h), np.nan, "the history of 'own' must be finite"),
         (lambda u, v: u, 0.0, "takes 2 arguments, and the problem has a history"),
