@@ -153,7 +153,7 @@ def test_a_parameter_out_of_range_is_refused(make, sentence):
     "force, history, sentence",
     [
         (lambda u, v, h: u, 0.0, "must return the force and its new history, a tuple of two"),
-        (lambda u, v, h: (u, (h, h)), 0.0, "must return a history with the containers, shapes and types of its start"),
+        (lambda u, v, h: (u, (h, h)), 0.0, "must return a history with the containers, shapes"),
         (
             lambda u, v, h: (u, jnp.zeros(2)),
             0.0,
