@@ -7,10 +7,13 @@ the configuration. Two commands turn these declarations into a plan of steps, an
 import hashlib
 import json
 import os
+import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
+import psutil
 import yaml
 
 from snakemake.exceptions import WorkflowError
@@ -61,6 +64,16 @@ def planned():
     return json.loads(kept.read_text())
 
 
+if workflow.is_main_process:
+    # a script, as importing the study takes a second
+    entered = subprocess.run(
+        [sys.executable, f"{PROJECT}/study/pipeline/runs.py", str(os.getpid())], capture_output=True, text=True, check=True
+    )
+    os.environ["STUDY_RUN"], told = json.loads(entered.stdout)
+    for sentence in told:
+        print(sentence, file=sys.stderr)
+
+
 DATA, PAPER = planned()
 try:
     Path("results").mkdir(exist_ok=True)
@@ -69,6 +82,24 @@ except OSError:
     writable = False
 if not writable:
     raise WorkflowError(f"the folder '{Path('results').absolute()}' cannot be made or written; run where it can.")
+
+
+def end(number, frame):
+    """End the jobs, by force after two seconds, since one that compiles does not listen; then end like Ctrl-C does."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    jobs = psutil.Process().children(recursive=True)
+    for job in jobs:
+        with suppress(psutil.NoSuchProcess):
+            job.terminate()
+    for job in psutil.wait_procs(jobs, 2)[1]:
+        with suppress(psutil.NoSuchProcess):
+            job.kill()
+    raise KeyboardInterrupt
+
+
+onstart:
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, end)
 
 
 onerror:

@@ -1,0 +1,165 @@
+"""What a run of the pipeline finds in its folder: runs that live, and what runs that died have left there.
+
+``python study/pipeline/runs.py PID`` enters the process PID of Snakemake as a run of the current folder, and prints the
+name of the run and sentences for the reader as JSON. It is a script that imports nothing of the study, and so starts in
+a tenth of a second. Runs are known by files in ``.snakemake/runs``, and their jobs by the environment variable
+``STUDY_RUN``. While no run lives, it ends jobs that have survived theirs, removes their unfinished files, and lifts the
+lock.
+"""
+
+import json
+import os
+import platform
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import psutil
+
+#: Environment variable with the name of the run that a job belongs to.
+VARIABLE = "STUDY_RUN"
+
+#: Folder of the files that name runs, and that of Snakemake's locks.
+RUNS, LOCKS = Path(".snakemake", "runs"), Path(".snakemake", "locks")
+
+#: The start of a process is known to these seconds, since it is counted from the start of the machine.
+CLOCK = 5.0
+
+#: Seconds that a job has to end before it is killed.
+PATIENCE = 3.0
+
+#: A date this many seconds ahead lies in the future, and is not a clock that ticks a little faster elsewhere.
+AHEAD = 60.0
+
+#: Folders of products and sources, whose dates tell what must be made again.
+DATED = ("results", "config", "study", "reference", "paper")
+
+
+class Run(NamedTuple):
+    """A process of Snakemake on a machine, known by the time of its start too."""
+
+    host: str
+    pid: int
+    started: float
+
+    @property
+    def name(self) -> str:
+        """Name of its file, and of its jobs."""
+        return f"{self.host}-{self.pid}-{self.started:.2f}"
+
+    @property
+    def is_here(self) -> bool:
+        """Whether it runs or ran on this machine, so that its process can be looked for."""
+        return self.host == platform.node()
+
+    def lives(self) -> bool:
+        """Whether its process is there; of another machine nobody knows, so that it counts as alive."""
+        if not self.is_here:
+            return True
+        try:
+            process = psutil.Process(self.pid)
+            same = abs(process.create_time() - self.started) < CLOCK
+            return same and process.status() != psutil.STATUS_ZOMBIE
+        except psutil.NoSuchProcess:
+            return False
+
+
+def of_process(pid: int) -> Run:
+    """The run of a process of this machine."""
+    return Run(platform.node(), pid, psutil.Process(pid).create_time())
+
+
+def known() -> list[Run]:
+    """The runs that have files here."""
+    found = []
+    for file in sorted(RUNS.glob("*.json")):
+        try:
+            found.append(Run(*json.loads(file.read_text())))
+        except (ValueError, TypeError):  # the file of a run that died while it wrote it
+            file.unlink(missing_ok=True)
+    return found
+
+
+def jobs_of(names: set[str]) -> Iterator[psutil.Process]:
+    """Processes of jobs of these runs."""
+    for process in psutil.process_iter():
+        try:
+            if process.environ().get(VARIABLE) in names:
+                yield process
+        except (psutil.Error, OSError):  # processes of others, and those that have ended meanwhile
+            continue
+
+
+def end(processes: list[psutil.Process]) -> None:
+    """End processes, by force where they do not end themselves."""
+    for process in processes:
+        try:
+            process.terminate()
+        except psutil.NoSuchProcess:
+            continue
+    _, alive = psutil.wait_procs(processes, PATIENCE)
+    for process in alive:
+        process.kill()
+    psutil.wait_procs(alive, PATIENCE)
+
+
+def cleared(dead: list[Run]) -> Iterator[str]:
+    """Put away what dead runs have left, with a sentence for each kind of it."""
+    surviving = list(jobs_of({run.name for run in dead}))
+    if surviving:
+        end(surviving)
+        yield f"{len(surviving)} processes had survived a run that died; they are ended, and their jobs start anew."
+    unfinished = list(Path("results").rglob(".*.unfinished"))
+    for file in unfinished:
+        file.unlink(missing_ok=True)
+    if unfinished:
+        yield f"{len(unfinished)} files that a dead run had begun to write are removed; no product was among them."
+    locks = list(LOCKS.glob("*")) if LOCKS.is_dir() else []
+    for lock in locks:
+        lock.unlink(missing_ok=True)
+    if locks:
+        yield "a run had died and left the folder locked; the lock is lifted."
+    for run in dead:
+        RUNS.joinpath(f"{run.name}.json").unlink(missing_ok=True)
+
+
+def redated(now: float) -> Iterator[str]:
+    """Set dates in the future to now: what is made of such a file would look older than it for ever."""
+    root = Path(__file__).parents[2]
+    folders = [Path("results"), *(root / name for name in DATED[1:])]
+    ahead = [
+        file
+        for folder in folders
+        for file in folder.rglob("*")
+        if file.is_file() and file.stat().st_mtime > now + AHEAD
+    ]
+    for file in ahead:
+        os.utime(file, (now, now))
+    if ahead:
+        yield f"the dates of {len(ahead)} files lay in the future, such as that of '{ahead[0]}'; they are set to now."
+
+
+def entered(pid: int) -> tuple[str, list[str]]:
+    """The name of the run of a process, and sentences on what was found, after everything dead is put away."""
+    runs = [run for run in known() if run.pid != pid or not run.is_here]
+    living = [run for run in runs if run.lives()]
+    dead = [run for run in runs if run not in living]
+    told = [
+        f"process {run.pid} on '{run.host}' is at work in this folder since {time.ctime(run.started)}: wait for it, or "
+        + ("end it." if run.is_here else "if it is dead, remove '" + str(RUNS / f"{run.name}.json") + "'.")
+        for run in living
+    ]
+    if not living:
+        told += [*cleared(dead), *redated(time.time())]
+    new = of_process(pid)
+    RUNS.mkdir(parents=True, exist_ok=True)
+    file = RUNS / f"{new.name}.json"
+    file.with_suffix(".new").write_text(json.dumps(new))
+    file.with_suffix(".new").replace(file)
+    return new.name, told
+
+
+if __name__ == "__main__":
+    print(json.dumps(entered(int(sys.argv[1]))))
