@@ -16,8 +16,8 @@ from study.marching.program import as_result
 from study.marching.result import Result
 from study.marching.shapes import CountOfLanes, OfLanes
 from study.observer.base import Observer
-from study.problem.checks import NOT_TRACEABLE
 from study.problem.definition import Problem
+from study.problem.function_checks import NOT_TRACEABLE
 from study.scheme.base import Scheme
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike, as_float64
 from study.algebra.matrices import add, times
 from study.algebra.sparse import is_sparse
-from study.problem import checks, tangent
+from study.problem import checks, function_checks, tangent
 from study.problem.damping import Rayleigh, rayleigh_matrix
 from study.problem.forms import entries_of, form_of_tangent, stored
 from study.problem.ground import GroundLoad, GroundMotion
@@ -132,20 +132,20 @@ class Problem(eqx.Module):
         if self.ground is not None:
             self.load = self._with(self.ground)
         self._count_arguments()
-        checks.check_functions(self)
+        function_checks.check_functions(self)
         self.kinked = not self.linear and may_have_kinks(self.varying_force, self.u0, self.v0)
         self.takes_velocity = self.arguments > 1 and depends_on_last(self.varying_force, self.u0, self.v0)
         if self.history is not None and not traced:
-            with suppress(*checks.NOT_TRACEABLE):
-                checks.check_history(self.force, self.u0, self.v0, self.history, self.title)
+            with suppress(*function_checks.NOT_TRACEABLE):
+                function_checks.check_history(self.force, self.u0, self.v0, self.history, self.title)
         if self.linear:
             self.potential = _nothing
         elif self.potential is not None and not derived and not traced:
-            with suppress(*checks.NOT_TRACEABLE):  # numbers that JAX traces have no values to compare
+            with suppress(*function_checks.NOT_TRACEABLE):  # numbers that JAX traces have no values to compare
                 if self.history is None:
-                    checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
+                    function_checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
                 else:
-                    checks.check_stored_energy(self.force, self.potential, self.u0, self.history, self.title)
+                    function_checks.check_stored_energy(self.force, self.potential, self.u0, self.history, self.title)
 
         checks.check_symmetry("mass", self.mass)
         checks.check_symmetry("stiffness", self.stiffness)
@@ -164,7 +164,7 @@ class Problem(eqx.Module):
 
     def _count_arguments(self) -> None:
         """The number of arguments of the force, and its history at rest."""
-        checks.check_defaults(self.force, self.title)
+        function_checks.check_defaults(self.force, self.title)
         self.arguments = number_of_arguments(self.force) if callable(self.force) else 1
         if self.history is None:
             self.history = getattr(self.force, "history", None)

@@ -12,7 +12,7 @@ from study.algebra.arrays import Matrix, ScipySparse
 from study.algebra.matrices import SMALL, Banded, banded, banded_sparse, times
 from study.algebra.sparse import SYMMETRY, Sparse, is_sparse, union
 from study.problem import tangent
-from study.problem.checks import NOT_TRACEABLE
+from study.problem.function_checks import NOT_TRACEABLE
 from study.problem.sparse_tangent import SparseTangent, coupling_of
 from study.problem.tangent import FormOfTangent
 

@@ -32,7 +32,8 @@ def _check(name: str, value: Any, low: float, strict: bool, high: float = np.inf
         limits = f"greater than {low:g}" if strict else f"at least {low:g}"
         limits = "that is finite" if np.isinf(low) else limits
         limits += "" if np.isinf(high) else f" and at most {high:g}"
-        raise ValueError(f"{name} must be a number {limits}, not {value!r}.")
+        shown = repr(value) if isinstance(value, str) else value
+        raise ValueError(f"{name} must be a number {limits}, not {shown}.")
 
 
 def _check_shapes(**parameters: Any) -> None:
