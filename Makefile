@@ -1,14 +1,16 @@
 # `make` installs everything and makes the study; `make test` installs everything and runs the tests;
-# `make check` checks style and types; `make benchmark` measures speed.
+# `make check` checks style and types; `make benchmark` measures speed; `make torture` kills the pipeline again and again.
 
 PYTHON ?= python3
 CONFIG ?= config/study.yaml
 BIN := .venv/bin
 
-.PHONY: study test benchmark check lock clean
+.PHONY: study test benchmark check lock torture clean
 
+# a product that could not be used is put aside, and the next call makes it again
 study: .venv/ready
-	$(BIN)/snakemake --configfile $(CONFIG)
+	@rm -f .snakemake/again
+	until $(BIN)/snakemake --configfile $(CONFIG); do test -e .snakemake/again || exit 1; rm .snakemake/again; done
 
 # pyproject.toml states the least coverage
 test: .venv/ready
@@ -37,6 +39,10 @@ benchmark: .venv/ready
 lock: .venv/ready
 	$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-annotate $(UPGRADE) \
 	  --extra pipeline --extra test --python-version 3.11 pyproject.toml -o requirements.txt
+
+# kill the pipeline at a hundred random moments, and compare what is made in the end with an undisturbed run
+torture: .venv/ready
+	$(BIN)/python tests/torture.py 100 docs/torture.csv
 
 clean:
 	rm -rf results .snakemake build report.html .coverage

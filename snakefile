@@ -102,10 +102,21 @@ onstart:
         signal.signal(number, end)
 
 
+def put_aside(job):
+    """Rename the products that a failed job could not use, so that the next call makes them again."""
+    said = Path(job.log[0]).read_text(errors="replace") if job.log and Path(job.log[0]).exists() else ""
+    for product in map(Path, job.input):
+        if f"'{product}' cannot be used" in said and product.exists():
+            product.replace(f"{product}.unusable")
+            Path(".snakemake", "again").touch()
+            print(f"'{product}' is kept as '{product}.unusable', and the next call makes it again.", file=sys.stderr)
+
+
 onerror:
     # Snakemake puts back the files that a failed job was to replace, and they look new; with an old date and without a
     # record of their making, the next call makes them again
     for job in workflow.scheduler.failed:
+        put_aside(job)
         for product in job.output:
             if Path(product).exists():
                 os.utime(product, (1, 1))

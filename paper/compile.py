@@ -5,6 +5,7 @@ from pathlib import Path
 
 import typst
 
+from paper.data import check_included
 from paper.manuscript import TEXT, check_uses, made_in
 from paper.writing import write
 
@@ -18,8 +19,11 @@ def main(results: Path, output: Path) -> None:
     Raises
     ------
     SystemExit
-        If the text uses a number, figure or table that the results lack; the message has the line of the text.
+        If the text uses a number, figure or table that the results lack, in which case the message has the line of the
+        text, or one of them is damaged.
     """
+    for file in (results / "numbers.json", *results.glob("figures/*.pdf"), *results.glob("tables/*.csv")):
+        check_included(file)
     try:
         check_uses(TEXT.read_text(encoding="utf-8"), made_in(results))
     except ValueError as error:

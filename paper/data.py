@@ -1,5 +1,6 @@
 """How the paper reads its datasets."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +16,17 @@ SOURCE = "study: time integration schemes on non-linear dynamic equations"
 TURNING = ["elastic_pendulum", "spinning_truss"]
 
 
+def unusable(path: Path, reason: str) -> SystemExit:
+    """What ends the program because of a file; in the pipeline the words tell which one to make again."""
+    return SystemExit(f"'{path}' cannot be used, it is {reason}: move it away, and `snakemake {path}` makes it again.")
+
+
 def _check_there(path: Path) -> None:
     """End the program with a sentence if a file is missing or empty."""
     if not path.is_file():
         raise SystemExit(f"There is no file '{path}'; make it with `snakemake {path}`.")
     if path.stat().st_size == 0:
-        raise SystemExit(f"'{path}' is empty; delete it and run `snakemake {path}`.")
+        raise unusable(path, "empty")
 
 
 def load(path: str | Path) -> xr.Dataset:
@@ -35,11 +41,9 @@ def load(path: str | Path) -> xr.Dataset:
     try:
         dataset = xr.load_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, ValueError) as error:
-        raise SystemExit(
-            f"'{path}' is damaged or no netCDF file ({error}); delete it and run `snakemake {path}`."
-        ) from None
+        raise unusable(Path(path), f"damaged or no netCDF file ({error})") from None
     if dataset.attrs.get("source") != SOURCE:
-        raise SystemExit(f"'{path}' was not written by this study; delete it and run `snakemake {path}`.")
+        raise unusable(Path(path), "not of this study")
     return dataset
 
 
@@ -55,7 +59,20 @@ def load_table(path: str | Path) -> pd.DataFrame:
     try:
         return pd.read_csv(path, dtype=str, keep_default_na=False)
     except ValueError as error:
-        raise SystemExit(f"'{path}' is no CSV file ({error}); delete it and run `snakemake {path}`.") from None
+        raise unusable(Path(path), f"damaged or no CSV file ({error})") from None
+
+
+def check_included(path: Path) -> None:
+    """End the program with a sentence if a file that the manuscript includes is missing, empty or not whole."""
+    _check_there(path)
+    content = path.read_bytes()
+    if path.suffix == ".pdf" and not (content.startswith(b"%PDF") and content.rstrip().endswith(b"%%EOF")):
+        raise unusable(path, "no whole PDF")
+    if path.suffix == ".json":
+        try:
+            json.loads(content)
+        except ValueError as error:
+            raise unusable(path, f"damaged or no JSON file ({error})") from None
 
 
 def of_the_paper(dataset: xr.Dataset) -> xr.Dataset:

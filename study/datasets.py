@@ -193,13 +193,13 @@ def read(path: str | Path) -> xr.Dataset:
     ValueError
         If the file is not there, is damaged or was not written by this study.
     """
-    again = f"delete it and run `snakemake {path}`."
+    again = f"move it away, and `snakemake {path}` makes it again."
     if not Path(path).exists():
         raise ValueError(f"there is no dataset '{path}'; `snakemake {path}` makes those of the study.")
     try:
         dataset = xr.load_dataset(path, engine="netcdf4")
     except (OSError, RuntimeError, ValueError) as error:
-        raise ValueError(f"'{path}' is damaged or no netCDF file ({error}); {again}") from None
+        raise ValueError(f"'{path}' cannot be used, it is damaged or no netCDF file ({error}): {again}") from None
     if dataset.attrs.get("source") != SOURCE:
-        raise ValueError(f"'{path}' was not written by this study; {again}")
+        raise ValueError(f"'{path}' cannot be used, it was not written by this study: {again}")
     return dataset

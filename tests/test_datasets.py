@@ -96,7 +96,7 @@ def test_a_truncated_dataset_is_refused(dataset, tmp_path):
     path = tmp_path / "one.nc"
     datasets.write(dataset, path)
     path.write_bytes(path.read_bytes()[:2000])
-    with pytest.raises(ValueError, match="one.nc' is damaged or no netCDF file .* delete it and run `snakemake"):
+    with pytest.raises(ValueError, match="one.nc' cannot be used, it is damaged or no netCDF file .* `snakemake"):
         study.open("one", tmp_path)
 
 

@@ -104,25 +104,21 @@ def _targets() -> list[str]:
     return [f"results/{name}" for name in PRODUCTS]
 
 
-def torture(folder: Path, kills: int, seed: int = 0) -> pd.DataFrame:
-    """Kill the pipeline in copies of the project below a folder; a row for each kind of kill.
+def torture(undisturbed: Path, tortured: Path, kills: int, seed: int = 0) -> pd.DataFrame:
+    """Kill the pipeline in a copy of the project where everything is made; a row for each kind of kill.
 
     Raises
     ------
     RuntimeError
         If a call after a kill does not end well.
     """
-    choose = random.Random(seed)
-    undisturbed, tortured = (copied(folder / name) for name in ("undisturbed", "tortured"))
-    for one in (undisturbed, tortured):
-        _restarted(one)
-    expected, rows = _hashes(undisturbed), []
+    choose, expected, rows = random.Random(seed), _hashes(undisturbed), []
     for number in range(kills):
         mode = list(MODES)[number % len(MODES)]
         for name in choose.sample(PRODUCTS, REMOVED):
             (tortured / "results" / name).unlink()
         at_work = _killed(tortured, mode, choose.uniform(0.0, LATEST))
-        _restarted(tortured)
+        restarted(tortured)
         found = _hashes(tortured)
         leftover = len(list((tortured / "results").rglob(".*.unfinished")))
         rows.append((mode, 1, at_work, len(found), sum(found[name] != expected[name] for name in found), leftover))
@@ -131,7 +127,8 @@ def torture(folder: Path, kills: int, seed: int = 0) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=columns).groupby("killed", sort=False).sum().astype(int).reset_index()
 
 
-def _restarted(folder: Path) -> None:
+def restarted(folder: Path) -> None:
+    """Make the products with a plain call."""
     done = call_snakemake(folder, *_targets())
     if done.returncode:
         raise RuntimeError(f"a plain call did not end well in {folder}:\n{(done.stdout + done.stderr)[-4000:]}")
@@ -139,7 +136,10 @@ def _restarted(folder: Path) -> None:
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as place:
-        summary = torture(Path(place), int(sys.argv[1]))
+        undisturbed, tortured = (copied(Path(place, name)) for name in ("undisturbed", "tortured"))
+        for one in (undisturbed, tortured):
+            restarted(one)
+        summary = torture(undisturbed, tortured, int(sys.argv[1]))
     Path(sys.argv[2]).write_text(summary.to_csv(index=False))
     print(summary.to_string(index=False))
     sys.exit(bool(summary[["differences", "unfinished files left"]].to_numpy().any()))

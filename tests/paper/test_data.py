@@ -31,7 +31,7 @@ def test_no_dataset(tmp_path, content, sentence):
 
 def test_a_foreign_dataset_is_refused(tmp_path):
     xr.Dataset({"u": ("t", [1.0])}).to_netcdf(tmp_path / "foreign.nc")
-    with pytest.raises(SystemExit, match="was not written by this study"):
+    with pytest.raises(SystemExit, match="cannot be used, it is not of this study"):
         load(tmp_path / "foreign.nc")
 
 
@@ -40,7 +40,7 @@ def test_tables_are_read_as_texts(tmp_path):
     with pytest.raises(SystemExit, match="There is no file"):
         load_table(path)
     path.write_bytes(b"\xff\xfe\x00a,b\n")
-    with pytest.raises(SystemExit, match="is no CSV file"):
+    with pytest.raises(SystemExit, match="damaged or no CSV file"):
         load_table(path)
     pd.DataFrame({"a": ["1.0", ""]}).to_csv(path, index=False)
     path.write_text('a,b\n1.0,""\n')

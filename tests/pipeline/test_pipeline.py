@@ -20,6 +20,7 @@ from study.pipeline.steps import steps_of
 from tests.pipeline.additions import ADDED
 from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, make
 from tests.test_readme import check_the_results_of_the_readme
+from tests.torture import torture
 
 #: Products of measured times, which differ from run to run, and what is made of them.
 TIMED = {
@@ -168,6 +169,28 @@ def test_a_failed_job_leaves_what_was_there_and_is_made_anew(copy):
     assert product.read_bytes() == before
     module.write_text(source)
     assert "houbolt_start" in _would_run(copy)
+
+
+def test_killed_runs_are_followed_by_plain_ones_with_the_same_products(project, copy):
+    """A few kills of those that ``make torture`` makes."""
+    survived = torture(project, copy, kills=4, seed=1)
+    assert survived.kills.tolist() == [1, 1, 1, 1] and survived["of runs at work"].sum() >= 2
+    assert not survived[["differences", "unfinished files left"]].to_numpy().any()
+
+
+def test_products_that_cannot_be_used_are_put_aside_and_made_again(project, copy):
+    results = copy / "results"
+    (results / "reference" / "hardening.nc").write_bytes((results / "manuscript.pdf").read_bytes())
+    with (results / "energy_drift.nc").open("r+b") as truncated:
+        truncated.truncate(3000)
+    targets = ["results/energy_drift.nc", "results/energy_error.nc", "results/figures/energy_drift.pdf"]
+    calls = [call_snakemake(copy, *targets) for _ in range(3)]
+    assert [call.returncode == 0 for call in calls] == [False, False, True]
+    assert (copy / ".snakemake" / "again").exists()
+    for call, name in zip(calls, ("reference/hardening.nc", "energy_drift.nc"), strict=False):
+        assert f"'results/{name}' is kept as 'results/{name}.unusable', and the next call makes it again" in call.stderr
+    hashes, expected = _hashes(copy), _hashes(project)
+    assert all(hashes[name] == expected[name] for name in ("energy_drift.nc", "energy_error.nc"))
 
 
 def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
