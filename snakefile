@@ -7,6 +7,7 @@ the configuration. Two commands turn these declarations into a plan of steps, an
 import hashlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -64,6 +65,9 @@ def planned():
     return json.loads(kept.read_text())
 
 
+free = shutil.disk_usage(".").free
+if free < 2**24:  # Snakemake keeps records for every job, and cannot tell well that it lacks room for them
+    raise WorkflowError(f"only {free:,} bytes are free in '{Path.cwd()}': make room, and call again.")
 if workflow.is_main_process:
     # a script, as importing the study takes a second
     entered = subprocess.run(

@@ -12,10 +12,12 @@ import os
 import platform
 import sys
 import time
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+import platformdirs
 import psutil
 
 #: Environment variable with the name of the run that a job belongs to.
@@ -26,6 +28,9 @@ RUNS, LOCKS = Path(".snakemake", "runs"), Path(".snakemake", "locks")
 
 #: The start of a process is known to these seconds, since it is counted from the start of the machine.
 CLOCK = 5.0
+
+#: First byte of what zlib has compressed.
+ZLIB = b"\x78"
 
 #: Seconds that a job has to end before it is killed.
 PATIENCE = 3.0
@@ -105,6 +110,26 @@ def end(processes: list[psutil.Process]) -> None:
     psutil.wait_procs(alive, PATIENCE)
 
 
+def damaged_programs(since: float) -> list[Path]:
+    """Compiled programs in JAX's cache that were written since a time and are not whole.
+
+    JAX does not replace them: each process would read them in vain, warn, and compile again.
+    """
+    folder = platformdirs.user_cache_path("time-integration-study") / platform.node()
+    recent = (file for file in folder.glob("*-cache") if file.stat().st_mtime >= since)
+    return [file for file in recent if not _is_whole(file.read_bytes())]
+
+
+def _is_whole(program: bytes) -> bool:
+    """Whether a compressed program can be read; of another compression than that of Python itself nobody knows."""
+    if program and program[:1] != ZLIB:
+        return True
+    try:
+        return bool(zlib.decompress(program))
+    except zlib.error:
+        return False
+
+
 def cleared(dead: list[Run]) -> Iterator[str]:
     """Put away what dead runs have left, with a sentence for each kind of it."""
     surviving = list(jobs_of({run.name for run in dead}))
@@ -116,6 +141,11 @@ def cleared(dead: list[Run]) -> Iterator[str]:
         file.unlink(missing_ok=True)
     if unfinished:
         yield f"{len(unfinished)} files that a dead run had begun to write are removed; no product was among them."
+    programs = damaged_programs(min((run.started for run in dead), default=time.time()))
+    for file in programs:
+        file.unlink(missing_ok=True)
+    if programs:
+        yield f"{len(programs)} compiled programs were half written when a run died; they are removed from the cache."
     locks = list(LOCKS.glob("*")) if LOCKS.is_dir() else []
     for lock in locks:
         lock.unlink(missing_ok=True)

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+import zlib
 from pathlib import Path
 
 import psutil
@@ -109,6 +110,22 @@ def test_jobs_that_survived_a_dead_run_are_ended_and_no_others(sleeper, deaf, mo
     assert "1 processes had survived a run that died" in told[0]
     job.communicate(timeout=5)
     assert sleeper.poll() is None
+
+
+def test_programs_that_a_dead_run_had_half_written_are_removed(tmp_path, monkeypatch):
+    cache = tmp_path / "cache"
+    cache.mkdir()
+    monkeypatch.setattr(runs.platformdirs, "user_cache_path", lambda name: cache / name)
+    folder = cache / "time-integration-study" / runs.platform.node()
+    folder.mkdir(parents=True)
+    program = zlib.compress(b"a program" * 100)
+    contents = {"whole": program, "half": program[:20], "empty": b"", "other": b"\x28\xb5\x2f\xfd"}
+    for name, content in contents.items():
+        (folder / f"{name}-cache").write_bytes(content)
+    _died()
+    _, told = runs.entered(os.getpid())
+    assert "2 compiled programs were half written when a run died" in told[0]
+    assert {file.name for file in folder.iterdir()} == {"whole-cache", "other-cache"}
 
 
 def test_dates_in_the_future_are_set_to_now():
