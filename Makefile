@@ -4,13 +4,16 @@
 PYTHON ?= python3
 CONFIG ?= config/study.yaml
 BIN := .venv/bin
+# `make CLUSTER=slurm` sends the jobs to the cluster that profiles/slurm describes
+CLUSTER ?=
+OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER))
 
 .PHONY: study test benchmark check lock torture clean
 
 # a product that could not be used is put aside, and the next call makes it again
 study: .venv/ready
 	@rm -f .snakemake/again
-	until $(BIN)/snakemake --configfile $(CONFIG); do test -e .snakemake/again || exit 1; rm .snakemake/again; done
+	until $(BIN)/snakemake $(OPTIONS) --configfile $(CONFIG); do test -e .snakemake/again || exit 1; rm .snakemake/again; done
 
 # pyproject.toml states the least coverage
 test: .venv/ready

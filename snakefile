@@ -4,6 +4,7 @@ Every experiment, figure, table and claim declares in its own file what it reads
 the configuration. Two commands turn these declarations into a plan of steps, and every step becomes a rule.
 """
 
+import atexit
 import hashlib
 import json
 import os
@@ -65,6 +66,13 @@ def planned():
     return json.loads(kept.read_text())
 
 
+try:
+    Path("results").mkdir(exist_ok=True)
+    writable = os.access("results", os.W_OK)
+except OSError:
+    writable = False
+if not writable:
+    raise WorkflowError(f"the folder '{Path('results').absolute()}' cannot be made or written; run where it can.")
 free = shutil.disk_usage(".").free
 if free < 2**24:  # Snakemake keeps records for every job, and cannot tell well that it lacks room for them
     raise WorkflowError(f"only {free:,} bytes are free in '{Path.cwd()}': make room, and call again.")
@@ -76,16 +84,11 @@ if workflow.is_main_process:
     os.environ["STUDY_RUN"], told = json.loads(entered.stdout)
     for sentence in told:
         print(sentence, file=sys.stderr)
+    # what is left of a run that died tells the next one of it
+    atexit.register(Path(".snakemake", "runs", f"{os.environ['STUDY_RUN']}.json").unlink, missing_ok=True)
 
 
 DATA, PAPER = planned()
-try:
-    Path("results").mkdir(exist_ok=True)
-    writable = os.access("results", os.W_OK)
-except OSError:
-    writable = False
-if not writable:
-    raise WorkflowError(f"the folder '{Path('results').absolute()}' cannot be made or written; run where it can.")
 
 
 def end(number, frame):
@@ -149,6 +152,8 @@ for step in [*DATA["steps"], *PAPER["steps"]]:
     rule:
         name:
             step["name"]
+        group: "paper" if step.get("category") else None
+        localrule: step.get("quick", False)  # on a cluster it stays where Snakemake is
         input:
             lambda wildcards, jobs=step["jobs"]: jobs[wildcards.get("job", "")]["inputs"],
         output:
@@ -165,7 +170,11 @@ for step in [*DATA["steps"], *PAPER["steps"]]:
             "config/environment.yaml"  # for --sdm conda only
         wildcard_constraints:
             job="|".join(step["jobs"]),
-        threads: workflow.cores if step.get("alone") else 1
+        # what measures times has the machine alone: all cores of this one, or a node of a cluster
+        threads: lambda wildcards, alone=step.get("alone"): workflow.cores if alone and workflow.local_exec else 1
+        resources:
+            **({"slurm_extra": "'--exclusive'"} if step.get("alone") else {}),
+            **({"paper": 1} if step.get("category") else {}),  # which a cluster draws one by one, in one job
         message:
             step["message"] + (": {wildcards.job}" if several else "")
         shell:

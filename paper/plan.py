@@ -80,7 +80,7 @@ def _of_all(kind: str, products: list[Product], sources: _Sources) -> dict[str, 
     files = [file for one in chosen for file in _data(one)]
     modules = sources.of(f"paper.{name}.__main__", *(one.module for one in chosen))
     job = _job((f"paper.{name}", "results", output), [*files, *modules])
-    return _step(name, name.capitalize(), outputs, {"": job})
+    return _step(name, name.capitalize(), outputs, {"": job}, quick=True)
 
 
 def _data(product: Product) -> list[str]:
@@ -99,7 +99,7 @@ def steps_of(products: list[Product], root: Path) -> list[dict[str, Any]]:
     included = [file for file in _made_by(steps) if file.endswith(INCLUDED)]
     inputs = [*included, *(str(root / "paper" / name) for name in TEXT), *sources.of("paper.compile")]
     job = _job(("paper.compile", "results", MANUSCRIPT), inputs)
-    return [*steps, _step("manuscript", "Manuscript", [MANUSCRIPT], {"": job})]
+    return [*steps, _step("manuscript", "Manuscript", [MANUSCRIPT], {"": job}, quick=True)]
 
 
 def check_datasets(products: Iterable[Product], datasets: Iterable[str]) -> None:

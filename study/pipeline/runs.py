@@ -10,6 +10,8 @@ lock.
 import json
 import os
 import platform
+import shutil
+import subprocess
 import sys
 import time
 import zlib
@@ -97,6 +99,16 @@ def jobs_of(names: set[str]) -> Iterator[psutil.Process]:
             continue
 
 
+def queued_jobs() -> list[str]:
+    """Numbers of the jobs in Slurm's queue that Snakemake has sent from this folder, if there is a Slurm."""
+    if shutil.which("squeue") is None:
+        return []
+    listed = subprocess.run(["squeue", "--me", "--noheader", "--format=%i|%k|%Z"], capture_output=True, text=True)
+    jobs = [line.split("|", 2) for line in listed.stdout.splitlines() if line.count("|") >= 2]
+    ours = ("rule_", "group_")  # as Snakemake comments its jobs; another job may have started Snakemake itself
+    return [number for number, comment, folder in jobs if comment.startswith(ours) and Path(folder) == Path.cwd()]
+
+
 def end(processes: list[psutil.Process]) -> None:
     """End processes, by force where they do not end themselves."""
     for process in processes:
@@ -136,6 +148,10 @@ def cleared(dead: list[Run]) -> Iterator[str]:
     if surviving:
         end(surviving)
         yield f"{len(surviving)} processes had survived a run that died; they are ended, and their jobs start anew."
+    queued = queued_jobs()
+    if queued:
+        subprocess.run(["scancel", *queued], check=False)
+        yield f"{len(queued)} jobs in Slurm's queue had survived a run that died; they are cancelled, and start anew."
     unfinished = list(Path("results").rglob(".*.unfinished"))
     for file in unfinished:
         file.unlink(missing_ok=True)

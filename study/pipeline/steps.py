@@ -35,6 +35,8 @@ class Step:
         Whether the outputs are removed once they have been used.
     alone
         Whether nothing else may run beside it, as it measures times.
+    quick
+        Whether its jobs take seconds, so that none of them is worth a place on a cluster.
     captions, category
         Caption of each job's output in the report of the pipeline, and the heading there; without a heading it is left
         out.
@@ -46,6 +48,7 @@ class Step:
     jobs: Mapping[str, Job]
     temporary: bool = False
     alone: bool = False
+    quick: bool = False
     captions: Mapping[str, str] = field(default_factory=dict)
     category: str = ""
 
@@ -106,6 +109,7 @@ def _gathered(name: str, dimensions: str, parts: Iterable[str], sources: Sources
                 (*files, *map(str, sources.of("study.pipeline.gather"))),
             )
         },
+        quick=True,
     )
 
 

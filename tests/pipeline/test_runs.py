@@ -21,6 +21,7 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     # dates of the sources are those of the project, which other tests use
     monkeypatch.setattr(runs, "DATED", ("results",))
+    monkeypatch.setattr(runs.platformdirs, "user_cache_path", lambda name: tmp_path / "cache" / name)
     return tmp_path
 
 
@@ -113,10 +114,7 @@ def test_jobs_that_survived_a_dead_run_are_ended_and_no_others(sleeper, deaf, mo
 
 
 def test_programs_that_a_dead_run_had_half_written_are_removed(tmp_path, monkeypatch):
-    cache = tmp_path / "cache"
-    cache.mkdir()
-    monkeypatch.setattr(runs.platformdirs, "user_cache_path", lambda name: cache / name)
-    folder = cache / "time-integration-study" / runs.platform.node()
+    folder = tmp_path / "cache" / "time-integration-study" / runs.platform.node()
     folder.mkdir(parents=True)
     program = zlib.compress(b"a program" * 100)
     contents = {"whole": program, "half": program[:20], "empty": b"", "other": b"\x28\xb5\x2f\xfd"}
