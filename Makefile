@@ -1,5 +1,6 @@
 # `make` installs everything and makes the study; `make test` installs everything and runs the tests;
-# `make check` checks style and types; `make benchmark` measures speed; `make torture` kills the pipeline again and again.
+# `make check` checks style and types; `make benchmark` measures speed; `make torture` kills the pipeline
+# again and again; `make archive` packs what it has made; `make CLUSTER=slurm` makes it on a cluster.
 
 PYTHON ?= python3
 CONFIG ?= config/study.yaml
@@ -8,7 +9,7 @@ BIN := .venv/bin
 CLUSTER ?=
 OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER))
 
-.PHONY: study test benchmark check lock torture clean
+.PHONY: study test benchmark check lock torture archive citation clean
 
 # a product that could not be used is put aside, and the next call makes it again
 study: .venv/ready
@@ -46,6 +47,16 @@ lock: .venv/ready
 # kill the pipeline at a hundred random moments, and compare what is made in the end with an undisturbed run
 torture: .venv/ready
 	$(BIN)/python tests/torture.py 100 docs/torture.csv
+
+# the finished study for others: sources, configuration, results, and how they were made
+archive: study
+	$(BIN)/python -m study.pipeline.archive . results/archive.zip
+
+# what other catalogues read, derived from CITATION.cff
+citation: .venv/ready
+	$(BIN)/uv tool run cffconvert --validate
+	$(BIN)/uv tool run cffconvert --format codemeta --outfile codemeta.json
+	$(BIN)/uv tool run cffconvert --format zenodo --outfile .zenodo.json
 
 clean:
 	rm -rf results .snakemake build report.html .coverage

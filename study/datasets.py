@@ -106,10 +106,16 @@ def flags(long_name: str, meanings: Sequence[str], dtype: type[np.integer]) -> d
 
 
 def _encoding(dataset: xr.Dataset) -> dict:
-    """Compression of large variables; no fill value on coordinates and integers, which have no missing values."""
+    """Compression of large variables; no fill value on coordinates and integers, which have no missing values.
+
+    Flags that are floating point, because datasets without them were merged, are stored as integers with a fill value.
+    """
     encoding: dict = {}
     for name, variable in dataset.variables.items():
-        if variable.dtype.kind == "f" and name not in dataset.coords:
+        flag_type = np.asarray(variable.attrs.get("flag_values", 0.0)).dtype
+        if variable.dtype.kind == "f" and flag_type.kind == "i":
+            encoding[name] = {"dtype": flag_type, "_FillValue": np.array(-1, flag_type)}
+        elif variable.dtype.kind == "f" and name not in dataset.coords:
             encoding[name] = {"zlib": True, "complevel": 4} if variable.size > 1024 else {}
         elif variable.dtype.kind in "fiu":
             encoding[name] = {"_FillValue": None}

@@ -27,6 +27,16 @@ def test_round_trip_with_everything_a_stranger_needs(dataset, tmp_path):
     assert "jax" in back.attrs["packages"]
 
 
+def test_flags_that_are_missing_somewhere_stay_integers_in_the_file(tmp_path):
+    flagged = xr.Dataset({"status": ("x", np.array([0, 1], np.int32), datasets.flags("status", ["a", "b"], np.int32))})
+    merged = xr.merge([flagged.assign_coords(x=[0, 1]), xr.Dataset({"y": ("x", [1.0])}, {"x": [2]})], join="outer")
+    datasets.write(merged.assign_attrs(source=datasets.SOURCE), tmp_path / "one.nc")
+    packed = xr.open_dataset(tmp_path / "one.nc", mask_and_scale=False)
+    assert packed.status.dtype == packed.status.flag_values.dtype == np.int32
+    packed.close()
+    np.testing.assert_array_equal(datasets.read(tmp_path / "one.nc").status, [0, 1, np.nan])
+
+
 def test_the_same_bytes_twice(dataset, tmp_path):
     for name in ("one.nc", "two.nc"):
         datasets.write(dataset, tmp_path / name)

@@ -98,6 +98,18 @@ def test_datasets_explain_themselves(project):
             )
 
 
+def test_datasets_keep_the_cf_conventions(project, tmp_path):
+    files = sorted((project / "results").rglob("*.nc"))
+    report = tmp_path / "report.json"
+    checker = Path(sys.executable).with_name("compliance-checker")
+    options = ["--test", "cf:1.11", "--format", "json_new", "--output", report]
+    subprocess.run([checker, *options, *files], capture_output=True, check=False)
+    found = json.loads(report.read_text())
+    assert len(found) == len(files) > 40
+    for file, checks in found.items():
+        assert [one for one in checks["cf:1.11"]["all_priorities"] if one["msgs"]] == [], file
+
+
 def test_the_ledger_is_decided(project):
     claims = list(csv.DictReader((project / "results" / "claims.csv").read_text().splitlines()))
     assert len(claims) >= 35
@@ -237,6 +249,23 @@ def test_a_wrong_configuration_stops_before_any_work(project, tmp_path, text, se
 
 
 @pytest.mark.parametrize("arguments", [["--lint"], ["--rulegraph"], ["--report", "report.html"]])
+def test_an_archive_alone_makes_a_figure_again(project, tmp_path):
+    command = [sys.executable, "-m", "study.pipeline.archive", ".", tmp_path / "archive.zip"]
+    subprocess.run(command, cwd=project, check=True, capture_output=True)
+    unpacked = tmp_path / "unpacked"
+    shutil.unpack_archive(tmp_path / "archive.zip", unpacked)
+    crate = {one["@id"]: one for one in json.loads((unpacked / "ro-crate-metadata.json").read_text())["@graph"]}
+    run = crate["#run"]
+    assert run["@type"] == "CreateAction" and run["instrument"] == {"@id": "snakefile"}
+    assert {"@id": "results/energy_error.nc"} in run["result"] and {"@id": "config/study.yaml"} in run["object"]
+    assert run["startTime"] <= run["endTime"] and crate["#package-jax"]["version"]
+    figure = unpacked / "results" / "figures" / "instability.svg"
+    for suffix in (".svg", ".pdf", ".png"):
+        figure.with_suffix(suffix).unlink()
+    make(unpacked, "figures/instability.svg")
+    assert figure.read_bytes() == (project / "results" / "figures" / "instability.svg").read_bytes()
+
+
 def test_the_tools_of_snakemake_work(project, arguments):
     done = call_snakemake(project, *arguments)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]

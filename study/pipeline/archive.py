@@ -1,0 +1,140 @@
+"""Pack a finished study for others: ``python -m study.pipeline.archive PROJECT OUTPUT``, where its results lie.
+
+The archive is a Workflow Run RO-Crate: the sources, the configuration, the results, and a description of the run in
+``ro-crate-metadata.json``: what was made of what, by which versions, on which machine, and when. Datasets themselves
+stay free of clocks and machines. See https://w3id.org/ro/wfrun/workflow.
+"""
+
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from datetime import UTC, datetime
+from importlib.metadata import distributions
+from pathlib import Path
+
+from rocrate.model import ContextEntity, SoftwareApplication
+from rocrate.rocrate import ROCrate
+
+from study.datasets import RESULTS, VERSION
+from study.writing import NotWritten, whole
+
+#: Profiles that the description of the run follows.
+PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
+    "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
+    "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
+}
+#: What the study is, in the description.
+TITLE = "Time integration schemes on non-linear dynamic equations: a reproducible study"
+#: Folders of the project that hold no sources.
+_NO_SOURCES = {"results", "build", "__pycache__"}
+
+
+def sources(project: Path) -> list[Path]:
+    """The files of a checkout that Git tracks; without Git, all that are not hidden or made."""
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=project, capture_output=True, text=True)
+    if listed.returncode == 0 and listed.stdout:
+        return [Path(name) for name in listed.stdout.split("\0") if name and (project / name).is_file()]
+    files = (file.relative_to(project) for file in project.rglob("*") if file.is_file())
+    return [
+        file
+        for file in files
+        if not any(part in _NO_SOURCES or part.startswith(".venv") for part in file.parts)
+        and not file.parts[0].startswith(".")
+    ]
+
+
+def products() -> list[Path]:
+    """The finished files of the results, with their logs and benchmarks."""
+    files = sorted(file for file in RESULTS.rglob("*") if file.is_file())
+    return [file for file in files if not file.name.startswith(".") and file.suffix not in (".unusable", ".zip")]
+
+
+def _time(seconds: float) -> str:
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="seconds")
+
+
+def _machine() -> str:
+    """Processor, number of cores, and system of this machine."""
+    cpus = Path("/proc/cpuinfo")
+    lines = cpus.read_text().splitlines() if cpus.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    model = names[0] if names else platform.processor()
+    return f"{model or platform.machine()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"
+
+
+def described(project: Path) -> ROCrate:
+    """The description of a finished study: sources, results, and the run that made them."""
+    crate = ROCrate(version="1.1")  # that of the profiles
+    crate.name, crate.license = TITLE, "https://spdx.org/licenses/MIT"
+    crate.description = "Sources, configuration, datasets, figures, tables and manuscript of the study, with its run."
+    crate.root_dataset["conformsTo"] = [
+        crate.add(ContextEntity(crate, url, {"@type": "CreativeWork", "name": name, "version": url.rpartition("/")[2]}))
+        for url, name in PROFILES.items()
+    ]
+    made = products()
+    workflow = crate.add_workflow(
+        project / "snakefile", "snakefile", main=True, lang="snakemake", properties={"name": TITLE, "version": VERSION}
+    )
+    given = [
+        crate.add_file(project / file, file.as_posix(), properties={"name": file.name})
+        for file in sources(project)
+        if file.name != "snakefile"
+    ]
+    results = [crate.add_file(file, file.as_posix(), properties={"name": file.name}) for file in made]
+    packages = [
+        crate.add(
+            SoftwareApplication(
+                crate,
+                f"#package-{one.metadata['Name']}",
+                {"name": one.metadata["Name"], "softwareVersion": one.version, "version": one.version},
+            )
+        )
+        for one in sorted(distributions(), key=lambda one: str(one.metadata["Name"]))
+    ]
+    workflow["softwareRequirements"] = packages
+    times = [file.stat().st_mtime for file in made]
+    run = crate.add(
+        ContextEntity(
+            crate,
+            "#run",
+            {
+                "@type": "CreateAction",
+                "name": f"Run of the study, version {VERSION}",
+                "startTime": _time(min(times)),
+                "endTime": _time(max(times)),
+                "description": f"Made with Python {platform.python_version()} on: {_machine()}",
+                "actionStatus": "http://schema.org/CompletedActionStatus",
+            },
+        )
+    )
+    run["instrument"], run["result"] = workflow, results
+    run["object"] = [one for one in given if one.id.startswith(("config/", "study/problem/records/"))]
+    crate.root_dataset["mentions"] = run
+    return crate
+
+
+def main(project: Path, output: Path) -> None:
+    """Write the archive of a finished study as a zip file.
+
+    Raises
+    ------
+    SystemExit
+        If the study is not finished, or the archive cannot be written.
+    """
+    if not (RESULTS / "manuscript.pdf").is_file():
+        raise SystemExit("there is no finished study in 'results'; `snakemake` makes it.")
+    try:
+        with whole(output) as unfinished, tempfile.TemporaryDirectory() as folder:
+            packed = Path(folder, "archive.zip")
+            described(project).write_zip(packed)
+            unfinished.write_bytes(packed.read_bytes())
+    except NotWritten as error:
+        raise SystemExit(str(error)) from None
+    print(f"written: {output}")
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:]))
