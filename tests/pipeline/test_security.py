@@ -1,0 +1,68 @@
+"""Configurations and results are data: whatever their strings say, nothing runs and nothing is written elsewhere."""
+
+import json
+import shlex
+import subprocess
+from pathlib import Path
+
+import pytest
+import yaml
+
+from study.pipeline import configuration
+from study.pipeline.experiment import discover
+from study.pipeline.sources import Sources
+from study.pipeline.steps import steps_of
+from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied
+
+#: Strings that a shell, a template, a path or a loader could take for more than a string.
+HOSTILE = [
+    "$(touch pwned)",
+    "`touch pwned`",
+    "'; touch pwned; '",
+    '"; touch pwned; "',
+    "a\ntouch pwned\n",
+    "{params.command}",
+    "{workflow}",
+    "~/pwned",
+    "-c import os; os.mkdir('pwned')",
+    "!!python/object/apply:os.mkdir ['pwned']",
+]
+
+
+def _whole(changes: dict) -> dict:
+    whole = yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())
+    return configuration.check(discover(), whole | changes)
+
+
+@pytest.mark.parametrize("name", [*HOSTILE, "../outside", "/tmp/outside", "a/../../outside", ".hidden", "a b", ""])
+def test_a_name_that_becomes_a_file_is_plain(name):
+    with pytest.raises(ValueError, match="assess"):
+        _whole({"assess": {name: {"problem": "softening"}}})
+
+
+@pytest.mark.parametrize("hostile", HOSTILE)
+def test_a_string_reaches_the_experiment_as_it_is(tmp_path, monkeypatch, hostile):
+    """A file of a problem may be called anything; the shell hands its name over and does nothing else."""
+    monkeypatch.chdir(tmp_path)
+    file = Path("problems", f"{hostile.replace('/', '_')}.py")
+    file.parent.mkdir()
+    file.write_text("problem = None\n")
+    whole = _whole({"assess": {"own": {"problem": f"{file}:problem", "duration": 1.0}}})
+    steps = steps_of(discover(), whole, Sources(Path(), "study", "reference"))
+    (step,) = (one for one in steps if one.name == "assessment")
+    command = step.jobs["own"].command
+    words = shlex.split(command)
+    assert json.loads(words[-1])["problem"] == f"{file}:problem"
+    said = subprocess.run(command.replace("python -m", "printf '%s\\0'", 1), shell=True, capture_output=True, text=True)
+    assert said.stdout.split("\0")[:-1] == words[words.index("-m") + 1 :]
+    assert {path.name for path in tmp_path.rglob("*")} == {"problems", file.name}
+
+
+def test_a_configuration_makes_no_objects_and_no_files(tmp_path):
+    folder = copied(tmp_path / "project")
+    before = {path.name for path in tmp_path.rglob("*")}
+    (folder / "hostile.yaml").write_text("sensitivity: !!python/object/apply:os.mkdir ['pwned']\n")
+    done = call_snakemake(folder, "--dry-run", overlays=[SMALL, "hostile.yaml"])
+    assert done.returncode != 0 and "Config file is not valid JSON or YAML" in done.stdout + done.stderr
+    new = {path.name for path in tmp_path.rglob("*")} - before
+    assert "pwned" not in new
