@@ -9,6 +9,7 @@ from pathlib import Path
 
 import jax
 import matplotlib
+import pandas as pd
 import pytest
 import yaml
 
@@ -25,7 +26,8 @@ TEXTS = {"README.md": README, "CONTRIBUTING.md": CONTRIBUTING}
 
 
 def _blocks(text: str, language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    fenced = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+    return [block for written_in, block in fenced if written_in == language]
 
 
 def test_the_examples_of_the_readme_run_in_order(tmp_path, monkeypatch):
@@ -175,3 +177,10 @@ def test_a_target_stands_before_the_configuration(name):
     commands = [line for line in TEXTS[name].splitlines() if "snakemake " in line and "--configfile" in line]
     assert not any(re.search(r"--configfile \S+ +results/", line) for line in commands)
     assert commands or name != "README.md"
+
+
+def test_the_torture_has_the_number_of_kills_and_differences_of_the_readme():
+    table = pd.read_csv(PROJECT / "docs" / "torture.csv")
+    assert "kills a small study a\nhundred times" in README and "no\ndifference" in README
+    assert table.kills.sum() == 100 and table["of runs at work"].sum() > 50
+    assert table.differences.sum() == table["unfinished files left"].sum() == 0
