@@ -248,7 +248,6 @@ def test_a_wrong_configuration_stops_before_any_work(project, tmp_path, text, se
     assert _hashes(project) == before
 
 
-@pytest.mark.parametrize("arguments", [["--lint"], ["--rulegraph"], ["--report", "report.html"]])
 def test_an_archive_alone_makes_a_figure_again(project, tmp_path):
     command = [sys.executable, "-m", "study.pipeline.archive", ".", tmp_path / "archive.zip"]
     subprocess.run(command, cwd=project, check=True, capture_output=True)
@@ -266,6 +265,7 @@ def test_an_archive_alone_makes_a_figure_again(project, tmp_path):
     assert figure.read_bytes() == (project / "results" / "figures" / "instability.svg").read_bytes()
 
 
+@pytest.mark.parametrize("arguments", [["--lint"], ["--rulegraph"], ["--report", "report.html"]])
 def test_the_tools_of_snakemake_work(project, arguments):
     done = call_snakemake(project, *arguments)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
