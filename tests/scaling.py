@@ -1,0 +1,138 @@
+"""How long a study would take on many cores, from the measured times of its jobs.
+
+``python tests/scaling.py OUTPUT``, in the folder of a finished study, reads the plan of the pipeline and
+``results/benchmarks``, hands ready jobs to free cores, those first that most depends on, and writes a table OUTPUT.csv
+and a figure OUTPUT.png of time against cores. Waiting in a queue is not counted.
+"""
+
+import heapq
+import json
+import sys
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib.pyplot as plt
+import pandas as pd
+
+#: Numbers of cores, the first of which is that of one machine.
+CORES = (1, 2, 4, 8, 16, 32, 64, 100, 128)
+PLANS, BENCHMARKS = Path(".snakemake", "plans"), Path("results", "benchmarks")
+
+
+class Job(NamedTuple):
+    """A job: how long it takes, and the jobs that make what it reads."""
+
+    name: str
+    seconds: float
+    after: tuple[str, ...]
+
+
+def measured() -> dict[str, Job]:
+    """The jobs of the newest plan, with their measured times.
+
+    Raises
+    ------
+    SystemExit
+        If there is no plan, or a job has no measured time.
+    """
+    plans = sorted(PLANS.glob("*.json"), key=lambda file: file.stat().st_mtime)
+    if not plans:
+        raise SystemExit("there is no finished study in this folder; `make` makes it.")
+    steps = [step for part in json.loads(plans[-1].read_text()) for step in part["steps"]]
+    each = [(step, job, f"{step['name']}_{job}" if job else step["name"]) for step in steps for job in step["jobs"]]
+    maker = {output.replace("{job}", job): name for step, job, name in each for output in step["outputs"]}
+    jobs = {}
+    for step, job, name in each:
+        file = BENCHMARKS / f"{name}.tsv"
+        if not file.exists():
+            raise SystemExit(f"the job '{name}' has no measured time in '{BENCHMARKS}'; make the whole study first.")
+        inputs = step["jobs"][job]["inputs"]
+        after = tuple(dict.fromkeys(maker[one] for one in inputs if one in maker))
+        jobs[name] = Job(name, float(pd.read_csv(file, sep="\t").s.iloc[0]), after)
+    return jobs
+
+
+def longest_paths(jobs: dict[str, Job]) -> dict[str, float]:
+    """Seconds from the start of each job to the end of all that depends on it, at the least."""
+    followers: dict[str, list[str]] = {name: [] for name in jobs}
+    for job in jobs.values():
+        for before in job.after:
+            followers[before].append(job.name)
+
+    @cache
+    def length(name: str) -> float:
+        return jobs[name].seconds + max(map(length, followers[name]), default=0.0)
+
+    return {name: length(name) for name in jobs}
+
+
+def critical_path(jobs: dict[str, Job]) -> list[str]:
+    """The chain of jobs that no number of cores makes shorter."""
+    length = longest_paths(jobs)
+    path = [max(length, key=length.__getitem__)]
+    while followers := [job.name for job in jobs.values() if path[-1] in job.after]:
+        path.append(max(followers, key=length.__getitem__))
+    return path
+
+
+def makespan(jobs: dict[str, Job], cores: int) -> float:
+    """Seconds until all jobs are done, when ready jobs with the longest path go first."""
+    length, waits = longest_paths(jobs), {name: set(job.after) for name, job in jobs.items()}
+    ready = [(-length[name], name) for name, after in waits.items() if not after]
+    heapq.heapify(ready)
+    running: list[tuple[float, str]] = []
+    now = 0.0
+    while ready or running:
+        while ready and len(running) < cores:
+            _, name = heapq.heappop(ready)
+            heapq.heappush(running, (now + jobs[name].seconds, name))
+        now, done = heapq.heappop(running)
+        for name, after in waits.items():
+            if done in after:
+                after.remove(done)
+                if not after:
+                    heapq.heappush(ready, (-length[name], name))
+    return now
+
+
+def table(jobs: dict[str, Job]) -> pd.DataFrame:
+    """Time against cores, and the part of the cores' time that is lost."""
+    work = sum(job.seconds for job in jobs.values())
+    rows = [(cores, makespan(jobs, cores)) for cores in CORES]
+    return pd.DataFrame(
+        {
+            "cores": [cores for cores, _ in rows],
+            "seconds": [round(seconds, 1) for _, seconds in rows],
+            "lost": [round(1 - work / (cores * seconds), 3) for cores, seconds in rows],
+        }
+    )
+
+
+def draw(jobs: dict[str, Job], times: pd.DataFrame, output: Path) -> None:
+    """Time against cores, between the least by work and that of the critical path."""
+    path, work = critical_path(jobs), sum(job.seconds for job in jobs.values())
+    length = sum(jobs[name].seconds for name in path)
+    figure, ax = plt.subplots(figsize=(5.5, 3.6), layout="constrained")
+    ax.loglog(times.cores, times.seconds, "ko-", label="simulated")
+    ax.loglog(times.cores, work / times.cores, "k:", label="nothing lost")
+    ax.axhline(length, color="0.5", ls="--", label="critical path")
+    ax.annotate(" → ".join(path), (times.cores.iloc[0], length), (0, -9), textcoords="offset points", fontsize=6)
+    ax.set(xlabel="cores", ylabel="time in s", ylim=(length / 3, None))
+    ax.set_xticks(times.cores, map(str, times.cores), fontsize=7)
+    ax.tick_params(axis="x", which="minor", bottom=False)
+    for formatted in (ax.yaxis.set_major_formatter, ax.yaxis.set_minor_formatter):
+        formatted("{x:g}")
+    ax.legend(frameon=False)
+    figure.savefig(output, dpi=150)
+
+
+if __name__ == "__main__":
+    found = measured()
+    times = table(found)
+    Path(f"{sys.argv[1]}.csv").write_text(times.to_csv(index=False))
+    draw(found, times, Path(f"{sys.argv[1]}.png"))
+    print(times.to_string(index=False))
+    longest = sorted(found.values(), key=lambda job: -job.seconds)[:5]
+    print("longest jobs:", ", ".join(f"{job.name} {job.seconds:.0f} s" for job in longest))
+    print("critical path:", " → ".join(critical_path(found)))

@@ -1,0 +1,27 @@
+"""The simulation of a study on many cores, on graphs whose answer is known."""
+
+import pytest
+
+from tests.scaling import Job, critical_path, makespan
+
+
+def _graph(**jobs: tuple[float, tuple[str, ...]]) -> dict[str, Job]:
+    return {name: Job(name, seconds, after) for name, (seconds, after) in jobs.items()}
+
+
+DIAMOND = _graph(a=(1.0, ()), b=(5.0, ("a",)), c=(3.0, ("a",)), d=(1.0, ("b", "c")), alone=(2.0, ()))
+
+
+@pytest.mark.parametrize("cores, seconds", [(1, 12.0), (2, 7.0), (3, 7.0)])
+def test_a_diamond_of_jobs(cores, seconds):
+    assert makespan(DIAMOND, cores) == seconds
+
+
+def test_its_critical_path():
+    assert critical_path(DIAMOND) == ["a", "b", "d"]
+
+
+@pytest.mark.parametrize("cores", [1, 3, 7, 100])
+def test_equal_jobs_without_order_share_the_cores(cores):
+    jobs = _graph(**{f"job{i}": (1.0, ()) for i in range(21)})
+    assert makespan(jobs, cores) == -(-21 // cores)
