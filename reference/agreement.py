@@ -82,7 +82,14 @@ def _options(configuration: Mapping) -> Options:
     return {"problems": configuration["references"]["problems"], **configuration["agreement"]}
 
 
-@experiment("reference_agreement", section="agreement", model=_Agreement, options=_options)
+@experiment(
+    "reference_agreement",
+    section="agreement",
+    model=_Agreement,
+    options=_options,
+    split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
+    along="problem",
+)
 def agreement(problems: Sequence[str], tolerances: Sequence[float]) -> xr.Dataset:
     """Measure the true errors and the effort of every reference solver at every tolerance.
 

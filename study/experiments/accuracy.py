@@ -31,6 +31,8 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 @experiment(
     "accuracy",
+    split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
+    along="problem",
     reads=lambda options: [f"reference/{problem}" for problem in options["problems"]],
     check=_check,
     steps=_number_of_steps,
