@@ -122,10 +122,10 @@ def put_aside(job):
 onerror:
     # Snakemake puts back the files that a failed job was to replace, and they look new; with an old date and without a
     # record of their making, the next call makes them again
-    for job in workflow.scheduler.failed:
-        put_aside(job)
-        for product in job.output:
-            if Path(product).exists():
+    for failed in workflow.scheduler.failed:
+        for job in getattr(failed, "jobs", [failed]):  # those of a group, or the job itself
+            put_aside(job)
+            for product in filter(os.path.exists, job.output):
                 os.utime(product, (1, 1))
                 workflow.persistence.cleanup_metadata(product)
 

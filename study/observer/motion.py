@@ -58,6 +58,26 @@ class AbsoluteAcceleration(Record):
         return {"absolute_acceleration": relative + problem.influence * problem.ground(t)}
 
 
+class AbsoluteMotion(Record):
+    """u + ι u_g(t) and u̇ + ι u̇_g(t) along time: displacement and velocity in a frame at rest.
+
+    The ground starts at rest, and its motion is the exact integral of its acceleration: a drift of the record's
+    baseline shows in it.
+    """
+
+    variables = {
+        "absolute_displacement": {"long_name": "displacement in a frame at rest", "units": "m"},
+        "absolute_velocity": {"long_name": "velocity in a frame at rest", "units": "m s-1"},
+    }
+    needs_ground = True
+
+    def sample(self, problem, initial, state, t):
+        return {
+            "absolute_displacement": state.u + problem.influence * problem.ground.displacement(t),
+            "absolute_velocity": state.v + problem.influence * problem.ground.velocity(t),
+        }
+
+
 def _arguments_of(function: Callable) -> tuple[str, ...]:
     """Names of the arguments of a quantity's function."""
     names = tuple(inspect.signature(function).parameters)

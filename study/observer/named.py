@@ -6,7 +6,7 @@ from study.observer.effort import NewtonIterations
 from study.observer.energy import EnergyBalance, EnergyDrift, EnergyError, MaxEnergyError, MeanEnergyError
 from study.observer.lyapunov import LyapunovExponent
 from study.observer.momentum import MomentumErrors
-from study.observer.motion import AbsoluteAcceleration, InternalForce, Trajectory
+from study.observer.motion import AbsoluteAcceleration, AbsoluteMotion, InternalForce, Trajectory
 from study.registry import Registry
 
 #: Observers by name.
@@ -24,6 +24,7 @@ observers: Registry[Observer] = Registry(
         "newton_iterations": NewtonIterations(),
         "lyapunov_exponent": LyapunovExponent(),
         "absolute_acceleration": AbsoluteAcceleration(),
+        "absolute_motion": AbsoluteMotion(),
         "internal_force": InternalForce(),
     },
 )

@@ -94,6 +94,25 @@ class GroundMotion(eqx.Module):
         at_zero, slope = jnp.asarray(self._lines)[jnp.clip(place, 0, last - 1).astype(jnp.int32)]
         return jnp.where(place < last, at_zero + slope * place, 0.0)
 
+    def velocity(self, t: Scalar) -> Scalar:
+        """Velocity at the time t of ground that starts at rest: the exact integral of the acceleration."""
+        return self._motion(t)[0]
+
+    def displacement(self, t: Scalar) -> Scalar:
+        """Displacement at the time t of ground that starts at rest: the exact integral of the velocity."""
+        return self._motion(t)[1]
+
+    def _motion(self, t: Scalar) -> tuple[Scalar, Scalar]:
+        a, dt = jnp.asarray(self.acceleration), self.dt
+        v = jnp.cumsum(jnp.append(jnp.zeros(1), dt * (a[:-1] + a[1:]) / 2))
+        u = jnp.cumsum(jnp.append(jnp.zeros(1), dt * v[:-1] + dt**2 * (2 * a[:-1] + a[1:]) / 6))
+        last = len(a) - 1
+        i = jnp.clip(jnp.asarray(t) / dt, 0, last - 1).astype(jnp.int32)
+        within = jnp.minimum(t, last * dt) - i.astype(float) * dt
+        slope, after = (a[i + 1] - a[i]) / dt, jnp.maximum(t - last * dt, 0.0)
+        v_t = v[i] + a[i] * within + slope * within**2 / 2
+        return v_t, u[i] + v[i] * within + a[i] * within**2 / 2 + slope * within**3 / 6 + v_t * after
+
     @property
     def kinks(self) -> np.ndarray:
         """Times at which the slope of the acceleration jumps, (samples,)."""

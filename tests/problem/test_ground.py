@@ -1,8 +1,10 @@
 """Records of ground motion, and structures on moving ground."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.integrate import cumulative_trapezoid
 
 import study
 from study.problem.ground import GroundLoad
@@ -45,6 +47,26 @@ def test_the_motion_is_linear_between_samples_and_zero_after_the_last():
     wanted = np.where(t < 0.9 - 1e-12, np.interp(t, record.kinks, record.acceleration), 0.0)
     np.testing.assert_allclose(got, wanted, atol=1e-12)
     np.testing.assert_allclose(record.scaled(2.0).acceleration, [0, 2, -4, 1])
+
+
+def test_velocity_and_displacement_are_the_integrals_of_the_acceleration():
+    record = study.GroundMotion(np.array([0.0, 1.0, -2.0, 0.5]), 0.3)
+    t = np.linspace(0, 1.5, 60_001)
+    a = np.where(t < 0.9, np.interp(t, record.kinks, record.acceleration), 0.0)
+    v = cumulative_trapezoid(a, t, initial=0.0)
+    u = cumulative_trapezoid(v, t, initial=0.0)
+    some = slice(None, None, 1000)
+    np.testing.assert_allclose(jax.vmap(record.velocity)(t[some]), v[some], atol=1e-4)
+    np.testing.assert_allclose(jax.vmap(record.displacement)(t[some]), u[some], atol=1e-4)
+
+
+def test_a_loose_mass_stays_where_it_is_while_the_ground_moves():
+    ground = study.GroundMotion.el_centro()
+    problem = study.Problem(lambda u: 0.0 * u, u0=np.zeros(2), ground=ground, influence=[1.0, 0.5], tangent="diagonal")
+    ds = study.run(problem, "average_acceleration", dt=0.002, steps=2000, observe=["absolute_motion"])
+    assert np.abs(ds.absolute_displacement).max() < 1e-5 and np.abs(ds.absolute_velocity).max() < 1e-10
+    with pytest.raises(ValueError, match="absolute_displacement, absolute_velocity of 'hardening"):
+        study.run("hardening", "rk4", dt=0.01, steps=2, observe=["absolute_motion"])
 
 
 def test_the_ground_is_a_load_on_every_mass():
