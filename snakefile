@@ -12,6 +12,8 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
+import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -81,32 +83,41 @@ if workflow.is_main_process:
     entered = subprocess.run(
         [sys.executable, f"{PROJECT}/study/pipeline/runs.py", str(os.getpid())], capture_output=True, text=True, check=True
     )
-    os.environ["STUDY_RUN"], told = json.loads(entered.stdout)
+    run, told = json.loads(entered.stdout)
+    os.environ |= {"STUDY_RUN": run}
     for sentence in told:
         print(sentence, file=sys.stderr)
     # what is left of a run that died tells the next one of it
-    atexit.register(Path(".snakemake", "runs", f"{os.environ['STUDY_RUN']}.json").unlink, missing_ok=True)
+    atexit.register(Path(".snakemake", "runs", f"{run}.json").unlink, missing_ok=True)
 
 
 DATA, PAPER = planned()
 
 
+def end_jobs():
+    """Start no further jobs, and end those that run, by force after two seconds: one that compiles does not listen."""
+    workflow.scheduler.exit_gracefully()
+    patience = time.monotonic() + 2
+    while True:
+        for job in psutil.Process().children(recursive=True):
+            with suppress(psutil.NoSuchProcess):
+                job.terminate() if time.monotonic() < patience else job.kill()
+        time.sleep(0.2)
+
+
 def end(number, frame):
-    """End the jobs, by force after two seconds, since one that compiles does not listen; then end like Ctrl-C does."""
+    """End this run; a second Ctrl-C ends it wherever it is."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    jobs = psutil.Process().children(recursive=True)
-    for job in jobs:
-        with suppress(psutil.NoSuchProcess):
-            job.terminate()
-    for job in psutil.wait_procs(jobs, 2)[1]:
-        with suppress(psutil.NoSuchProcess):
-            job.kill()
-    raise KeyboardInterrupt
+    # not here, where the scheduler may hold its lock
+    threading.Thread(target=end_jobs, daemon=True).start()
 
 
 onstart:
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, end)
+    if workflow.local_exec:  # on a cluster Snakemake cancels its jobs itself
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, end)
+    else:
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 def put_aside(job):
