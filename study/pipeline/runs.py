@@ -40,8 +40,8 @@ PATIENCE = 3.0
 #: A date this many seconds ahead lies in the future, and is not a clock that ticks a little faster elsewhere.
 AHEAD = 60.0
 
-#: Folders of products and sources, whose dates tell what must be made again.
-DATED = ("results", "config", "study", "reference", "paper")
+#: Folders of sources, whose dates tell, beside those of the results, what must be made again.
+SOURCES = ("config", "study", "reference", "paper")
 
 
 class Run(NamedTuple):
@@ -174,7 +174,7 @@ def cleared(dead: list[Run]) -> Iterator[str]:
 def redated(now: float) -> Iterator[str]:
     """Set dates in the future to now: what is made of such a file would look older than it for ever."""
     root = Path(__file__).parents[2]
-    folders = [Path("results"), *(root / name for name in DATED[1:])]
+    folders = [Path("results"), *(root / name for name in SOURCES)]
     ahead = [
         file
         for folder in folders

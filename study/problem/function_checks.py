@@ -141,8 +141,10 @@ def check_history(force: Callable, u0, v0, history, title: str) -> None:
 
     with jax.ensure_compile_time_eval():
         once, again = (jax.tree.leaves(one) for one in twice(u, v0, history))
+    round_off = 1e-12 * max(np.abs(x).max() for x in once)
     changes = [
-        np.abs(np.asarray(x) - y).max() > GRADIENT_AGREEMENT * np.abs(x).max() for x, y in zip(once, again, strict=True)
+        np.abs(np.asarray(x) - y).max() > GRADIENT_AGREEMENT * np.abs(x).max() + round_off
+        for x, y in zip(once, again, strict=True)
     ]
     if any(changes):
         what = "another force" if changes[0] else "another history"

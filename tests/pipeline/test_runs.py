@@ -20,7 +20,7 @@ def folder(tmp_path, monkeypatch):
     """An empty folder, in which everything happens."""
     monkeypatch.chdir(tmp_path)
     # dates of the sources are those of the project, which other tests use
-    monkeypatch.setattr(runs, "DATED", ("results",))
+    monkeypatch.setattr(runs, "SOURCES", ())
     monkeypatch.setattr(runs.platformdirs, "user_cache_path", lambda name: tmp_path / "cache" / name)
     return tmp_path
 
