@@ -14,7 +14,7 @@ OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER))
 # a product that could not be used is put aside, and the next call makes it again
 study: .venv/ready
 	@rm -f .snakemake/again
-	until $(BIN)/snakemake $(OPTIONS) --configfile $(CONFIG); do test -e .snakemake/again || exit 1; rm .snakemake/again; done
+	@until $(BIN)/snakemake $(OPTIONS) --configfile $(CONFIG); do test -e .snakemake/again || exit 1; rm .snakemake/again; done
 
 # pyproject.toml states the least coverage
 test: .venv/ready
