@@ -1,6 +1,7 @@
 """Datasets of the study: their attributes and provenance, how they are written, and how they are opened by name."""
 
 import os
+import platform
 import subprocess
 import sys
 import tomllib
@@ -86,6 +87,15 @@ def provenance(title: str, made_by: str) -> dict[str, str]:
         "packages": ", ".join(f"{name} {found}" for name in _PACKAGES if (found := _installed(name))),
         "python": ".".join(map(str, sys.version_info[:2])),
     }
+
+
+def processor() -> str:
+    """Name of this machine's processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
 
 
 def flags(long_name: str, meanings: Sequence[str], dtype: type[np.integer]) -> dict[str, Any]:

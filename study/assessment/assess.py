@@ -11,8 +11,9 @@ from tqdm import tqdm
 
 from study.assessment import errors, failures, ladder, oscillation
 from study.assessment.certified import cases_of, certified
-from study.assessment.dataset import Assessed, dataset_of, processor
+from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.ladder import ENERGY, Ladder
+from study.datasets import processor
 from study.equilibrium.balance import acceleration
 from study.marching.arguments import resolve
 from study.marching.ensemble import cores

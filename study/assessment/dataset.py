@@ -1,7 +1,5 @@
 """What an assessment found out, as a dataset, with the times of the recommended steps."""
 
-import platform
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -30,15 +28,6 @@ class Assessed(NamedTuple):
     rungs: Ladder
     verdicts: dict[tuple[str, float], Verdict]
     map: xr.Dataset | None
-
-
-def processor() -> str:
-    """Name of this machine's processor."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()
 
 
 def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: set[int]) -> dict[int, tuple[float, float]]:

@@ -9,8 +9,8 @@ import xarray as xr
 from study import datasets
 from study.analysis.linear_theory import LinearTheory
 from study.assessment.assess import assess
-from study.assessment.dataset import processor
 from study.assessment.report import COLOURS, MARKERS, document, figure_of, judgement, made_by, svg_of, table_of
+from study.datasets import processor
 from study.marching.arguments import resolve
 from study.scheme.base import Scheme
 from study.scheme.named import schemes

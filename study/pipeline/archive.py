@@ -14,10 +14,11 @@ from datetime import UTC, datetime
 from importlib.metadata import distributions
 from pathlib import Path
 
+import yaml
 from rocrate.model import ContextEntity, SoftwareApplication
 from rocrate.rocrate import ROCrate
 
-from study.datasets import RESULTS, VERSION
+from study.datasets import RESULTS, VERSION, processor
 from study.writing import NotWritten, whole
 
 #: Profiles that the description of the run follows.
@@ -26,8 +27,6 @@ PROFILES = {
     "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
 }
-#: What the study is, in the description.
-TITLE = "Time integration schemes on non-linear dynamic equations: a reproducible study"
 #: Folders of the project that hold no sources.
 _NO_SOURCES = {"results", "build", "__pycache__"}
 
@@ -58,26 +57,22 @@ def _time(seconds: float) -> str:
 
 def _machine() -> str:
     """Processor, number of cores, and system of this machine."""
-    cpus = Path("/proc/cpuinfo")
-    lines = cpus.read_text().splitlines() if cpus.exists() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    model = names[0] if names else platform.processor()
-    return f"{model or platform.machine()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"
+    return f"{processor()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"
 
 
 def described(project: Path) -> ROCrate:
     """The description of a finished study: sources, results, and the run that made them."""
     crate = ROCrate(version="1.1")  # that of the profiles
-    crate.name, crate.license = TITLE, "https://spdx.org/licenses/MIT"
+    cited = yaml.safe_load((project / "CITATION.cff").read_text(encoding="utf-8"))
+    crate.name, crate.license = cited["title"], f"https://spdx.org/licenses/{cited['license']}"
     crate.description = "Sources, configuration, datasets, figures, tables and manuscript of the study, with its run."
     crate.root_dataset["conformsTo"] = [
         crate.add(ContextEntity(crate, url, {"@type": "CreativeWork", "name": name, "version": url.rpartition("/")[2]}))
         for url, name in PROFILES.items()
     ]
     made = products()
-    workflow = crate.add_workflow(
-        project / "snakefile", "snakefile", main=True, lang="snakemake", properties={"name": TITLE, "version": VERSION}
-    )
+    about = {"name": cited["title"], "version": VERSION}
+    workflow = crate.add_workflow(project / "snakefile", "snakefile", main=True, lang="snakemake", properties=about)
     given = [
         crate.add_file(project / file, file.as_posix(), properties={"name": file.name})
         for file in sources(project)
