@@ -1,41 +1,51 @@
-"""Compile the manuscript: ``python -m paper.compile RESULTS OUTPUT``."""
+"""Compile the texts: ``python -m paper.compile RESULTS FOLDER`` writes manuscript.pdf and supplement.pdf."""
 
+import json
 import sys
 from pathlib import Path
 
 import typst
 
 from paper.data import check_included
-from paper.manuscript import TEXT, check_uses, made_in
+from paper.manuscript import TEXTS, check_uses, made_in
 from paper.writing import write
 
 
-def main(results: Path, output: Path) -> None:
-    """Compile ``manuscript.typ`` with the numbers, tables and figures of a folder of results.
+def main(results: Path, folder: Path) -> None:
+    """Compile article and supplement with the numbers, tables and figures of a folder of results.
 
     Typst reads only below its root. Results may lie anywhere, so the root is that of the file system. The fixed time
-    stamp makes the same inputs give the same bytes.
+    stamp makes the same inputs give the same bytes. A fact of the text that the data contradict is told; its sentences
+    are left out.
 
     Raises
     ------
     SystemExit
-        If the text uses a number, figure or table that the results lack, in which case the message has the line of the
+        If a text uses a number, figure or table that the results lack, in which case the message has the line of the
         text, or one of them is damaged.
     """
     for file in (results / "numbers.json", *results.glob("figures/*.pdf"), *results.glob("tables/*.csv")):
         check_included(file)
+    there = made_in(results)
     try:
-        check_uses(TEXT.read_text(encoding="utf-8"), made_in(results))
+        for text in TEXTS:
+            check_uses(text, there)
     except ValueError as error:
         raise SystemExit(str(error)) from None
-    pdf = typst.compile(
-        str(TEXT),
-        root="/",
-        sys_inputs={"results": str(results.resolve())},
-        ignore_system_fonts=True,
-        timestamp=0,
-    )
-    write(output, pdf)
+    contradicted = [
+        name for name, value in json.loads((results / "numbers.json").read_text()).items() if value is False
+    ]
+    if contradicted:
+        print(f"The text leaves out what these results do not bear: {', '.join(contradicted)}.")
+    for text in TEXTS:
+        pdf = typst.compile(
+            str(text),
+            root="/",
+            sys_inputs={"results": str(results.resolve())},
+            ignore_system_fonts=True,
+            timestamp=0,
+        )
+        write(folder / f"{text.stem}.pdf", pdf)
 
 
 if __name__ == "__main__":

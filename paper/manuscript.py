@@ -1,4 +1,4 @@
-"""What the text of the manuscript uses, and what it says of the study by itself."""
+"""What the texts, article and supplement, use, and what they say of the study by themselves."""
 
 import json
 import re
@@ -8,7 +8,9 @@ from pathlib import Path
 from paper.asks import Ask
 from paper.products import Product, declare
 
-TEXT = Path(__file__).with_name("manuscript.typ")
+#: What the texts share, and the texts, each of which becomes a PDF of its name.
+LAYOUT = Path(__file__).parent / "text" / "layout.typ"
+TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ")]
 
 _COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
 #: Kind of what the text uses: how the text names it.
@@ -30,13 +32,13 @@ def uses(text: str) -> dict[str, dict[str, int]]:
     return found
 
 
-def check_uses(text: str, there: Mapping[str, set[str]]) -> None:
+def check_uses(path: Path, there: Mapping[str, set[str]]) -> None:
     """Refuse a text that uses what is not there.
 
     Parameters
     ----------
-    text
-        Source of the manuscript.
+    path
+        Source of the article or of the supplement.
     there
         Names of the numbers, figures and tables, by kind.
 
@@ -45,10 +47,10 @@ def check_uses(text: str, there: Mapping[str, set[str]]) -> None:
     ValueError
         If a number, figure or table is missing; the message has the line of the text.
     """
-    for kind, names in uses(text).items():
+    for kind, names in uses(path.read_text(encoding="utf-8")).items():
         for name, line in names.items():
             if name not in there[kind]:
-                raise ValueError(f"{TEXT.name}, line {line}: there is no {kind} '{name}' in the results.")
+                raise ValueError(f"{path.name}, line {line}: there is no {kind} '{name}' in the results.")
 
 
 def made_in(results: Path) -> dict[str, set[str]]:

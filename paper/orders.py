@@ -18,20 +18,22 @@ PERIODS = {
 FLOOR = 1e-10
 #: Above this an error other than a delay cannot grow much further, and says nothing of the step.
 SATURATED = 0.5
-#: Neighbouring step sizes of a fit, the finest above the floor.
+#: Neighbouring octaves of the step size in a fit, the finest above the floor.
 POINTS = 5
 #: How much the slope from one step size to the next may change within a fit.
 STEADY = 0.2
 
 
 def observed_order(error: xr.DataArray) -> float:
-    """Slope of log |error| over log Δt at the finest ``POINTS`` neighbouring step sizes above the floor.
+    """Slope of log |error| over log Δt at the finest ``POINTS`` neighbouring octaves of the step size above the floor.
 
-    NaN with fewer points, and where the slope changes within them: two causes of error of different order are then of
-    one size, or of opposite sign.
+    Octaves are counted from the finest step size; steps between them are left out. NaN with fewer points, and where the
+    slope changes within them: two causes of error of different order are then of one size, or of opposite sign.
 
     The error in percent of the energy is taken as a fraction, so that one floor serves all measures.
     """
+    octaves = np.log2(error.steps_per_period.values[-1] / error.steps_per_period.values)
+    error = error[octaves == np.round(octaves)]
     values = np.abs(error.values) / (100 if error.attrs["units"] == "percent" else 1)
     ceiling = np.inf if error.name == "phase_error" else SATURATED
     valid = (values > FLOOR) & (values < ceiling)

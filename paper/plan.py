@@ -12,6 +12,7 @@ from typing import Any
 
 import grimp
 
+from paper.manuscript import LAYOUT, TEXTS
 from paper.products import Product, check, discover
 
 #: Folder and formats of each kind of product that is a file of its own, and its heading in the report of the pipeline.
@@ -25,9 +26,10 @@ WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "claim": ("claims", "results/claims.csv", ()),
     "numbers": ("numbers", "results/numbers.json", ()),
 }
-#: Formats that the manuscript includes, and its own sources.
-INCLUDED, TEXT = (".pdf", ".csv", ".json"), ("manuscript.typ", "references.bib")
-MANUSCRIPT = "results/manuscript.pdf"
+#: Formats that the texts include, their sources beside the modules, and what they become.
+INCLUDED = (".pdf", ".csv", ".json")
+SOURCES = ["paper/references.bib", "CITATION.cff", *(f"paper/text/{path.name}" for path in [*TEXTS, LAYOUT])]
+PDFS = [f"results/{path.stem}.pdf" for path in TEXTS]
 
 
 class _Sources:
@@ -97,9 +99,9 @@ def steps_of(products: list[Product], root: Path) -> list[dict[str, Any]]:
     steps = [_of_each(kind, products, sources) for kind in FILES]
     steps += [_of_all(kind, products, sources) for kind in WHOLES]
     included = [file for file in _made_by(steps) if file.endswith(INCLUDED)]
-    inputs = [*included, *(str(root / "paper" / name) for name in TEXT), *sources.of("paper.compile")]
-    job = _job(("paper.compile", "results", MANUSCRIPT), inputs)
-    return [*steps, _step("manuscript", "Manuscript", [MANUSCRIPT], {"": job}, quick=True)]
+    inputs = [*included, *(str(root / name) for name in SOURCES), *sources.of("paper.compile")]
+    job = _job(("paper.compile", "results", "results"), inputs)
+    return [*steps, _step("manuscript", "Article and supplement", PDFS, {"": job}, quick=True)]
 
 
 def check_datasets(products: Iterable[Product], datasets: Iterable[str]) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from paper.asks import rising
+from paper.asks import contained, rising
 from paper.claims.ledger import by_name
 from paper.claims.stability import CHAOTIC
 from paper.products import numbers
@@ -46,13 +46,26 @@ def of_long_times(runs: xr.Dataset) -> dict:
     return lasting
 
 
+def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str, float]:
+    """Part of the runs of explicit schemes below the linear limit at the stiffest point that fail or go astray."""
+    explicit = atlas.isel(scheme=np.flatnonzero(atlas.explicit.values == 1))
+    limit = spectral.stability_limit.sel(damping_ratio=0.0, scheme=explicit.scheme)
+    left = explicit.dt_over_period * explicit.period * explicit.highest_frequency < limit
+    lost = sum(is_outcome(explicit, name) for name in FAILURES) > 0
+    dims = ["scheme", "amplitude", "dt_over_period"]
+    return by_name((lost & left).sum(dims) / left.sum(dims))
+
+
 @numbers(
     atlas="stability/atlas",
     roots="stability/roots",
     bifurcation="stability/bifurcation",
     robustness="stability/robustness",
     structures="stability/structures",
+    spectral="spectral",
     asks={
+        "": contained("atlas.schemes", "spectral.schemes"),
+        "spectral.damping_ratios": [0.0],
         "atlas.problems": ["double_well"],
         "stability.roots.problem": "double_well",
         "stability.roots.schemes": ["average_acceleration", "wilson_theta", "houbolt"],
@@ -67,7 +80,12 @@ def of_long_times(runs: xr.Dataset) -> dict:
     },
 )
 def of_stability(
-    atlas: xr.Dataset, roots: xr.Dataset, bifurcation: xr.Dataset, robustness: xr.Dataset, structures: xr.Dataset
+    atlas: xr.Dataset,
+    roots: xr.Dataset,
+    bifurcation: xr.Dataset,
+    robustness: xr.Dataset,
+    structures: xr.Dataset,
+    spectral: xr.Dataset,
 ) -> dict:
     """Maps, roots, chaos, and steps that are enough."""
     chaotic, failed = bifurcation.lyapunov_exponent * bifurcation.dt > CHAOTIC, bifurcation.status != 0
@@ -81,6 +99,7 @@ def of_stability(
     told = chaotic & ~failed & (bifurcation.steps_until_apart > 0)
     a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(told)
     foretold = np.log(bifurcation.order_one / bifurcation.perturbation) / a_step_each / bifurcation.steps_until_apart
+    lost_left = _lost_left_of_the_limit(atlas, spectral)
     longest = robustness.steps_needed.isel(periods=-1)
     of_average = longest.sel(scheme="average_acceleration", level=10)
     twenty = longest.sel(problem="hardening", level=10) <= 20
@@ -111,6 +130,10 @@ def of_stability(
         "foretold": f"{foretold.median().item():.1f}",
         "foretold_from": f"{foretold.quantile(0.05).item():.1f}",
         "foretold_to": f"{foretold.quantile(0.95).item():.1f}",
+        **{f"lost_left_{name}": f"{100 * part:.0f}" for name, part in lost_left.items()},
+        "softening_needs_more": bool(
+            of_average.fillna(np.inf).sel(problem="softening") > of_average.fillna(np.inf).sel(problem="hardening")
+        ),
         "needed_periods": f"{robustness.periods.values[-1]:,}",
         "newton_fails_in": f"{100 * failed.values[failed.values.argmax() :].mean():.0f}",
         # the hill is as high as the potential at √2

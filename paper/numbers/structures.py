@@ -1,5 +1,7 @@
 """Numbers of the text: structures."""
 
+from collections.abc import Iterable
+
 import numpy as np
 import xarray as xr
 
@@ -10,6 +12,12 @@ from paper.data import TURNING
 from paper.figures.oscillatory_energies import total
 from paper.products import numbers
 from paper.tables.structures import STEPS_PER_PERIOD
+
+
+def _in_words(titles: Iterable[str]) -> str:
+    """Titles of structures as a list in a sentence."""
+    *others, last = [f"the {title}" for title in titles]
+    return f"{', '.join(others)} and {last}" if others else last
 
 
 @numbers(
@@ -45,7 +53,10 @@ def of_structures(
     oscillatory = total(long_times)
     change = by_name(100 * abs(oscillatory / oscillatory.isel(t=0) - 1).max("t"))
     return {
-        "structures_shown": structures.sizes["problem"],
+        "most_unknowns": int(structures.unknowns.max()),
+        "structure_titles": _in_words(structures.problem_title.values),
+        "turning_titles": _in_words(runs.problem_title.values).capitalize(),
+        "momentum_method_stable": lost["energy_momentum"] == 0 and lost["implicit_midpoint"] > 0,
         "structure_tolerance": f"{np.log10(reference.rtol):.0f}",
         "turning_runs": runs.sizes["problem"] * runs.sizes["steps_per_period"],
         **{f"lost_{name}": number for name, number in lost.items()},

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from paper.printing import printed
 from paper.products import discover, made, reader
 from paper.writing import write
 
@@ -11,7 +12,7 @@ def main(results: Path, folder: Path) -> None:
     """Write the tables of a folder of results, which are frames of ready texts."""
     read = reader(results)
     for product in (one for one in discover(["tables"]) if one.kind == "table"):
-        frame = made(product, read)
+        frame = made(product, read).map(lambda cell: printed(str(cell))).rename(columns=printed)
         write(folder / f"{product.name}.csv", frame.to_csv(index=False))
         write(folder / f"{product.name}.tex", frame.to_latex(index=False, escape=True))
 

@@ -20,11 +20,12 @@ def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
         "computed": (ours.sel(period_used="printed"), ".3f"),
         "exact period": (ours.sel(period_used="exact"), ".3f"),
     }
+    title_of = dict(zip(energy_error.problem.values, energy_error.problem_title.values, strict=True))
     rows = []
     for problem in energy_error.problem.values:
         for steps in energy_error.steps_per_period.values:
             for source, (values, form) in sources.items():
-                row = {"Problem": problem, "Step": f"T/{steps}", "Source": source}
+                row = {"Problem": title_of[problem], "Step": f"T/{steps}", "Source": source}
                 for scheme in energy_error.scheme.values:
                     title = energy_error.scheme_title.sel(scheme=scheme).item()
                     row[title] = format(values.sel(problem=problem, steps_per_period=steps, scheme=scheme).item(), form)

@@ -31,7 +31,10 @@ def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
     """One row per problem and scheme."""
     accuracy = of_the_paper(accuracy)
     return pd.DataFrame(
-        {"Problem": problem, **observed(accuracy.sel(problem=problem, scheme=scheme))}
+        {
+            "Problem": accuracy.problem_title.sel(problem=problem).item(),
+            **observed(accuracy.sel(problem=problem, scheme=scheme)),
+        }
         for problem in accuracy.problem.values
         for scheme in accuracy.scheme.values
     )

@@ -28,7 +28,7 @@ def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
                     continue
                 rows.append(
                     {
-                        "Problem": problem,
+                        "Problem": value.problem_title.item(),
                         "Step": f"T/{steps}",
                         "Scheme": value.scheme_title.item(),
                         "Printed": f"{digit.item():.1f}",

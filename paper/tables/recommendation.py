@@ -1,27 +1,38 @@
-"""The cheapest scheme for an allowed error, and its steps per period."""
+"""The fastest scheme for an allowed error, by every measure of error, and its steps per period."""
 
 import pandas as pd
 import xarray as xr
 
 from paper.products import table
+from paper.tables.decision import MEASURES
 
-MEASURE = "max_trajectory_error"
+
+def _cell(needs: xr.Dataset) -> str:
+    """The fastest scheme with its steps, and an asterisk if another ties with it."""
+    name = needs.cheapest_scheme.item()
+    if not name:
+        return "–"
+    best = needs.sel(scheme=name)
+    tied = (needs.ties_with_fastest == 1).sum() > 1
+    return f"{best.scheme_title.item()}: {best.steps_per_period.item():.0f}{' *' if tied else ''}"
 
 
-@table(recommendation="recommendation", asks={"recommendation.measures": [MEASURE]})
+@table(recommendation="recommendation", asks={"recommendation.measures": list(MEASURES)})
 def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
-    """One row per problem and error, one column per length of the run; a dash where no scheme keeps the error."""
-    needs = recommendation.sel(measure=MEASURE)
+    """One row per problem, length of the run and error; a dash where no scheme keeps the error."""
+    titles = dict(zip(recommendation.problem.values, recommendation.problem_title.values, strict=True))
     rows = []
-    for problem in needs.problem.values:
-        for error in needs.error.values:
-            row = {"Problem": problem, "Error": f"{100 * error:g} %" if error > 1e-5 else f"{error:g}"}
-            for periods in needs.periods.values:
+    for problem, title in titles.items():
+        for periods in recommendation.periods.values:
+            for error in recommendation.error.values:
                 # by a mapping: a problem's error is a coordinate here, and xarray has methods of such names
-                one = needs.sel({"problem": problem, "error": error, "periods": periods})
-                name = one.cheapest_scheme.item()
-                best = one.sel(scheme=name) if name else None
-                needed = f"{best.scheme_title.item()}, {best.steps_per_period.item():.0f}" if best is not None else "–"
-                row[f"{periods} periods"] = needed
-            rows.append(row)
+                needs = recommendation.sel({"problem": problem, "error": error, "periods": periods})
+                row = {
+                    "Problem": title[0].upper() + title[1:],
+                    "Periods": f"{periods}",
+                    "Error": f"{100 * error:g} %" if error > 1e-5 else f"{error:g}",
+                }
+                rows.append(
+                    row | {what.capitalize(): _cell(needs.sel({"measure": name})) for name, what in MEASURES.items()}
+                )
     return pd.DataFrame(rows)

@@ -25,10 +25,10 @@ def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFram
     rows = []
     for reference in references:
         row = {
-            "Problem": reference.problem,
+            "Problem": reference.problem.replace("_", " "),
             "Period": reference.period_30_digits,
-            "Its doubt": f"{reference.period_certified.item():.0e}",
-            "Doubt of motion": f"{(reference.u_certified / abs(reference.u).max()).item():.0e}",
+            "Uncertainty": f"{reference.period_certified.item():.0e}",
+            "of the motion": f"{(reference.u_certified / abs(reference.u).max()).item():.0e}",
         }
         best = agreement.u_error.sel(problem=reference.problem, periods=100).min("tolerance")
         for route, title in _TITLES.items():

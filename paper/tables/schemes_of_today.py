@@ -26,7 +26,6 @@ def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
                 {
                     "Family": family,
                     "Scheme": scheme.scheme_title.item(),
-                    "Name": name,
                     "Order": str(order) if order == damped else f"{order} ({damped})",
                     "Kind": "explicit" if scheme.explicit else "implicit",
                     "Vectors": scheme.memory.item(),

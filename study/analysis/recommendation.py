@@ -10,32 +10,11 @@ from study import datasets
 from study.registry import UnknownName, did_you_mean
 
 
-def _needed_steps(steps: np.ndarray, error: np.ndarray, allowed: float) -> float:
-    """Fewest steps per period from which on the error stays within the allowed one; NaN if the data reach none.
-
-    Between two step sizes, the logarithm of the error is interpolated linearly in that of the step.
-    """
+def _fewest_steps(steps: np.ndarray, error: np.ndarray, allowed: float) -> int | None:
+    """Place of the fewest steps per period from which on every run keeps the error; None if the finest does not."""
     above = np.flatnonzero(~(error <= allowed))  # a failed run, NaN, counts as above
-    if not above.size:
-        return steps[0]
-    last = above[-1]
-    if last == len(steps) - 1:
-        return np.nan
-    if not np.isfinite(error[last]) or error[last + 1] == 0:
-        return steps[last + 1]
-    between = np.log(allowed / error[last]) / np.log(error[last + 1] / error[last])
-    return float(np.exp(np.interp(between, [0, 1], np.log(steps[last : last + 2]))))
-
-
-def _over_periods(errors: xr.DataArray, periods: float) -> xr.DataArray:
-    """Errors after ``periods`` periods; between measured lengths, logarithms are interpolated linearly."""
-    lengths = errors.periods.values
-    if periods in lengths:
-        return errors.sel(periods=periods)
-    upper = np.searchsorted(lengths, periods)
-    part = np.log(periods / lengths[upper - 1]) / np.log(lengths[upper] / lengths[upper - 1])
-    before, after = errors.isel(periods=upper - 1, drop=True), errors.isel(periods=upper, drop=True)
-    return np.exp((1 - part) * np.log(before) + part * np.log(after))
+    first = above[-1] + 1 if above.size else 0
+    return int(first) if first < len(steps) else None
 
 
 def _scale(error: xr.DataArray) -> float:
@@ -51,28 +30,51 @@ def _sizes(data: xr.Dataset, measure: str) -> xr.DataArray:
     )
 
 
-def candidates(data: xr.Dataset, problem: str, error: float, measure: str, periods: float) -> pd.DataFrame:
-    """The table that :func:`recommend` returns, without rows if no scheme keeps the error."""
-    one = data.sel(problem=problem)
-    allowed = error * _scale(one[measure])
-    sizes = _over_periods(_sizes(one, measure), periods).transpose("scheme", "steps_per_period").values
-    steps = one.steps_per_period.values
-    costs = [
-        one[name].transpose("scheme", "steps_per_period").values
-        for name in ("median_time_per_step", "force_evaluations_per_step")
-    ]
+def _with_ties(table: pd.DataFrame) -> pd.DataFrame:
+    """The table by time, with a column that tells which times differ from the least by no more than both spreads."""
+    table = table.sort_values("time")
+    slower_by = table["time"] - table["time"].iloc[:1].squeeze()
+    ties = slower_by <= table["time_spread"] + table["time_spread"].iloc[:1].squeeze()
+    table.insert(table.columns.get_loc("time_spread") + 1, "ties_with_fastest", ties)
+    return table
+
+
+def candidates(
+    accuracy: xr.Dataset, work: xr.Dataset, problem: str, error: float, measure: str, periods: int
+) -> pd.DataFrame:
+    """The table that :func:`recommend` returns, without rows if no scheme keeps the error.
+
+    Parameters
+    ----------
+    accuracy, work
+        Datasets ``accuracy``, with the errors at every step that was tried, and ``work_precision``, with the times.
+    """
+    runs = accuracy.sel({"problem": problem, "periods": periods})
+    allowed, scale = error * _scale(accuracy[measure]), _scale(accuracy[measure])
+    sizes = _sizes(runs, measure).transpose("scheme", "steps_per_period")
+    tried = runs.steps_per_period.values
     rows = {}
-    for s, scheme in enumerate(one.scheme.values):
-        needed = _needed_steps(steps, sizes[s], allowed)
-        nanoseconds, forces = (np.interp(needed, steps, cost[s]) for cost in costs)
-        rows[scheme] = {
-            "steps_per_period": needed,
-            "time": 1e-9 * nanoseconds * needed * periods,
-            "force_evaluations": forces * needed * periods,
+    for name in work.scheme.values:
+        place = _fewest_steps(tried, sizes.sel(scheme=name).values, allowed)
+        if place is None:
+            continue
+        steps = int(tried[place])
+        scheme = work.sel(problem=problem, scheme=name)
+        timed = scheme.sel(steps_per_period=steps, method="nearest")
+        iterations = runs.newton_iterations.sel(scheme=name, steps_per_period=steps).item()
+        in_all = steps * periods
+        rows[name] = {
+            "steps_per_period": steps,
+            "error": sizes.sel(scheme=name).values[place] / scale,
+            "time": 1e-9 * timed.median_time_per_step.item() * in_all,
+            "time_spread": 1e-9 * timed.spread_of_time_per_step.item() * in_all,
+            "force_evaluations": scheme.evaluations.item() * in_all
+            + scheme.evaluations_per_iteration.item() * iterations,
+            "verdict": "found" if place else "already the coarsest step",
         }
-    columns = ["steps_per_period", "time", "force_evaluations"]
-    table = pd.DataFrame.from_dict(rows, orient="index", columns=columns)
-    return table.rename_axis("scheme").dropna().sort_values("time")
+    columns = ["steps_per_period", "error", "time", "time_spread", "force_evaluations", "verdict"]
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=columns).rename_axis("scheme")
+    return _with_ties(table)
 
 
 def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = None) -> pd.DataFrame:
@@ -102,10 +104,32 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
             "verdict": words[one.verdict.values],
         },
         index=pd.Index(one.scheme.values, name="scheme"),
-    ).sort_values("time")
-    fastest = table.iloc[0]
-    slower_by = table["time"] - fastest["time"]
-    table.insert(4, "ties_with_fastest", slower_by <= table["time_spread"] + fastest["time_spread"])
+    )
+    return _with_ties(table)
+
+
+def of_the_study(problem: str, error: float, measure: str, periods: float, folder: str | Path) -> pd.DataFrame:
+    """The table that :func:`recommend` returns for a problem of the study."""
+    work, accuracy = datasets.open("work_precision", folder), datasets.open("accuracy", folder)
+    for name, known in ((problem, work.problem.values), (measure, accuracy.measure.values)):
+        if name not in known:
+            kind = "problem" if name == problem else "measure of error"
+            raise UnknownName(f"the work-precision data have no {kind} {name!r}; {did_you_mean(str(name), known)}")
+    lengths = accuracy.periods.values.tolist()
+    if periods not in lengths:
+        raise ValueError(f"periods must be one of those that were run, {', '.join(map(str, lengths))}, not {periods}.")
+    if not error > 0:
+        raise ValueError(f"error must be greater than zero, not {error}.")
+    table = candidates(accuracy, work, problem, error, measure, int(periods))
+    if table.empty:
+        finest = _sizes(accuracy.sel(problem=problem, periods=periods).isel(steps_per_period=-1), measure).values
+        if np.isnan(finest).all():
+            raise ValueError(f"{measure} is not measured over {periods} periods, which are too short for it.")
+        raise ValueError(
+            f"no scheme keeps {measure} to {error:g} over {periods:g} periods of '{problem}' with up to "
+            f"{accuracy.steps_per_period.values[-1]} steps per period; the smallest error is "
+            f"{np.nanmin(finest) / _scale(accuracy[measure]):.1e}."
+        )
     return table
 
 
@@ -120,34 +144,34 @@ def recommend(
 ) -> pd.DataFrame:
     """List the schemes that keep an error within a bound, the cheapest first.
 
-    For a dataset of :func:`study.assess`, all steps and times are those of runs. For the name of a problem of the
-    study, the dataset ``work_precision`` is interpolated in the step size and in the length of the run, and never
-    extrapolated: a scheme that misses the bound at the finest step of the dataset is left out, and one that keeps it at
-    the coarsest is listed with that.
+    No number is interpolated: steps, errors and forces are those of runs. The step is the largest from which on every
+    finer one that was tried keeps the error. A time is that of a step, measured at the nearest step size that was
+    timed, times the number of steps. For the name of a problem of the study the runs are those of the datasets
+    ``accuracy`` and ``work_precision``, and a scheme that misses the bound at the finest step is left out.
 
     Parameters
     ----------
     what
-        Dataset of :func:`study.assess`, or name of a problem in the dataset ``work_precision``.
+        Dataset of :func:`study.assess`, or name of a problem of the study.
     error
         Largest allowed error as a fraction, also for measures in percent: 0.01 is one percent.
     quantity
         Quantity of the assessment that must keep the error, by default the first.
     measure
-        Measure of error, a variable of the dataset ``work_precision``.
+        Measure of error, a variable of the dataset ``accuracy``.
     periods
-        Length of the run in periods.
+        Length of the run in periods, one of those of the dataset ``accuracy``.
     folder
         Folder of the results.
 
     Returns
     -------
     pandas.DataFrame
-        By ``scheme``. Of an assessment: ``dt``, ``steps``, the ``error`` at that step, ``time`` of the run in seconds
-        with its spread, ``ties_with_fastest`` where the times differ by no more than their spreads,
-        ``force_evaluations`` and ``verdict``; schemes for which no step was found are last. Of a problem of the study:
-        ``steps_per_period``, ``time`` of all steps in seconds (a call of :func:`study.run` adds about a
-        millisecond) and ``force_evaluations`` in them.
+        By ``scheme``: the step (of an assessment ``dt`` and ``steps`` of the run, of a problem of the study
+        ``steps_per_period``), the ``error`` at that step, ``time`` of all steps in seconds (a call of :func:`study.run`
+        adds less than a millisecond) with its interquartile range ``time_spread``, ``ties_with_fastest`` where the
+        times differ by no more than their spreads, ``force_evaluations`` and ``verdict``. Schemes of an assessment for
+        which no step was found are last.
 
     Raises
     ------
@@ -158,15 +182,15 @@ def recommend(
     TypeError
         If an argument is no name or no number.
     ValueError
-        If error or length are out of the measured range, which the message states.
+        If no scheme keeps the error, or no run has the length; the message states what was measured.
 
     Examples
     --------
     >>> study.recommend("hardening", error=0.01, periods=100).head(2)  # doctest: +SKIP
-                     steps_per_period      time  force_evaluations
-    scheme
-    mclachlan4              12.917079  0.000051        6458.539738
-    extrapolation12          8.000000  0.000099       17600.000000
+              steps_per_period     error      time  ...  ties_with_fastest  force_evaluations                   verdict
+    scheme                                          ...
+    kahan_li8                8  0.003907  0.000057  ...               True            13600.0  already the coarsest step
+    rk4                     96  0.008142  0.000236  ...              False            38400.0                      found
     """
     for name, number in (("error", error), ("periods", periods)):
         if isinstance(number, bool) or not isinstance(number, int | float | np.number):
@@ -178,25 +202,4 @@ def recommend(
             "recommend takes the name of a problem of the study, or the dataset that study.assess returns for a "
             f"problem of your own, not {what!r}."
         )
-    problem = what
-    data = datasets.open("work_precision", folder)
-    for name, known in ((problem, data.problem.values), (measure, data.measure.values)):
-        if name not in known:
-            kind = "problem" if name == problem else "measure of error"
-            raise UnknownName(f"the work-precision data have no {kind} {name!r}; {did_you_mean(str(name), known)}")
-    lengths = data.periods.values
-    if not lengths.min() <= periods <= lengths.max():
-        raise ValueError(f"periods must be within what was run, {lengths.min()} to {lengths.max()}, not {periods}.")
-    if not error > 0:
-        raise ValueError(f"error must be greater than zero, not {error}.")
-    table = candidates(data, problem, error, measure, periods)
-    if table.empty:
-        finest = _over_periods(_sizes(data.sel(problem=problem).isel(steps_per_period=-1), measure), periods).values
-        if np.isnan(finest).all():
-            raise ValueError(f"{measure} is not measured over {periods} periods, which are too short for it.")
-        raise ValueError(
-            f"no scheme keeps {measure} to {error:g} over {periods:g} periods of '{problem}' with up to "
-            f"{data.steps_per_period.values[-1]} steps per period; the smallest error is "
-            f"{np.nanmin(finest) / _scale(data[measure]):.1e}."
-        )
-    return table
+    return of_the_study(what, error, measure, periods, folder)

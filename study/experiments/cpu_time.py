@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from study import datasets
 from study.marching.timing import Timed
 from study.observer.energy import MaxEnergyError
 from study.pipeline import coordinates
@@ -57,7 +58,7 @@ def cpu_time(
                 elapsed[p, s, repeat], _ = one.run(printed_periods[problem] / steps_per_period, steps)
     per_step = 1e9 * elapsed / steps
     quartiles = np.quantile(per_step, [0.25, 0.5, 0.75], axis=-1)
-    ratio = per_step / per_step[:, [list(schemes).index(BASELINE)]]
+    ratio = np.quantile(per_step / per_step[:, [list(schemes).index(BASELINE)]], [0.25, 0.5, 0.75], axis=-1)
     dims = ("problem", "scheme")
     return xr.Dataset(
         {
@@ -70,9 +71,11 @@ def cpu_time(
             ),
             "ratio": (
                 dims,
-                np.median(ratio, axis=-1),
+                ratio[1],
                 {"long_name": f"median ratio of the time to that of {BASELINE} in the same repeat", "units": "1"},
             ),
+            "ratio_low": (dims, ratio[0], {"long_name": "lower quartile of these ratios", "units": "1"}),
+            "ratio_high": (dims, ratio[2], {"long_name": "upper quartile of these ratios", "units": "1"}),
             "compile_time": (dims, compile_time, {"long_name": "time to trace and compile", "units": "s"}),
         },
         coords={
@@ -80,5 +83,9 @@ def cpu_time(
             **coordinates.problem_coordinates(problems),
             **coordinates.scheme_coordinates(schemes),
         },
-        attrs={"title": f"Time of {steps} steps at T/{steps_per_period} with the energy observed", "steps": steps},
+        attrs={
+            "title": f"Time of {steps} steps at T/{steps_per_period} with the energy observed",
+            "steps": steps,
+            "processor": datasets.processor(),
+        },
     )

@@ -67,7 +67,8 @@ def kinks(
     """
     reference = datasets.open("reference/inelastic")
     shape = (len(problems), len(schemes), len(steps_per_period))
-    error, imbalance, order = np.full(shape, np.nan), np.full(shape, np.nan), np.full(shape[:2], np.nan)
+    error, imbalance, iterations = (np.full(shape, np.nan) for _ in range(3))
+    order = np.full(shape[:2], np.nan)
     for p, problem in enumerate(problems):
         known, definition = reference.sel(problem=problem), problems_by_name[problem]
         size, scale = np.abs(known.u.values).max(), known.time_scale.item()
@@ -81,12 +82,13 @@ def kinks(
                     scheme,
                     dt=scale / steps,
                     steps=periods * steps,
-                    observe=["trajectory", "energy_balance"],
+                    observe=["trajectory", "energy_balance", "newton_iterations"],
                     every=steps // samples_per_period,
                     on_failure="ignore",
                 )
                 error[p, s, k] = np.abs(ds.u.values[1:] - known.u.values).max() / size
                 imbalance[p, s, k] = ds.max_energy_imbalance
+                iterations[p, s, k] = ds.newton_iterations / (periods * steps)
             order[p, s] = _order(np.array(steps_per_period), error[p, s], known.u_uncertainty.item() / size)
     dims = ("problem", "scheme", "steps_per_period")
     return xr.Dataset(
@@ -97,6 +99,7 @@ def kinks(
                 imbalance,
                 {"long_name": "largest error of the balance of energies", "units": "percent"},
             ),
+            "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations a step", "units": "1"}),
             "observed_order": (dims[:2], order, {"long_name": "order that the errors show", "units": "1"}),
         },
         coords={

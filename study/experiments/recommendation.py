@@ -1,4 +1,4 @@
-"""Steps, time and forces that every scheme needs to keep an error, from the work-precision dataset."""
+"""Steps, time and forces that every scheme needs to keep an error, from the runs of the study."""
 
 from collections.abc import Mapping
 
@@ -16,7 +16,12 @@ from study.pipeline.options import Counts, Names, Springs, Tolerances
 _NEEDS = {
     "steps_per_period": {"long_name": "steps per period that the scheme needs", "units": "1"},
     "time": {"long_name": "time of the run", "units": "s"},
+    "time_spread": {"long_name": "interquartile range of the time of the run", "units": "s"},
     "force_evaluations": {"long_name": "forces evaluated in the run", "units": "1"},
+    "ties_with_fastest": {
+        "long_name": "1 where the time differs from the least by no more than both spreads",
+        "units": "1",
+    },
 }
 
 
@@ -30,10 +35,11 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     )
 
 
-@experiment("recommendation", reads=lambda options: ["work_precision"], check=_check)
+@experiment("recommendation", reads=lambda options: ["accuracy", "work_precision"], check=_check)
 def recommendation(problems: Springs, measures: Names, errors: Tolerances, periods: Counts) -> xr.Dataset:
     """Find the steps, time and forces that every scheme needs to keep each error, and the cheapest scheme.
 
+    The steps are the fewest of those tried in the dataset ``accuracy`` from which on every finer one keeps the error.
     The needs have the shape (problem, measure, error, periods, scheme) and are NaN for a scheme that does not keep the
     error. ``cheapest_scheme``, of shape (problem, measure, error, periods), is empty if no scheme keeps it.
 
@@ -46,22 +52,24 @@ def recommendation(problems: Springs, measures: Names, errors: Tolerances, perio
     periods
         Lengths of the runs in exact periods.
     """
-    data = datasets.open("work_precision")
-    schemes = data.scheme.values.tolist()
+    accuracy, work = datasets.open("accuracy"), datasets.open("work_precision")
+    schemes = work.scheme.values.tolist()
     dims = ("problem", "measure", "error", "periods")
     shape = (len(problems), len(measures), len(errors), len(periods))
     cheapest = np.full(shape, "", dtype=object)
     needs = {name: np.full((*shape, len(schemes)), np.nan) for name in _NEEDS}
     for at in np.ndindex(shape):
         p, m, e, n = at
-        table = candidates(data, problems[p], errors[e], measures[m], periods[n])
+        table = candidates(accuracy, work, problems[p], errors[e], measures[m], periods[n])
         if not table.empty:
             cheapest[at] = table.index[0]
         for name, values in needs.items():
-            values[at] = table[name].reindex(schemes)
+            values[at] = table[name].reindex(schemes).astype(float)
+    tried = accuracy.steps_per_period.values
     return xr.Dataset(
         {"cheapest_scheme": (dims, cheapest.astype(str), {"long_name": "cheapest scheme, empty where none"})}
-        | {name: ((*dims, "scheme"), values, _NEEDS[name]) for name, values in needs.items()},
+        | {name: ((*dims, "scheme"), values, _NEEDS[name]) for name, values in needs.items()}
+        | {"coarsest": ((), tried[0], {"long_name": "fewest steps per period that were tried", "units": "1"})},
         coords={
             **coordinates.problem_coordinates(problems),
             **coordinates.scheme_coordinates(schemes),

@@ -18,15 +18,16 @@ def data(monkeypatch):
     periods = xr.DataArray([1.0, 10.0, 100.0], dims="periods")
     errors = xr.concat([1.0 * steps**-2.0 * periods, 10.0 * steps**-4.0 * periods], "scheme").expand_dims(problem=1)
     errors = errors.transpose("problem", "scheme", "steps_per_period", "periods").assign_attrs(units="1")
-    cost = xr.DataArray([10.0, 40.0], dims="scheme").expand_dims(problem=1, steps_per_period=5)
+    cost = xr.DataArray([10.0, 40.0], dims="scheme").expand_dims(problem=1, steps_per_period=5).copy()
     ds = xr.Dataset(
         {
             "max_trajectory_error": errors,
             "max_energy_error": (100 * errors).assign_attrs(units="percent"),
             "flagged": xr.zeros_like(errors, int).expand_dims(measure=2).copy(),
             "uncertainty": xr.zeros_like(errors[:, 0, 0]).expand_dims(measure=2).copy(),
+            "newton_iterations": xr.zeros_like(errors) + 3 * STEPS[:, None] * periods.values,
             "median_time_per_step": cost,
-            "force_evaluations_per_step": cost / 10,
+            "spread_of_time_per_step": cost / 100,
         },
         {
             "problem": ["spring"],
@@ -34,38 +35,58 @@ def data(monkeypatch):
             "steps_per_period": STEPS,
             "periods": [1, 10, 100],
             "measure": ["max_trajectory_error", "max_energy_error"],
+            "evaluations": ("scheme", [1, 4]),
+            "evaluations_per_iteration": ("scheme", [2, 0]),
         },
     )
     monkeypatch.setattr(datasets, "open", lambda name, folder: ds)
     return ds
 
 
-def test_the_needed_steps_are_those_of_the_power_law(data):
+def test_the_steps_are_the_fewest_that_were_run_and_kept_the_error(data):
+    # the power laws ask for 31.6 and 10 steps in a period
     table = study.recommend("spring", error=0.01, periods=10)
     assert table.index.tolist() == ["low", "high"]
-    assert table.steps_per_period["low"] == pytest.approx((10 / 0.01) ** 0.5)
-    assert table.steps_per_period["high"] == pytest.approx((100 / 0.01) ** 0.25)
-    assert table.time["low"] == pytest.approx(10e-9 * 10 * (10 / 0.01) ** 0.5)
-    assert table.force_evaluations["high"] == pytest.approx(4 * 10 * (100 / 0.01) ** 0.25)
+    assert table.steps_per_period.to_dict() == {"low": 32, "high": 16}
+    assert table.error["low"] == pytest.approx(10 / 32**2) and table.error["high"] == pytest.approx(100 / 16**4)
+    assert table.time["low"] == pytest.approx(10e-9 * 10 * 32)
+    # those of the step, and of its three Newton iterations
+    assert table.force_evaluations.to_dict() == {"low": (1 + 2 * 3) * 320, "high": 4 * 160}
+    assert table.verdict.tolist() == ["found", "found"]
 
 
-def test_percent_and_lengths_between_are_understood(data):
+def test_the_time_of_a_step_that_was_not_timed_is_that_of_the_nearest(data):
+    timed = data.sel(steps_per_period=[8, 128]).copy(deep=True)
+    timed.median_time_per_step.loc[{"steps_per_period": 128}] = 1e6
+    table = candidates(data, timed, "spring", 0.01, "max_trajectory_error", 10)
+    assert table.time["high"] == pytest.approx(40e-9 * 10 * 16)
+
+
+def test_times_within_their_spreads_tie(data):
+    assert study.recommend("spring", error=0.01, periods=10).ties_with_fastest.tolist() == [True, False]
+    data.spread_of_time_per_step.loc[{"scheme": "high"}] = 40.0
+    assert study.recommend("spring", error=0.01, periods=10).ties_with_fastest.tolist() == [True, True]
+
+
+def test_percent_is_understood(data):
     same = study.recommend("spring", error=0.01, periods=10, measure="max_energy_error")
-    np.testing.assert_allclose(same, study.recommend("spring", error=0.01, periods=10))
-    between = study.recommend("spring", error=0.01, periods=3.0)
-    assert between.steps_per_period["low"] == pytest.approx((3 / 0.01) ** 0.5)
+    xr.testing.assert_allclose(
+        same.drop(columns="verdict").to_xarray(),
+        study.recommend("spring", error=0.01, periods=10).drop(columns="verdict").to_xarray(),
+    )
 
 
-def test_nothing_is_extrapolated(data):
+def test_nothing_is_interpolated_or_extrapolated(data):
     assert study.recommend("spring", error=1e-5, periods=10).index.tolist() == ["high"]
-    assert study.recommend("spring", error=100.0, periods=10).steps_per_period.tolist() == [8.0, 8.0]
+    coarsest = study.recommend("spring", error=100.0, periods=10)
+    assert coarsest.steps_per_period.tolist() == [8, 8] and set(coarsest.verdict) == {"already the coarsest step"}
     with pytest.raises(
         ValueError, match=r"no scheme keeps max_trajectory_error to 1e-09 over 10 .* the smallest error is 3.7e-07"
     ):
         study.recommend("spring", error=1e-9, periods=10)
-    assert candidates(data, "spring", 1e-9, "max_trajectory_error", 10).empty
-    with pytest.raises(ValueError, match="periods must be within what was run, 1 to 100, not 1000"):
-        study.recommend("spring", error=0.01, periods=1000)
+    assert candidates(data, data, "spring", 1e-9, "max_trajectory_error", 10).empty
+    with pytest.raises(ValueError, match="periods must be one of those that were run, 1, 10, 100, not 3"):
+        study.recommend("spring", error=0.01, periods=3)
 
 
 def test_flagged_errors_count_as_the_uncertainty_of_the_reference(data):
@@ -85,8 +106,7 @@ def test_an_error_that_falls_and_rises_again_counts_by_its_finer_steps(data):
     data.max_trajectory_error.loc[{"scheme": "low", "steps_per_period": 8}] = 1e-9  # an accident of coarse steps
     data.max_trajectory_error.loc[{"scheme": "high", "steps_per_period": 16}] = np.nan  # a failure
     table = study.recommend("spring", error=0.01, periods=10)
-    assert table.steps_per_period["low"] == pytest.approx((10 / 0.01) ** 0.5)
-    assert table.steps_per_period["high"] == 32
+    assert table.steps_per_period.to_dict() == {"low": 32, "high": 32}
 
 
 @pytest.mark.parametrize(

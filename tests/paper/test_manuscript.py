@@ -1,19 +1,21 @@
-"""The text of the manuscript and what is made for it."""
+"""The texts, article and supplement, and what is made for them."""
 
 import ast
 import inspect
+import json
 import re
 
 import pytest
+import typst
 
 from paper.claims.ledger import OURS
-from paper.manuscript import TEXT, check_uses, uses
+from paper.manuscript import LAYOUT, TEXTS, check_uses, uses
 from paper.products import discover
 
 SOURCE = """
 // n.commented picture("commented")
 Of #n.cells cells #if int(n.shown) < 3 [#n.at("drift_20.5")], one of them. As in-between n. is.
-#wide(picture("atlas", width: 9%), [Text.])
+#picture("atlas", wide: true)[Text.]
 #let rows = table-of("orders").first()
 """
 
@@ -27,18 +29,65 @@ def test_what_a_text_uses():
 
 
 @pytest.mark.parametrize("kind, name, line", [("number", "shown", 3), ("figure", "atlas", 4), ("table", "orders", 5)])
-def test_what_is_missing_is_named_with_its_line(kind, name, line):
+def test_what_is_missing_is_named_with_its_line(tmp_path, kind, name, line):
+    (tmp_path / "article.typ").write_text(SOURCE)
     there = {kind: set(names) for kind, names in uses(SOURCE).items()}
-    check_uses(SOURCE, there)
+    check_uses(tmp_path / "article.typ", there)
     there[kind].remove(name)
-    with pytest.raises(ValueError, match=rf"manuscript\.typ, line {line}: there is no {kind} '{name}' in the results"):
-        check_uses(SOURCE, there)
+    with pytest.raises(ValueError, match=rf"article\.typ, line {line}: there is no {kind} '{name}' in the results"):
+        check_uses(tmp_path / "article.typ", there)
+
+
+def _used(kind):
+    return set().union(*(uses(text.read_text())[kind] for text in TEXTS))
 
 
 @pytest.mark.parametrize("kind", ["figure", "table"])
-def test_the_text_uses_what_is_declared_and_nothing_else(kind):
+def test_the_texts_use_what_is_declared_and_nothing_else(kind):
     declared = {product.name for product in discover() if product.kind == kind}
-    assert declared == set(uses(TEXT.read_text())[kind])
+    assert declared == _used(kind)
+
+
+@pytest.mark.parametrize("text", TEXTS, ids=lambda text: text.stem)
+def test_every_figure_and_table_is_cited_in_order(text):
+    source = re.sub(r"^//.*$", "", text.read_text(), flags=re.MULTILINE)
+    kinds = {"figure": "#picture(", "table": "#tabular("}
+    for start in kinds.values():
+        labels = [
+            re.search(r"<([\w-]+)>", source[place.start() :]).group(1)
+            for place in re.finditer(re.escape(start), source)
+        ]
+        first_cited = {label: source.find(f"@{label}") for label in labels}
+        assert -1 not in first_cited.values(), first_cited
+        assert labels == sorted(labels, key=first_cited.get)
+
+
+def test_facts_are_what_holds_takes_and_numbers_are_not():
+    names = {name for text in TEXTS for name in re.findall(r"#holds\(n\.(\w+)\)", text.read_text())}
+    assert names
+    # a fact that is printed would read true or false
+    for text in TEXTS:
+        printed = re.sub(r"#holds\(n\.\w+\)", "", text.read_text())
+        assert not names & set(uses(printed)["number"])
+
+
+FACTS = """#import "layout.typ": holds, given
+#set page(height: auto, width: 10cm)
+#holds(n.yes)[true] #holds(n.no)[false] #holds(n.absent)[absent] #given(n.number)[number] #given(n.absent)[none]
+"""
+
+
+def _compiled(folder, numbers):
+    (folder / "numbers.json").write_text(json.dumps(numbers))
+    (folder / "layout.typ").write_text(LAYOUT.read_text())
+    (folder / "text.typ").write_text(FACTS.replace("holds, given", "holds, given, n"))
+    return typst.query(str(folder / "text.typ"), "<none>", root="/", sys_inputs={"results": str(folder)})
+
+
+def test_a_fact_must_be_true_or_false(tmp_path):
+    _compiled(tmp_path, {"yes": True, "no": False, "absent": None, "number": "3"})
+    with pytest.raises(RuntimeError, match="a fact is true or false, not"):
+        _compiled(tmp_path, {"yes": "True", "no": False, "absent": None, "number": "3"})
 
 
 def _pattern(node):
@@ -76,7 +125,7 @@ def _keys(function):
 
 @pytest.mark.parametrize("product", [p for p in discover(["numbers"]) if p.kind == "numbers"], ids=lambda p: p.name)
 def test_every_number_is_used(product):
-    used = uses(TEXT.read_text())["number"]
+    used = _used("number")
     keys = _keys(product.function)
     assert keys
     unused = {key for key in keys if not any(re.fullmatch(key, name) for name in used)}

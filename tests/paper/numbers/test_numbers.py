@@ -17,7 +17,7 @@ def _product(name, **numbers):
 
 def test_a_minus_stands_before_numbers_only():
     texts = gathered([_product("a", drift="-0.8", size="2e-16", kind="α-method, T-1"), _product("b", count=3)], str)
-    assert texts == {"drift": "−0.8", "size": "2e−16", "kind": "α-method, T-1", "count": "3"}
+    assert texts == {"drift": "−0.8", "size": "2\u00a0×\u00a010⁻¹⁶", "kind": "α-method, T-1", "count": "3"}
 
 
 def test_one_key_of_two_functions_is_refused():

@@ -1,0 +1,20 @@
+"""How numbers are printed: powers of ten as such, and minus signs before numbers."""
+
+import re
+
+_POWER = re.compile(r"(?<![\w.])(\d(?:\.\d+)?)e([+-]?)0*(\d+)")
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _power_of_ten(match: re.Match) -> str:
+    factor, sign, exponent = match.groups()
+    if float(factor) == 0:
+        return "0"
+    raised = f"10{(sign.replace('+', '') + exponent).translate(_RAISED)}"
+    # with no-break spaces
+    return raised if factor == "1" else f"{factor}\u00a0×\u00a0{raised}"
+
+
+def printed(text: str) -> str:
+    """A text as it is printed: ``5e-05`` as 5 × 10⁻⁵, and a minus sign before numbers, but no hyphen of a name."""
+    return re.sub(r"(?<![^\W\de])-(?=\d)", "−", _POWER.sub(_power_of_ten, text))

@@ -1,0 +1,185 @@
+"""Which scheme and which step, by kind of problem, what must be right, and error."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from paper.products import table
+
+#: Errors of the columns.
+ERRORS = (0.1, 0.01, 0.001)
+#: What must be right, by the measure of error of the springs.
+MEASURES = {
+    "max_trajectory_error": "displacement",
+    "period_elongation": "period",
+    "amplitude_decay": "amplitude",
+    "max_energy_error": "energy",
+}
+#: Springs, which the dataset of kinks holds for comparison.
+SPRINGS = ["hardening", "softening", "double_well"]
+#: Length in periods, and percent of the energy, for which the springs are judged.
+PERIODS, LEVEL = 100, 10
+#: Most schemes that a cell names.
+NAMED = 3
+
+_AT_MOST = "≤\u00a0"  # with a no-break space
+
+Choice = tuple[str, float]
+
+
+def _listed(choices: Iterable[Choice], coarsest: float) -> str:
+    """Schemes with their steps; ``≤`` marks the coarsest step that was tried."""
+    named = [f"{title}: {_AT_MOST if steps == coarsest else ''}{steps:.0f}" for title, steps in choices]
+    return "; ".join(named[:NAMED]) + ("; …" if len(named) > NAMED else "") if named else "–"
+
+
+def _sentence(title: str) -> str:
+    """A title as the beginning of a sentence."""
+    return title[0].upper() + title[1:]
+
+
+def _column(error: float) -> str:
+    return f"{100 * error:g} %"
+
+
+def _fastest(needs: xr.Dataset) -> list[Choice]:
+    """The fastest scheme and those that tie with it, by time."""
+    tied = needs.isel(scheme=np.flatnonzero(needs.ties_with_fastest == 1)).sortby("time")
+    return list(zip(tied.scheme_title.values, tied.steps_per_period.values, strict=True))
+
+
+def _of_amplitudes(robustness: xr.Dataset, problem: str) -> str:
+    """What the steps of a spring become at all amplitudes of the maps."""
+    if problem not in robustness.problem.values:
+        return ""
+    needed = robustness.steps_needed.sel(problem=problem, level=LEVEL).isel(periods=-1)
+    least = needed.min().item()
+    most = robustness.most_steps.item()
+    who = f"at best {least:.0f}" if np.isfinite(least) else f"more than {most}"
+    return f"other amplitudes: energy within {LEVEL} % at all amplitudes of the maps takes {who} steps"
+
+
+def _springs(recommendation: xr.Dataset, robustness: xr.Dataset) -> Iterator[dict]:
+    known = recommendation.sel({"periods": PERIODS})
+    coarsest = recommendation.coarsest.item()
+    for problem, title in zip(known.problem.values, known.problem_title.values, strict=True):
+        for k, (measure, what) in enumerate(MEASURES.items()):
+            cells = {
+                _column(error): _listed(
+                    _fastest(known.sel({"problem": problem, "measure": measure, "error": error})), coarsest
+                )
+                for error in ERRORS
+            }
+            yield {
+                "Problem": f"{_sentence(title)}, {PERIODS} periods" if k == 0 else "",
+                "Right in": what,
+                **cells,
+                "Beware of": _of_amplitudes(robustness, problem) if k == 0 else "",
+            }
+
+
+def _fewest_forces(error: xr.DataArray, iterations: xr.DataArray, allowed: float) -> list[Choice]:
+    """The scheme that keeps an error with the fewest forces in a period, as all its finer steps do.
+
+    Both have the shape (scheme, steps_per_period).
+    """
+    per_step = error.evaluations + error.evaluations_per_iteration * iterations
+    kept = (error <= allowed).values
+    keeps = np.logical_and.accumulate(kept[:, ::-1], axis=1)[:, ::-1]
+    forces = (per_step * error.steps_per_period).transpose("scheme", "steps_per_period").where(keeps)
+    if not np.isfinite(forces).any():
+        return []
+    best = forces.min("steps_per_period").fillna(np.inf).argmin("scheme").item()
+    steps = forces.isel(scheme=best).idxmin("steps_per_period").item()
+    return [(error.scheme_title.values[best], steps)]
+
+
+def _lost_order(kinks: xr.Dataset) -> str:
+    """The scheme that has lost most of its order."""
+    lost = (kinks.order - kinks.observed_order).fillna(-np.inf)
+    worst = kinks.isel(scheme=lost.argmax("scheme").item())
+    if not lost.max() > 0.5:
+        return ""
+    shown = f"{worst.observed_order.item():.1f}"
+    return f"loss of order: {worst.scheme_title.item()} of order {worst.order.item()} shows {shown}"
+
+
+def _remembering(kinks: xr.Dataset) -> Iterator[dict]:
+    coarsest = kinks.steps_per_period.values[0]
+    for problem in kinks.problem.values:
+        one = kinks.sel(problem=problem)
+        if problem in SPRINGS:
+            continue
+        cells = {
+            _column(error): _listed(_fewest_forces(one.error, one.iterations_per_step, error), coarsest)
+            for error in ERRORS
+        }
+        yield {
+            "Problem": _sentence(one.problem_title.item()),
+            "Right in": "displacement",
+            **cells,
+            "Beware of": _lost_order(one),
+        }
+
+
+def _structures(structures: xr.Dataset) -> Iterator[dict]:
+    coarsest = structures.steps_per_period.values[0]
+    for problem in structures.problem.values:
+        one = structures.sel(problem=problem)
+        cells = {
+            _column(error): _listed(_fewest_forces(one.displacement_error, one.iterations_per_step, error), coarsest)
+            for error in ERRORS
+        }
+        failed = one.scheme_title.values[(one.status != 0).any("steps_per_period").values]
+        yield {
+            "Problem": f"{_sentence(one.problem_title.item())}, {one.unknowns.item():.0f} unknowns",
+            "Right in": "displacement",
+            **cells,
+            "Beware of": f"failure of {', '.join(failed)}" if failed.size else "",
+        }
+
+
+def _record(spectrum: xr.Dataset) -> dict:
+    """The scheme with the largest step for the peak drift at all periods and strengths."""
+    worst = spectrum.step_needed.min(["period", "reduction"], skipna=False)
+    best = worst.where(worst == worst.max(), drop=True)
+    cell = "; ".join(f"{title}: {1e3 * best.max().item():g} ms" for title in best.scheme_title.values)
+    most = spectrum.step_needed.max().item()
+    cells = {_column(error): cell if error == spectrum.allowed_error else "" for error in ERRORS}
+    return {
+        "Problem": f"Oscillators that yield under a record, periods {spectrum.period.min():g} to "
+        f"{spectrum.period.max():g} s",
+        "Right in": "peak drift",
+        **cells,
+        "Beware of": f"short periods: at the others a step of up to {1e3 * most:g} ms is enough",
+    }
+
+
+@table(
+    recommendation="recommendation",
+    robustness="stability/robustness",
+    kinks="kinks",
+    spectrum="spectrum",
+    structures="structures",
+    asks={
+        "recommendation.measures": list(MEASURES),
+        "recommendation.errors": list(ERRORS),
+        "recommendation.periods": [PERIODS],
+    },
+)
+def tabulate(
+    recommendation: xr.Dataset,
+    robustness: xr.Dataset,
+    kinks: xr.Dataset,
+    spectrum: xr.Dataset,
+    structures: xr.Dataset,
+) -> pd.DataFrame:
+    """One row per kind of problem and what must be right; a dash where no scheme keeps the error.
+
+    Of the springs a cell names the fastest scheme and those that tie with it; of the others the scheme with the fewest
+    forces in a period. Numbers are steps in a period.
+    """
+    rows = [*_springs(recommendation, robustness), *_structures(structures), *_remembering(kinks), _record(spectrum)]
+    return pd.DataFrame(rows)
