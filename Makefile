@@ -1,6 +1,6 @@
 # `make` installs everything and makes the study; `make test` installs everything and runs the tests;
 # `make check` checks style and types; `make benchmark` measures speed; `make torture` kills the pipeline
-# again and again; `make archive` packs what it has made; `make CLUSTER=slurm` makes it on a cluster.
+# again and again; `make archive` packs what it has made; `make latex` writes the LaTeX source of its texts; `make CLUSTER=slurm` makes it on a cluster.
 
 PYTHON ?= python3
 CONFIG ?= config/study.yaml
@@ -9,7 +9,7 @@ BIN := .venv/bin
 CLUSTER ?=
 OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER))
 
-.PHONY: study test benchmark check lock torture archive citation clean
+.PHONY: study test benchmark check lock torture archive latex citation clean
 
 # a product that could not be used is put aside, and the next call makes it again
 study: .venv/ready
@@ -51,6 +51,10 @@ torture: .venv/ready
 # the finished study for others: sources, configuration, results, and how they were made
 archive: study
 	$(BIN)/python -m study.pipeline.archive . results/archive.zip
+
+# article and supplement as LaTeX sources with figures and bibliography
+latex: study
+	$(BIN)/python -m paper.latex results results/latex
 
 # what other catalogues read, derived from CITATION.cff
 citation: .venv/ready

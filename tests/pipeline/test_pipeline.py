@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import json
+import re
 import shutil
 import signal
 import subprocess
@@ -83,6 +84,28 @@ def test_everything_is_made(project):
     for table in (results / "tables").glob("*.csv"):
         assert len(table.read_text().splitlines()) > 1
         assert "\\toprule" in table.with_suffix(".tex").read_text()
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no TeX is installed")
+def test_the_latex_sources_compile_to_the_same_content(project, tmp_path):
+    results = project / "results"
+    subprocess.run([sys.executable, "-m", "paper.latex", results, tmp_path], cwd=project, check=True)
+    for text in ("manuscript", "supplement"):
+        for command in (
+            ["pdflatex", "-interaction=nonstopmode", text],
+            ["bibtex", text],
+            *2 * [["pdflatex", "-interaction=nonstopmode", text]],
+        ):
+            subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
+        log = (tmp_path / f"{text}.log").read_text(errors="replace")
+        assert "\n! " not in log and "undefined" not in log, log[-3000:]
+        source = (project / "paper" / "text" / f"{text}.typ").read_text()
+        written = (tmp_path / f"{text}.tex").read_text()
+        assert written.count("\\includegraphics") == source.count("#picture(")
+        assert written.count("\\caption") == source.count("#picture(") + source.count("#tabular(")
+        assert set(re.findall(r"@([a-z]+\d{4})", source)) == set(
+            re.findall(r"[a-z]+\d{4}", " ".join(re.findall(r"\\citep{([^}]*)}", written)))
+        )
 
 
 def test_datasets_explain_themselves(project):

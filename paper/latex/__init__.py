@@ -1,0 +1,1 @@
+"""The texts as LaTeX, generated from their only source by pandoc."""
