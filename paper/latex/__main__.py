@@ -67,10 +67,10 @@ def _attach_to_equations(inlines: list[Node], kinds: dict[str, str]) -> None:
     for place in range(len(inlines) - 1, -1, -1):
         node = inlines[place]
         if node["t"] == "Math" and node["c"][0]["t"] == "DisplayMath":
-            after = next(
-                (k for k in range(place + 1, len(inlines)) if inlines[k]["t"] not in ("SoftBreak", "Space")), None
-            )
-            label = _label(inlines[after]) if after is not None else ""
+            after = place + 1
+            while after < len(inlines) and inlines[after]["t"] in ("SoftBreak", "Space"):
+                after += 1
+            label = _label(inlines[after]) if after < len(inlines) else ""
             body = node["c"][1]
             if label:
                 kinds[label] = "Math"

@@ -54,8 +54,7 @@ def test_every_figure_and_table_is_cited_in_order(text):
     kinds = {"figure": "#picture(", "table": "#tabular("}
     for start in kinds.values():
         labels = [
-            re.search(r"<([\w-]+)>", source[place.start() :]).group(1)
-            for place in re.finditer(re.escape(start), source)
+            re.findall(r"<([\w-]+)>", source[place.start() :])[0] for place in re.finditer(re.escape(start), source)
         ]
         first_cited = {label: source.find(f"@{label}") for label in labels}
         assert -1 not in first_cited.values(), first_cited

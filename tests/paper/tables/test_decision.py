@@ -1,0 +1,115 @@
+"""What the table of decisions takes from its datasets."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from paper.tables.decision import ERRORS, MEASURES, PERIODS, tabulate
+
+TITLES = ("scheme", ["Cheap", "Dear", "Fails"])
+
+
+def _recommendation(ties: float = 0.0) -> xr.Dataset:
+    """One spring; the cheap scheme takes 8 steps at the largest error, the dear one twice as many."""
+    steps = np.array([[8.0, 16, np.nan], [16, 32, np.nan], [np.nan, 64, np.nan]])
+    dims = ("problem", "measure", "error", "periods", "scheme")
+    shape = (1, len(MEASURES), len(ERRORS), 1, 3)
+    values = np.broadcast_to(steps[None, None, :, None], shape)
+    fastest = np.isfinite(values) & (values == np.nanmin(values, axis=-1, keepdims=True))
+    return xr.Dataset(
+        {
+            "steps_per_period": (dims, values),
+            "time": (dims, values),
+            "ties_with_fastest": (dims, np.where(np.isfinite(values), np.maximum(fastest, ties), np.nan)),
+            "coarsest": 8,
+        },
+        coords={
+            "problem": ["softening"],
+            "problem_title": ("problem", ["softening spring"]),
+            "measure": list(MEASURES),
+            "error": list(ERRORS),
+            "periods": [PERIODS],
+            "scheme": ["cheap", "dear", "fails"],
+            "scheme_title": TITLES,
+        },
+    )
+
+
+def _robustness(needed: float) -> xr.Dataset:
+    return xr.Dataset(
+        {
+            "steps_needed": (("problem", "scheme", "level", "periods"), np.full((1, 2, 1, 1), needed)),
+            "most_steps": 128,
+        },
+        coords={"problem": ["softening"], "scheme": ["cheap", "dear"], "level": [10], "periods": [100]},
+    )
+
+
+def _runs(name: str, problem: str) -> xr.Dataset:
+    """Errors at two step sizes; a step of the dear scheme takes five forces, of the cheap one two."""
+    dims = ("problem", "scheme", "steps_per_period")
+    error = np.array([[[0.2, 0.005], [0.05, 1e-4], [np.nan, np.nan]]])
+    return xr.Dataset(
+        {
+            name: (dims, error),
+            "iterations_per_step": (dims, np.full(error.shape, 2.0)),
+            "observed_order": (dims[:2], [[2.0, 1.2, np.nan]]),
+            "status": (dims, np.where(np.isnan(error), 1, 0)),
+            "unknowns": ("problem", [3]),
+        },
+        coords={
+            "problem": [problem],
+            "problem_title": ("problem", ["swinging thing"]),
+            "scheme": ["cheap", "dear", "fails"],
+            "scheme_title": TITLES,
+            "order": ("scheme", [2, 4, 4]),
+            "evaluations": ("scheme", [0, 1, 1]),
+            "evaluations_per_iteration": ("scheme", [1, 2, 2]),
+            "steps_per_period": [20, 80],
+        },
+    )
+
+
+def _spectrum() -> xr.Dataset:
+    needed = np.array([[[0.01, 0.02]], [[0.01, 0.04]], [[0.02, np.nan]]])
+    return xr.Dataset(
+        {"step_needed": (("scheme", "period", "reduction"), needed), "allowed_error": 0.01},
+        coords={"scheme": ["cheap", "dear", "fails"], "scheme_title": TITLES, "period": [0.2], "reduction": [1, 2]},
+    )
+
+
+@pytest.fixture
+def rows():
+    def of(ties=0.0, needed=32.0):
+        datasets = (
+            _robustness(needed),
+            _runs("error", "yielding"),
+            _spectrum(),
+            _runs("displacement_error", "pendulum"),
+        )
+        return tabulate(_recommendation(ties), *datasets).to_dict("records")
+
+    return of
+
+
+def test_a_cell_of_a_spring_names_the_fastest_and_its_ties(rows):
+    first, *others = rows()
+    assert first["Problem"] == "Softening spring, 100 periods" and others[0]["Problem"] == ""
+    assert [first[column] for column in ("10 %", "1 %", "0.1 %")] == ["Cheap: ≤\u00a08", "Cheap: 16", "Dear: 64"]
+    assert [row["Right in"] for row in (first, *others[:3])] == ["displacement", "period", "amplitude", "energy"]
+    assert rows(ties=1.0)[0]["10 %"] == "Cheap: ≤\u00a08; Dear: 16"
+
+
+def test_what_other_amplitudes_take_is_told(rows):
+    assert "takes at best 32 steps" in rows()[0]["Beware of"]
+    assert "takes more than 128 steps" in rows(needed=np.nan)[0]["Beware of"]
+
+
+def test_elsewhere_the_fewest_forces_decide(rows):
+    structure, kinked, record = rows()[4:]
+    # 20 steps of five forces against 80 of two
+    assert structure["Problem"] == "Swinging thing, 3 unknowns" and structure["10 %"] == "Dear: ≤\u00a020"
+    assert structure["1 %"] == "Cheap: 80" and structure["0.1 %"] == "Dear: 80"
+    assert structure["Beware of"] == "failure of Fails"
+    assert kinked["Beware of"] == "loss of order: Dear of order 4 shows 1.2"
+    assert record["1 %"] == "Cheap: 10 ms; Dear: 10 ms" and record["10 %"] == ""
