@@ -35,6 +35,7 @@ def of_cells(energy_error: xr.Dataset) -> dict:
         "cells_within_tolerance": int((off <= 0.06).sum()),
         "cells_rounded_once": int(same(once(ours), printed).sum()),
         "cells_rounded_twice": int(same(twice(ours), printed).sum()),
+        "all_digits_but_one": int(unexplained.sum()) == 1,
         "cells_exact_period": int(same(twice(exact), printed).sum()),
         "odd_cell_printed": f"{printed.isel(odd_cell).item():.1f}",
         "odd_cell": f"{ours.isel(odd_cell).item():.3f}",
@@ -73,7 +74,7 @@ def of_drift(drift: xr.Dataset) -> dict:
         around[f"count_{part}"] = f"{at.steps_per_oscillation.item():.2f}"
     return around | {
         "drift_runs": parts.size,
-        "resonances": ", ".join(str(number) for number in sorted(set(caught) - {0})),
+        "resonances": ", ".join(str(number) for number in sorted(set(caught) - {0})) or None,
         "resonances_even": bool((caught % 2 == 0).all()),
         "rk4_held_at_20": bool(caught[int(np.argmin(np.abs(parts.values - 20)))] == 20)
         and not caught[int(np.argmin(np.abs(parts.values - 25)))],

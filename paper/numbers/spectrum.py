@@ -36,6 +36,7 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
         "spectrum_error": f"{100 * spectrum.allowed_error.item():g}",
         "spectrum_long": f"{LONG:g}",
         "spectrum_ductility": f"{float(spectrum.ductility.max()):.0f}",
+        "record_sets_the_step": same,
         "spectrum_rule": "the record sets the step, not the period" if same else "the step depends on the period",
         "spectrum_average": _multiples(steps / spectrum.spacing),
         "spectrum_rk4": _multiples(rk4.where(long, drop=True) / spectrum.spacing),

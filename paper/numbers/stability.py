@@ -5,8 +5,9 @@ import xarray as xr
 
 from paper.asks import contained, rising
 from paper.claims.ledger import by_name
-from paper.claims.stability import CHAOTIC
+from paper.claims.stability import CHAOTIC, DAMPED
 from paper.products import numbers
+from paper.published import PROBLEMS
 from paper.tables.outcomes_near_1996 import FAILURES, SPAN, is_outcome, near_1996
 
 
@@ -63,8 +64,13 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
     robustness="stability/robustness",
     structures="stability/structures",
     spectral="spectral",
+    energy_error="energy_error",
     asks={
         "": contained("atlas.schemes", "spectral.schemes"),
+        "atlas.schemes": DAMPED,
+        "energy_error.problems": PROBLEMS,
+        "energy_error.schemes": ["average_acceleration", "central_difference"],
+        "energy_error.steps_per_period": [20],
         "spectral.damping_ratios": [0.0],
         "atlas.problems": ["double_well"],
         "stability.roots.problem": "double_well",
@@ -86,6 +92,7 @@ def of_stability(
     robustness: xr.Dataset,
     structures: xr.Dataset,
     spectral: xr.Dataset,
+    energy_error: xr.Dataset,
 ) -> dict:
     """Maps, roots, chaos, and steps that are enough."""
     chaotic, failed = bifurcation.lyapunov_exponent * bifurcation.dt > CHAOTIC, bifurcation.status != 0
@@ -102,6 +109,9 @@ def of_stability(
     lost_left = _lost_left_of_the_limit(atlas, spectral)
     longest = robustness.steps_needed.isel(periods=-1)
     of_average = longest.sel(scheme="average_acceleration", level=10)
+    tables = energy_error.max_energy_error.sel(period_used="printed", steps_per_period=20)
+    of_both = tables.sel(problem=PROBLEMS, scheme=["average_acceleration", "central_difference"])
+    at_all_amplitudes = of_average.fillna(np.inf)
     twenty = longest.sel(problem="hardening", level=10) <= 20
     exponents = structures.lyapunov_exponent.sel(excitation=1).sortby("steps_per_period")
     finest = exponents.isel(steps_per_period=-1)
@@ -118,6 +128,13 @@ def of_stability(
         "map_span": f"{SPAN:g}",
         "map_chaotic_schemes": int(by_scheme["chaotic"].sum()),
         "map_untouched": ", ".join(atlas.scheme_title.values[untouched.values]) or "none",
+        "damped_end_at_rest": bool(
+            is_outcome(near, "damped_to_rest").any(["problem", "amplitude", "dt_over_period"]).sel(scheme=DAMPED).all()
+        ),
+        "twenty_not_everywhere": bool((of_both <= 10).all() and (at_all_amplitudes > 20).any()),
+        "chaos_before_roots": bool(
+            bifurcation.dt.values[chaotic.values.argmax()] < roots.unique_up_to.sel(scheme="average_acceleration")
+        ),
         "chaos_from": f"{bifurcation.dt.values[chaotic.values.argmax()]:.2f}",
         "newton_fails_from": f"{bifurcation.dt.values[failed.values.argmax()]:.2f}",
         "together": f"{in_chaos.median().item():.0f}",
@@ -132,7 +149,7 @@ def of_stability(
         "foretold_to": f"{foretold.quantile(0.95).item():.1f}",
         **{f"lost_left_{name}": f"{100 * part:.0f}" for name, part in lost_left.items()},
         "softening_needs_more": bool(
-            of_average.fillna(np.inf).sel(problem="softening") > of_average.fillna(np.inf).sel(problem="hardening")
+            at_all_amplitudes.sel(problem="softening") > at_all_amplitudes.sel(problem="hardening")
         ),
         "needed_periods": f"{robustness.periods.values[-1]:,}",
         "newton_fails_in": f"{100 * failed.values[failed.values.argmax() :].mean():.0f}",

@@ -55,7 +55,8 @@ def of_structures(
     return {
         "most_unknowns": int(structures.unknowns.max()),
         "structure_titles": _in_words(structures.problem_title.values),
-        "turning_titles": _in_words(runs.problem_title.values).capitalize(),
+        "turning_titles": _in_words(runs.problem_title.values),
+        "trapezoidal_fails_turning": lost["average_acceleration"] > 0,
         "momentum_method_stable": lost["energy_momentum"] == 0 and lost["implicit_midpoint"] > 0,
         "structure_tolerance": f"{np.log10(reference.rtol):.0f}",
         "turning_runs": runs.sizes["problem"] * runs.sizes["steps_per_period"],
