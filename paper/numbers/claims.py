@@ -8,7 +8,7 @@ from paper.products import numbers
 
 @numbers(claims="claims.csv")
 def of_claims(claims: pd.DataFrame) -> dict:
-    """Claims of the paper, and of each section of ours."""
+    """Claims of the paper, and of each section that is not in it."""
     ours = claims["section"].isin(list(OURS))
     parts = {"claims": claims[~ours]} | {prefix: claims[claims["section"] == name] for name, prefix in OURS.items()}
     counts: dict = {}

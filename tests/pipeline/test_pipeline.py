@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import json
+import re
 import shutil
 import signal
 import subprocess
@@ -116,6 +117,9 @@ def test_the_ledger_is_decided(project):
     assert {c["verdict"] for c in claims} <= {"reproduced", "reproduced with a qualification", "not reproduced"}
     for claim in claims:
         assert claim["verdict"] == "reproduced" or claim["reason"], claim["claim"]
+        printed = f"{claim['ours']} {claim['reason']}"
+        assert not re.search(r"\bnan\b|\binf\b|\d[eE][-+−]?\d|\w_\w", printed), printed
+        assert not set(re.findall(r"\w+", printed)) & set(study.schemes), printed
     numbers = json.loads((project / "results" / "numbers.json").read_text())
     assert numbers["cells_rounded_twice"] == "97"
 
