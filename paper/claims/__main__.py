@@ -5,23 +5,26 @@ from pathlib import Path
 
 import pandas as pd
 
-from paper.claims.ledger import CLAIMS
+from paper.claims.ledger import CLAIMS, XIE
 from paper.products import discover, made, reader
 from paper.writing import write
 
 
 def main(results: Path, output: Path) -> None:
-    """Write the ledger, a line a claim, in the order of the paper's sections."""
+    """Write the ledger, a line a claim: those of the paper in the order of its sections, then A1, A2, ... of others."""
     discover(["claims"])
     read = reader(results)
     rows = []
+    of_the_paper = sum(claim.whose == XIE for claim in CLAIMS)
     for number, claim in enumerate(sorted(CLAIMS, key=lambda one: one.section), start=1):
         finding = made(claim.product, read)
         rows.append(
             {
-                "number": number,
+                "number": f"{number}" if number <= of_the_paper else f"A{number - of_the_paper}",
                 "section": claim.section,
+                "whose": claim.whose,
                 "claim": claim.statement,
+                "words": claim.words,
                 "quantity": claim.quantity,
                 "printed": claim.printed,
                 "ours": finding.ours,

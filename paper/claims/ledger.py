@@ -1,4 +1,4 @@
-"""Claims, their declaration, and the verdict from the datasets."""
+"""Claims, their declaration, and their verdicts from the datasets."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -9,6 +9,7 @@ from typing import Any
 import xarray as xr
 
 from paper.asks import OF_THE_TABLES
+from paper.claims.terms import MOST
 from paper.data import of_the_paper
 from paper.products import Product, declare
 from paper.published import PROBLEMS, SCHEMES
@@ -46,10 +47,26 @@ class Finding:
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement in our words, the quantity that decides it, the printed value, and the product that checks it."""
+    """A claim, and the product that checks it.
+
+    Attributes
+    ----------
+    section
+        Number of a section of the paper, or a name in ``OURS``.
+    whose
+        Who makes the claim: ``XIE`` if it is the paper's.
+    statement, words
+        The claim in our words, and in a few of the paper's own. Others are not quoted.
+    quantity, printed
+        The quantity that decides the claim, and its value in the paper, if it is printed there.
+    product
+        The check.
+    """
 
     section: str
+    whose: str
     statement: str
+    words: str
     quantity: str
     printed: str
     product: Product
@@ -68,11 +85,13 @@ class Declared(dict[str, xr.Dataset]):
 
 
 CLAIMS: list[Claim] = []
-#: Sections with claims of ours, and the prefix of their numbers in the text. All other sections are the paper's.
+#: Who makes a claim: the paper of 1996; its verdicts where it did not compute; common practice; this study.
+XIE, XIE_EXTENDED, PRACTICE, STUDY = "Xie", "Xie, extended", "practice", "this study"
+#: Sections with claims that are not in the paper, and the prefix of their numbers in the text.
 OURS = {"materials": "material_claims", "stability": "stability_claims", "structures": "structure_claims"}
 _SECTION_OF_THE_PAPER = re.compile(r"[1-5](\.[1-9])?")
 #: Datasets over the schemes of 1996, and of later ones if the configuration says so.
-_OVER_SCHEMES = ("cpu_time", "energy_error", "large_steps", "sensitivity", "spectral", "phase_portrait/")
+_OVER_SCHEMES = ("accuracy", "cpu_time", "energy_error", "large_steps", "sensitivity", "spectral", "phase_portrait/")
 
 
 def claim(
@@ -81,6 +100,8 @@ def claim(
     quantity: str,
     printed: str = "",
     *,
+    words: str = "",
+    whose: str = STUDY,
     reads: Sequence[str],
     asks: Mapping[str, Any] | None = None,
 ) -> Callable:
@@ -91,10 +112,10 @@ def claim(
 
     Parameters
     ----------
-    section
-        Number of a section of the paper, or a name in ``OURS``.
-    statement, quantity, printed
-        The claim in our words, the quantity that decides it, and the printed value.
+    section, statement, quantity, printed, words
+        As the attributes of :class:`Claim`. A claim of the paper needs its ``words``, any other has none.
+    whose
+        Who makes the claim, if not the paper.
     reads
         Names of the datasets that the check reads.
     asks
@@ -103,7 +124,7 @@ def claim(
     Raises
     ------
     ValueError
-        If the section is neither the paper's nor one of ours.
+        If the section is neither the paper's nor one in ``OURS``, or a claim of the paper is not quoted.
     """
     from_the_paper = _SECTION_OF_THE_PAPER.fullmatch(section) is not None
     if not from_the_paper and section not in OURS:
@@ -111,6 +132,8 @@ def claim(
             f"The claim '{statement}' is in section '{section}', which is neither numbered as the paper's nor one of "
             f"{', '.join(OURS)}."
         )
+    if from_the_paper != bool(words):
+        raise ValueError(f"The claim '{statement}' must quote the paper if it is in a section of it, and only then.")
 
     def enter(check: Callable[[Data], Finding]) -> Callable[[Data], Finding]:
         def decided(**datasets: xr.Dataset) -> Finding:
@@ -137,7 +160,8 @@ def claim(
             asks=(own if from_the_paper else {}) | dict(asks or {}),
         )
         declare(product)
-        CLAIMS.append(Claim(section, statement, quantity, printed, product))
+        said_by = XIE if from_the_paper else whose
+        CLAIMS.append(Claim(section, said_by, statement, words, quantity, printed, product))
         return check
 
     return enter
@@ -154,9 +178,10 @@ def errors(data: Data, problem: str) -> xr.DataArray:
     return data["energy_error"].max_energy_error.sel(period_used="printed", problem=problem)
 
 
-def listed(values: Mapping[str, float], form: str = ".1f") -> str:
-    """Names with their values: 'rk4: 1.0; houbolt: 97.3'."""
-    return "; ".join(f"{name}: {value:{form}}" for name, value in values.items())
+def most(cells: Mapping[str, bool]) -> tuple[bool, list[str]]:
+    """Whether a statement holds in most of the cells that it speaks of, and the cells in which it does not."""
+    exceptions = [name for name, holds in cells.items() if not holds]
+    return len(exceptions) < (1 - MOST) * len(cells), exceptions
 
 
 def by_name(array: xr.DataArray) -> dict[str, float]:

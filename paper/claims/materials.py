@@ -2,19 +2,17 @@
 
 import numpy as np
 
-from paper.claims.ledger import Finding, by_name, claim, listed
+from paper.claims.ledger import PRACTICE, Finding, by_name, claim
+from paper.claims.terms import MATTERS, RULE, SECOND_ORDER, UNNOTICED
+from paper.claims.wording import listed, number
 from paper.numbers.kinks import GAINED, KINKED, LOST
-
-#: Steps in a period by the rule of practice.
-RULE = 20
-#: Error of a displacement that matters, and of the balance of energies that nobody would mind, in percent.
-WRONG, KEPT = 0.1, 1e-6
 
 
 @claim(
     "materials",
     "Once materials are non-linear, the order of a scheme does not matter.",
     "error of average acceleration over that of Runge-Kutta at the coarsest steps; order of Runge-Kutta there",
+    whose=PRACTICE,
     reads=["kinks"],
     asks={"kinks.problems": KINKED, "kinks.schemes": ["average_acceleration", "rk4"]},
 )
@@ -27,28 +25,30 @@ def order_does_not_matter(data):
     lost, gains = high < LOST, max(gain.values()) > GAINED
     reason = f"the order is {'lost' if lost else 'kept'}, the smaller error {'kept' if gains else 'lost'}"
     holds = lost and not gains
-    return Finding(f"{listed(gain, '.2g')}; order {low:.1f} to {high:.1f}", holds, "" if holds else reason)
+    return Finding(f"{listed(gain, data, '.2g')}; order {low:.1f} to {high:.1f}", holds, "" if holds else reason)
 
 
 @claim(
     "materials",
     "The balance of energies tells whether the motion of a yielding structure is right.",
     "error of the displacement and of the balance of average acceleration at the coarsest steps, in percent",
+    whose=PRACTICE,
     reads=["kinks"],
     asks={"kinks.problems": ["yielding"], "kinks.schemes": ["average_acceleration"]},
 )
 def balance_is_a_verdict(data):
     run = data["kinks"].sel(problem="yielding", scheme="average_acceleration").isel(steps_per_period=0)
     error, imbalance = 100 * float(run.error), float(run.max_energy_imbalance)
-    blind = error > WRONG and imbalance < KEPT
+    blind = error > MATTERS and imbalance < UNNOTICED
     reason = "its formulas keep the balance whatever the forces are" if blind else ""
-    return Finding(f"{error:.2g}; {imbalance:.0e}", not blind, reason)
+    return Finding(f"{number(error, '.2g')}; {number(imbalance, '.0e')}", not blind, reason)
 
 
 @claim(
     "materials",
     "Twenty steps in a period are enough for the peak drift.",
     "steps in a period that average acceleration needs for the peak drift within the allowed error, by period",
+    whose=PRACTICE,
     reads=["spectrum"],
     asks={"spectrum.schemes": ["average_acceleration"]},
 )
@@ -57,13 +57,15 @@ def twenty_steps_for_the_peak(data):
     steps = (needed.period / needed).max("reduction", skipna=False)
     values = {f"{period:g} s": value for period, value in zip(steps.period.values, steps.values, strict=True)}
     enough = all(value <= RULE for value in values.values())  # none is, where no step was
-    return Finding(listed(values, ".0f"), enough, "" if enough else "a step must resolve the record too")
+    reason = "" if enough else "a step must resolve the record too"
+    return Finding(listed(values, data, ".0f", "none of those tried"), enough, reason)
 
 
 @claim(
     "materials",
     "The α-method of 1996 is of second order with damping too.",
     "its order by linear theory, by damping ratio",
+    whose=PRACTICE,
     reads=["spectral"],
     asks={"spectral.schemes": ["hht_alpha"]},
 )
@@ -71,5 +73,7 @@ def order_of_the_alpha_method(data):
     order = data["spectral"].linear_order.sel(scheme="hht_alpha")
     damped = order.where(order.damping_ratio > 0, drop=True)
     values = {f"{ratio:g}": value for ratio, value in zip(order.damping_ratio.values, order.values, strict=True)}
-    second = bool(np.all(damped > 1.5))
-    return Finding(listed(values, ".1f"), second, "" if second else "it weights the internal force but not the damping")
+    second = bool(np.all(damped > SECOND_ORDER))
+    return Finding(
+        listed(values, data, ".1f"), second, "" if second else "it weights the internal force but not the damping"
+    )

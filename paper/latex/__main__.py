@@ -16,7 +16,7 @@ from typing import Any
 import pypandoc
 
 from paper.latex.symbols import in_latex
-from paper.manuscript import TEXTS
+from paper.manuscript import TEXTS, check_uses, made_in
 from paper.writing import write
 
 _HERE = Path(__file__).parent
@@ -162,7 +162,7 @@ def main(results: Path, output: Path) -> None:
     Raises
     ------
     SystemExit
-        If a text has a character that LaTeX would not print.
+        If a text uses what the results lack, or has a character that LaTeX would not print.
     """
     (output / "figures").mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
@@ -175,6 +175,7 @@ def main(results: Path, output: Path) -> None:
         shutil.copy(_BIBLIOGRAPHY.parents[1] / "CITATION.cff", folder)
         for text in TEXTS:
             try:
+                check_uses(text, made_in(results))
                 write(output / f"{text.stem}.tex", converted(there, text.name))
             except ValueError as error:
                 raise SystemExit(f"{text.name}: {error}") from None

@@ -25,6 +25,7 @@ _SIGNS = {
     "½": "\\ensuremath{\\frac12}",
     "√": "\\ensuremath{\\surd}",
     "∂": "\\ensuremath{\\partial}",
+    "·": "\\ensuremath{\\cdot}",
     "…": "\\ldots{}",
     "‑": "-",
     "\u00a0": "~",

@@ -5,7 +5,7 @@ import xarray as xr
 
 from paper.asks import contained, rising
 from paper.claims.ledger import by_name
-from paper.claims.stability import CHAOTIC, DAMPED
+from paper.claims.terms import CHAOTIC, DAMPED
 from paper.products import numbers
 from paper.published import PROBLEMS
 from paper.tables.outcomes_near_1996 import FAILURES, SPAN, is_outcome, near_1996

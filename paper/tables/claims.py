@@ -1,33 +1,25 @@
-"""The ledger of claims as a table, with the titles of the schemes in place of their names."""
+"""The ledger of claims as a table."""
 
 import pandas as pd
-import xarray as xr
 
+from paper.claims.ledger import OURS
 from paper.products import table
 
 
-@table(
-    claims="claims.csv",
-    titled=["energy_error", "structures", "structure_history/stiff_soft", "stability/roots", "kinks", "spectrum"],
-)
-def tabulate(claims: pd.DataFrame, titled: list[xr.Dataset]) -> pd.DataFrame:
-    """One row per claim; ``titled`` are the datasets whose schemes the ledger lists."""
-    titles = {
-        rf"\b{name}\b": title
-        for dataset in titled
-        for name, title in zip(dataset.scheme.values, dataset.scheme_title.values, strict=True)
-    }
-    plain = claims.replace(titles, regex=True)
-    plain["ours"] = plain["ours"].str.replace(r"(?<![\w-])-(?=\d)|(?<=\de)-(?=\d)", "−", regex=True)
-    reason = ("; " + plain["reason"]).where(plain["reason"] != "", "")
+@table(claims="claims.csv")
+def tabulate(claims: pd.DataFrame) -> pd.DataFrame:
+    """One row per claim; those of the paper have its section and its words beside who makes them."""
+    section = (", " + claims["section"]).where(~claims["section"].isin(list(OURS)), "")
+    words = (" “" + claims["words"] + "”").where(claims["words"] != "", "")
+    reason = ("; " + claims["reason"]).where(claims["reason"] != "", "")
     return pd.DataFrame(
         {
-            "No.": plain["number"],
-            "Section": plain["section"],
-            "Claim": plain["claim"],
-            "Decided by": plain["quantity"],
-            "Printed": plain["printed"],
-            "Ours": plain["ours"],
-            "Verdict": plain["verdict"] + reason,
+            "No.": claims["number"],
+            "Whose": claims["whose"] + section,
+            "Claim": claims["claim"] + words,
+            "Decided by": claims["quantity"],
+            "Printed": claims["printed"],
+            "Ours": claims["ours"],
+            "Verdict": claims["verdict"] + reason,
         }
     )

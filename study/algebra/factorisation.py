@@ -7,7 +7,8 @@ new entries. A matrix that is not symmetric, or not positive definite as at a sn
 References
 ----------
 E. Cuthill, J. McKee, Reducing the bandwidth of sparse symmetric matrices, Proc. 24th ACM National Conf., 1969, 157-172.
-Y. Chen, T. A. Davis, W. W. Hager, S. Rajamanickam, Algorithm 887: CHOLMOD, ACM Trans. Math. Softw. 35, 2008, 22.
+Y. Chen, T. A. Davis, W. W. Hager, S. Rajamanickam, Algorithm 887: CHOLMOD, supernodal sparse Cholesky factorization and
+update/downdate, ACM Trans. Math. Softw. 35(3), 2008, 22:1-22:14.
 """
 
 import abc

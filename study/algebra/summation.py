@@ -12,7 +12,7 @@ def compensated_sum(total: Vector, increment: Vector, lost: Vector) -> tuple[Vec
 
     References
     ----------
-    W. Kahan, Further remarks on reducing truncation errors, Comm. ACM 8(1), 1965, 40.
+    W. Kahan, Further remarks on reducing truncation errors, Commun. ACM 8(1), 1965, 40.
     """
     corrected = increment - lost
     new = total + corrected

@@ -6,7 +6,8 @@ twice. Here ω = 1, so Ω = ωΔt = 2π Δt/T is the step size.
 
 References
 ----------
-T. J. R. Hughes, The finite element method, Prentice-Hall, 1987, chapter 9.
+T. J. R. Hughes, The finite element method: linear static and dynamic finite element analysis, Prentice-Hall, 1987,
+chapter 9.
 """
 
 from functools import partial

@@ -45,7 +45,7 @@ class Oscillations(Reduction):
 
     References
     ----------
-    F. N. Fritsch, R. E. Carlson, Monotone piecewise cubic interpolation, SIAM J. Numer. Anal. 17, 1980, 238-246.
+    F. N. Fritsch, R. E. Carlson, Monotone piecewise cubic interpolation, SIAM J. Numer. Anal. 17(2), 1980, 238-246.
     """
 
     level: float = 0.0

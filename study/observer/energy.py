@@ -92,8 +92,8 @@ class EnergyBalance(Reduction):
 
     References
     ----------
-    T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua and structures, Wiley, 2000,
-    section 6.2.3.
+    T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua and structures, Wiley, 2000, section
+    6.2.3.
     """
 
     variables = {

@@ -71,7 +71,7 @@ def toda_chain(n: int = 200) -> Problem:
 
     References
     ----------
-    M. Toda, Vibration of a chain with nonlinear interaction, J. Phys. Soc. Jpn. 22, 1967, 431-436.
+    M. Toda, Vibration of a chain with nonlinear interaction, J. Phys. Soc. Jpn. 22(2), 1967, 431-436.
     """
     kappa = 1.0
     u0, v0 = toda_soliton(n, 0.0, kappa)
@@ -94,7 +94,7 @@ def impact_bar(n: int = 200) -> Problem:
 
     References
     ----------
-    T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua and structures, Wiley, 2000, ch. 2.
+    T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua and structures, Wiley, 2000, chapter 2.
     """
     h, hardening = 1 / n, 10.0
 

@@ -19,7 +19,7 @@ def pendulum() -> Problem:
     References
     ----------
     K. J. Bathe, Conserving energy and momentum in nonlinear dynamics: a simple implicit time integration scheme,
-    Comput. Struct. 85, 2007, 437-445.
+    Comput. Struct. 85(7-8), 2007, 437-445.
     """
     return Problem(
         jnp.sin, 0.0, 1.999999238456499, potential=lambda u: 2 * jnp.sin(u / 2) ** 2, title="pendulum near its top"
@@ -33,7 +33,8 @@ def duffing(amplitude: float, title: str) -> Problem:
 
     References
     ----------
-    D. W. Jordan, P. Smith, Nonlinear ordinary differential equations, 4th ed., Oxford University Press, 2007, ch. 13.
+    D. W. Jordan, P. Smith, Nonlinear ordinary differential equations, 4th ed., Oxford University Press, 2007, chapter
+    13.
     """
     return Problem(
         force=lambda u: u * u * u - u,

@@ -5,8 +5,8 @@ acts on few unknowns, beside a constant stiffness, needs few products.
 
 References
 ----------
-A. R. Curtis, M. J. D. Powell, J. K. Reid, On the estimation of sparse Jacobian matrices, IMA J. Appl. Math. 13, 1974,
-117-119.
+A. R. Curtis, M. J. D. Powell, J. K. Reid, On the estimation of sparse Jacobian matrices, IMA J. Appl. Math. 13(1),
+1974, 117-119.
 """
 
 from collections.abc import Callable, Iterable

@@ -52,7 +52,7 @@ def elastic_pendulum() -> Problem:
     References
     ----------
     D. Kuhl, M. A. Crisfield, Energy-conserving and decaying algorithms in non-linear structural dynamics, Int. J.
-    Numer. Methods Eng. 45, 1999, 569-599.
+    Numer. Methods Eng. 45(5), 1999, 569-599.
     """
     length, mass, rigidity = 3.0443, 10.0, 1e10
     energy = StrainEnergy(

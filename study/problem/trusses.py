@@ -52,7 +52,7 @@ def spinning_truss() -> Problem:
     References
     ----------
     J. C. Simo, N. Tarnow, K. K. Wong, Exact energy-momentum conserving algorithms and symplectic schemes for nonlinear
-    dynamics, Comput. Methods Appl. Mech. Eng. 100, 1992, 63-116 (the method and its test by a body that spins).
+    dynamics, Comput. Methods Appl. Mech. Eng. 100(1), 1992, 63-116 (the method and its test by a body that spins).
     """
     joints, bars = _mesh(*TRUSS)
     joints = joints - joints.mean(axis=0)

@@ -39,7 +39,7 @@ class HHTAlpha(OneStep):
     References
     ----------
     H. M. Hilber, T. J. R. Hughes, R. L. Taylor, Improved numerical dissipation for time integration algorithms in
-    structural dynamics, Earthquake Eng. Struct. Dyn. 5, 1977, 283-292.
+    structural dynamics, Earthquake Eng. Struct. Dyn. 5(3), 1977, 283-292.
     """
 
     alpha: float
@@ -113,9 +113,11 @@ class GeneralizedAlpha(OneStep):
     References
     ----------
     J. Chung, G. M. Hulbert, A time integration algorithm for structural dynamics with improved numerical dissipation:
-    the generalized-α method, J. Appl. Mech. 60, 1993, 371-375.
-    W. L. Wood, M. Bossak, O. C. Zienkiewicz, An alpha modification of Newmark's method, Int. J. Numer. Methods Eng. 15,
-    1980, 1562-1566.
+    the generalized-α method, J. Appl. Mech. 60(2), 1993, 371-375.
+    W. L. Wood, M. Bossak, O. C. Zienkiewicz, An alpha modification of Newmark's method, Int. J. Numer. Methods Eng.
+    15(10), 1980, 1562-1566.
+    H. M. Hilber, T. J. R. Hughes, R. L. Taylor, Improved numerical dissipation for time integration algorithms in
+    structural dynamics, Earthquake Eng. Struct. Dyn. 5(3), 1977, 283-292.
     """
 
     alpha_m: float

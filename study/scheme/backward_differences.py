@@ -43,15 +43,16 @@ class BackwardDifferences(Scheme):
 
     References
     ----------
-    K. C. Park, An improved stiffly stable method for direct integration of nonlinear structural dynamic equations,
-    J. Appl. Mech. 42, 1975, 464-470.
+    K. C. Park, An improved stiffly stable method for direct integration of nonlinear structural dynamic equations, J.
+    Appl. Mech. 42(2), 1975, 464-470.
+    C. F. Curtiss, J. O. Hirschfelder, Integration of stiff equations, Proc. Natl. Acad. Sci. 38(3), 1952, 235-243.
     C. W. Gear, Numerical initial value problems in ordinary differential equations, Prentice-Hall, 1971.
     """
 
     weights: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     title: str = eqx.field(default="Backward differences", kw_only=True, static=True)
-    source: str = eqx.field(default="Gear (1971)", kw_only=True, static=True)
-    doi: str = eqx.field(default="", kw_only=True, static=True)
+    source: str = eqx.field(default="Curtiss and Hirschfelder (1952)", kw_only=True, static=True)
+    doi: str = eqx.field(default="10.1073/pnas.38.3.235", kw_only=True, static=True)
 
     family: ClassVar[str] = "Multi-step and composite"
     explicit = False

@@ -39,11 +39,11 @@ class Bathe(OneStep):
     References
     ----------
     K. J. Bathe, M. M. I. Baig, On a composite implicit time integration procedure for nonlinear dynamics, Comput.
-    Struct. 83, 2005, 2513-2524.
+    Struct. 83(31-32), 2005, 2513-2524.
     G. Noh, K. J. Bathe, The Bathe time integration method with controllable spectral radius: the ρ∞-Bathe method,
     Comput. Struct. 212, 2019, 299-310.
-    R. E. Bank et al., Transient simulation of silicon devices and circuits, IEEE Trans. Electron Devices 32, 1985,
-    1992-2007.
+    R. E. Bank, W. M. Coughran, W. Fichtner, E. H. Grosse, D. J. Rose, R. K. Smith, Transient simulation of silicon
+    devices and circuits, IEEE Trans. Electron Devices 32(10), 1985, 1992-2007.
     """
 
     gamma: float = 0.5

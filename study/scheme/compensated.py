@@ -48,7 +48,7 @@ class Compensated(Wrapper):
 
     References
     ----------
-    W. Kahan, Further remarks on reducing truncation errors, Comm. ACM 8(1), 1965, 40.
+    W. Kahan, Further remarks on reducing truncation errors, Commun. ACM 8(1), 1965, 40.
     """
 
     scheme: OneStep

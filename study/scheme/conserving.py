@@ -29,15 +29,16 @@ class ImplicitMidpoint(OneStep):
     References
     ----------
     E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, section II.1.
+    J. C. Butcher, Implicit Runge-Kutta processes, Math. Comput. 18(85), 1964, 50-64 (the Gauss method of one stage).
     J. C. Simo, N. Tarnow, K. K. Wong, Exact energy-momentum conserving algorithms and symplectic schemes for nonlinear
-    dynamics, Comput. Methods Appl. Mech. Eng. 100, 1992, 63-116.
+    dynamics, Comput. Methods Appl. Mech. Eng. 100(1), 1992, 63-116.
     """
 
     title: str = eqx.field(default="Implicit midpoint", kw_only=True, static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
-    source: ClassVar[str] = "Hairer et al. (2006)"
-    doi: ClassVar[str] = "10.1007/3-540-30666-8"
+    source: ClassVar[str] = "Butcher (1964)"
+    doi: ClassVar[str] = "10.1090/S0025-5718-1964-0159424-9"
     order = 2
     explicit = False
 
@@ -116,9 +117,9 @@ class EnergyMomentum(OneStep):
 
     References
     ----------
-    O. Gonzalez, Time integration and discrete Hamiltonian systems, J. Nonlinear Sci. 6, 1996, 449-467.
-    J. C. Simo, N. Tarnow, The discrete energy-momentum method: conserving algorithms for nonlinear elastodynamics,
-    Z. Angew. Math. Phys. 43, 1992, 757-792.
+    O. Gonzalez, Time integration and discrete Hamiltonian systems, J. Nonlinear Sci. 6(5), 1996, 449-467.
+    J. C. Simo, N. Tarnow, The discrete energy-momentum method: conserving algorithms for nonlinear elastodynamics, Z.
+    Angew. Math. Phys. 43(5), 1992, 757-792.
     """
 
     title: str = eqx.field(default="Energy-momentum", kw_only=True, static=True)
@@ -188,7 +189,7 @@ class AverageVectorField(OneStep):
 
     References
     ----------
-    G. R. W. Quispel, D. I. McLaren, A new class of energy-preserving numerical integration methods, J. Phys. A 41,
+    G. R. W. Quispel, D. I. McLaren, A new class of energy-preserving numerical integration methods, J. Phys. A 41(4),
     2008, 045206.
     """
 

@@ -36,9 +36,9 @@ class ExplicitAlpha(OneStep):
     References
     ----------
     G. M. Hulbert, J. Chung, Explicit time integration algorithms for structural dynamics with optimal numerical
-    dissipation, Comput. Methods Appl. Mech. Eng. 137, 1996, 175-188.
+    dissipation, Comput. Methods Appl. Mech. Eng. 137(2), 1996, 175-188.
     J. Chung, J. M. Lee, A new family of explicit time integration methods for linear and non-linear structural
-    dynamics, Int. J. Numer. Methods Eng. 37, 1994, 3961-3976.
+    dynamics, Int. J. Numer. Methods Eng. 37(23), 1994, 3961-3976.
     """
 
     alpha_m: float

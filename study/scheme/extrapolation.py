@@ -35,7 +35,8 @@ class Extrapolation(OneStep):
 
     References
     ----------
-    W. B. Gragg, On extrapolation algorithms for ordinary initial value problems, SIAM J. Numer. Anal. 2, 1965, 384-403.
+    W. B. Gragg, On extrapolation algorithms for ordinary initial value problems, SIAM J. Numer. Anal. 2(3), 1965,
+    384-403.
     E. Hairer, S. P. Nørsett, G. Wanner, Solving ordinary differential equations I, 2nd ed., Springer, 1993, sections
     II.9 and II.14.
     """

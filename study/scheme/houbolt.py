@@ -107,7 +107,7 @@ class Houbolt(Scheme):
 
     References
     ----------
-    J. C. Houbolt, A recurrence matrix solution for the dynamic response of elastic aircraft, J. Aeronaut. Sci. 17,
+    J. C. Houbolt, A recurrence matrix solution for the dynamic response of elastic aircraft, J. Aeronaut. Sci. 17(9),
     1950, 540-550.
     """
 

@@ -44,7 +44,7 @@ class KolayRicles(OneStep):
     References
     ----------
     C. Kolay, J. M. Ricles, Development of a family of unconditionally stable explicit direct integration algorithms
-    with controllable numerical energy dissipation, Earthquake Eng. Struct. Dyn. 43, 2014, 1361-1380.
+    with controllable numerical energy dissipation, Earthquake Eng. Struct. Dyn. 43(9), 2014, 1361-1380.
     """
 
     rho_inf: float

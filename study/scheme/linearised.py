@@ -60,7 +60,11 @@ class Linearised(Wrapper):
     References
     ----------
     G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Lyapunov characteristic exponents for smooth dynamical
-    systems and for Hamiltonian systems; a method for computing all of them, Meccanica 15, 1980, 9-30.
+    systems and for Hamiltonian systems; a method for computing all of them. Part 2: numerical application, Meccanica
+    15(1), 1980, 21-30.
+    G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Lyapunov characteristic exponents for smooth dynamical
+    systems and for Hamiltonian systems; a method for computing all of them. Part 1: theory, Meccanica 15(1), 1980,
+    9-20.
     """
 
     scheme: Scheme
@@ -68,7 +72,7 @@ class Linearised(Wrapper):
 
     family: ClassVar[str] = "Linearised"
     source: ClassVar[str] = "Benettin et al. (1980)"
-    doi: ClassVar[str] = "10.1007/BF02128236"
+    doi: ClassVar[str] = "10.1007/BF02128237"
 
     def start(self, problem, u0, v0, dt):
         # an arbitrary direction; equal components, for example, would be the translation of a free structure

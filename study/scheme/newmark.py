@@ -45,7 +45,7 @@ class Newmark(OneStep):
     ----------
     N. M. Newmark, A method of computation for structural dynamics, J. Eng. Mech. Div. ASCE 85(EM3), 1959, 67-94.
     L. Fox, E. T. Goodwin, Some new methods for the numerical integration of ordinary differential equations, Math.
-    Proc. Cambridge Philos. Soc. 45, 1949, 373-388.
+    Proc. Cambridge Philos. Soc. 45(3), 1949, 373-388.
     """
 
     beta: float

@@ -25,7 +25,7 @@ class Rederived(Wrapper):
     References
     ----------
     S. Erlicher, L. Bonaventura, O. S. Bursi, The analysis of the generalized-α method for non-linear dynamic problems,
-    Comput. Mech. 28, 2002, 83-104.
+    Comput. Mech. 28(2), 2002, 83-104.
     """
 
     scheme: Scheme

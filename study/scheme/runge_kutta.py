@@ -30,8 +30,7 @@ class RungeKutta4(OneStep):
 
     References
     ----------
-    W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialgleichungen, Z. Math. Phys. 46, 1901,
-    435-453.
+    W. Kutta, Beitrag zur näherungsweisen Integration totaler Differentialgleichungen, Z. Math. Phys. 46, 1901, 435-453.
     """
 
     title: str = eqx.field(default="Runge-Kutta", kw_only=True, static=True)
@@ -177,14 +176,16 @@ class Gauss4(OneStep):
     References
     ----------
     E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, section II.1.
-    J. C. Butcher, Implicit Runge-Kutta processes, Math. Comput. 18, 1964, 50-64.
+    P. C. Hammer, J. W. Hollingsworth, Trapezoidal methods of approximating solutions of differential equations, Math.
+    Tables Aids Comput. 9(51), 1955, 92-96.
+    J. C. Butcher, Implicit Runge-Kutta processes, Math. Comput. 18(85), 1964, 50-64.
     """
 
     title: str = eqx.field(default="Gauss, order 4", kw_only=True, static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
-    source: ClassVar[str] = "Butcher (1964)"
-    doi: ClassVar[str] = "10.1090/S0025-5718-1964-0159424-9"
+    source: ClassVar[str] = "Hammer and Hollingsworth (1955)"
+    doi: ClassVar[str] = ""
     order = 4
     explicit = False
     evaluations_per_iteration = 2

@@ -50,8 +50,11 @@ class Splitting(OneStep):
     References
     ----------
     R. I. McLachlan, On the numerical integration of ordinary differential equations by symmetric composition methods,
-    SIAM J. Sci. Comput. 16, 1995, 151-168.
+    SIAM J. Sci. Comput. 16(1), 1995, 151-168.
     E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, section VI.3.
+    R. de Vogelaere, Methods of integration which preserve the contact transformation property of the Hamiltonian
+    equations, Report 4, Department of Mathematics, University of Notre Dame, 1956.
+    A. Cromer, Stable solutions using the Euler approximation, Am. J. Phys. 49(5), 1981, 455-459.
     """
 
     drifts: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
@@ -129,10 +132,11 @@ class Composition(OneStep):
 
     References
     ----------
-    H. Yoshida, Construction of higher order symplectic integrators, Phys. Lett. A 150, 1990, 262-268.
+    H. Yoshida, Construction of higher order symplectic integrators, Phys. Lett. A 150(5-7), 1990, 262-268.
     W. Kahan, R.-C. Li, Composition constants for raising the orders of unconventional schemes for ordinary differential
-    equations, Math. Comput. 66, 1997, 1089-1099.
-    L. Verlet, Computer "experiments" on classical fluids, Phys. Rev. 159, 1967, 98-103.
+    equations, Math. Comput. 66(219), 1997, 1089-1099.
+    L. Verlet, Computer "experiments" on classical fluids. I. Thermodynamical properties of Lennard-Jones molecules,
+    Phys. Rev. 159(1), 1967, 98-103.
     """
 
     weights: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
@@ -181,7 +185,9 @@ def _mirrored(*half: float) -> tuple[float, ...]:
 
 _mclachlan = {"source": "McLachlan (1995)", "doi": "10.1137/0916010"}
 _outer, _inner = 0.40518861839525227722, -0.28714404081652408900
-symplectic_euler = Splitting((0.0, 1.0), (1.0,), of_order=1, title="Symplectic Euler")
+symplectic_euler = Splitting(
+    (0.0, 1.0), (1.0,), of_order=1, title="Symplectic Euler", source="de Vogelaere (1956)", doi=""
+)
 mclachlan4 = Splitting(
     (_outer, _inner, *(0.5 - _outer - _inner,) * 2, _inner, _outer),
     _mirrored(-3 / 73, 17 / 59),

@@ -41,8 +41,8 @@ class WilsonTheta(OneStep):
 
     References
     ----------
-    E. L. Wilson, I. Farhoomand, K. J. Bathe, Nonlinear dynamic analysis of complex structures, Earthquake Eng.
-    Struct. Dyn. 1, 1973, 241-252.
+    E. L. Wilson, I. Farhoomand, K. J. Bathe, Nonlinear dynamic analysis of complex structures, Earthquake Eng. Struct.
+    Dyn. 1(3), 1973, 241-252.
     """
 
     theta: float = 1.4

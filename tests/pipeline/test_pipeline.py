@@ -3,7 +3,6 @@
 import csv
 import hashlib
 import json
-import re
 import shutil
 import signal
 import subprocess
@@ -20,6 +19,7 @@ from study.pipeline.sources import Sources
 from study.pipeline.steps import steps_of
 from tests.pipeline.additions import ADDED
 from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, make
+from tests.pipeline.texts import check_latex, check_ledger
 from tests.test_readme import check_the_results_of_the_readme
 from tests.torture import torture
 
@@ -88,24 +88,7 @@ def test_everything_is_made(project):
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no TeX is installed")
 def test_the_latex_sources_compile_to_the_same_content(project, tmp_path):
-    results = project / "results"
-    subprocess.run([sys.executable, "-m", "paper.latex", results, tmp_path], cwd=project, check=True)
-    for text in ("manuscript", "supplement"):
-        for command in (
-            ["pdflatex", "-interaction=nonstopmode", text],
-            ["bibtex", text],
-            *2 * [["pdflatex", "-interaction=nonstopmode", text]],
-        ):
-            subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
-        log = (tmp_path / f"{text}.log").read_text(errors="replace")
-        assert "\n! " not in log and "undefined" not in log, log[-3000:]
-        source = (project / "paper" / "text" / f"{text}.typ").read_text()
-        written = (tmp_path / f"{text}.tex").read_text()
-        assert written.count("\\includegraphics") == source.count("#picture(")
-        assert written.count("\\caption") == source.count("#picture(") + source.count("#tabular(")
-        assert set(re.findall(r"@([a-z]+\d{4})", source)) == set(
-            re.findall(r"[a-z]+\d{4}", " ".join(re.findall(r"\\citep{([^}]*)}", written)))
-        )
+    check_latex(project, tmp_path)
 
 
 def test_datasets_explain_themselves(project):
@@ -134,13 +117,7 @@ def test_datasets_keep_the_cf_conventions(project, tmp_path):
 
 
 def test_the_ledger_is_decided(project):
-    claims = list(csv.DictReader((project / "results" / "claims.csv").read_text().splitlines()))
-    assert len(claims) >= 35
-    assert {c["verdict"] for c in claims} <= {"reproduced", "reproduced with a qualification", "not reproduced"}
-    for claim in claims:
-        assert claim["verdict"] == "reproduced" or claim["reason"], claim["claim"]
-    numbers = json.loads((project / "results" / "numbers.json").read_text())
-    assert numbers["cells_rounded_twice"] == "97"
+    check_ledger(project / "results")
 
 
 def test_the_readme_states_what_the_study_finds(project):

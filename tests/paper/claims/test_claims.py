@@ -4,17 +4,26 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper.claims import comparisons, conclusions, discussion, introduction
-from paper.claims.ledger import CLAIMS, Finding, Verdict, claim
+from paper.claims import comparisons, conclusions, introduction
+from paper.claims.__main__ import main
+from paper.claims.ledger import CLAIMS, OURS, XIE, Finding, Verdict, claim, most
 from paper.products import PRODUCTS, discover, made
 
 
 def test_the_ledger_is_whole():
     discover(["claims"])
-    assert len(CLAIMS) >= 35
-    assert {claim.section for claim in CLAIMS} >= {"1", "2.1", "2.3", "3.1", "3.2", "4", "5"}
+    assert {claim.section for claim in CLAIMS} >= {"1", "2.1", "2.3", "3", "3.1", "3.2", "4", "5"}
     assert all(claim.statement and claim.quantity and claim.product.reads for claim in CLAIMS)
     assert len({claim.product.name for claim in CLAIMS}) == len(CLAIMS)
+
+
+def test_the_paper_is_quoted_in_short_and_nobody_else():
+    discover(["claims"])
+    for one in CLAIMS:
+        assert (one.whose == XIE) == (one.section not in OURS), one.statement
+        assert 8 < len(one.words) <= 150 if one.whose == XIE else not one.words, one.statement
+    assert len({one.words for one in CLAIMS if one.words}) == sum(one.whose == XIE for one in CLAIMS)
+    assert {one.whose for one in CLAIMS} >= {"Xie", "Xie, extended", "practice", "this study"}
 
 
 @pytest.fixture
@@ -26,7 +35,7 @@ def entered(monkeypatch):
 
 def _entered(section, check, reads):
     """The product of a new claim."""
-    claim(section, "Said so.", "something", reads=reads)(check)
+    claim(section, "Said so.", "something", words="said so" if section == "4" else "", reads=reads)(check)
     from paper.claims.ledger import CLAIMS
 
     return CLAIMS[-1].product
@@ -47,6 +56,44 @@ def test_a_section_is_the_papers_or_one_of_ours(entered, section):
     ):
         claim(section, "Said so.", "something", reads=["energy_error"])
     assert not PRODUCTS.keys() & {("claim", "Said so.")}
+
+
+@pytest.mark.parametrize("section, words", [("4", ""), ("stability", "said so")])
+def test_a_claim_of_the_paper_needs_its_words_and_another_has_none(entered, section, words):
+    with pytest.raises(ValueError, match="must quote the paper if it is in a section of it, and only then"):
+        claim(section, "Said so.", "something", words=words, reads=["energy_error"])
+
+
+def test_claims_of_the_paper_are_numbered_apart_and_stand_first(entered, monkeypatch, tmp_path):
+    for section, name in (("stability", "last"), ("4", "second"), ("3", "first")):
+        words = "" if section == "stability" else "said so"
+        check = lambda data: Finding("1", True)  # noqa: E731
+        check.__name__ = name
+        claim(section, name, "something", words=words, whose="practice", reads=[])(check)
+    monkeypatch.setattr("paper.claims.__main__.discover", lambda places: None)
+    from paper.claims.ledger import CLAIMS
+
+    monkeypatch.setattr("paper.claims.__main__.CLAIMS", CLAIMS)
+    main(tmp_path, tmp_path / "claims.csv")
+    rows = [line.split(",")[:4] for line in (tmp_path / "claims.csv").read_text().splitlines()]
+    assert rows == [
+        ["number", "section", "whose", "claim"],
+        ["1", "3", "Xie", "first"],
+        ["2", "4", "Xie", "second"],
+        ["A1", "stability", "practice", "last"],
+    ]
+
+
+@pytest.mark.parametrize(
+    "cells, holds, exceptions",
+    [
+        ({"a": True, "b": True, "c": False}, True, ["c"]),
+        ({"a": True, "b": False}, False, ["b"]),
+        ({"a": True}, True, []),
+    ],
+)
+def test_a_statement_about_cells_holds_in_most_of_them(cells, holds, exceptions):
+    assert most(cells) == (holds, exceptions)
 
 
 @pytest.mark.parametrize("section, seen", [("4", 7), ("stability", 8)])
@@ -92,10 +139,8 @@ def _tables(values):
 def test_a_claim_follows_the_data():
     assert comparisons.newmark_is_worst(_tables({"newmark_dissipative": 99.0})).holds
     assert not comparisons.newmark_is_worst(_tables({"houbolt": 99.0})).holds
-    assert conclusions.newmark_should_never_be_used(_tables({"newmark_dissipative": 900.0})).holds
-    assert not conclusions.newmark_should_never_be_used(_tables({})).holds
-    assert discussion.runge_kutta_at_a_twentieth(_tables({"rk4": 1.04})).holds
-    assert not discussion.runge_kutta_at_a_twentieth(_tables({"rk4": 1.2})).holds
+    assert conclusions.newmark_should_never_be_used(_tables({"newmark_dissipative": 10.1})).holds
+    assert not conclusions.newmark_should_never_be_used(_tables({"newmark_dissipative": 9.9})).holds
 
 
 def test_the_start_of_houbolt_is_decided_by_the_digit():
@@ -109,20 +154,3 @@ def test_the_start_of_houbolt_is_decided_by_the_digit():
 
     assert introduction.start_of_houbolt(starts(97.342)).holds
     assert not introduction.start_of_houbolt(starts(97.348)).holds
-
-
-@pytest.mark.parametrize("error, holds", [(9.9, True), (10.1, False)])
-def test_an_error_above_ten_percent_is_not_reasonable(error, holds):
-    names = ["hardening", "softening"]
-    errors = xr.DataArray(
-        np.full((2, 2, 2), [error, 99.0]),
-        coords={
-            "problem": names,
-            "scheme": ["average_acceleration", "central_difference"],
-            "dt_over_period": [0.05, 0.1],
-        },
-        dims=["problem", "scheme", "dt_over_period"],
-    )
-    finding = conclusions.reasonable_below_a_twentieth({"large_steps": xr.Dataset({"max_energy_error": errors})})
-    assert finding.holds == holds
-    assert ("not at every amplitude" in finding.qualification) != holds

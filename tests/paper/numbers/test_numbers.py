@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from paper.numbers.__main__ import gathered
-from paper.numbers.claims import of_claims
+from paper.numbers.claims import JUDGED, of_claims
 from paper.numbers.reproduction import of_drift
 from paper.products import Product
 
@@ -26,9 +26,14 @@ def test_one_key_of_two_functions_is_refused():
 
 
 def test_claims_are_counted_by_part():
-    verdicts = ["reproduced", "reproduced with a qualification", "not reproduced", "reproduced"]
-    counts = of_claims(pd.DataFrame({"section": ["3.1", "5", "structures", "stability"], "verdict": verdicts}))
-    assert counts["claims"] == 2 and counts["claims_reproduced"] == counts["claims_qualified"] == 1
+    verdicts = ["reproduced", "reproduced with a qualification", "reproduced", "not reproduced", "reproduced"]
+    sections = ["3.1", "3.1", "4", "structures", "stability"]
+    claims = pd.DataFrame({"section": sections, "verdict": verdicts, "claim": [*JUDGED, "one", "two"]})
+    counts = of_claims(claims)
+    assert counts["claims"] == 3 and counts["claims_reproduced"] == 2 and counts["claims_qualified"] == 1
+    assert counts["verdicts_confirmed"]
+    claims.loc[0, "verdict"] = "not reproduced"
+    assert not of_claims(claims)["verdicts_confirmed"]
     assert counts["structure_claims"] == counts["structure_claims_not_reproduced"] == 1
     assert counts["stability_claims_reproduced"] == 1 and counts["stability_claims_qualified"] == 0
 

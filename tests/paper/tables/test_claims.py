@@ -1,27 +1,20 @@
 """The ledger as a table."""
 
 import pandas as pd
-import xarray as xr
 
 from paper.tables.claims import tabulate
 
-
-def _titled(**titles):
-    return xr.Dataset(coords={"scheme": list(titles), "scheme_title": ("scheme", list(titles.values()))})
+_ROW = {"number": "1", "claim": "It grows.", "quantity": "size", "printed": "", "ours": "2", "verdict": "reproduced"}
 
 
-def test_every_scheme_has_its_title():
-    row = {
-        "number": "1",
-        "section": "structures",
-        "claim": "c",
-        "quantity": "q",
-        "printed": "",
-        "verdict": "reproduced",
-    }
-    ours = "houbolt: -1.0; bathe: 29.9; bathe_rho: 2e-16"
-    claims = pd.DataFrame([row | {"ours": ours, "reason": "so is bathe"}])
-    titled = [_titled(houbolt="Houbolt"), _titled(houbolt="Houbolt", bathe="Bathe", bathe_rho="ρ∞-Bathe")]
-    (shown,) = tabulate(claims, titled).to_dict("records")
-    assert shown["Ours"] == "Houbolt: −1.0; Bathe: 29.9; ρ∞-Bathe: 2e−16"
-    assert shown["Verdict"] == "reproduced; so is Bathe"
+def test_the_table_tells_whose_a_claim_is():
+    claims = pd.DataFrame(
+        [
+            _ROW | {"section": "3.1", "whose": "Xie", "words": "is growing", "reason": "but slowly"},
+            _ROW | {"section": "stability", "whose": "practice", "words": "", "reason": ""},
+        ]
+    )
+    first, second = tabulate(claims).to_dict("records")
+    assert first["Whose"] == "Xie, 3.1" and second["Whose"] == "practice"
+    assert first["Claim"] == "It grows. “is growing”" and second["Claim"] == "It grows."
+    assert first["Verdict"] == "reproduced; but slowly" and second["Verdict"] == "reproduced"

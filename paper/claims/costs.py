@@ -1,0 +1,124 @@
+"""Claims on the relative costs of the schemes, in sections 3.1, 3.2 and 5.
+
+One definition holds for all of them. The ratio of two times of a step is taken in each repeat, in which all schemes run
+one after the other. The median over the repeats is stated. A ratio lies above or below a bound only if both quartiles
+do; otherwise the repeats do not decide.
+"""
+
+import xarray as xr
+
+from paper.claims.ledger import Data, Finding, claim, most
+from paper.claims.terms import IMPLICIT_NEWMARK, MUCH_LESS, SLIGHTLY_MORE
+from paper.claims.wording import joined, listed, title
+from paper.published import PROBLEMS
+
+_ON_THE_PROCESSOR = "that depends on the processor"
+Ratios = dict[str, tuple[float, float, float]]
+
+
+def _times(data: Data) -> xr.DataArray:
+    return data["cpu_time"].time_per_step
+
+
+def _quartiles(ratio: xr.DataArray) -> tuple[float, float, float]:
+    low, middle, high = ratio.quantile([0.25, 0.5, 0.75], "repeat").values.tolist()
+    return low, middle, high
+
+
+def _to(data: Data, scheme: str, others: list[str], problem: str) -> tuple[float, float, float]:
+    """Quartiles of the time of a scheme over the largest of those of the others."""
+    time = _times(data).sel(problem=problem)
+    return _quartiles(time.sel(scheme=scheme) / time.sel(scheme=others).max("scheme"))
+
+
+def _decided(ratios: Ratios, least: float = 0.0, most_of_all: float = float("inf")) -> tuple[bool, str]:
+    """Whether most of the ratios lie between two bounds, and a sentence on those that do not."""
+    cells = {name: least < low and high < most_of_all for name, (low, _, high) in ratios.items()}
+    open_ones = [name for name, (low, _, high) in ratios.items() if any(low <= b <= high for b in (least, most_of_all))]
+    holds, exceptions = most(cells)
+    against = [name for name in exceptions if name not in open_ones]
+    parts = [f"not so for {joined(against, {})}"] * bool(against)
+    parts += [f"the repeats do not decide for {joined(open_ones, {})}"] * bool(open_ones)
+    return holds, "; ".join([*parts, _ON_THE_PROCESSOR]) if parts else ""
+
+
+def _medians(ratios: Ratios) -> str:
+    return listed({name: middle for name, (_, middle, _) in ratios.items()}, {}, ".2f")
+
+
+@claim(
+    "3.1",
+    "Central difference costs much less than average acceleration.",
+    f"ratio of the times of a step, hardening, which is to be below {MUCH_LESS:g}",
+    "0.67",
+    words="much lower than that for the implicit average acceleration method",
+    reads=["cpu_time"],
+)
+def central_difference_is_cheap(data):
+    ratios = {title("hardening", data): _to(data, "central_difference", ["average_acceleration"], "hardening")}
+    holds, reason = _decided(ratios, most_of_all=MUCH_LESS)
+    return Finding(_medians(ratios), holds, reason)
+
+
+@claim(
+    "3.2",
+    "The softening spring takes more than twice the time of the hardening one.",
+    "ratio of the times of a step by scheme",
+    "2.2 to 3.2",
+    words="the present example of softening spring requires more than twice the computational time",
+    reads=["cpu_time"],
+)
+def softening_costs_twice(data):
+    time = _times(data)
+    ratio = time.sel(problem="softening") / time.sel(problem="hardening")
+    ratios = {title(name, data): _quartiles(ratio.sel(scheme=name)) for name in time.scheme.values.tolist()}
+    holds, reason = _decided(ratios, least=2.0)
+    return Finding(_medians(ratios), holds, reason)
+
+
+@claim(
+    "5",
+    "Central difference is the cheapest scheme.",
+    "its time of a step over that of the cheapest other scheme",
+    "0.67, 0.60",
+    words="the most efficient method is the central difference method",
+    reads=["cpu_time"],
+)
+def central_difference_is_cheapest(data):
+    time = _times(data)
+    ratio = time.sel(scheme="central_difference") / time.drop_sel(scheme="central_difference").min("scheme")
+    ratios = {title(name, data): _quartiles(ratio.sel(problem=name)) for name in PROBLEMS}
+    holds, reason = _decided(ratios, most_of_all=1.0)
+    return Finding(_medians(ratios), holds, reason)
+
+
+@claim(
+    "5",
+    "Runge-Kutta costs slightly more than the implicit Newmark methods.",
+    f"its time of a step over that of the dearer one, which is to be between 1 and {SLIGHTLY_MORE:g}",
+    "1.32, 1.21",
+    words="The Runge–Kutta method costs slightly more than the implicit Newmark methods",
+    reads=["cpu_time"],
+)
+def runge_kutta_costs_more(data):
+    ratios = {title(name, data): _to(data, "rk4", IMPLICIT_NEWMARK, name) for name in PROBLEMS}
+    holds, reason = _decided(ratios, 1.0, SLIGHTLY_MORE)
+    return Finding(_medians(ratios), holds, reason)
+
+
+@claim(
+    "5",
+    "Houbolt, Wilson and the α-method cost more than the implicit Newmark methods.",
+    "their times of a step over that of the dearer one",
+    "1.01 to 1.35",
+    words="are also more expensive than the implicit Newmark methods",
+    reads=["cpu_time"],
+)
+def others_cost_more(data):
+    ratios = {
+        f"{title(scheme, data)} on the {title(problem, data)}": _to(data, scheme, IMPLICIT_NEWMARK, problem)
+        for problem in PROBLEMS
+        for scheme in ("houbolt", "wilson_theta", "hht_alpha")
+    }
+    holds, reason = _decided(ratios, least=1.0)
+    return Finding(_medians(ratios), holds, reason)

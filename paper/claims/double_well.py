@@ -1,0 +1,126 @@
+"""Claims of section 4 on the double well at a large step: Figure 4."""
+
+import numpy as np
+
+from paper.claims.comparisons import claim_period
+from paper.claims.ledger import Finding, by_name, claim
+from paper.claims.terms import APART, AT_REST, DAMPED, EXPLICIT, IRREGULAR, REASONABLE, ROUND_OFF
+from paper.claims.wording import joined, listed, number
+
+#: The initial height of the energy above rest over the size of the energy, both from S₁ = −0.5, S₂ = −1 and u₀ = 0.5.
+_HEIGHT = (7 / 128 - 1 / 8) / (-7 / 128)
+
+claim_period("4", "double_well", 1, "The period of this oscillator is equal to 7·3")
+
+
+@claim(
+    "4",
+    "A step of 2.5 in the double well is about a third of its period.",
+    "Δt/T",
+    "1/3",
+    words="Δt = 2·5 (≈T/3)",
+    reads=["phase_portrait/double_well", "reference/double_well"],
+)
+def step_is_a_third(data):
+    ratio = (data["phase_portrait/double_well"].dt / data["reference/double_well"].period).item()
+    return Finding(f"{ratio:.3f}", round(ratio, 1) == 0.3)
+
+
+@claim(
+    "4",
+    "At this step average acceleration becomes chaotic.",
+    f"steps until two runs that start 10⁻¹⁰ apart are {APART:g} apart",
+    words="the solution by the average acceleration method becomes chaotic",
+    reads=["sensitivity"],
+    asks={"sensitivity.problem": "double_well"},
+)
+def average_acceleration_is_chaotic(data):
+    separation = data["sensitivity"].separation.sel(scheme="average_acceleration").values
+    apart = np.flatnonzero(separation > APART)
+    return Finding(f"{apart[0]}" if len(apart) else "never", len(apart) > 0)
+
+
+@claim(
+    "4",
+    "It jumps irregularly between u = 1 and u = −1.",
+    "changes of the well in 1,000 steps, and different numbers of steps between them",
+    words="the numerical results jump irregularly between the system’s two static equilibria",
+    reads=["phase_portrait/double_well"],
+)
+def jumps_between_wells(data):
+    u = data["phase_portrait/double_well"].u.sel(scheme="average_acceleration").values
+    jumps = np.flatnonzero(np.diff(np.sign(u)) != 0)
+    stays = len(set(np.diff(jumps)))
+    return Finding(f"{len(jumps)}; {stays}", stays > IRREGULAR)
+
+
+@claim(
+    "4",
+    "The double well rests at u = 1 and u = −1.",
+    "largest distance from ±1 of the damped schemes at the end",
+    words="two static equilibria u = 1 and u = −1",
+    reads=["phase_portrait/double_well"],
+)
+def rest_is_at_one(data):
+    end = data["phase_portrait/double_well"].u.sel(scheme=DAMPED).isel(t=-1)
+    worst = abs(abs(end) - 1).max().item()
+    return Finding(number(worst, ".0e"), worst < ROUND_OFF)
+
+
+@claim(
+    "4",
+    "For the two explicit schemes the normal Newton-Raphson method finds no converged solution at this step.",
+    "step at which the run failed, and how",
+    words="cannot be obtained with the normal Newton–Raphson method when Δt = 2·5 is used",
+    reads=["phase_portrait/double_well"],
+)
+def explicit_schemes_fail(data):
+    portrait = data["phase_portrait/double_well"].sel(scheme=EXPLICIT)
+    meanings = portrait.status.attrs["flag_meanings"].split()
+    ours = "; ".join(
+        f"{joined([name], data)}: {meanings[int(run.status)].replace('_', ' ')} at step {run.failed_at_step.item()}"
+        for name, run in ((name, portrait.sel(scheme=name)) for name in EXPLICIT)
+    )
+    return Finding(
+        ours,
+        bool((portrait.status != 0).all()),
+        "the solution is lost, but not by the Newton-Raphson method, which an explicit step does not use: the "
+        "displacement overflows",
+    )
+
+
+@claim(
+    "4",
+    "The results of the four damped schemes bear no resemblance to the exact solution.",
+    "range of u over the last tenth of the time (exact: 0.82)",
+    words="the results bear no resemblance to the exact solution",
+    reads=["phase_portrait/double_well"],
+)
+def no_resemblance(data):
+    u = data["phase_portrait/double_well"].u.sel(scheme=DAMPED)
+    late = u.isel(t=slice(-(u.sizes["t"] // 10), None))
+    width = by_name(late.max("t") - late.min("t"))
+    return Finding(listed(width, data, ".0e"), max(width.values()) < AT_REST)
+
+
+@claim(
+    "4",
+    "High numerical damping is what causes Figure 4 (c) to (f).",
+    "part of the energy above rest that is lost by the end, in percent, by a scheme that never gains any",
+    words="when large time steps are used the numerical damping in these four schemes is so high",
+    reads=["phase_portrait/double_well"],
+)
+def damping_is_the_cause(data):
+    error = data["phase_portrait/double_well"].energy_error
+    damped = error.sel(scheme=DAMPED)
+    lost = by_name(-damped.isel(t=-1) / _HEIGHT)
+    gained = damped.max().item()
+    undamped = abs(error.sel(scheme="average_acceleration")).max().item()
+    return Finding(
+        listed(lost, data, ".0f"),
+        min(lost.values()) > 100 - REASONABLE and gained < REASONABLE,
+        "the step is to blame as well: average acceleration, which has no damping, is off by up to "
+        f"{undamped:.0f} % of the energy"
+        if undamped > REASONABLE
+        else "",
+    )

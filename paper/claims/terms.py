@@ -1,0 +1,50 @@
+"""What the words of the claims mean: groups of schemes, and one threshold for each kind of judgement."""
+
+#: The paper's schemes by what it says of them.
+FAITHFUL = ["average_acceleration", "central_difference"]
+DISSIPATIVE = ["newmark_dissipative", "wilson_theta", "houbolt"]
+DAMPED = [*DISSIPATIVE, "hht_alpha"]
+UNCONDITIONAL = ["average_acceleration", *DAMPED]
+EXPLICIT = ["central_difference", "rk4"]
+IMPLICIT_NEWMARK = ["average_acceleration", "newmark_dissipative"]
+
+#: Largest error in percent, of the energy or the displacement, of a result that is "reasonable", "fairly accurate",
+#: or that keeps the balance of energies. A scheme beyond it is "unsuitable"; one always beyond it, "never" to be used.
+REASONABLE = 10.0
+#: Energy error in percent of a result that is "far" from the exact one, in "grave" error, "meaningless", or "strongly"
+#: damped.
+FAR_OFF = 50.0
+#: Energy error in percent of an "unstable" run. A run that only loses energy stays below 100, up to round-off.
+UNSTABLE = 101.0
+#: Ratio of errors up to which a scheme is "almost as accurate" as another, and above which a run is "less accurate".
+ALMOST = 1.1
+#: Least ratio of errors for an accuracy that is improved "significantly".
+SIGNIFICANTLY = 2.0
+#: Least ratio of errors of a scheme that is "far more accurate", and of results that "vary greatly".
+GREATLY = 10.0
+#: Least rank correlation of errors that order the runs alike.
+ALIKE = 0.8
+#: Periods within which a motion that is damped "rapidly" is far off.
+RAPIDLY = 10.0
+#: Largest ratio of times of a scheme that costs "much less", and of one that costs "slightly more".
+MUCH_LESS, SLIGHTLY_MORE = 0.75, 1.5
+#: Share of cases above which something happens in "most" of them, "often".
+MOST = 0.5
+#: Share of cases above which something is "not uncommon".
+NOT_UNCOMMON = 0.05
+#: Distance of two runs, started as good as equal, at which both are "chaotic": they are no longer one motion.
+APART = 0.1
+#: Lyapunov exponent per step above which a map is chaotic; a regular map has less than 0.01 after a thousand steps.
+CHAOTIC = 0.05
+#: Number of different stays in a well above which jumps are "irregular".
+IRREGULAR = 5
+#: Largest range of a displacement "at rest".
+AT_REST = 0.01
+#: Least order found of a scheme that "is of second order".
+SECOND_ORDER = 1.5
+#: Largest relative size of what is zero up to round-off.
+ROUND_OFF = 1e-10
+#: Error of a displacement in percent that matters, and of a balance of energies that nobody would mind.
+MATTERS, UNNOTICED = 0.1, 1e-6
+#: Steps in a period by the rule of practice, of which the paper's is T/20.
+RULE = 20

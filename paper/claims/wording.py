@@ -1,0 +1,48 @@
+"""Numbers and names as the ledger prints them: titles in place of code names, 10⁻⁵ in place of 1e-05, and no nan."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+import xarray as xr
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: float, form: str = ".1f", missing: str = "failed") -> str:
+    """A number with a minus sign and powers of ten; ``missing`` if it is not a number."""
+    if np.isnan(value):
+        return missing
+    mantissa, power, exponent = f"{value:{form}}".replace("inf", "∞").partition("e")
+    if not power:
+        return mantissa.replace("-", "−")
+    if float(mantissa) == 0:
+        return "0"
+    factor = "" if mantissa == "1" else f"{mantissa}×".replace("-", "−")
+    return f"{factor}10{str(int(exponent)).translate(_RAISED)}"
+
+
+def title(name: str, data: Mapping[str, xr.Dataset]) -> str:
+    """The title of a scheme or problem in some datasets, or its name in plain words if they have none."""
+    for dataset in data.values():
+        for along in ("scheme", "problem"):
+            if f"{along}_title" in dataset.coords:
+                names, titles = (np.atleast_1d(dataset[one].values) for one in (along, f"{along}_title"))
+                if name in names:
+                    return str(titles[names == name][0])
+        if dataset.attrs.get("problem") == name:
+            return dataset.attrs["problem_title"]
+    return name.replace("_", " ")
+
+
+def joined(names: Iterable[str], data: Mapping[str, xr.Dataset]) -> str:
+    """Titles as a list of words, with semicolons if a title has a comma; 'none' of no names."""
+    *first, last = [title(name, data) for name in names] or ["none"]
+    comma = "; " if any("," in one for one in (*first, last)) else ", "
+    return f"{comma.join(first)} and {last}" if first else last
+
+
+def listed(
+    values: Mapping[str, float], data: Mapping[str, xr.Dataset], form: str = ".1f", missing: str = "failed"
+) -> str:
+    """Titles with their values."""
+    return "; ".join(f"{title(name, data)}: {number(value, form, missing)}" for name, value in values.items())

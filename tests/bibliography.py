@@ -1,0 +1,80 @@
+"""The works of ``paper/references.bib``, and how docstrings and schemes cite them."""
+
+import inspect
+import re
+from pathlib import Path
+
+PROJECT = Path(__file__).parent.parent
+FILE = PROJECT / "paper" / "references.bib"
+Work = dict[str, str]
+
+_ENTRY = re.compile(r"^@(\w+)\{([^\s,]+),\n(.*?)\n\}$", re.MULTILINE | re.DOTALL)
+_FIELD = re.compile(r"  (\w+) = \{(.*)\},?")
+_PLACE = re.compile(r"(, (sections?|chapter) [\w., ]+?| \([^)]*\))?\.( |$)")
+
+
+def works() -> dict[str, Work]:
+    """Fields of all works by key, with the kind of the work as ``kind``."""
+    found: dict[str, Work] = {}
+    for kind, key, body in _ENTRY.findall(FILE.read_text()):
+        fields = [_FIELD.fullmatch(line) for line in body.splitlines()]
+        if key in found or not all(fields):
+            raise ValueError(f"{FILE.name}: '{key}' stands there twice, or has other than one field a line in braces.")
+        found[key] = {"kind": kind} | {field[1]: field[2] for field in fields if field}
+    return found
+
+
+def _plain(value: str) -> str:
+    return value.replace("{", "").replace("}", "").replace("\\&", "&").replace("--", "-")
+
+
+def _authors(work: Work) -> list[tuple[str, str]]:
+    """Last names and initials."""
+    names = [_plain(one).split(", ") for one in work["author"].split(" and ")]
+    return [(last, initials) for last, initials in names]
+
+
+def label(work: Work) -> str:
+    """Authors and year, as a scheme states its source: Noh and Bathe (2019)."""
+    first, *others = [last for last, _ in _authors(work)]
+    more = "" if not others else f" and {others[0]}" if len(others) == 1 else " et al."
+    return f"{first}{more} ({work['year']})"
+
+
+def reference(work: Work) -> str:
+    """The work as a docstring cites it, without the section and the full stop."""
+    year, volume, pages = work["year"], work.get("volume", ""), work.get("pages", "")
+    if work["kind"] == "article":
+        number = f"({work['number']})" if "number" in work else ""
+        where = [f"{work['shortjournal']} {volume}{number}", year, pages]
+    elif work["kind"] == "inproceedings":
+        where = [work["shortbooktitle"], year, pages]
+    elif work["kind"] == "book":
+        edition = f"{work['edition']} ed." if "edition" in work else ""
+        where = [f"vol. {volume}" if volume else "", edition, work["publisher"], year]
+    else:
+        where = [f"{work.get('type', 'Thesis')} {work.get('number', '')}".strip()]
+        where += [work.get("institution") or work["school"], year]
+    authors = [f"{initials} {last}" for last, initials in _authors(work)]
+    return _plain(", ".join(filter(None, [*authors, work["title"], *where])))
+
+
+def cited_in(docstring: str, references: dict[str, str]) -> list[str]:
+    """Keys of the works in the section References of a docstring.
+
+    Raises
+    ------
+    ValueError
+        If the section has anything else than these works in their words, each with a place in it and a full stop.
+    """
+    _, _, section = inspect.cleandoc(docstring).partition("References\n----------\n")
+    text, keys = " ".join(section.split()), []
+    while text:
+        for key, words in references.items():
+            if text.startswith(words) and (place := _PLACE.match(text, len(words))):
+                keys.append(key)
+                text = text[place.end() :]
+                break
+        else:
+            raise ValueError(f"{FILE.name} has no such work: {text[:200]!r}")
+    return keys
