@@ -1,6 +1,7 @@
 """How the paper reads its datasets."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -89,3 +90,24 @@ def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
     """The parts of a dataset with the schemes of one family each, in the order in which the families appear."""
     names = dict.fromkeys(dataset.family.values.tolist())
     return {name: dataset.isel(scheme=np.flatnonzero(dataset.family.values == name)) for name in names}
+
+
+def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
+    """The part of a dataset with those of some schemes that it has, or with as many of its own if it has none."""
+    there = [name for name in schemes if name in dataset.scheme.values]
+    return dataset.sel(scheme=there or dataset.scheme.values[: len(schemes)])
+
+
+def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataArray:
+    """Size of the loss of amplitude per period of the longer runs, NaN where it is no loss.
+
+    Schemes that keep the amplitude have a ripple, which depends on where steps fall and does not grow with the length
+    of the run. A loss per period is the same, within a factor of two, in runs of both lengths at three neighbouring
+    step sizes.
+    """
+    size = abs(errors.amplitude_decay)
+    ratio = size.sel(periods=longer) / size.sel(periods=shorter)
+    neighbours = min(3, ratio.sizes["steps_per_period"])
+    steady = ((ratio > 0.5) & (ratio < 2)).rolling(steps_per_period=neighbours).sum() == neighbours
+    ends = [steady.shift(steps_per_period=-ahead, fill_value=False) for ahead in range(neighbours)]
+    return size.sel(periods=longer).where(np.logical_or.reduce(ends))

@@ -1,19 +1,19 @@
 """Maps of how runs end over step size and amplitude, for the schemes of 1996."""
 
-import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.asks import contained
 from paper.data import of_the_paper
-from paper.figures.outcome_map import PAPER_CASES, legend, outcome_map
-from paper.figures.style import PAGE
+from paper.figures.outcome_map import PAPER_CASES, legend, outcome_map, step_ticks
+from paper.figures.style import PAGE, panels, wrapped
 from paper.products import figure
 from paper.published import SCHEMES
 
 
 @figure(
-    "Outcome of each run over step size and amplitude, with the schemes of 1996.",
+    "How each run of the schemes of 1996 ends, over step size and initial displacement. Dashed: the linear limit "
+    "of stability at the stiffest place of each motion; markers: the runs of Figures 3 and 4 of Xie (1996).",
     atlas="stability/atlas",
     spectral="spectral",
     asks={
@@ -26,9 +26,7 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """One row per scheme, one column per problem."""
     atlas = of_the_paper(atlas)
     schemes, problems = atlas.scheme.values, atlas.problem.values
-    figure, axes = plt.subplots(
-        len(schemes), len(problems), figsize=(PAGE, 1.28 * len(schemes)), sharex=True, sharey=True
-    )
+    figure, axes = panels(len(schemes), len(problems), PAGE, 19, sharex=True, sharey=True)
     for row, scheme in zip(axes, schemes, strict=True):
         limit = spectral.stability_limit.sel(scheme=scheme, damping_ratio=0.0).item()
         for ax, problem in zip(row, problems, strict=True):
@@ -40,11 +38,11 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     for ax, title in zip(axes[0], atlas.problem_title.values, strict=True):
         ax.set_title(title)
     for row, title in zip(axes, atlas.scheme_title.values, strict=True):
-        row[0].set_ylabel(title)
+        row[0].set_ylabel(wrapped(title, 12))
     for ax in axes[-1]:
-        ax.set_xlabel("step size over period")
-        ax.set_xticks([0.01, 0.05, 0.2, 1], ["1/100", "1/20", "1/5", "1"])
-        ax.minorticks_off()
-    figure.supylabel("initial displacement over that of 1996", fontsize=8)
+        ax.set_xlabel("step size over period, Δt/T")
+        step_ticks(ax, {0.01: "1/100", 0.05: "1/20", 0.2: "1/5", 1: "1"})
+    axes[0, 0].set_yticks([0.1, 1, 10], ["0.1", "1", "10"])
+    figure.supylabel("initial displacement over that of 1996", fontsize="medium")
     legend(figure, atlas.outcome.values)
     return figure

@@ -1,18 +1,18 @@
 """Maps of how runs end over step size and amplitude, for the later schemes: one small panel per problem."""
 
-import matplotlib.pyplot as plt
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.asks import contained
-from paper.figures.outcome_map import legend, outcome_map
-from paper.figures.style import PAGE
+from paper.figures.outcome_map import legend, outcome_map, step_ticks
+from paper.figures.style import PAGE, empty, wrapped
 from paper.products import figure
 from paper.published import SCHEMES
 
 #: Schemes side by side.
 COLUMNS = 3
+#: Largest height in cm.
+TALLEST = 19.0
 
 
 def _others(schemes: list[str]) -> str | None:
@@ -23,7 +23,8 @@ def _others(schemes: list[str]) -> str | None:
 
 
 @figure(
-    "Outcome of each run over step size and amplitude, with later schemes.",
+    "How each run of the later schemes ends, over step size (T/100 to T) and initial displacement; the three maps "
+    "of a scheme are those of the hardening spring, the softening spring and the double well.",
     atlas="stability/atlas",
     spectral="spectral",
     asks={
@@ -35,24 +36,28 @@ def _others(schemes: list[str]) -> str | None:
 def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """One block per scheme: hardening spring, softening spring, double well from left to right."""
     atlas = atlas.drop_sel(scheme=SCHEMES, errors="ignore")
-    schemes, problems = atlas.scheme.values, atlas.problem.values
-    rows = -(-len(schemes) // COLUMNS)
-    figure = plt.figure(figsize=(PAGE, 0.97 * rows + 0.5))
-    blocks = np.asarray(figure.subfigures(rows, COLUMNS)).ravel()
-    for index, (block, scheme) in enumerate(zip(blocks, schemes, strict=False)):
-        of_scheme = atlas.sel(scheme=scheme)
+    number, problems = atlas.sizes["scheme"], atlas.problem.values
+    blocks = min(number, COLUMNS)
+    rows = -(-number // blocks)
+    figure = empty(PAGE, min(1.8 * rows + 3.4, TALLEST))
+    # a narrow column parts the blocks
+    widths = ([1.0] * len(problems) + [0.12]) * blocks
+    grid = figure.add_gridspec(rows, len(widths) - 1, width_ratios=widths[:-1])
+    for index, scheme in enumerate(atlas.scheme.values):
+        row, block = divmod(index, blocks)
         limit = spectral.stability_limit.sel(scheme=scheme, damping_ratio=0.0).item()
-        block.suptitle(of_scheme.scheme_title.item(), fontsize=7)
-        panels = block.subplots(1, len(problems), sharey=True)
-        for ax, problem in zip(panels, problems, strict=True):
-            outcome_map(ax, of_scheme.sel(problem=problem), limit)
-            # ticks have labels in the lowest panel of each column and in the first of each row
-            labels = ["0.01", "0.1", "1"] if index + COLUMNS >= len(schemes) else [""] * 3
-            ax.set_xticks([0.01, 0.1, 1], labels, fontsize=5)
-            ax.minorticks_off()
-            if index < COLUMNS:
-                title = of_scheme.problem_title.sel(problem=problem).item().removesuffix(" spring")
-                ax.set_title(title, fontsize=5, loc="center")
-        panels[0].set_yticks([0.1, 1, 10], ["0.1", "1", "10"] if index % COLUMNS == 0 else [""] * 3, fontsize=5)
+        for place, problem in enumerate(problems):
+            ax = figure.add_subplot(grid[row, block * (len(problems) + 1) + place])
+            one = atlas.sel(scheme=scheme, problem=problem)
+            outcome_map(ax, one, limit)
+            step_ticks(ax, {0.01: "0.01", 0.1: "", 1: "1"})
+            ax.set_yticks([0.1, 1, 10], ["0.1", "1", "10"])
+            lowest = row == rows - 1
+            ax.tick_params(labelbottom=lowest, labelleft=block == place == 0)
+            if lowest:
+                ax.set_xlabel(f"Δt/T,\n{wrapped(one.problem_title.item(), 10)}")
+            if place == len(problems) // 2:
+                ax.set_title(one.scheme_title.item(), loc="center", pad=2)
+    figure.supylabel("$u_0$ over that of 1996", fontsize="medium")
     legend(figure, atlas.outcome.values, cases=False)
     return figure

@@ -1,37 +1,38 @@
 """Order and chaos of the average acceleration method in the double well, and how soon neighbouring runs separate."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter
+from paper.figures.style import COLUMN, letter, panels
 from paper.products import figure
 
 
 @figure(
-    "Bifurcation diagram and Lyapunov exponent of average acceleration in the double well.",
+    "Average acceleration in the double well over the step size; dashed: that of Figure 4 of Xie (1996). (a) "
+    "Displacements at the end of each run, (b) Lyapunov exponent, positive in chaos, (c) steps after which two "
+    "neighbouring runs have separated.",
     bifurcation="stability/bifurcation",
 )
 def draw(bifurcation: xr.Dataset) -> Figure:
     """Iterates, Lyapunov exponent, and steps until a perturbation is of order one, over the step size."""
-    figure, axes = plt.subplots(3, 1, figsize=(PAGE, 0.8 * PAGE), sharex=True, height_ratios=[1.6, 1, 1])
+    figure, axes = panels(3, 1, COLUMN, 12, sharex=True, height_ratios=[1.5, 1, 1.2])
+    axes = axes[:, 0]
     dt = bifurcation.dt.values
     axes[0].plot(
         np.repeat(dt, bifurcation.sizes["iterate"]),
         bifurcation.u.values.ravel(),
         ".",
         color="black",
-        markersize=0.6,
+        markersize=max(1.2 * (36_100 / bifurcation.u.size) ** 0.5, 0.6),  # more points need smaller ones
         markeredgewidth=0,
-        alpha=0.6,
         rasterized=True,
     )
-    axes[0].set(ylabel="displacement", ylim=(-2.5, 2.5))
+    axes[0].set(ylabel="displacement $u$", ylim=(-2.5, 2.5))
     a_step = bifurcation.lyapunov_exponent * dt
     axes[1].plot(dt, a_step, ".", markersize=2, color="#0072B2")
     axes[1].axhline(0, color="black", linewidth=0.6)
-    axes[1].set(ylabel="exponent, a step")
+    axes[1].set(ylabel="exponent × step")
     # by the exponent λ alone a perturbation grows by e^λΔt per step; left out where the run ends before
     small, large = bifurcation.perturbation.item(), bifurcation.order_one.item()
     growth = np.log(large / small)
@@ -42,15 +43,19 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     measured = np.where(bifurcation.steps_until_apart > 0, bifurcation.steps_until_apart, np.nan)
     axes[2].semilogy(dt, measured, ".", markersize=2, color="black", label="of two runs")
     failed = np.where(bifurcation.failed_at_step >= 0, bifurcation.failed_at_step, np.nan)
-    axes[2].semilogy(dt, failed, "x", markersize=2, markeredgewidth=0.5, color="#8c1c4a", label="Newton fails")
-    axes[2].set(ylabel="steps", xlabel="step size in s", xlim=(dt[0], dt[-1]))
-    axes[2].legend(loc="lower left", ncols=3, markerscale=2)
+    axes[2].semilogy(dt, failed, "x", markersize=2.5, markeredgewidth=0.6, color="#7A1F4B", label="Newton fails")
+    axes[2].set(ylabel="steps", xlabel="step size Δt (s)", xlim=(dt[0], dt[-1]))
+    figure.legend(handles=axes[2].get_legend_handles_labels()[0], loc="outside lower center", ncols=3, markerscale=1.5)
     for ax in axes:
         ax.axvline(2.5, color="#D55E00", linewidth=0.8, linestyle="--")
     for index, (ax, title) in enumerate(
         zip(
             axes,
-            ["last iterates", "Lyapunov exponent", f"steps until a perturbation of {small:g} is {large:g}"],
+            [
+                "last displacements of each run",
+                "Lyapunov exponent",
+                f"steps until $10^{{{np.log10(small):.0f}}}$ has become {large:g}",
+            ],
             strict=True,
         )
     ):

@@ -1,13 +1,12 @@
 """Energy error on turning structures whose stiff modes the step does not resolve."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.asks import one_of, samples_of_history
 from paper.data import TURNING
-from paper.figures.style import PAGE, letter, looks
+from paper.figures.style import COLUMN, legend_below, letter, looks, panels
 from paper.products import figure
 
 #: Smallest error in percent; smaller ones are drawn at this value.
@@ -15,7 +14,8 @@ FLOOR = 1e-13
 
 
 @figure(
-    "Energy error of structures that turn, where the step does not resolve stiff modes.",
+    "Energy error along time of structures that turn, with so many steps in their time scale that stiff modes are "
+    "not resolved. A cross marks the end of a run that fails; errors below 10⁻¹³ % are drawn there.",
     histories=["structure_history/stiff_bar", "structure_history/stiff_truss"],
     asks={
         "structure_history.stiff_bar.problem": one_of("structure_history.stiff_bar.problem", TURNING),
@@ -26,19 +26,20 @@ FLOOR = 1e-13
 )
 def draw(histories: list[xr.Dataset]) -> Figure:
     """One panel per structure; a cross marks a run that ends early."""
-    figure, axes = plt.subplots(1, len(histories), figsize=(PAGE, 0.4 * PAGE), sharey=True)
-    for index, (ax, history) in enumerate(zip(axes, histories, strict=True)):
-        for name, look in looks(history.scheme).items():
+    figure, axes = panels(1, len(histories), COLUMN, 6.5, sharey=True)
+    for index, (ax, history) in enumerate(zip(axes[0], histories, strict=True)):
+        for place, (name, look) in enumerate(looks(history.scheme).items()):
             one = history.sel(scheme=name)
             error = np.maximum(np.abs(one.energy_error), FLOOR).where(np.isfinite(one.energy_error))
-            (line,) = ax.plot(one.t[1:], error[1:], label=one.scheme_title.item(), **{**look, "marker": ""})
+            marks = (0.1 + 0.05 * place, 0.3) if error[1:].notnull().any() else None
+            ax.plot(one.t[1:], error[1:], label=one.scheme_title.item(), markevery=marks, **look)
             if one.status != 0:
                 every = round((one.t[1] - one.t[0]).item() / one.dt.item())
                 end = max((one.failed_at_step.item() - 1) // every, 1)
-                ax.plot(one.t[end], error[end], "x", color=line.get_color(), markersize=6)
-        ax.set(xlabel="time", yscale="log")
-        letter(ax, index, history.problem_title)
-    axes[0].set_ylabel("energy error (%)")
-    handles, titles = axes[0].get_legend_handles_labels()
-    figure.legend(handles, titles, loc="outside lower center", ncols=min(len(titles), 5))
+                ax.plot(one.t[end], error[end], "x", color=look["color"], markersize=7, markeredgewidth=1.5)
+        ax.set(xlabel="elapsed time $t$ (s)", yscale="log")
+        steps = history.steps_per_period.item()
+        letter(ax, index, f"{history.problem_title},\n{steps:g} steps")
+    axes[0, 0].set_ylabel("energy error (%)")
+    legend_below(figure, columns=2)
     return figure

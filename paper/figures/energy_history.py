@@ -1,11 +1,10 @@
 """Energy error of the schemes against time, which the paper describes and does not show."""
 
-import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.asks import steps_of_portrait
-from paper.figures.style import PAGE, letter, looks
+from paper.figures.style import COLUMN, legend_below, letter, looks, panels
 from paper.products import figure
 
 #: Steps of which the largest error is drawn.
@@ -18,7 +17,7 @@ def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
 
 
 @figure(
-    "Energy error of the seven schemes against time.",
+    "Energy error along time in the runs of Figures 1 and 2 of Xie (1996), the largest in each stretch of 20 steps.",
     portraits=["phase_portrait/hardening", "phase_portrait/softening"],
     asks={
         "phase_portrait.hardening": steps_of_portrait("phase_portrait.hardening", STRETCH),
@@ -27,16 +26,16 @@ def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
 )
 def draw(portraits: list[xr.Dataset]) -> Figure:
     """One panel per problem: the largest |E − E₀|/E₀ in each stretch of 20 steps, on a logarithmic scale."""
-    figure, axes = plt.subplots(1, len(portraits), figsize=(PAGE, 0.4 * PAGE), sharey=True)
-    for index, (ax, portrait) in enumerate(zip(axes, portraits, strict=True)):
-        for name, look in looks(portrait.scheme).items():
+    figure, axes = panels(len(portraits), 1, COLUMN, 10.5)
+    for index, (ax, portrait) in enumerate(zip(axes.flat, portraits, strict=True)):
+        for place, (name, look) in enumerate(looks(portrait.scheme).items()):
             run = portrait.sel(scheme=name)
             envelope = _envelope(run.energy_error, STRETCH)
-            marked = (0.05, 0.15) if envelope.notnull().any() else None  # matplotlib marks no curve without points
+            # matplotlib marks no curve without points
+            marked = (0.02 + 0.02 * place, 0.15) if envelope.notnull().any() else None
             ax.plot(envelope.t, envelope, label=run.scheme_title.item(), markevery=marked, **look)
-        ax.set(xlabel="elapsed time $t$ (s)", yscale="log")
+        ax.set(ylabel="energy error (%)", yscale="log")
         letter(ax, index, portrait.problem_title)
-    axes[0].set_ylabel("energy error (%)")
-    handles, names = axes[0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside lower center", ncols=4)
+    axes[-1, 0].set_xlabel("elapsed time $t$ (s)")
+    legend_below(figure, columns=3)
     return figure

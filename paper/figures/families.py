@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import a_panel_for_each_family, legend_beside, looks
+from paper.figures.style import legend_in, looks, of_families
 from paper.products import figure
 
 PROBLEM, PERIODS = "hardening", 100
@@ -12,7 +12,8 @@ TOP = 3
 
 
 @figure(
-    "Error against time of every scheme, by family.",
+    "Error of the displacement after 100 periods of the hardening spring against the time of the run, by family. "
+    "Grey curve: the Runge-Kutta method of 1996; grey points: heyoka at its tolerances.",
     data="work_precision",
     asks={
         "work_precision.schemes.schemes": ["rk4"],
@@ -23,21 +24,18 @@ TOP = 3
 def draw(data: xr.Dataset) -> Figure:
     """Error of the displacement against time; the classical Runge-Kutta method and heyoka in grey in every panel."""
     data = data.sel(problem=PROBLEM, periods=PERIODS)
-    figure, panels = a_panel_for_each_family(data, height=2.1, sharex=True, sharey=True)
+    figure, columns = of_families(data, 1, 4.2)
     common = data.sel(scheme="rk4")
     peer = data.sel(solver="heyoka")
-    for ax, part in panels.items():
+    for part, (ax, below) in columns:
         known = common.max_trajectory_error.where(common.max_trajectory_error < TOP)
-        ax.plot(common.time_per_run, known, color="0.75", linewidth=3)
-        ax.plot(peer.solver_time_per_run, peer.solver_max_trajectory_error, color="0.6", marker=".", linestyle="none")
+        ax.plot(common.time_per_run, known, color="0.8", linewidth=3)
+        ax.plot(peer.solver_time_per_run, peer.solver_max_trajectory_error, color="0.5", marker="*", linestyle="none")
         for name, look in looks(part.scheme).items():
             run = part.sel(scheme=name)
             known = run.max_trajectory_error.where((run.max_trajectory_error < TOP) & (run.max_trajectory_error > 0))
             ax.plot(run.time_per_run, known, label=run.scheme_title.item(), markevery=2, **look)
-        ax.set(xscale="log", yscale="log", ylim=(1e-12, TOP))
-        legend_beside(ax)
-    for ax in figure.axes[-2:]:
-        ax.set_xlabel("time of 100 periods (s)")
-    for ax in figure.axes[::2]:
-        ax.set_ylabel("error of $u$")
+        ax.set(xscale="log", yscale="log", ylim=(1e-12, TOP), xlabel="time of 100\nperiods (s)")
+        legend_in(below, ax)
+    figure.axes[0].set_ylabel("error of the displacement")
     return figure

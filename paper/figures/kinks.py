@@ -1,39 +1,56 @@
 """Error against the step on forces that are smooth, yield, remember and touch, and under a record."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks
+from paper.data import of_kinds
+from paper.figures.style import PAGE, legend_in_gap, letter, looks, panels, wrapped
 from paper.products import figure
 
+#: Schemes of every kind.
+SHOWN = [
+    "average_acceleration",
+    "central_difference",
+    "newmark_dissipative",
+    "houbolt",
+    "hht_alpha",
+    "rk4",
+    "rho_bathe",
+    "gauss4",
+    "yoshida4",
+]
+COLUMNS = 5
 
-@figure("Error against the step where forces have kinks or remember.", kinks="kinks")
+
+@figure(
+    "Error of the displacement against the step on a smooth spring, and where forces yield, remember, touch or "
+    "follow a record. Grey lines fall with the first and the second power of the step.",
+    kinks="kinks",
+)
 def draw(kinks: xr.Dataset) -> Figure:
     """One panel per problem; grey lines fall with the first and the second power of the step."""
-    columns = 3
-    rows = -(-kinks.sizes["problem"] // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(PAGE, rows * 0.33 * PAGE), sharex=True, squeeze=False)
+    kinks = of_kinds(kinks, SHOWN)
+    number = kinks.sizes["problem"]
+    columns = min(number, COLUMNS)
+    rows = -(-number // columns)
+    figure, axes = panels(rows, columns, PAGE, 5.2 * rows + 1, sharex=True)
     steps = kinks.steps_per_period
     for index, (ax, problem) in enumerate(zip(axes.flat, kinks.problem.values, strict=False)):
         of_problem = kinks.sel(problem=problem)
         worst = float(of_problem.error.isel(steps_per_period=0).max())
         for power in (1, 2):
-            ax.plot(steps, worst * (steps[0] / steps) ** power, color="0.8", linewidth=2.5, zorder=0)
+            ax.plot(steps, worst * (steps[0] / steps) ** power, color="0.8", linestyle="-", linewidth=2.5, zorder=0)
         for name, look in looks(kinks.scheme).items():
             error = of_problem.error.sel(scheme=name)
             if np.isfinite(error).any():
                 ax.plot(steps, error, label=error.scheme_title.item(), **look)
         ax.set(xscale="log", yscale="log")
-        letter(ax, index, of_problem.problem_title.item())
+        letter(ax, index, wrapped(of_problem.problem_title.item(), 12))
+        if index + columns >= number:
+            ax.set_xlabel("steps per period")
+            ax.tick_params(labelbottom=True)
     for ax in axes[:, 0]:
-        ax.set_ylabel("error of the displacement")
-    for ax in axes.flat[kinks.sizes["problem"] :]:
-        ax.remove()
-    for ax in axes.flat[max(kinks.sizes["problem"] - columns, 0) : kinks.sizes["problem"]]:
-        ax.set_xlabel("steps per period")
-        ax.tick_params(labelbottom=True)
-    handles, names = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside lower center", ncols=5)
+        ax.set_ylabel("error of the displacement\nover its size")
+    legend_in_gap(figure, axes, number, columns=5)
     return figure

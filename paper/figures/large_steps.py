@@ -1,6 +1,5 @@
 """Energy error over step sizes, and how runs fail at large steps."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.colors import ListedColormap
@@ -9,18 +8,19 @@ from matplotlib.patches import Patch
 
 from paper.asks import rising
 from paper.data import of_the_paper
-from paper.figures.style import PAGE, letter
+from paper.figures.outcome_map import LIMIT
+from paper.figures.style import PAGE, legend_below, letter, panels
 from paper.products import figure
 from paper.published import SCHEMES
 
-#: Classes of the outcome: the better the lighter.
+#: Classes of the outcome: the worse the darker, in steps that can be told apart in greyscale.
 CLASSES = {
-    "error below 1 %": "#f7f7f7",
-    "below 10 %": "#c7dcef",
-    "below 50 %": "#72b2d7",
-    "above 50 %": "#E69F00",
-    "damped away": "#2166ac",
-    "Newton did not converge": "#b2182b",
+    "error below 1 %": "#ffffff",
+    "below 10 %": "#cbdff2",
+    "below 50 %": "#8dbcde",
+    "above 50 %": "#cc8c11",
+    "damped away": "#1c679e",
+    "Newton did not converge": "#4b1c70",
     "not finite": "#000000",
 }
 _BOUNDS = [1, 10, 50]
@@ -39,7 +39,9 @@ def classify(run: xr.Dataset) -> np.ndarray:
 
 
 @figure(
-    "Energy error and failures over step size, by scheme and problem.",
+    "Largest energy error over 100 periods, or the failure, of every scheme of 1996 over the step size. Dashed "
+    "lines: the step T/20 that Xie (1996) finds reasonable for two of them, and T/5, above which he expects "
+    "failures.",
     large_steps="large_steps",
     asks={"large_steps.schemes": SCHEMES, "large_steps.dt_over_period": rising("large_steps.dt_over_period")},
 )
@@ -47,9 +49,9 @@ def draw(large_steps: xr.Dataset) -> Figure:
     """One panel per problem, one row per scheme of 1996."""
     large_steps = of_the_paper(large_steps)
     lines = -(-large_steps.sizes["problem"] // 2)
-    figure, axes = plt.subplots(lines, 2, figsize=(PAGE, 0.31 * lines * PAGE), sharex=True, sharey=True, squeeze=False)
-    for empty in axes.ravel()[large_steps.sizes["problem"] :]:
-        empty.remove()
+    figure, axes = panels(lines, 2, PAGE, 4 * lines + 1.5, sharex=True, sharey=True)
+    for unused in axes.ravel()[large_steps.sizes["problem"] :]:
+        unused.remove()
     parts = large_steps.dt_over_period.values
     edges = np.concatenate([[parts[0]], np.sqrt(parts[1:] * parts[:-1]), [parts[-1]]])
     colours = ListedColormap(list(CLASSES.values()))
@@ -58,17 +60,17 @@ def draw(large_steps: xr.Dataset) -> Figure:
         one = large_steps.sel(problem=problem)
         outcome = classify(one)
         ax.pcolormesh(
-            edges, rows, outcome, cmap=colours, vmin=-0.5, vmax=len(CLASSES) - 0.5, edgecolors="white", linewidth=0.3
+            edges, rows, outcome, cmap=colours, vmin=-0.5, vmax=len(CLASSES) - 0.5, edgecolors="0.6", linewidth=0.2
         )
         for part in (1 / 20, 1 / 5):
-            ax.axvline(part, color="black", linewidth=0.8, linestyle="--")
+            ax.axvline(part, **LIMIT)
         ax.set(xscale="log", yticks=rows[:-1] + 0.5, yticklabels=large_steps.scheme_title.values)
         ax.set_xticks([0.01, 0.05, 0.2, 0.5], ["1/100", "1/20", "1/5", "1/2"])
         ax.minorticks_off()
         letter(ax, index, one.problem_title.item())
     axes[0, 0].invert_yaxis()
     for ax in axes[-1]:
-        ax.set_xlabel("step size over period")
+        ax.set_xlabel("step size over period, Δt/T")
     handles = [Patch(facecolor=colour, edgecolor="0.5", label=name) for name, colour in CLASSES.items()]
-    figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    legend_below(figure, columns=4, handles=handles)
     return figure

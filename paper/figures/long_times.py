@@ -1,15 +1,14 @@
 """Errors of energy and phase over very long times, and their round-off."""
 
-import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks
+from paper.figures.style import PAGE, legend_below, letter, looks, panels
 from paper.products import figure
 
 #: Units of each quantity, and the exponents of its round-off by Brouwer's law and with a drift.
-_UNITS = {"energy": "percent", "phase": "periods"}
+_UNITS = {"energy": "%", "phase": "periods"}
 _RANDOM, _DRIFTING = {"energy": (0.5, "½"), "phase": (1.5, "3/2")}, {"energy": (1.0, "1"), "phase": (2.0, "2")}
 
 
@@ -19,24 +18,29 @@ def _guide(ax: Axes, round_off: xr.DataArray, beside: float, law: tuple[float, s
     x = round_off.periods.values[round_off.periods.values >= round_off.periods.values[-1] / 50]
     last = round_off.isel(periods=-1)
     end = beside * (last.max() if beside > 1 else last.min()).item()
-    ax.plot(x, end * (x / x[-1]) ** exponent, color="0.6", linewidth=0.8)
-    ax.annotate(label, (x[-1], end), xytext=(4, 0), textcoords="offset points", color="0.4", va="center", fontsize=7)
+    ax.plot(x, end * (x / x[-1]) ** exponent, color="0.6", linestyle="-", linewidth=0.8)
+    ax.annotate(label, (x[-1], end), xytext=(4, 0), textcoords="offset points", color="0.4", va="center")
 
 
-@figure("Errors of energy and phase over very long times, and the part of round-off.", long_times="long_times")
+@figure(
+    "Errors of energy and phase over long times. Above, in double precision: the error (filled markers) and its "
+    "part of round-off (open). Below, round-off in single precision: plain sums (filled) and compensated ones at "
+    "a step size of few digits (open). Grey lines have the slopes of a random walk and of a drift.",
+    long_times="long_times",
+)
 def draw(long_times: xr.Dataset) -> Figure:
     """Errors and round-off in double precision (above), and round-off in single precision (below)."""
-    figure, axes = plt.subplots(2, 2, figsize=(PAGE, 0.72 * PAGE), sharex=True)
+    figure, axes = panels(2, 2, PAGE, 10.5, sharex=True)
     double = long_times.sel(arithmetic="float64", step="any")
     single = long_times.sel(arithmetic="float32", step="any")
     steady = long_times.sel(arithmetic="float32_compensated", step="short")
     errors = {"energy": double.max_energy_error, "phase": abs(double.phase_error)}
     for name, look in looks(long_times.scheme).items():
-        hollow = {**look, "markerfacecolor": "white"}
+        hollow = look | {"markerfacecolor": "white"}
         for (kind, error), (above, below) in zip(errors.items(), axes.T, strict=True):
             round_off = f"{kind}_round_off"
             title = error.sel(scheme=name).scheme_title.item()
-            above.plot(long_times.periods, error.sel(scheme=name), label=title if kind == "energy" else None, **look)
+            above.plot(long_times.periods, error.sel(scheme=name), label=title, **look)
             above.plot(long_times.periods, double[round_off].sel(scheme=name), **hollow)
             below.plot(long_times.periods, single[round_off].sel(scheme=name), **look)
             below.plot(long_times.periods, steady[round_off].sel(scheme=name), **hollow)
@@ -50,6 +54,6 @@ def draw(long_times: xr.Dataset) -> Figure:
         letter(below, column + 2, f"{kind}, round-off in single precision")
         for ax in (above, below):
             ax.set(xscale="log", yscale="log", ylabel=f"{kind} ({unit})")
-        below.set_xlabel("periods")
-    figure.legend(loc="outside lower center", ncols=4)
+        below.set_xlabel("elapsed periods")
+    legend_below(figure, columns=5)
     return figure

@@ -1,13 +1,14 @@
 """The Fermi-Pasta-Ulam chain: exchange of oscillatory energy between stiff springs, and its sum over long times."""
 
-import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks
+from paper.figures.style import PAGE, empty, legend_below, letter, looks
 from paper.products import figure
 
 SPRINGS = (1, 2, 3)
+#: Colour, line and marker of each spring.
+LOOKS = (("#0072B2", "--", "s"), ("#D55E00", "-.", "v"), ("#009E73", ":", "^"))
 
 
 def total(history: xr.Dataset) -> xr.DataArray:
@@ -20,7 +21,8 @@ def total(history: xr.Dataset) -> xr.DataArray:
 
 
 @figure(
-    "Oscillatory energies of the stiff springs of the Fermi-Pasta-Ulam chain.",
+    "Oscillatory energies of the stiff springs of the Fermi-Pasta-Ulam chain. (a) and so on: their exchange and "
+    "their sum, markers where the reference is known; last panel: the sum over long times.",
     exchange="structure_history/energy_exchange",
     long_times="structure_history/long_times",
     asks={
@@ -31,31 +33,36 @@ def total(history: xr.Dataset) -> xr.DataArray:
 def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
     """One panel per scheme with the energies of the springs and their sum, and one with the sums over long times."""
     names = exchange.scheme.values
-    rows = -(-len(names) // 2) + 1
-    figure = plt.figure(figsize=(PAGE, 0.25 * PAGE * rows))
-    grid = figure.add_gridspec(rows, 2)
+    figure = empty(PAGE, 9.5)
+    grid = figure.add_gridspec(2, len(names))
     first = None
     for index, name in enumerate(names):
-        ax = first = figure.add_subplot(grid[divmod(index, 2)], sharex=first, sharey=first)
+        ax = figure.add_subplot(grid[0, index], sharex=first, sharey=first)
+        first = first or ax
         one = exchange.sel(scheme=name)
-        for spring, colour in zip(SPRINGS, ("#0072B2", "#D55E00", "#009E73"), strict=True):
+        for spring, (colour, line, marker) in enumerate(LOOKS, start=1):
             energy = f"oscillatory_energy_{spring}"
-            ax.plot(one.t, one[energy], color=colour, linewidth=0.8, label=f"spring {spring}")
-            ax.plot(one.t_reference, one[f"reference_{energy}"], ".", color=colour, markersize=1.5, alpha=0.5)
-        ax.plot(one.t, total(one), color="black", linewidth=0.8, label="sum")
-        ax.set_ylim(0, 1.5)
+            ax.plot(one.t, one[energy], color=colour, linestyle=line, linewidth=0.8, label=f"spring {spring}")
+            exact = one[f"reference_{energy}"]
+            marks = {
+                "marker": marker,
+                "markersize": 3,
+                "markerfacecolor": "none",
+                "markevery": max(len(exact) // 10, 1),
+            }
+            ax.plot(one.t_reference, exact, color=colour, linestyle="none", **marks)
+        ax.plot(one.t, total(one), color="black", linestyle="-", linewidth=1.2, label="sum")
+        ax.plot([], [], "s", color="0.5", markersize=3, markerfacecolor="none", label="markers: exact")
+        ax.set(ylim=(0, 1.5), xlabel="elapsed time $t$ (s)")
         letter(ax, index, one.scheme_title.item())
-        ax.set_xlabel("time")
-        if index % 2 == 0:
-            ax.set_ylabel("oscillatory energy")
-        if index == 0:
-            ax.legend(ncols=4, loc="upper center", columnspacing=1.0, handlelength=1.2)
-    ax = figure.add_subplot(grid[-1, :])
-    styles = looks(long_times.scheme)
-    for name in long_times.scheme.values:
+        ax.tick_params(labelleft=index == 0)
+    figure.axes[0].set_ylabel("oscillatory energy")
+    ax = figure.add_subplot(grid[1, :])
+    for name, look in looks(long_times.scheme).items():
         one = long_times.sel(scheme=name)
-        ax.plot(one.t, total(one), label=one.scheme_title.item(), **{**styles[name], "marker": ""})
-    ax.set(xlabel="time", ylabel="sum of the\noscillatory energies", ylim=(0, 1.4))
-    ax.legend(ncols=4, loc="upper right")
+        ax.plot(one.t, total(one), label=one.scheme_title.item(), **look | {"marker": ""})
+    ax.set(xlabel="elapsed time $t$ (s)", ylabel="sum of the\noscillatory energies", ylim=(0, 1.4))
     letter(ax, len(names), "over long times")
+    ax.legend(loc="center right", ncols=2)
+    legend_below(figure, columns=5)
     return figure

@@ -1,5 +1,6 @@
 """Maps of how runs end: their colours, their lines, and the cases of the paper on them."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
-from paper.figures.style import OUTCOME_STYLES
+from paper.figures.style import OUTCOME_STYLES, legend_below
 
 
 class Case(NamedTuple):
@@ -81,6 +82,15 @@ def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
         ax.plot(limit / (one.highest_frequency * one.period), one.amplitude, **LIMIT)
 
 
+def step_ticks(ax: Axes, labels: Mapping[float, str]) -> None:
+    """Ticks of the step size; the outer labels stay within the panel, so that they do not meet its neighbours'."""
+    ax.set_xticks(list(labels), list(labels.values()))
+    ax.minorticks_off()
+    first, *_, last = ax.get_xticklabels()
+    first.set_horizontalalignment("left")
+    last.set_horizontalalignment("right")
+
+
 def patches(outcomes: np.ndarray) -> list[Patch]:
     """Handles of a legend for the outcomes that are present."""
     looks = list(OUTCOME_STYLES.values())
@@ -92,4 +102,4 @@ def legend(figure: Figure, outcomes: np.ndarray, cases: bool = True) -> None:
     handles = [*patches(outcomes), Line2D([], [], label="linear limit of stability", **LIMIT)]
     for case in PAPER_CASES if cases else ():
         handles.append(Line2D([], [], marker=case.marker, linestyle="", color="black", markersize=6, label=case.title))
-    figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    legend_below(figure, columns=4, handles=handles)

@@ -5,12 +5,15 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter
+from paper.figures.style import PAGE, letter, panels
 from paper.products import figure
 
 _REACH = 4.0
+#: Colours of elapsed time, from light to dark without the yellow that is lost on white: the end of a run is seen best.
+_TIME = ListedColormap(plt.get_cmap("viridis_r")(np.linspace(0.15, 1, 256)))
 _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 1}
 
 
@@ -31,19 +34,22 @@ def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
 
 
 @figure(
-    "Phase portraits of the hardening spring at T/20.",
+    "Figure 1 of Xie (1996): phase portraits of the hardening spring at T/20 over 100 periods, from light (start) "
+    "to dark (end), over the exact orbit.",
     name="hardening",
     portrait="phase_portrait/hardening",
     reference="reference/hardening",
 )
 @figure(
-    "Phase portraits of the softening spring at T/20.",
+    "Figure 2 of Xie (1996): phase portraits of the softening spring at T/20 over 100 periods, from light (start) "
+    "to dark (end), over the exact orbit.",
     name="softening",
     portrait="phase_portrait/softening",
     reference="reference/softening",
 )
 @figure(
-    "Phase portraits of the double well at Δt = 2.5.",
+    "Figure 4 of Xie (1996): phase portraits of the double well at the step size 2.5 over a time of 2500, from "
+    "light (start) to dark (end), over the exact orbit.",
     name="double_well",
     portrait="phase_portrait/double_well",
     reference="reference/double_well",
@@ -51,27 +57,29 @@ def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     """Panel (a) exact, then one panel per scheme, coloured by elapsed time over the exact orbit in grey."""
     rows = math.ceil((1 + portrait.sizes["scheme"]) / 4)
-    figure, axes = plt.subplots(rows, 4, figsize=(PAGE, 0.26 * rows * PAGE), sharex=True, sharey=True)
-    panels, unused = np.split(axes.ravel(), [1 + portrait.sizes["scheme"]])
+    figure, axes = panels(rows, 4, PAGE, 4.3 * rows + 0.4, sharex=True, sharey=True)
+    used, unused = np.split(axes.ravel(), [1 + portrait.sizes["scheme"]])
     for ax in unused:
         ax.remove()
     periods = portrait.t / reference.period
-    panels[0].plot(reference.u, reference.v, color="black")
-    letter(panels[0], 0, "Exact")
+    used[0].plot(reference.u, reference.v, color="#D55E00")
+    letter(used[0], 0, "Exact")
     shown = portrait.where(portrait.status == 0)
-    panels[0].set_xlim(_limits(reference.u.values, shown.u.values))
-    panels[0].set_ylim(_limits(reference.v.values, shown.v.values))
+    used[0].set_xlim(_limits(reference.u.values, shown.u.values))
+    used[0].set_ylim(_limits(reference.v.values, shown.v.values))
     for index, scheme in enumerate(_order(portrait), start=1):
-        ax, run = panels[index], portrait.sel(scheme=scheme)
-        ax.plot(reference.u, reference.v, color="0.75", linewidth=0.8, zorder=0)
-        points = ax.scatter(run.u, run.v, c=periods, s=1.5, linewidths=0, rasterized=True, vmin=0, vmax=periods[-1])
+        ax, run = used[index], portrait.sel(scheme=scheme)
+        time = {"c": periods, "cmap": _TIME, "vmin": 0, "vmax": periods[-1]}
+        points = ax.scatter(run.u, run.v, s=3.5, linewidths=0, rasterized=True, **time)
+        # over the points, which would hide it where a scheme is accurate
+        ax.plot(reference.u, reference.v, color="#D55E00", linestyle="-", linewidth=0.5)
         letter(ax, index, run.scheme_title.item())
         if run.status != 0:
             ax.plot(run.u, run.v, color="0.4", linewidth=0.5, marker=".", markersize=3)
             what = run.status.flag_meanings.split()[int(run.status)].replace("_", " ")
             label = f"{what} at step {run.failed_at_step.item()}"
             ax.text(0.5, 0.04, label, transform=ax.transAxes, ha="center", fontsize=7, bbox=_PAPER)
-    figure.supxlabel("displacement $u$", fontsize=8)
-    figure.supylabel("velocity $\\dot u$ (1/s)", fontsize=8)
-    figure.colorbar(points, ax=panels, label="elapsed periods", pad=0.01, aspect=40)
+    figure.supxlabel("displacement $u$", fontsize="medium")
+    figure.supylabel("velocity $\\dot u$ (1/s)", fontsize="medium")
+    figure.colorbar(points, ax=used, label="elapsed periods", pad=0.01, aspect=40)
     return figure

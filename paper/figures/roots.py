@@ -1,15 +1,21 @@
 """How many roots the effective equation of a step has in the double well, and which of them Newton finds."""
 
 import matplotlib.pyplot as plt
+import numpy as np
 import xarray as xr
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from paper.figures.style import PAGE, letter, looks
+from paper.figures.style import PAGE, letter, looks, panels
 from paper.products import figure
 
 #: Colours of the tolerances of Newton's iteration.
 COLOURS = ("#56B4E9", "#0072B2", "#000000")
+#: Shades of the displacement found, without the lightest, which is near the white of no root.
+SHADES = ListedColormap(plt.get_cmap("cividis")(np.linspace(0, 0.85, 256)))
+#: Place of the legends of the outer panels.
+BELOW = {"loc": "upper left", "bbox_to_anchor": (0, -0.22)}
 
 
 def _one_for_each_colour(tolerances: list) -> str | None:
@@ -19,45 +25,46 @@ def _one_for_each_colour(tolerances: list) -> str | None:
 
 
 @figure(
-    "Roots of the effective equation of a step, and the root that Newton finds.",
+    "Equation of a step in the double well. (a) Inside the curves it has three roots; grey: the step size of "
+    "Figure 4 of Xie (1996). (b) The root that Newton's iteration finds for Houbolt's method, white where it "
+    "finds none. (c) Steps until runs of average acceleration with different tolerances of that iteration differ.",
     roots="stability/roots",
     asks={"stability.roots.schemes": ["houbolt"], "stability.roots.tolerances": _one_for_each_colour},
 )
 def draw(roots: xr.Dataset) -> Figure:
     """Regions with three roots, the root that Newton finds, and how long runs of two tolerances agree."""
-    figure, axes = plt.subplots(1, 3, figsize=(PAGE, 0.36 * PAGE))
+    figure, axes = panels(1, 3, PAGE, 6.8)
+    several, found, together = axes[0]
     styles = looks(roots.scheme)
     for scheme, style in styles.items():
-        several = (roots.number_of_roots.sel(scheme=scheme) > 1).T
-        axes[0].contour(
-            roots.dt, roots.predictor, several, levels=[0.5], colors=[style["color"]], linestyles=[style["linestyle"]]
-        )
-    axes[0].axvline(roots.paper_dt.item(), color="0.5", linewidth=0.8)
-    axes[0].set(xlabel="step size in s", ylabel="predictor of the displacement", ylim=(-3, 3))
+        number = (roots.number_of_roots.sel(scheme=scheme) > 1).T
+        line = {"colors": [style["color"]], "linestyles": [style["linestyle"]], "linewidths": 1.0}
+        several.contour(roots.dt, roots.predictor, number, levels=[0.5], **line)
+    several.axvline(roots.paper_dt.item(), color="0.6", linewidth=0.8)
+    several.set(xlabel="step size Δt (s)", ylabel="predicted displacement", ylim=(-3, 3))
+    titles = roots.scheme_title.sel(scheme=list(styles)).values
     handles = [
-        Line2D([], [], color=s["color"], linestyle=s["linestyle"], label=roots.scheme_title.sel(scheme=n).item())
-        for n, s in styles.items()
+        Line2D([], [], **style | {"marker": ""}, label=t) for style, t in zip(styles.values(), titles, strict=True)
     ]
-    axes[0].legend(handles=handles, loc="upper left", fontsize=6)
+    several.legend(handles=handles, **BELOW)
     houbolt = roots.root.sel(scheme="houbolt").T
-    picture = axes[1].pcolormesh(roots.guess, roots.predictor, houbolt, cmap="cividis", rasterized=True)
-    figure.colorbar(picture, ax=axes[1], label="displacement found")
-    axes[1].set(xlabel="where Newton starts", ylabel="predictor of the displacement")
+    picture = found.pcolormesh(roots.guess, roots.predictor, houbolt, cmap=SHADES, rasterized=True)
+    figure.colorbar(picture, ax=found, label="displacement found")
+    found.set(xlabel="displacement at which Newton starts", ylabel="predicted displacement")
     for start, line in zip(roots.start.values, ("-", ":"), strict=True):
         for tolerance, colour in zip(roots.newton_tolerance.values, COLOURS, strict=True):
-            axes[2].semilogy(
-                roots.dt,
-                roots.steps_together.sel(start=start, newton_tolerance=tolerance).clip(min=1),
-                line,
-                color=colour,
-                linewidth=0.8,
-                label=f"{tolerance:.0e}" if line == "-" else None,
-            )
-    axes[2].plot([], [], ":", color="0.4", label="from none")
-    axes[2].set(xlabel="step size in s", ylabel="steps until they differ")
-    axes[2].legend(title="tolerance", loc="lower left", fontsize=6)
+            steps = roots.steps_together.sel(start=start, newton_tolerance=tolerance).clip(min=1)
+            label = f"tolerance $10^{{{np.log10(tolerance):.0f}}}$" if line == "-" else None
+            together.semilogy(roots.dt, steps, line, color=colour, linewidth=0.9, label=label)
+    together.plot([], [], ":", color="0.4", label="Newton starts from zero")
+    together.set(xlabel="step size Δt (s)", ylabel="steps until two runs differ")
+    together.legend(**BELOW)
     for index, (ax, title) in enumerate(
-        zip(axes, ["three roots inside", "Houbolt's root at Δt = 2.5", "average acceleration"], strict=True)
+        zip(
+            axes[0],
+            ["three roots inside", f"Houbolt's root, Δt = {roots.paper_dt.item():g} s", "average acceleration"],
+            strict=True,
+        )
     ):
         letter(ax, index, title)
     return figure

@@ -3,32 +3,31 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import a_panel_for_each_family, legend_beside, looks, thinned
+from paper.figures.style import legend_in, looks, of_families, thinned
 from paper.products import figure
 
 #: Below this step size all spectral radii are one to the eye.
 FROM = 0.02
 
 
-@figure("Spectral radius of every scheme.", spectral="spectral", asks={"spectral.damping_ratios": [0.0]})
+@figure(
+    "Spectral radius of every scheme on the undamped linear oscillator, by family. A scheme is unstable where it "
+    "exceeds one, and removes modes that the step does not resolve where it is small.",
+    spectral="spectral",
+    asks={"spectral.damping_ratios": [0.0]},
+)
 def draw(spectral: xr.Dataset) -> Figure:
     """ρ against Δt/T; the curves of explicit schemes leave the panel where they lose their stability."""
     data = spectral.sel(damping_ratio=0.0, dt_over_period=slice(FROM, None))
-    figure, panels = a_panel_for_each_family(data, height=1.9, sharex=True, sharey=True)
-    for ax, part in panels.items():
-        for thickness, (name, look) in enumerate(looks(part.scheme).items()):
+    figure, columns = of_families(data, 1, 3.0)
+    for part, (ax, below) in columns:
+        for place, (name, look) in enumerate(looks(part.scheme).items()):
             run = part.sel(scheme=name)
             # thinner lines over thicker ones, so that coinciding curves are all visible
-            ax.plot(
-                run.dt_over_period,
-                run.spectral_radius,
-                label=run.scheme_title.item(),
-                **look | {"marker": None, "linewidth": thinned(2.6, 0.28, thickness)},
-            )
-        ax.set(xscale="log", xlim=(FROM, 1e3), ylim=(0, 1.25))
-        legend_beside(ax)
-    for ax in figure.axes[-2:]:
-        ax.set_xlabel("step size over period")
-    for ax in figure.axes[::2]:
-        ax.set_ylabel("spectral radius")
+            look = look | {"linewidth": thinned(2.6, 0.28, place), "markevery": (10 + 15 * place, 120)}
+            ax.plot(run.dt_over_period, run.spectral_radius, label=run.scheme_title.item(), **look)
+        ax.set(xscale="log", xlim=(FROM, 1e3), ylim=(0, 1.25), xlabel="Δt/T")
+        ax.set_xticks([0.1, 10, 1000], ["0.1", "10", "1000"])
+        legend_in(below, ax)
+    figure.axes[0].set_ylabel("spectral radius")
     return figure

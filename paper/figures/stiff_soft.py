@@ -1,35 +1,29 @@
 """A mass on a stiff spring: velocity of the schemes where no step resolves the mode."""
 
-import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks
+from paper.figures.style import COLUMN, letter, looks, panels
 from paper.products import figure
 
 
 @figure(
-    "Velocity of a mass on a stiff spring.",
+    "Velocity of a mass on a stiff spring whose oscillation no step resolves, at the steps of each scheme, over "
+    "the exact one (grey) at those instants that the reference holds.",
     history="structure_history/stiff_soft",
     asks={"structure_history.stiff_soft.problem": "stiff_soft"},
 )
 def draw(history: xr.Dataset) -> Figure:
     """One panel per scheme, over the reference at the same instants."""
-    rows = -(-history.sizes["scheme"] // 2)
-    figure, axes = plt.subplots(rows, 2, figsize=(PAGE, 0.24 * PAGE * rows), sharex=True, sharey=True, squeeze=False)
-    for empty in axes.ravel()[history.sizes["scheme"] :]:
-        empty.remove()
+    rows = history.sizes["scheme"]
+    figure, axes = panels(rows, 1, COLUMN, 2.3 * rows + 0.8, sharex=True, sharey=True)
     styles = looks(history.scheme)
-    for index, (ax, name) in enumerate(zip(axes.ravel(), history.scheme.values, strict=False)):
+    for index, (ax, name) in enumerate(zip(axes.flat, history.scheme.values, strict=True)):
         one = history.sel(scheme=name)
-        ax.plot(
-            history.t_reference, history.reference_v.isel(component=0), ".", color="0.65", markersize=4, label="exact"
-        )
-        ax.plot(history.t, one.v.isel(component=0), **{**styles[name], "linestyle": "-", "markersize": 2})
+        exact, v = history.reference_v.isel(component=0), one.v.isel(component=0)
+        ax.plot(history.t_reference, exact, "o", color="0.7", markersize=5, label="exact")
+        ax.plot(history.t, v, label="scheme", **styles[name] | {"linestyle": "-", "linewidth": 0.7, "markersize": 2.5})
         letter(ax, index, one.scheme_title.item())
-    for ax in axes[-1]:
-        ax.set_xlabel("time")
-    for ax in axes[:, 0]:
-        ax.set_ylabel("velocity of the\nfirst mass")
-    axes[0, 0].legend(loc="upper right")
+    axes[-1, 0].set_xlabel("elapsed time $t$ (s)")
+    figure.supylabel("velocity of the first mass (1/s)", fontsize="medium")
     return figure

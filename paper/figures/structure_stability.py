@@ -1,19 +1,20 @@
 """Lyapunov exponents of the numerical maps of structures over the step size."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, letter, looks
+from paper.figures.style import PAGE, legend_in_gap, letter, looks, panels, wrapped
 from paper.products import figure
 
 #: Exponents up to which a panel has a linear scale.
 LINEAR = 2.0
+COLUMNS = 5
 
 
 @figure(
-    "Lyapunov exponents of the schemes on structures.",
+    "Lyapunov exponents of the schemes on structures over the step size: positive where runs that start together "
+    "separate, whether the structure is chaotic or only the scheme.",
     structures="stability/structures",
     asks={"stability.structures.excitations": [1]},
 )
@@ -21,29 +22,26 @@ def draw(structures: xr.Dataset) -> Figure:
     """One panel per structure."""
     structures = structures.sel(excitation=1)
     problems = structures.problem.values
-    columns = min(len(problems), 3)
+    columns = min(len(problems), COLUMNS)
     rows = -(-len(problems) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(PAGE, 2.1 * rows + 0.4), squeeze=False)
+    figure, axes = panels(rows, columns, PAGE, 3.9 * rows + 1.5)
     styles = looks(structures.scheme)
-    for empty in axes.ravel()[len(problems) :]:
-        empty.remove()
     for index, (ax, problem) in enumerate(zip(axes.ravel(), problems, strict=False)):
         one = structures.sel(problem=problem)
         for scheme, style in styles.items():
-            ax.plot(
-                one.steps_per_period,
-                one.lyapunov_exponent.sel(scheme=scheme),
-                label=one.scheme_title.sel(scheme=scheme).item() if index == 0 else None,
-                **style,
-            )
-        ax.axhline(0, color="black", linewidth=0.6)
-        ax.set(xscale="log", xlabel="steps in its time scale")
+            exponent = one.lyapunov_exponent.sel(scheme=scheme)
+            ax.plot(one.steps_per_period, exponent, label=exponent.scheme_title.item(), **style)
+        ax.axhline(0, color="0.6", linewidth=0.6, zorder=0)
+        ax.set(xscale="log")
         if np.nanmax(np.abs(one.lyapunov_exponent)) > LINEAR:
             ax.set_yscale("symlog", linthresh=1)
-        ax.set_xticks(one.steps_per_period.values[::2], [str(v) for v in one.steps_per_period.values[::2]])
+        steps = one.steps_per_period.values
+        labelled = steps[:: -(-len(steps) // 4)]
+        ax.set_xticks(labelled, [str(value) for value in labelled])
         ax.minorticks_off()
-        letter(ax, index, one.problem_title.item())
-    for row in axes:
-        row[0].set_ylabel("exponent in a time scale")
-    figure.legend(loc="outside lower center", ncols=6)
+        letter(ax, index, wrapped(one.problem_title.item(), 14))
+        if index + columns >= len(problems):
+            ax.set_xlabel("steps in time scale")
+    figure.supylabel("Lyapunov exponent × time scale", fontsize="medium")
+    legend_in_gap(figure, axes, len(problems), columns=6)
     return figure

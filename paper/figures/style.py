@@ -1,16 +1,19 @@
-"""Common style of the figures: size, type, colours that survive greyscale, and how figures are saved."""
+"""Common style of the figures: widths, panels, one look for each scheme everywhere, and how figures are saved."""
 
 import os
-from collections.abc import Callable
+import textwrap
+from collections.abc import Callable, Iterable
 from functools import partial
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 
 matplotlib.use("agg")
 
 import matplotlib.pyplot as plt
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -19,10 +22,15 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from paper.data import families
+from paper.published import SCHEMES
 from paper.writing import write
 
-#: Width in inches of the page of the manuscript.
-PAGE = 7.1
+plt.style.use("paper.style")
+
+#: Widths in cm of a column and of a page of the manuscript.
+COLUMN, PAGE = 8.4, 17.4
+_CM = 1 / 2.54
+
 #: Titles of the general solvers that figures show, by their names in the datasets.
 SOLVERS = {
     "cvode_adams": "CVODE Adams",
@@ -34,63 +42,62 @@ SOLVERS = {
     "heyoka": "heyoka",
 }
 
-#: Label and colour of each outcome of a run, by its name in the maps of stability. Worse outcomes are darker, so that
-#: the order survives greyscale.
+#: Label and colour of each outcome of a run, by its name in the maps of stability. Worse outcomes are darker, in steps
+#: that can be told apart in greyscale.
 OUTCOME_STYLES = {
     "accurate": ("accurate", "#ffffff"),
-    "bounded": ("bounded", "#d0e1f2"),
-    "damped_to_rest": ("damped to rest", "#8fc1e0"),
-    "in_the_wrong_well": ("in the wrong well", "#e69f00"),
-    "chaotic": ("chaotic", "#cc79a7"),
-    "growing": ("growing", "#c8500a"),
-    "newton_not_converged": ("Newton did not converge", "#7f1d2d"),
+    "bounded": ("bounded", "#cbdff2"),
+    "damped_to_rest": ("damped to rest", "#84c0e2"),
+    "in_the_wrong_well": ("in the wrong well", "#cc8c11"),
+    "chaotic": ("chaotic", "#bd519f"),
+    "growing": ("growing", "#b22c0e"),
+    "newton_not_converged": ("Newton did not converge", "#4b1c70"),
     "not_finite": ("not finite", "#000000"),
 }
 
-# Okabe and Ito's palette without its yellow; line styles and markers distinguish the curves without any colour.
-_COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"]
-_LINES = ["-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)), (0, (1, 1))]
-_MARKERS = ["o", "s", "v", "^", "D", "P", "X"]
+#: Colour of the exact solution where it lies below the curves of schemes.
+EXACT = "0.7"
 
-plt.rcParams.update(
-    {
-        "font.size": 8,
-        "axes.titlesize": 8,
-        "axes.titlelocation": "left",
-        "axes.labelsize": 8,
-        "legend.fontsize": 7,
-        "legend.frameon": False,
-        "xtick.labelsize": 7,
-        "ytick.labelsize": 7,
-        "axes.linewidth": 0.6,
-        "lines.linewidth": 1.0,
-        "lines.markersize": 3.5,
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "figure.constrained_layout.use": True,
-        "savefig.dpi": 300,
-        "image.cmap": "viridis",
-        "pdf.fonttype": 42,
-        "svg.hashsalt": "study",
-    }
-)
+#: Characters in a line of a legend below the panel of a family.
+ENTRY = 14
+
+_COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7A1F4B"]
+_LINES = ["-", "--", "-.", ":", (0, (7, 1.5)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 0.6))]
+_MARKERS = ["o", "s", "v", "^", "D", "P", "X", "<"]
+
+#: Schemes in the order in which they take colours, those of 1996 first. The rows below take the same colours again, so
+#: that the schemes of a family have different ones. Other schemes take the places that follow.
+_ORDER = [
+    *SCHEMES, "gauss4",
+    "bdf2", "park", "bathe", "rho_bathe", "average_vector_field", "energy_momentum", "tr_bdf2", "generalized_alpha",
+    "wbz_alpha", "hht_alpha_one_force", "yoshida4", "implicit_midpoint", "tchamwa_wielgosz", "linear_acceleration",
+    "kahan_li8", "fox_goodwin",
+    "extrapolation12", "nystrom4", "kr_alpha", "noh_bathe", "symplectic_euler", "chung_lee", "hulbert_chung",
+    "yoshida6", "mclachlan4",
+]  # fmt: skip
 
 
-def looks(schemes: xr.DataArray) -> dict[str, dict]:
-    """One look (colour, line style, marker) for each scheme, the same in every figure of the same schemes.
+def looks(schemes: xr.DataArray) -> dict[str, dict[str, Any]]:
+    """One look (colour, line style, marker) for each scheme, the same in every figure.
 
-    The eighth curve takes the colour of the first with the next line style and another marker, and so on.
+    Schemes that are not of the study take the looks after those that are, in the order in which they come.
     """
-    return {name: _look(index) for index, name in enumerate(schemes.values.tolist())}
+    names = schemes.values.tolist()
+    others = [name for name in names if name not in _ORDER]
+    return {name: _look([*_ORDER, *others].index(name)) for name in names}
 
 
-def _look(index: int) -> dict:
-    number = len(_COLOURS)
-    turn = index // number
+def looks_in_order(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """One look for each of some curves that are no schemes."""
+    return {name: _look(index) for index, name in enumerate(names)}
+
+
+def _look(index: int) -> dict[str, Any]:
+    turn, place = divmod(index, len(_COLOURS))
     return {
-        "color": _COLOURS[index % number],
-        "linestyle": _LINES[(index + turn) % number],
-        "marker": _MARKERS[(index + 3 * turn + turn // number) % number],
+        "color": _COLOURS[place],
+        "linestyle": _LINES[(place + 2 * turn) % len(_LINES)],
+        "marker": _MARKERS[(place + 3 * turn) % len(_MARKERS)],
     }
 
 
@@ -99,34 +106,87 @@ def thinned(widest: float, by: float, index: int) -> float:
     return max(widest - by * index, 0.5)
 
 
-def legend_size(entries: int, most: int) -> float:
-    """Size of the type in a legend with room for ``most`` entries of full size."""
-    return plt.rcParams["legend.fontsize"] * min(1.0, most / max(entries, 1))
+def panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Figure, np.ndarray]:
+    """A figure of so many cm, and its panels by row and column."""
+    return plt.subplots(rows, columns, figsize=(width * _CM, height * _CM), squeeze=False, **options)
 
 
-def legend_beside(axes: Axes) -> None:
-    """A legend to the right of a panel, in smaller type if it has more than seven entries."""
-    size = legend_size(len(axes.get_legend_handles_labels()[0]), most=7)
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), handlelength=3, fontsize=size)
+def empty(width: float, height: float) -> Figure:
+    """A figure of so many cm without panels."""
+    return plt.figure(figsize=(width * _CM, height * _CM))
 
 
-def a_panel_for_each_family(dataset: xr.Dataset, height: float, **shared) -> tuple[Figure, dict[Axes, xr.Dataset]]:
-    """A figure with two columns of panels, and the part of the dataset with the family of each panel."""
-    parts = families(dataset)
-    rows = -(-len(parts) // 2)
-    figure, axes = plt.subplots(rows, 2, figsize=(PAGE, rows * height), squeeze=False, **shared)
-    for empty in axes.ravel()[len(parts) :]:
-        empty.remove()
-    panels = dict(zip(axes.ravel(), parts.values(), strict=False))
-    for index, (ax, name) in enumerate(zip(panels, parts, strict=True)):
-        letter(ax, index, name)
-    return figure, panels
+def wrapped(title: str, width: int) -> str:
+    """A title in lines of so many characters; an equation and an order stay in one line."""
+    kept = title.replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}").replace("order ", "order\N{NO-BREAK SPACE}")
+    return textwrap.fill(kept, width)
 
 
 def letter(axes: Axes, index: int, title: str) -> None:
     """Title of a panel: (a), (b), ..., (z), (aa), ... and what it shows."""
     turn, place = divmod(index, 26)
     axes.set_title(f"({chr(ord('a') + place) * (turn + 1)}) {title}")
+
+
+def legend_below(figure: Figure, columns: int, axes: Axes | None = None, handles: list | None = None) -> None:
+    """A legend below all panels, of the curves of a panel (the first one if none is given) or of some handles."""
+    handles = (axes or figure.axes[0]).get_legend_handles_labels()[0] if handles is None else handles
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(columns, max(len(handles), 1)))
+
+
+def legend_in_gap(figure: Figure, axes: np.ndarray, number: int, columns: int) -> None:
+    """A legend in place of the panels after the first ``number`` ones, or below all panels if there is none."""
+    first, *others = axes.ravel()[number:] if number < axes.size else [None]
+    for unused in others:
+        unused.remove()
+    if first is None:
+        legend_below(figure, columns)
+    else:
+        first.axis("off")
+        handles = axes.flat[0].get_legend_handles_labels()[0]
+        first.legend(handles=handles, loc="center left", borderaxespad=0, handlelength=2.2)
+
+
+def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, list[tuple[xr.Dataset, np.ndarray]]]:
+    """A figure as wide as the page with a column of panels for each family, and room for its legend below.
+
+    Parameters
+    ----------
+    rows, height
+        Number of panels in a column, and the height of a panel in cm.
+
+    Returns
+    -------
+    figure, columns
+        The figure; the part of the dataset with each family, and its panels from the top with the place of its legend.
+    """
+    parts = families(dataset)
+    entries = [[wrapped(title, ENTRY) for title in part.scheme_title.values] for part in parts.values()]
+    legend = max(0.08 * len(titles) + 0.31 * sum(title.count("\n") + 1 for title in titles) for titles in entries)
+    figure = empty(PAGE, rows * (height + 0.3) + legend + 1.7)  # titles and labels take the rest
+    grid = figure.add_gridspec(rows + 1, len(parts), height_ratios=[height] * rows + [legend])
+    columns = []
+    for index, (name, part) in enumerate(parts.items()):
+        axes: list[Axes] = []
+        for row in range(rows):
+            beside = columns[0][1][row] if columns else None
+            axes.append(figure.add_subplot(grid[row, index], sharex=axes[0] if axes else beside, sharey=beside))
+            axes[-1].tick_params(labelleft=beside is None, labelbottom=row == rows - 1)
+        below = figure.add_subplot(grid[rows, index])
+        below.axis("off")
+        letter(axes[0], index, wrapped(name, 14))
+        columns.append((part, np.array([*axes, below])))
+    return figure, columns
+
+
+def legend_in(place: Axes, axes: Axes) -> None:
+    """A legend of the curves of a panel, an entry a line, in the place that is kept for it."""
+    handles, titles = axes.get_legend_handles_labels()
+    titles = [wrapped(title, ENTRY) for title in titles]
+    legend = place.legend(
+        handles, titles, loc="upper left", borderaxespad=0, handlelength=2.2, bbox_to_anchor=(-0.1, 1.0)
+    )
+    legend.set_in_layout(False)  # the columns keep one width
 
 
 def save(figure: Figure, output: Path) -> None:
@@ -146,3 +206,9 @@ def save(figure: Figure, output: Path) -> None:
         content = BytesIO()
         printer(content)
         write(output.with_suffix(suffix), content.getvalue())
+
+
+def widened(figure: Figure, millimetres: float) -> Figure:
+    """The figure at another width and its own height; panels take the room, and text keeps its size."""
+    figure.set_figwidth(millimetres / 10 * _CM)
+    return figure

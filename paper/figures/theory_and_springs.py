@@ -1,13 +1,12 @@
 """Period elongation and loss of amplitude by linear theory and on the springs, one row per scheme."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.asks import contained
 from paper.data import families
-from paper.figures.style import PAGE, letter
+from paper.figures.style import PAGE, legend_below, letter, panels
 from paper.products import figure
 
 #: Steps per period and periods of the runs that are shown.
@@ -24,12 +23,13 @@ def _points(ax, values, rows, label, **look) -> None:
     size = np.maximum(np.abs(values[known]), LEAST)
     negative = values[known] < -LEAST
     filled = [look["color"] if not below else "white" for below in negative]
-    ax.scatter(size, rows[known], s=16, marker=look["marker"], edgecolors=look["color"], facecolors=filled, zorder=3,
+    ax.scatter(size, rows[known], s=13, marker=look["marker"], edgecolors=look["color"], facecolors=filled, zorder=3,
                linewidths=0.8, label=label)  # fmt: skip
 
 
 @figure(
-    "Period elongation and loss of amplitude: linear theory beside the springs.",
+    f"Size of the period elongation and of the loss of amplitude at {STEPS} steps per period by linear theory and "
+    f"in runs of {PERIODS} periods. Open markers are negative; smaller sizes are drawn at the left edge.",
     spectral="spectral",
     accuracy="accuracy",
     asks={
@@ -46,7 +46,8 @@ def draw(spectral: xr.Dataset, accuracy: xr.Dataset) -> Figure:
     linear = spectral.sel(scheme=schemes, damping_ratio=0.0).interp(dt_over_period=1 / STEPS)
     measured = accuracy.sel(scheme=schemes, steps_per_period=STEPS, periods=PERIODS)
     rows = np.arange(len(schemes))
-    figure, axes = plt.subplots(1, 2, figsize=(PAGE, 0.6 + 0.185 * len(schemes)), sharey=True)
+    figure, ((left, right),) = panels(1, 2, PAGE, 2 + 0.28 * len(schemes), sharey=True)
+    axes = (left, right)
     for index, (ax, (measure, title)) in enumerate(zip(axes, MEASURES.items(), strict=True)):
         _points(ax, linear[measure].values, rows, "linear theory", marker="o", color="0.45")
         for problem, (marker, colour) in PROBLEMS.items():
@@ -61,8 +62,6 @@ def draw(spectral: xr.Dataset, accuracy: xr.Dataset) -> Figure:
     for ax in axes:
         for boundary in boundaries:
             ax.axhline(boundary, color="0.4", linewidth=0.6)
-    axes[0].invert_yaxis()
-    axes[0].set_ylim(len(schemes) - 0.5, -0.5)
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    left.set_ylim(len(schemes) - 0.5, -0.5)
+    legend_below(figure, columns=3)
     return figure

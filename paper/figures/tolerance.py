@@ -1,30 +1,41 @@
 """True error after a hundred periods against the tolerance of general solvers."""
 
-import matplotlib.pyplot as plt
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, SOLVERS, letter, looks
+from paper.figures.style import COLUMN, SOLVERS, legend_below, letter, looks_in_order, panels
 from paper.products import figure
 
+#: Titles of the problems, whose dataset has none.
+_TITLES = {"softening_large": "softening,\nlarge amplitude"}
 
-@figure("True error of general solvers against the tolerance asked for.", agreement="reference_agreement")
+
+@figure(
+    "True error of the displacement over the longest runs of general solvers against the tolerance that was asked "
+    "for. Above the grey line the error is larger than the tolerance.",
+    agreement="reference_agreement",
+)
 def draw(agreement: xr.Dataset) -> Figure:
     """One panel per problem: the largest error of the displacement over a hundred periods, over the tolerance."""
-    figure, (axes,) = plt.subplots(
-        1, agreement.sizes["problem"], figsize=(PAGE, 0.4 * PAGE), sharex=True, sharey=True, squeeze=False
-    )
-    for index, (ax, problem) in enumerate(zip(axes, agreement.problem.values, strict=True)):
-        ax.plot(agreement.tolerance, agreement.tolerance, color="0.7", linewidth=0.8, label="as asked for")
-        for route, look in looks(agreement.route).items():
-            error = agreement.u_error.sel(problem=problem, route=route, periods=agreement.periods.max())
+    rows = -(-agreement.sizes["problem"] // 2)
+    figure, axes = panels(rows, 2, COLUMN, 3.9 * rows + 2.2, sharex=True, sharey=True)
+    periods = agreement.periods.max()
+    for index, (ax, problem) in enumerate(zip(axes.flat, agreement.problem.values, strict=False)):
+        ax.plot(agreement.tolerance, agreement.tolerance, color="0.8", linewidth=2.5, label="as asked for")
+        for route, look in looks_in_order(agreement.route.values).items():
+            error = agreement.u_error.sel(problem=problem, route=route, periods=periods)
             ax.plot(agreement.tolerance, error, label=SOLVERS[route], **look)
-        ax.set(xscale="log", yscale="log", xlabel="relative tolerance")
+        ax.set(xscale="log", yscale="log")
         ax.set_xticks([1e-4, 1e-8, 1e-12])
         ax.minorticks_off()
-        letter(ax, index, problem.replace("_", " "))
-    axes[0].invert_xaxis()
-    axes[0].set(ylabel="error over 100 periods", ylim=(None, 30))
-    handles, names = axes[0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside lower center", ncols=4)
+        letter(ax, index, _TITLES.get(problem, problem.replace("_", " ")))
+    for ax in axes.flat[agreement.sizes["problem"] :]:
+        ax.remove()
+    axes[0, 0].invert_xaxis()
+    axes[0, 0].set(ylim=(None, 30))
+    for ax in axes[-1]:
+        ax.set_xlabel("relative tolerance")
+    for ax in axes[:, 0]:
+        ax.set_ylabel(f"error, {periods:d} periods")
+    legend_below(figure, columns=2)
     return figure

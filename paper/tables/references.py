@@ -13,6 +13,8 @@ _TITLES = {
     "kvaerno5": "Kvaerno5",
     "heyoka": "heyoka",
 }
+#: Decimals of the periods, of which the datasets hold thirty.
+DIGITS = 20
 
 
 @table(
@@ -26,7 +28,7 @@ def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFram
     for reference in references:
         row = {
             "Problem": reference.problem.replace("_", " "),
-            "Period": reference.period_30_digits,
+            "Period": reference.period_30_digits[: DIGITS + 2],
             "Uncertainty": f"{reference.period_certified.item():.0e}",
             "of the motion": f"{(reference.u_certified / abs(reference.u).max()).item():.0e}",
         }

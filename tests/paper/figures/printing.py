@@ -1,0 +1,69 @@
+"""What a reader would find wrong with a figure as it is printed."""
+
+import itertools
+import re
+from typing import NamedTuple
+from unittest import mock
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+from paper.figures.style import COLUMN, PAGE
+
+#: Smallest type in points, and how many points two texts may share at their edges.
+SMALLEST, SHARED = 7.0, 1.0
+#: Greatest height in cm of the text on a page.
+TALLEST = 19.5
+
+
+class Printed(NamedTuple):
+    """A text as it is drawn: its words, its size in points, and its place in points."""
+
+    words: str
+    size: float
+    place: Bbox
+
+
+def printed(figure: Figure) -> list[Printed]:
+    """All texts that are drawn; there are others, such as the labels of ticks outside the limits."""
+    figure.dpi = 72
+    figure.draw_without_rendering()
+    found = []
+
+    def draw(text, renderer, *args, **kwargs):
+        # of an annotation the words without the arrow
+        if text.get_visible() and text.get_text().strip():
+            found.append(Printed(text.get_text(), text.get_fontsize(), Text.get_window_extent(text, renderer)))
+
+    with mock.patch.object(Text, "draw", draw):
+        figure.draw_without_rendering()
+    return found
+
+
+def _of_code(words: str) -> bool:
+    """Whether a text outside formulas has a variable's name, a missing number or a power of ten as in a program."""
+    outside = re.sub(r"\$[^$]*\$", "", words)
+    return bool(re.search(r"_|\b(nan|None|inf)\b|\de[-−+]?\d", outside))
+
+
+def faults(figure: Figure) -> list[str]:
+    """Sentences on the size of the figure, and on texts that are small, of code, cut off, or over each other."""
+    width, height = figure.get_size_inches() * 2.54
+    found = (
+        [] if min(abs(width - COLUMN), abs(width - PAGE)) < 0.01 else [f"{width:.1f} cm is no width of the manuscript"]
+    )
+    found += [f"{height:.1f} cm is too high"] if height > TALLEST else []
+    texts = printed(figure)
+    page = figure.bbox.padded(1)
+    for text in texts:
+        found += [f"'{text.words}' has {text.size:g} pt"] if text.size < SMALLEST else []
+        found += [f"'{text.words}' is of code"] if _of_code(text.words) else []
+        inside = page.contains(*text.place.min) and page.contains(*text.place.max)
+        found += [] if inside else [f"'{text.words}' is cut off at {np.round(text.place.extents)} of {page.extents}"]
+    for one, other in itertools.combinations(texts, 2):
+        shared = Bbox.intersection(one.place, other.place)
+        if shared is not None and min(shared.width, shared.height) > SHARED:
+            found.append(f"'{one.words}' and '{other.words}' overlap")
+    return found
