@@ -26,6 +26,8 @@ WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "claim": ("claims", "results/claims.csv", ()),
     "numbers": ("numbers", "results/numbers.json", ()),
 }
+#: What lies beside the modules that read it.
+BESIDE = (".csv", ".js", ".css", ".html")
 #: Formats that the texts include, their sources beside the modules, and what they become.
 INCLUDED = (".pdf", ".csv", ".json")
 SOURCES = ["paper/references.bib", "CITATION.cff", *(f"paper/text/{path.name}" for path in [*TEXTS, LAYOUT])]
@@ -42,9 +44,9 @@ class _Sources:
         found = set(modules).union(*map(self._graph.find_upstream_modules, modules))
         paths = [self._root.joinpath(*name.split(".")) for name in sorted(found)]
         files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
-        # beside the modules lie numbers that were printed in 1996, and scripts of the page
+        # beside the modules lie numbers that were printed in 1996, and what the page consists of
         beside = (path for folder in {path.parent for path in files} for path in folder.glob("*.*"))
-        return [str(path) for path in [*files, *sorted(path for path in beside if path.suffix in (".csv", ".js"))]]
+        return [str(path) for path in [*files, *sorted(path for path in beside if path.suffix in BESIDE)]]
 
 
 def _step(name: str, message: str, outputs: Iterable[str], jobs: dict[str, dict], **more: Any) -> dict[str, Any]:
