@@ -56,7 +56,7 @@ def _as_script(value: object) -> str:
 
 
 @page(
-    "Explorer of the maps of stability: outcome, orbit and energy of each run.",
+    "Explorer of the maps of stability: outcome, orbit, energy and largest safe step.",
     name="explorer",
     atlas="stability/atlas",
     portraits="stability/portraits",

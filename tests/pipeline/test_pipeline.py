@@ -17,6 +17,7 @@ from study.pipeline import configuration
 from study.pipeline.experiment import discover
 from study.pipeline.sources import Sources
 from study.pipeline.steps import steps_of
+from tests.browser import check_page, needs_browser, set_width, wait
 from tests.pipeline.additions import ADDED
 from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, make
 from tests.pipeline.texts import check_latex, check_ledger
@@ -34,6 +35,7 @@ TIMED = {
     "needs",
     "claims",
     "numbers",
+    "tables",
     "manuscript",
 }
 
@@ -267,10 +269,51 @@ def test_an_archive_alone_makes_a_figure_again(project, tmp_path):
     assert figure.read_bytes() == (project / "results" / "figures" / "instability.svg").read_bytes()
 
 
-@pytest.mark.parametrize("arguments", [["--lint"], ["--rulegraph"], ["--report", "report.html"]])
-def test_the_tools_of_snakemake_work(project, arguments):
-    done = call_snakemake(project, *arguments)
+@pytest.mark.parametrize("argument", ["--lint", "--rulegraph"])
+def test_the_tools_of_snakemake_work(project, argument):
+    done = call_snakemake(project, argument)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+
+
+@pytest.fixture(scope="module")
+def report(project):
+    """The page of Snakemake's report, among its files."""
+    done = call_snakemake(project, "--report", "report.zip")
+    assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+    shutil.unpack_archive(project / "report.zip", project / "unpacked")
+    return project / "unpacked" / "report" / "report.html"
+
+
+def test_the_report_opens_on_a_description_and_lists_what_was_made(project, report):
+    text = report.read_text()
+    told = {
+        name: json.loads(re.findall(rf"^ *var {name} = (.*);$", text, re.MULTILINE)[0])
+        for name in ("categories", "results", "workflow_desc", "metadata")
+    }
+    # with these data the page opens on the description; without them, on the graph of rules
+    assert told["metadata"]["Version"] == study.__version__
+    headings = set(told["categories"])
+    assert headings == {"Article", "Explorer", "Figures", "Ledger of claims", "Tables"}
+    assert all(heading in told["workflow_desc"] for heading in headings)
+    listed = {Path(path).relative_to("results").as_posix() for path in told["results"]}
+    assert {"manuscript.pdf", "supplement.pdf", "explorer.html", "tables.html", "claims.html", "claims.csv"} <= listed
+    figures = {f"figures/{path.name}" for path in (project / "results" / "figures").glob("*.svg")}
+    assert figures <= listed and f"tables/{next((project / 'results' / 'tables').glob('*.csv')).name}" in listed
+    labels = [result["labels"]["content"] for result in told["results"].values()]
+    assert all(labels) and len(set(labels)) == len(labels)
+
+
+@needs_browser
+def test_the_explorer_opens_within_the_report(report, browser):
+    set_width(browser, 1400)
+    browser.get(report.as_uri())
+    wait(browser, "return document.querySelector('h1')?.innerText.startsWith('Time integration schemes')")
+    browser.execute_script("app.showCategory('Explorer')")
+    wait(browser, "return document.querySelector('td a')").click()
+    browser.switch_to.frame(wait(browser, "return document.querySelector('iframe')"))
+    wait(browser, "return document.documentElement.dataset.ready !== undefined")
+    check_page(browser)
+    browser.switch_to.default_content()
 
 
 def test_what_is_added_in_one_file_is_made(copy):
