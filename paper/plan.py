@@ -88,7 +88,7 @@ def _of_all(kind: str, products: list[Product], sources: _Sources) -> dict[str, 
     modules = sources.of(f"paper.{name}.__main__", *(one.module for one in chosen))
     job = _job((f"paper.{name}", "results", output), [*files, *modules])
     headings = {file: HEADINGS.get(file, HEADINGS.get(kind, "")) for file in outputs if file.endswith(".csv")}
-    listed = {file: {"": (heading, f"{Path(file).stem}, as CSV")} for file, heading in headings.items()}
+    listed = {file: {"": (heading, file.removeprefix("results/"))} for file, heading in headings.items()}
     return _step(name, name.capitalize(), outputs, {"": job}, quick=True, report=listed)
 
 
