@@ -32,8 +32,8 @@ const ERRORS = [
 ]
 const EXPONENTS = [
   band("#2166ac", "below −0.5", "falling", "runs approach each other fast, as where they are damped away"),
-  band("#92c5de", "to −0.05", "level", "runs approach each other"),
-  band("#ffffff", "to 0.05", "none", "neighbouring runs stay together, as those of the exact solution do"),
+  band("#92c5de", "to −0.1", "level", "runs approach each other"),
+  band("#ffffff", "to 0.2", "none", "neighbouring runs part in proportion to time at most, as exact ones do"),
   band("#f4a582", "to 0.5", "dots", "runs part slowly"),
   band("#b2182b", "above 0.5", "cross", "runs part by a factor of 1.6 or more each period"),
   FAILED,
@@ -43,7 +43,7 @@ const CLASSES = {
   error: ERRORS,
   exponent: EXPONENTS,
 }
-const BOUNDS = {error: [0.01, 0.1, 1, 10, 100], exponent: [-0.5, -0.05, 0.05, 0.5]}
+const BOUNDS = {error: [0.01, 0.1, 1, 10, 100], exponent: [-0.5, -0.1, 0.2, 0.5]}
 
 // Index of the class of each cell of a map.
 function classesOf(colour, p, s) {
