@@ -29,6 +29,9 @@ min_version("9.0")
 configfile: f"{workflow.basedir}/config/study.yaml"
 
 
+report: "paper/pages/workflow.rst"
+
+
 PROJECT = workflow.basedir
 ROOT = os.path.relpath(PROJECT)  # relative, so that a project that is moved stays made
 # the commands run with this Python and find the project wherever the results are made
@@ -151,28 +154,34 @@ rule all:
         "everything is made; see results/manuscript.pdf and results/explorer.html"
 
 
+def in_report(output, listed):
+    """An output that the report of Snakemake lists, with its heading and label by job."""
+    return report(
+        output,
+        category=lambda wildcards: listed[wildcards.get("job", "")][0],
+        labels=lambda wildcards: {"content": listed[wildcards.get("job", "")][1]},
+    )
+
+
 for step in [*DATA["steps"], *PAPER["steps"]]:
     # an output is an update: when a job fails, what was there before stays
     kept = temp if step.get("temporary") else update
-    *others, last = (kept(output) for output in step["outputs"])
-    if step.get("category"):
-        last = report(last, caption="paper/figures/caption.rst", category=step["category"])
+    listed = step.get("report", {})
+    outputs = [in_report(kept(one), listed[one]) if one in listed else kept(one) for one in step["outputs"]]
     several = any("{job}" in output for output in step["outputs"])
     name = step["name"] + ("_{job}" if several else "")
 
     rule:
         name:
             step["name"]
-        group: "paper" if step.get("category") else None
+        group: step.get("group")
         localrule: step.get("quick", False)  # on a cluster it stays where Snakemake is
         input:
             lambda wildcards, jobs=step["jobs"]: jobs[wildcards.get("job", "")]["inputs"],
         output:
-            *others,
-            last,
+            *outputs,
         params:
             command=lambda wildcards, jobs=step["jobs"]: jobs[wildcards.get("job", "")]["command"],
-            caption=lambda wildcards, captions=step.get("captions", {}): captions.get(wildcards.get("job", ""), ""),
         log:
             f"results/logs/{name}.log",
         benchmark:
@@ -185,7 +194,7 @@ for step in [*DATA["steps"], *PAPER["steps"]]:
         threads: lambda wildcards, alone=step.get("alone"): workflow.cores if alone and workflow.local_exec else 1
         resources:
             **({"slurm_extra": "'--exclusive'"} if step.get("alone") else {}),
-            **({"paper": 1} if step.get("category") else {}),  # which a cluster draws one by one, in one job
+            **({"paper": 1} if step.get("group") else {}),  # which a cluster draws one by one, in one job
         message:
             step["message"] + (": {wildcards.job}" if several else "")
         shell:

@@ -15,10 +15,17 @@ import grimp
 from paper.manuscript import LAYOUT, TEXTS
 from paper.products import Product, check, discover
 
-#: Folder and formats of each kind of product that is a file of its own, and its heading in the report of the pipeline.
-FILES = {
-    "figure": ("results/figures", ("pdf", "png", "svg"), "Figures"),
-    "page": ("results", ("html",), "Maps of stability"),
+#: Folder and formats of each kind of product that is a file of its own; the report of the pipeline shows the last.
+FILES = {"figure": ("results/figures", ("pdf", "png", "svg")), "page": ("results", ("html",))}
+#: Headings of the report by name of a page, by output of a step, and by kind of product.
+HEADINGS = {
+    "explorer": "Explorer",
+    "tables": "Tables",
+    "claims": "Ledger of claims",
+    "results/claims.csv": "Ledger of claims",
+    "table": "Tables",
+    "figure": "Figures",
+    "page": "Pages",
 }
 #: Module that makes all products of a kind at once, where it writes, and the formats if each product has its own files.
 WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
@@ -26,6 +33,8 @@ WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "claim": ("claims", "results/claims.csv", ()),
     "numbers": ("numbers", "results/numbers.json", ()),
 }
+#: What lies beside the modules that read it.
+BESIDE = (".csv", ".js", ".css", ".html")
 #: Formats that the texts include, their sources beside the modules, and what they become.
 INCLUDED = (".pdf", ".csv", ".json")
 SOURCES = ["paper/references.bib", "CITATION.cff", *(f"paper/text/{path.name}" for path in [*TEXTS, LAYOUT])]
@@ -42,9 +51,9 @@ class _Sources:
         found = set(modules).union(*map(self._graph.find_upstream_modules, modules))
         paths = [self._root.joinpath(*name.split(".")) for name in sorted(found)]
         files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
-        # beside the modules lie numbers that were printed in 1996, and scripts of the page
+        # beside the modules lie numbers that were printed in 1996, and what the page consists of
         beside = (path for folder in {path.parent for path in files} for path in folder.glob("*.*"))
-        return [str(path) for path in [*files, *sorted(path for path in beside if path.suffix in (".csv", ".js"))]]
+        return [str(path) for path in [*files, *sorted(path for path in beside if path.suffix in BESIDE)]]
 
 
 def _step(name: str, message: str, outputs: Iterable[str], jobs: dict[str, dict], **more: Any) -> dict[str, Any]:
@@ -57,21 +66,17 @@ def _job(arguments: Iterable[str], inputs: Iterable[str]) -> dict[str, Any]:
 
 def _of_each(kind: str, products: list[Product], sources: _Sources) -> dict[str, Any]:
     """The step that makes every figure or page, a job each."""
-    folder, formats, category = FILES[kind]
+    folder, formats = FILES[kind]
     chosen = [one for one in products if one.kind == kind]
 
     def job(one: Product) -> dict[str, Any]:
         arguments = ("paper.products", one.module, one.name, "results", f"{folder}/{one.name}.{formats[0]}")
         return _job(arguments, [*_data(one), *sources.of(one.module, "paper.products")])
 
-    return _step(
-        kind,
-        kind.capitalize(),
-        [f"{folder}/{{job}}.{form}" for form in formats],
-        {one.name: job(one) for one in chosen},
-        captions={one.name: one.caption for one in chosen},
-        category=category,
-    )
+    outputs = [f"{folder}/{{job}}.{form}" for form in formats]
+    listed = {one.name: (HEADINGS.get(one.name, HEADINGS[kind]), one.caption) for one in chosen}
+    jobs = {one.name: job(one) for one in chosen}
+    return _step(kind, kind.capitalize(), outputs, jobs, report={outputs[-1]: listed}, group="paper")
 
 
 def _of_all(kind: str, products: list[Product], sources: _Sources) -> dict[str, Any]:
@@ -82,7 +87,9 @@ def _of_all(kind: str, products: list[Product], sources: _Sources) -> dict[str, 
     files = [file for one in chosen for file in _data(one)]
     modules = sources.of(f"paper.{name}.__main__", *(one.module for one in chosen))
     job = _job((f"paper.{name}", "results", output), [*files, *modules])
-    return _step(name, name.capitalize(), outputs, {"": job}, quick=True)
+    headings = {file: HEADINGS.get(file, HEADINGS.get(kind, "")) for file in outputs if file.endswith(".csv")}
+    listed = {file: {"": (heading, file.removeprefix("results/"))} for file, heading in headings.items()}
+    return _step(name, name.capitalize(), outputs, {"": job}, quick=True, report=listed)
 
 
 def _data(product: Product) -> list[str]:
@@ -101,7 +108,8 @@ def steps_of(products: list[Product], root: Path) -> list[dict[str, Any]]:
     included = [file for file in _made_by(steps) if file.endswith(INCLUDED)]
     inputs = [*included, *(str(root / name) for name in SOURCES), *sources.of("paper.compile")]
     job = _job(("paper.compile", "results", "results"), inputs)
-    return [*steps, _step("manuscript", "Article and supplement", PDFS, {"": job}, quick=True)]
+    listed = {file: {"": ("Article", Path(file).stem)} for file in PDFS}
+    return [*steps, _step("manuscript", "Article and supplement", PDFS, {"": job}, quick=True, report=listed)]
 
 
 def check_datasets(products: Iterable[Product], datasets: Iterable[str]) -> None:

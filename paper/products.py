@@ -25,7 +25,7 @@ from paper.writing import write
 #: the whole configuration. A key that leads into a list of mappings stands for the list of their values.
 Asks = Mapping[str, Any]
 #: Folders and modules of ``paper`` that hold declarations.
-PLACES = ("claims", "explorer", "figures", "manuscript", "numbers", "tables")
+PLACES = ("claims", "explorer", "figures", "manuscript", "numbers", "pages", "tables")
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import pytest
 
 import study
 from study.problem import trusses
+from tests import browser as browsers
 
 # as the pipeline's jobs do: what has been imported stays, and is not looked through for garbage again and again
 gc.freeze()
@@ -114,3 +115,11 @@ def damped_chain():
 def small_truss(monkeypatch):
     """Trusses of four cells."""
     monkeypatch.setattr(trusses, "TRUSS", (4, 1))
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory):
+    """A browser that reaches no network, for tests that are marked with ``needs_browser``."""
+    driver = browsers.start(tmp_path_factory.mktemp("browser"))
+    yield driver
+    driver.quit()

@@ -1,61 +1,78 @@
-"""The page: choices above, map, orbit and energy below."""
+"""The page: its data, its style and its scripts in one file that loads nothing."""
 
-import re
+import html
+import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
-from bokeh.document import Document
-from bokeh.embed import file_html
-from bokeh.layouts import column, row
-from bokeh.models import CDSView, ColumnDataSource, CustomJS, Div, GroupFilter, Select
-from bokeh.resources import INLINE
-from bokeh.settings import settings
 
-from paper.explorer.data import cases_source, coarse, maps_source, orbits_source, runs_source
-from paper.explorer.plane import draw_maps, map_plane, mark_cases, portrait_panels
+from paper.explorer.data import (
+    EXPONENT_CODES,
+    HEIGHT_CODES,
+    LEAST,
+    LOG_CODES,
+    MOST,
+    coarse,
+    of_cases,
+    of_maps,
+    of_runs,
+    packed,
+)
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import page
 
-#: The run that is shown first: the most surprising run of the paper.
-FIRST: dict[str, Any] = {"problem": "softening", "scheme": "hht_alpha", "amplitude": 2.5, "dt_over_period": 0.125}
+#: What is shown first: the most surprising run of the paper, by two of its schemes.
+FIRST: dict[str, Any] = {"run": "softening_large", "schemes": ["hht_alpha", "average_acceleration"]}
+#: Scripts in the order in which they build on each other.
+SCRIPTS = ("data", "choice", "classes", "map", "panels", "page")
+CASES = ["hardening", "softening", "softening_large", "double_well"]
+
+_HERE = Path(__file__).parent
 
 
-TITLE = "Where can a time integration scheme be trusted?"
-_INTRODUCTION = f"""
-<h1>{TITLE}</h1>
-<p>Every cell of the map is one run, released from rest at the amplitude u₀ and marched with the step size Δt, which is
-counted in the exact period T at that amplitude; its colour tells how the run ended. Move the mouse over the map to see
-the orbit and the energy of the run beneath it; pick one outcome, or click on those in the legend to hide them.</p>
-"""
-_NOTE = """
-<p>Shown are {cells}. Orbit and energy, and how it ended, are those of the nearest of {portraits} runs, marked by a
-small square: samples about {spacing:.1f} periods apart, from light to dark along time, as long as the energy above rest
-is less than a hundred times that of the start. A run is accurate while that energy stays within 1 %. The dashed line is
-at T/20, and stars are the runs of the paper.</p>
-"""
-#: Quantities that may colour the map, and their titles.
-_COLOURS = {
-    "outcome": "how the run ended",
-    "energy_error": "largest energy error",
-    "exponent": "Lyapunov exponent",
-}
+def _read(name: str) -> str:
+    return (_HERE / name).read_text(encoding="utf-8")
 
 
-def _script(name: str) -> str:
-    """The text of a script of the page."""
-    return Path(__file__).with_name(f"{name}.js").read_text(encoding="utf-8")
+def _named(dataset: xr.Dataset, name: str) -> list[dict[str, str]]:
+    """Name and title of everything along a coordinate."""
+    titles = dataset[f"{name}_title"].values.tolist()
+    return [{"name": n, "title": title} for n, title in zip(dataset[name].values.tolist(), titles, strict=True)]
 
 
-def _select(dataset: xr.Dataset, name: str) -> Select:
-    """A choice of what lies along a coordinate, by its titles."""
-    options = list(zip(dataset[name].values.tolist(), dataset[f"{name}_title"].values.tolist(), strict=True))
-    return Select(title=name, options=options, value=FIRST[name])
+def _outcomes(outcome: xr.DataArray) -> list[dict[str, str]]:
+    """Label, colour and meaning of each outcome, in the order of the map's numbers."""
+    meanings, told = outcome.attrs["flag_meanings"].split(), outcome.attrs["flag_explanations"].split("; ")
+    return [
+        {"name": name, "label": OUTCOME_STYLES[name][0], "colour": OUTCOME_STYLES[name][1], "note": note}
+        for name, note in zip(meanings, told, strict=True)
+    ]
 
 
-def _document(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, cases: list[xr.Dataset]) -> Document:
-    """The parts of the page and what connects them.
+def _as_script(value: object) -> str:
+    """JSON that may stand in a page: no text in it can end the script."""
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+@page(
+    "Explorer of the maps of stability: outcome, orbit, energy and largest safe step.",
+    name="explorer",
+    atlas="stability/atlas",
+    portraits="stability/portraits",
+    amplitudes="reference/amplitudes",
+    cases=[f"phase_portrait/{name}" for name in CASES],
+    references=[f"reference/{name}" for name in CASES],
+    asks={"atlas.problems": ["hardening", "softening", "double_well"], "atlas.schemes": FIRST["schemes"]},
+)
+def explorer(
+    atlas: xr.Dataset,
+    portraits: xr.Dataset,
+    amplitudes: xr.Dataset,
+    cases: list[xr.Dataset],
+    references: list[xr.Dataset],
+) -> str:
+    """The page with all that it needs, the same text for the same data.
 
     Parameters
     ----------
@@ -63,96 +80,46 @@ def _document(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, 
         Maps of stability, and samples of some of their runs.
     amplitudes
         Exact orbits at the amplitudes of the maps.
-    cases
-        Phase portraits of the paper's own runs, which the map marks.
+    cases, references
+        The paper's own runs, which the maps mark, and the exact motion of each.
     """
-    thinned, exact = coarse(atlas), amplitudes.sel(amplitude=portraits.amplitude)
-    problem, scheme = (_select(atlas, name) for name in ("problem", "scheme"))
-    of_problem, of_scheme = (GroupFilter(column_name=one.title, group=one.value) for one in (problem, scheme))
-    problem.js_link("value", of_problem, "group")
-    scheme.js_link("value", of_scheme, "group")
-
-    plane = map_plane(thinned)
-    layers, hover = draw_maps(plane, maps_source(thinned), CDSView(filter=of_problem & of_scheme))
-    mark_cases(plane, cases_source(atlas, cases), CDSView(filter=of_problem))
-    colour = Select(title="colour", options=list(_COLOURS.items()), value="outcome")
-    labels = [label for label, _ in OUTCOME_STYLES.values()]
-    outcome = Select(
-        title="outcome", options=[("all", "all"), *((str(k), v) for k, v in enumerate(labels))], value="all"
-    )
-    outcomes = layers["outcome"][1:]  # behind their legend
-    pick = CustomJS(
-        args={"layers": layers, "outcomes": outcomes, "colour": colour, "outcome": outcome}, code=_script("pick_colour")
-    )
-    for one in (colour, outcome):
-        one.js_on_change("value", pick)
-
-    x, y = np.log10(portraits.dt_over_period.values), np.log10(portraits.amplitude.values)
-    spacing, samples = (portraits.every * portraits.dt_over_period).values, portraits.sizes["sample"]
-    first = exact.sel(problem=FIRST["problem"]).sel(amplitude=FIRST["amplitude"], method="nearest")
-    orbit = ColumnDataSource({"u": first.orbit_u.values, "v": first.orbit_v.values})
-    run = ColumnDataSource({name: [] for name in ("u", "v", "height", "t", "sample")}, name="run")
-    place = ColumnDataSource({"x": [np.log10(FIRST["dt_over_period"])], "y": [np.log10(FIRST["amplitude"])]})
-    plane.scatter("x", "y", source=place, marker="square", size=9, fill_color=None, line_color="#0a7d32", line_width=2)
-    phase, energy = portrait_panels(run, orbit, spacing, samples)
-    show = CustomJS(
-        args={
-            **{"x": x, "y": y, "spacing": spacing, "samples": samples, "points": exact.sizes["point"]},
-            **{
-                "problem": problem,
-                "scheme": scheme,
-                "runs": runs_source(portraits, exact, atlas.outcome),
-                "orbits": orbits_source(exact),
-            },
-            **{"run": run, "orbit": orbit, "place": place, "title": phase.title},
-            "labels": labels,
+    maps = coarse(atlas)
+    described, blocks = of_cases(atlas, cases, references)
+    places, content = packed(of_maps(atlas) | of_runs(portraits, amplitudes) | blocks)
+    meta = {
+        "first": FIRST,
+        "periods": atlas.periods.item(),
+        "problems": _named(atlas, "problem"),
+        "schemes": _named(atlas, "scheme"),
+        "outcomes": _outcomes(atlas.outcome),
+        "amplitudes": maps.amplitude.values.tolist(),
+        "parts": maps.dt_over_period.values.tolist(),
+        "sampled": {
+            "amplitudes": portraits.amplitude.values.tolist(),
+            "parts": portraits.dt_over_period.values.tolist(),
+            "every": portraits.every.values.tolist(),
+            "earlyEvery": portraits.early_every.values.tolist(),
+            "samples": portraits.sizes["sample"],
         },
-        code=_script("show_run"),
+        "cases": described,
+        "codes": {"height": HEIGHT_CODES, "log": LOG_CODES, "exponent": EXPONENT_CODES, "least": LEAST, "most": MOST},
+        "blocks": places,
+    }
+    shape = (
+        f"{maps.sizes['amplitude']} of {atlas.sizes['amplitude']} amplitudes and {maps.sizes['dt_over_period']} of "
+        f"{atlas.sizes['dt_over_period']} step sizes"
     )
-    hover.callback = show
-    plane.add_tools(hover)
-    problem.js_on_change("value", show)
-    scheme.js_on_change("value", show)
-
-    note = _NOTE.format(
-        cells=f"{thinned.sizes['amplitude']} of {atlas.sizes['amplitude']} amplitudes and "
-        f"{thinned.sizes['dt_over_period']} of {atlas.sizes['dt_over_period']} step sizes",
-        portraits=len(x) * len(y),
-        spacing=spacing[0],
-    )
-    document = Document(title=TITLE)
-    document.add_root(
-        column(
-            Div(text=_INTRODUCTION, width=1100),
-            row(problem, scheme, outcome, colour),
-            row(plane, column(phase, energy)),
-            Div(text=note, width=1100),
-        )
-    )
-    document.js_on_event("document_ready", show)
-    return document
-
-
-@page(
-    "Explorer of the maps of stability: outcome, orbit and energy of each run.",
-    name="explorer",
-    atlas="stability/atlas",
-    portraits="stability/portraits",
-    amplitudes="reference/amplitudes",
-    cases=[
-        "phase_portrait/hardening",
-        "phase_portrait/softening",
-        "phase_portrait/softening_large",
-        "phase_portrait/double_well",
-    ],
-    asks={"atlas.problems": ["hardening", "softening", "double_well"], "atlas.schemes": [FIRST["scheme"]]},
-)
-def explorer(atlas: xr.Dataset, portraits: xr.Dataset, amplitudes: xr.Dataset, cases: list[xr.Dataset]) -> str:
-    """The page with all that it needs, the same text for the same data."""
-    settings.compression_level = 6
-    html = file_html(_document(atlas, portraits, amplitudes, cases), INLINE)
-    # Bokeh gives the parts of a page new names every time
-    names = dict.fromkeys(re.findall(r"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}", html))
-    for index, name in enumerate(names):
-        html = html.replace(name, f"part-{index}")
-    return html
+    made = ", ".join(f"{key} {atlas.attrs[key]}" for key in ("version", "commit") if key in atlas.attrs)
+    parts = {
+        "STYLE": _read("page.css"),
+        "META": _as_script(meta),
+        "CONTENT": content,
+        "SCRIPT": "\n".join(_read(f"{name}.js") for name in SCRIPTS),
+        "PERIODS": f"{atlas.periods.item():g}",
+        "CELLS": shape,
+        "MADE": html.escape(made),
+    }
+    text = _read("page.html")
+    for name, part in parts.items():
+        text = text.replace(f"{{{{{name}}}}}", part)
+    return text

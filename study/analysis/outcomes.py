@@ -6,7 +6,7 @@ from jaxtyping import Float, Int8
 
 from study.datasets import flags
 from study.marching.result import NEWTON_FAILED, NOT_FINITE
-from study.observer.fate import ACCURATE, GROWN
+from study.observer.fate import ACCURATE, AT_REST, GROWN
 from study.observer.lyapunov import APART
 
 #: How a run can end, from best to worst.
@@ -22,6 +22,18 @@ OUTCOMES = (
 )
 
 OUTCOME_ATTRIBUTES = flags("how the run ended", OUTCOMES, np.int8)
+
+#: What each outcome of :func:`outcomes` means, for readers of the maps.
+EXPLANATIONS = (
+    f"the energy above rest stays within {100 * ACCURATE:g} % of that at the start",
+    f"the energy is wrong by more than {100 * ACCURATE:g} %, but none of what follows happens",
+    f"less than {100 * AT_REST:g} % of the energy is left at the end",
+    "the motion crosses a barrier for which it lacks the energy",
+    "neighbouring runs part until a difference of round-off is as large as the motion",
+    f"at the end the energy is more than {GROWN:g} times that at the start, or of the barrier if that is higher",
+    "Newton's iteration does not find the next step",
+    "the numbers overflow",
+)
 
 #: A place in ``OUTCOMES`` for each lane, shape (lanes,).
 Places = Int8[np.ndarray, "lanes"]

@@ -13,6 +13,7 @@ import xarray as xr
 
 from study.analysis.outcomes import OUTCOMES
 from study.analysis.recommendation import of_assessment
+from study.assessment.style import STYLE
 from study.writing import whole
 
 #: Colours that differ in greyscale and for the colour-blind, and markers that tell more curves apart.
@@ -25,33 +26,6 @@ WORST = 10.0
 #: Greys of outcomes from best to worst, and a letter for each.
 SHADES = np.linspace(1.0, 0.25, len(OUTCOMES))
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
-
-_STYLE = """
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, sans-serif; color: #111; background: #fff; max-width: 68rem; margin: auto;
-  padding: 1rem; }
-h1 { font-size: 1.6rem; line-height: 1.2; }
-h2 { font-size: 1.2rem; margin-top: 2rem; }
-.answer { border-left: .4rem solid #0072b2; padding: .3rem 1rem; background: #f2f7fb; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-th, td { padding: .25rem .7rem; text-align: right; border-bottom: 1px solid #ccc; white-space: nowrap; }
-th:first-child, td:first-child { text-align: left; }
-td.text { text-align: left; white-space: normal; min-width: 14rem; }
-figure { margin: 1rem 0; }
-figure svg { width: 100%; min-width: 36rem; height: auto; }
-figcaption { color: #444; font-size: .9rem; }
-pre { overflow-x: auto; background: #f5f5f5; padding: .7rem; }
-dl { display: grid; grid-template-columns: auto 1fr; gap: .2rem 1rem; }
-dt { font-weight: 600; }
-dd { margin: 0; overflow-wrap: anywhere; }
-@media (max-width: 600px) {
-  body { font-size: 15px; padding: .7rem; }
-  dl { grid-template-columns: 1fr; }
-  dd { margin-bottom: .5rem; }
-}
-@media print { body { max-width: none; } figure, tr { break-inside: avoid; } }
-"""
 
 
 def _percent(fraction: float) -> str:
@@ -113,7 +87,8 @@ def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, 
     """Values of every scheme against step size or time."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9, 5), layout="constrained")
+    # at the width of a phone the letters keep their size
+    figure = Figure(figsize=(5.4, 3.6 + 0.1 * assessed.sizes["scheme"]), layout="constrained")
     axes = figure.subplots()
     drawn = 0
     for s, name in enumerate(assessed.scheme.values):
@@ -134,7 +109,7 @@ def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, 
     axes.set(xscale="log", yscale="log", xlabel=label, ylabel=ylabel)
     axes.set_ylim(top=min(axes.get_ylim()[1], WORST))
     axes.grid(color="0.9")
-    figure.legend(loc="outside right upper", fontsize="small", frameon=False)
+    figure.legend(loc="outside lower center", ncols=2, fontsize="small", frameon=False)
     return svg_of(figure)
 
 
@@ -159,7 +134,7 @@ def _maps(assessed: xr.Dataset) -> str:
     panels[0].set_yticks(range(assessed.sizes["excitation"]), [f"{x:g}" for x in assessed.excitation.values])
     figure.supxlabel("step size, s", fontsize=10)
     figure.supylabel("multiple of start and load", fontsize=10)
-    return svg_of(figure)
+    return svg_of(figure).replace("<svg", '<svg class="wide"', 1) if columns > 2 else svg_of(figure)
 
 
 def figure_of(svg: str, caption: str) -> str:
@@ -209,13 +184,12 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         caption = (
             f"Every run, those of the ladder joined; dashed, the errors asked for. {quantity}, relative to its peak."
         )
-        parts.append(figure_of(_curves(assessed, "dt", "step size, s", values, "error", limits), caption))
-        parts.append(
-            figure_of(
-                _curves(assessed, "time", "time of a run, s", values, "error", limits),
-                "The same against the time that a run takes, at the time of a step of a long run.",
-            )
+        against_step = figure_of(_curves(assessed, "dt", "step size, s", values, "error", limits), caption)
+        against_time = figure_of(
+            _curves(assessed, "time", "time of a run, s", values, "error", limits),
+            "The same against the time that a run takes, at the time of a step of a long run.",
         )
+        parts.append(f'<div class="pair">{against_step}{against_time}</div>')
         for limit in limits:
             parts.append(f"<p><b>{_percent(limit)}</b></p>{_needs(of_assessment(assessed, limit, quantity), titles)}")
     if np.isfinite(assessed.energy_imbalance).any():
@@ -268,7 +242,7 @@ def document(title: str, parts: Iterable[str]) -> str:
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{_text(title)}</title><style>{_STYLE}</style></head>"
+        f"<title>{_text(title)}</title><style>{STYLE}</style></head>"
         f"<body><h1>{_text(title)}</h1>{''.join(parts)}</body></html>\n"
     )
 

@@ -12,7 +12,7 @@ import xarray as xr
 from typing_extensions import TypedDict
 
 from study import datasets
-from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcomes
+from study.analysis.outcomes import EXPLANATIONS, OUTCOME_ATTRIBUTES, outcomes
 from study.equilibrium.newton import MAX_ITERATIONS
 from study.marching.result import NEWTON_FAILED
 from study.marching.run import run
@@ -27,6 +27,9 @@ from study.problem.named import problems as problems_by_name
 #: Part of a period by which consecutive samples move around an orbit, as nearly as the steps allow. The golden section
 #: is the number that fractions approximate worst, so the samples spread over the whole orbit.
 GOLDEN = (5**0.5 - 1) / 2
+
+#: Part of a period between two samples of the beginning of a run, at most, unless its steps are longer.
+EARLY = 1 / 20
 
 
 def _prime(most: int) -> int:
@@ -110,7 +113,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def _numbers_held(options: Options, configuration: Mapping) -> float:
     portraits = options["portraits"]
     on_maps = _number_of_amplitudes(configuration) * options["dt_over_period"]["count"]
-    return len(options["problems"]) * (8 * on_maps + 3 * portraits["points"] ** 2 * portraits["samples"])
+    return len(options["problems"]) * (8 * on_maps + 5 * portraits["points"] ** 2 * portraits["samples"])
 
 
 @experiment(
@@ -148,7 +151,7 @@ def atlas(
         Length of the runs in periods T.
     portraits
         ``points`` is the largest number of amplitudes, and of step sizes, at which samples are kept; ``samples`` is
-        the number of samples after the first.
+        the number of samples after the first, of the whole run and of its beginning.
     tile
         Number of the part, from 0 on.
 
@@ -156,6 +159,8 @@ def atlas(
     -------
     maps, samples : xarray.Dataset
         Variables of shape (scheme, problem, amplitude, dt_over_period), and of the samples also (..., sample).
+        ``early_u`` and ``early_v`` are samples of the first periods, at most T/20 or a step apart, so that a line
+        through them is the orbit; the others are spread over the whole run.
 
     Raises
     ------
@@ -176,13 +181,16 @@ def atlas(
     # a prime number of steps: on an orbit that closes after some steps, samples could otherwise all fall on one point;
     # at least two, because a sample at every step would be another program
     every = np.array([_prime(max(2, round(spacing / part))) for part in parts])
+    # the beginning is marched with a sample at every step, which one program does for all step sizes, and then thinned
+    early_every = np.maximum(1, (EARLY / parts + 1e-9).astype(int))
+    early_steps = int(portraits["samples"] * early_every[sampled_parts].max())
     maps: dict[str, list] = {}
     samples: dict[str, list] = {}
     for problem in problems:
         progress(f"stability of {scheme} on {problem}")
         definition, of_problem = problems_by_name[problem], exact.sel(problem=problem)
         u0, period, fate = of_problem.u0.values, of_problem.period.values, Fate.of(definition)
-        for part, apart, is_sampled in zip(parts, every, sampled_parts, strict=True):
+        for part, apart, early_apart, is_sampled in zip(parts, every, early_every, sampled_parts, strict=True):
             runs = run(
                 definition,
                 scheme,
@@ -196,11 +204,24 @@ def atlas(
             )
             for variable, column in _column(runs, part * period).items():
                 maps.setdefault(variable, []).append(column)
-            for variable in ("u", "v", "height") if is_sampled else ():
-                samples.setdefault(variable, []).append(_single(runs[variable].values[sampled]))
+            if not is_sampled:
+                continue
+            begun = run(
+                definition,
+                scheme,
+                dt=part * period,
+                steps=min(early_steps, round(periods / part)),
+                u0=u0,
+                samples=early_steps,
+                on_failure="ignore",
+            )
+            early = {f"early_{name}": begun[name][:, :: int(early_apart)] for name in ("u", "v")}
+            for variable, values in {**{name: runs[name] for name in ("u", "v", "height")}, **early}.items():
+                chosen = values.values[sampled, : portraits["samples"] + 1]
+                samples.setdefault(variable, []).append(_single(chosen))
     dims = ("problem", "amplitude", "dt_over_period")
     attributes = {
-        "outcome": OUTCOME_ATTRIBUTES,
+        "outcome": {**OUTCOME_ATTRIBUTES, "flag_explanations": "; ".join(EXPLANATIONS)},
         "at_step": {"long_name": "step at which it began, -1 where the run is accurate", "units": "1"},
         "max_energy_error": {
             "long_name": "largest error of the energy over its height above rest, NaN where the run failed",
@@ -211,7 +232,9 @@ def atlas(
             "units": "1",
         },
         "lyapunov_exponent": {"long_name": "largest Lyapunov exponent of the numerical map", "units": "s-1"},
-    } | {name: runs[name].attrs for name in samples}
+        "early_u": {"long_name": "displacement in the first periods", "units": "1"},
+        "early_v": {"long_name": "velocity in the first periods", "units": "s-1"},
+    } | {name: runs[name].attrs for name in ("u", "v", "height")}
 
     def labelled(found, exact, parts, title, *along):
         """A dataset out of lists of columns, one for each problem and step size: amplitudes before step sizes."""
@@ -247,6 +270,11 @@ def atlas(
             maps, exact, parts, f"What becomes of {periods} periods with every scheme, over step size and amplitude"
         ),
         portrait.assign_coords(
-            every=("dt_over_period", every[sampled_parts], {"long_name": "steps between two samples", "units": "1"})
+            every=("dt_over_period", every[sampled_parts], {"long_name": "steps between two samples", "units": "1"}),
+            early_every=(
+                "dt_over_period",
+                early_every[sampled_parts],
+                {"long_name": "steps between two samples of the first periods", "units": "1"},
+            ),
         ),
     )

@@ -7,6 +7,8 @@ import xarray as xr
 from typing_extensions import TypedDict
 
 from study.marching.run import run
+from study.observer.base import Observer
+from study.observer.fate import Fate, Height
 from study.pipeline import coordinates
 from study.pipeline.checks import less_than_a_step
 from study.pipeline.command import progress
@@ -31,7 +33,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def _numbers_held(options: Options, configuration: Mapping) -> float:
-    return 4 * _number_of_steps(options, configuration)
+    return 5 * _number_of_steps(options, configuration)
 
 
 @experiment(
@@ -43,17 +45,15 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
     values=_numbers_held,
 )
 def phase_portrait(problem: str, schemes: Sequence[str], dt: float, duration: float) -> xr.Dataset:
-    """Compute displacement, velocity and energy error of every scheme over time at one step size.
+    """Compute displacement, velocity and energy of every scheme over time at one step size.
 
-    ``dt`` and ``duration`` are in seconds. The energy error is (E − E₀)/|E₀| in percent. The variables have the shape
-    (scheme, t).
+    ``dt`` and ``duration`` are in seconds. The energy error is (E − E₀)/|E₀| in percent; ``height`` is the energy above
+    rest over that at the start. The variables have the shape (scheme, t).
     """
     progress(f"phase portraits of {problem}")
     steps = round(duration / dt)
-    runs = [
-        run(problem, scheme, dt=dt, steps=steps, observe=["trajectory", "energy_error"], on_failure="ignore")
-        for scheme in schemes
-    ]
+    observe: list[str | Observer] = ["trajectory", "energy_error", Height(Fate.of(problem).rest)]
+    runs = [run(problem, scheme, dt=dt, steps=steps, observe=observe, on_failure="ignore") for scheme in schemes]
     dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(coordinates.scheme_coordinates(schemes))
     dataset["dt"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})
     dataset.attrs = {

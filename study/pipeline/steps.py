@@ -37,9 +37,8 @@ class Step:
         Whether nothing else may run beside it, as it measures times.
     quick
         Whether its jobs take seconds, so that none of them is worth a place on a cluster.
-    captions, category
-        Caption of each job's output in the report of the pipeline, and the heading there; without a heading it is left
-        out.
+    report
+        What the report of the pipeline lists: by output, and by the name of the job, the heading and the label there.
     """
 
     name: str
@@ -49,8 +48,7 @@ class Step:
     temporary: bool = False
     alone: bool = False
     quick: bool = False
-    captions: Mapping[str, str] = field(default_factory=dict)
-    category: str = ""
+    report: Mapping[str, Mapping[str, tuple[str, str]]] = field(default_factory=dict)
 
 
 def dataset(name: str) -> str:
@@ -132,7 +130,9 @@ def _drawn(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
         return Job(command(one.page, *files), (files[0], *map(str, sources.of(one.page))))
 
     jobs = {name: job(name) for name in one.jobs(configuration)}
-    return Step(f"{one.name}_page", f"Page of {one.name}", (_page(f"{one.makes[0]}/{{job}}"),), jobs)
+    output = _page(f"{one.makes[0]}/{{job}}")
+    listed = {output: {name: (f"{one.name.capitalize()}s", name) for name in jobs}}
+    return Step(f"{one.name}_page", f"Page of {one.name}", (output,), jobs, report=listed)
 
 
 def steps_of(experiments: Iterable[Experiment | Merged], configuration: Mapping, sources: Sources) -> list[Step]:

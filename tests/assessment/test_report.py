@@ -1,5 +1,7 @@
 """The page of an assessment, and the command that writes it."""
 
+import contextlib
+import io
 import re
 from html.parser import HTMLParser
 
@@ -10,6 +12,7 @@ import study
 from study.__main__ import main
 from study.assessment.load import Unloadable, load
 from study.problem.definition import Problem
+from tests.browser import WIDTHS, check_page, needs_browser, set_width
 
 MODEL = """
 import jax.numpy as jnp
@@ -45,20 +48,42 @@ class _Balanced(HTMLParser):
             assert self.open.pop() == tag
 
 
-def test_the_command_writes_a_dataset_and_a_page_of_its_own(model, tmp_path, capsys):
+@pytest.fixture(scope="module")
+def assessed(model, tmp_path_factory):
+    """Dataset and page of the command, without their suffixes, and what it printed."""
+    swing = tmp_path_factory.mktemp("assessed") / "swing"
     words = ["assess", f"{model}:swing", "--duration", "12", "--error", "0.05", "--schemes", "rk4", "newmark"]
-    main([*words, "--output", str(tmp_path / "swing")])
-    printed = capsys.readouterr().out
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        main([*words, "--output", str(swing)])
+    return swing, printed.getvalue()
+
+
+def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
+    swing, printed = assessed
     assert "For 5 % of displacement: " in printed and "force_evaluations" in printed
-    ds = xr.load_dataset(tmp_path / "swing.nc")
+    ds = xr.load_dataset(swing.with_suffix(".nc"))
     assert ds.attrs["command"].startswith("study assess ") and ds.attrs["processor"]
-    page = (tmp_path / "swing.html").read_text()
+    page = swing.with_suffix(".html").read_text()
     _Balanced().feed(page)
     text = re.sub("<svg.*?</svg>", "", page, flags=re.DOTALL)
     assert "a &lt;swing&gt; &amp; more" in text and "<swing>" not in text
     assert not re.search(r"(src|href)=|@import|url\(", text) and "http" not in text
     assert text.index("For 5 % of displacement") < text.index("<h2>")
     assert "heyoka" in text and study.__version__ in text
+
+
+@needs_browser
+def test_the_page_fits_screens_and_paper(assessed, browser):
+    page = assessed[0].with_suffix(".html")
+    for width in WIDTHS:
+        set_width(browser, width)
+        browser.get(page.as_uri())
+        check_page(browser)
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    set_width(browser, 700)  # A4 less its margins; what paper cuts off cannot be scrolled to
+    right = "[...document.querySelectorAll('.scroll > *, pre, dd, p')].map((one) => one.getBoundingClientRect().right)"
+    assert max(browser.execute_script(f"return {right}")) <= 700
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
 
 
 @pytest.mark.parametrize(

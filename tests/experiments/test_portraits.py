@@ -64,6 +64,18 @@ def test_samples_are_those_of_the_run(whole):
     assert 15 < 12 * every * one.dt_over_period < 20
 
 
+def test_the_beginning_of_a_run_is_sampled_closely(whole):
+    _, portraits = whole
+    assert portraits.early_every.values.tolist() == [5, 1, 1]
+    for place, every in enumerate([5, 1]):
+        one = portraits.isel(scheme=0, amplitude=1, dt_over_period=place).sel(problem="softening")
+        dt = (one.dt_over_period * one.period).item()
+        run = study.run("softening", "rk4", dt=dt, steps=12 * every, u0=one.u0.item(), every=every)
+        np.testing.assert_allclose(one.early_u, run.u, atol=1e-6)
+        np.testing.assert_allclose(one.early_v, run.v, atol=1e-6)
+    assert every * one.dt_over_period < 1 / 5
+
+
 def test_tiles_make_up_the_whole(orbits, whole, monkeypatch):
     monkeypatch.chdir(orbits[1])
     parts = zip(*(atlas(**OPTIONS, tile=tile, tiles=2) for tile in (0, 1)), strict=True)

@@ -1,5 +1,6 @@
 """The pipeline in copies of the project."""
 
+import hashlib
 import os
 import shutil
 import subprocess
@@ -8,6 +9,22 @@ from pathlib import Path
 
 PROJECT = Path(__file__).parents[2]
 SMALL = Path("tests", "pipeline", "small.yaml")
+#: Products of measured times, which differ from run to run, and what is made of them.
+TIMED = {
+    "cpu_time",
+    "reference_agreement",
+    "work_precision",
+    "recommendation",
+    "solvers",
+    "families",
+    "needs",
+    "decision",
+    "claims",
+    "numbers",
+    "tables",
+    "manuscript",
+    "supplement",
+}
 
 
 def copied(target: Path) -> Path:
@@ -32,3 +49,13 @@ def make(folder: Path, *products: str, **options) -> None:
     """Make products below the results, or all."""
     done = call_snakemake(folder, *(f"results/{product}" for product in products), **options)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+
+
+def hashes_of(folder: Path) -> dict[str, str]:
+    """Digests of the products in a folder that do not depend on measured times, by their paths below the results."""
+    files = (p for p in (folder / "results").rglob("*") if p.is_file())
+    return {
+        p.relative_to(folder / "results").as_posix(): hashlib.sha256(p.read_bytes()).hexdigest()
+        for p in files
+        if p.relative_to(folder / "results").parts[0] not in {"logs", "benchmarks"} and p.stem not in TIMED
+    }

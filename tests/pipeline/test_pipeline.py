@@ -1,7 +1,6 @@
 """The whole pipeline as `make` runs it, in a copy of the project, on a small study."""
 
 import csv
-import hashlib
 import json
 import shutil
 import signal
@@ -17,25 +16,13 @@ from study.pipeline import configuration
 from study.pipeline.experiment import discover
 from study.pipeline.sources import Sources
 from study.pipeline.steps import steps_of
+from tests.browser import needs_browser
 from tests.pipeline.additions import ADDED
-from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, make
+from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, hashes_of, make
+from tests.pipeline.report import check_contents, check_explorer
 from tests.pipeline.texts import check_latex, check_ledger
 from tests.test_readme import check_the_results_of_the_readme
 from tests.torture import torture
-
-#: Products of measured times, which differ from run to run, and what is made of them.
-TIMED = {
-    "cpu_time",
-    "reference_agreement",
-    "work_precision",
-    "recommendation",
-    "solvers",
-    "families",
-    "needs",
-    "claims",
-    "numbers",
-    "manuscript",
-}
 
 # one worker runs this whole file, so that the pipeline runs once for all of it
 pytestmark = pytest.mark.slow
@@ -65,19 +52,10 @@ def _would_run(folder: Path) -> set[str]:
     return {path.relative_to("results").with_suffix("").as_posix() for path in pending}
 
 
-def _hashes(folder: Path) -> dict[str, str]:
-    files = (p for p in (folder / "results").rglob("*") if p.is_file())
-    return {
-        p.relative_to(folder / "results").as_posix(): hashlib.sha256(p.read_bytes()).hexdigest()
-        for p in files
-        if p.relative_to(folder / "results").parts[0] not in {"logs", "benchmarks"} and p.stem not in TIMED
-    }
-
-
 def test_everything_is_made(project):
     results = project / "results"
     assert (results / "manuscript.pdf").read_bytes().startswith(b"%PDF")
-    assert (results / "explorer.html").stat().st_size > 1e6
+    assert (results / "explorer.html").read_text().endswith("</html>\n")
     for figure in ("hardening", "softening", "instability", "double_well", "energy_history", "energy_drift"):
         for suffix in (".pdf", ".png", ".svg"):
             assert (results / "figures" / f"{figure}{suffix}").stat().st_size > 5000
@@ -133,9 +111,9 @@ def test_one_core_gives_the_same_bytes_as_two(project, tmp_path):
     products = {"energy_drift.nc", "sensitivity.nc", "figures/energy_drift.svg", "stability/tiles/rk4_0.nc"}
     done = call_snakemake(again, "--cores", "1", *(f"results/{product}" for product in products))
     assert done.returncode == 0, done.stderr[-4000:]
-    made = _hashes(again)
+    made = hashes_of(again)
     assert products <= set(made)
-    assert made.items() <= _hashes(project).items()
+    assert made.items() <= hashes_of(project).items()
 
 
 def _jobs_that_read(source: str) -> set[str]:
@@ -203,7 +181,7 @@ def test_products_that_cannot_be_used_are_put_aside_and_made_again(project, copy
         assert len(said) < 1000
     for name in ("reference/hardening.nc", "energy_drift.nc"):
         assert f"'results/{name}' is kept as 'results/{name}.unusable', and the next call makes it again." in said
-    hashes, expected = _hashes(copy), _hashes(project)
+    hashes, expected = hashes_of(copy), hashes_of(project)
     assert all(hashes[name] == expected[name] for name in ("energy_drift.nc", "energy_error.nc"))
 
 
@@ -228,7 +206,7 @@ def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
     there = {path: path.stat().st_mtime_ns for path in (stability / "tiles").iterdir()}
     make(copy, "stability/atlas.nc")
     assert {path: path.stat().st_mtime_ns for path in there} == there
-    assert _hashes(copy)["stability/atlas.nc"] == _hashes(project)["stability/atlas.nc"]
+    assert hashes_of(copy)["stability/atlas.nc"] == hashes_of(project)["stability/atlas.nc"]
 
 
 @pytest.mark.parametrize(
@@ -243,11 +221,11 @@ def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
 )
 def test_a_wrong_configuration_stops_before_any_work(project, tmp_path, text, sentence):
     (tmp_path / "wrong.yaml").write_text(text)
-    before = _hashes(project)
+    before = hashes_of(project)
     done = call_snakemake(project, overlays=[SMALL, tmp_path / "wrong.yaml"])
     assert done.returncode != 0
     assert sentence in done.stdout + done.stderr and "Traceback" not in done.stderr
-    assert _hashes(project) == before
+    assert hashes_of(project) == before
 
 
 def test_an_archive_alone_makes_a_figure_again(project, tmp_path):
@@ -267,10 +245,28 @@ def test_an_archive_alone_makes_a_figure_again(project, tmp_path):
     assert figure.read_bytes() == (project / "results" / "figures" / "instability.svg").read_bytes()
 
 
-@pytest.mark.parametrize("arguments", [["--lint"], ["--rulegraph"], ["--report", "report.html"]])
-def test_the_tools_of_snakemake_work(project, arguments):
-    done = call_snakemake(project, *arguments)
+@pytest.mark.parametrize("argument", ["--lint", "--rulegraph"])
+def test_the_tools_of_snakemake_work(project, argument):
+    done = call_snakemake(project, argument)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+
+
+@pytest.fixture(scope="module")
+def report(project):
+    """The page of Snakemake's report, among its files."""
+    done = call_snakemake(project, "--report", "report.zip")
+    assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+    shutil.unpack_archive(project / "report.zip", project / "unpacked")
+    return project / "unpacked" / "report" / "report.html"
+
+
+def test_the_report_opens_on_a_description_and_lists_what_was_made(project, report):
+    check_contents(report, project / "results")
+
+
+@needs_browser
+def test_the_explorer_opens_within_the_report(report, browser):
+    check_explorer(report, browser)
 
 
 def test_what_is_added_in_one_file_is_made(copy):

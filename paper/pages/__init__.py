@@ -1,0 +1,1 @@
+"""Tables and ledger as pages, which the report of the pipeline shows."""

@@ -1,0 +1,29 @@
+"""All tables on one page."""
+
+from typing import Any
+
+import pandas as pd
+
+from paper.pages.document import document, table_of, text_of
+from paper.products import discover, page
+
+#: The tables by name; the ledger has a page of its own.
+_TABLES = {one.name: one for one in discover(["tables"]) if one.kind == "table" and one.name != "claims"}
+_FILES: dict[str, Any] = {name: f"tables/{name}.csv" for name in _TABLES}
+
+
+def _title(name: str) -> str:
+    words = name.replace("_", " ").replace("cpu", "CPU")
+    return text_of(words[0].upper() + words[1:])
+
+
+def _section(name: str, frame: pd.DataFrame) -> str:
+    about = (_TABLES[name].function.__doc__ or "").strip().splitlines()[0]
+    return f'<h2 id="{name}">{_title(name)}</h2><p class="note">{text_of(about)}</p>{table_of(frame)}\n'
+
+
+@page("All tables of the study.", **_FILES)
+def tables(**frames: pd.DataFrame) -> str:
+    """The page, with links to its tables first."""
+    links = "".join(f'<li><a href="#{name}">{_title(name)}</a></li>' for name in frames)
+    return document("Tables", [f"<nav><ul>{links}</ul></nav>", *(_section(*one) for one in frames.items())])

@@ -1,0 +1,61 @@
+"""Pages in a browser that reaches no network."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+needs_browser = pytest.mark.skipif(
+    not (CHROMIUM and DRIVER), reason="needs chromium and chromedriver (Debian: chromium, chromium-driver)"
+)
+#: Widths in pixels of a phone, a tablet and a large screen.
+WIDTHS = (390, 800, 1600)
+
+
+def start(profile: Path) -> Any:
+    """A browser without a window, which keeps what it stores in a folder."""
+    from selenium import webdriver
+
+    assert CHROMIUM and DRIVER  # needs_browser skips the test otherwise
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for argument in (
+        "headless",
+        "no-sandbox",
+        "disable-gpu",
+        "no-first-run",
+        "disable-background-networking",
+        "disable-component-update",
+        "disable-sync",
+        "proxy-server=127.0.0.1:9",
+        f"user-data-dir={profile}",
+    ):
+        options.add_argument(f"--{argument}")
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+    driver.set_script_timeout(60)
+    return driver
+
+
+def wait(browser: Any, script: str) -> Any:
+    """What a script returns as soon as that is true."""
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    return WebDriverWait(browser, 60, poll_frequency=0.05).until(lambda b: b.execute_script(script))
+
+
+def set_width(browser: Any, width: int, height: int = 1000) -> None:
+    """Give the browser a screen of some width; one as narrow as a phone's is a phone's."""
+    size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+
+
+def check_page(browser: Any) -> None:
+    """Check that a page is no wider than the screen, has no error, and loaded nothing from elsewhere."""
+    width, screen = browser.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
+    assert width <= screen
+    assert [entry for entry in browser.get_log("browser") if entry["level"] != "INFO"] == []
+    loaded = browser.execute_script("return performance.getEntriesByType('resource').map((entry) => entry.name)")
+    assert [name for name in loaded if not name.startswith("data:")] == []

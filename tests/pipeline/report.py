@@ -1,0 +1,41 @@
+"""What the report of Snakemake must show."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+from tests.browser import set_width, wait
+
+
+def check_contents(report: Path, results: Path) -> None:
+    """Check that the page of a report opens on a description and lists what was made."""
+    text = report.read_text()
+    told = {
+        name: json.loads(re.findall(rf"<script id=.*>\s*var {name} = (.*);\s*</script>", text)[0])
+        for name in ("categories", "results", "workflow_desc", "metadata")
+    }
+    assert told["metadata"]  # without any, the page opens on the graph of rules
+    headings = set(told["categories"])
+    assert headings == {"Article", "Explorer", "Figures", "Ledger of claims", "Tables"}
+    assert all(heading in told["workflow_desc"] for heading in headings)
+    listed = {Path(path).relative_to("results").as_posix() for path in told["results"]}
+    assert {"manuscript.pdf", "supplement.pdf", "explorer.html", "tables.html", "claims.html", "claims.csv"} <= listed
+    made = {*results.glob("figures/*.svg"), *results.glob("tables/*.csv")}
+    assert {path.relative_to(results).as_posix() for path in made} <= listed
+    labels = [result["labels"]["content"] for result in told["results"].values()]
+    assert all(labels) and len(set(labels)) == len(labels)
+
+
+def check_explorer(report: Path, browser: Any) -> None:
+    """Check that the explorer opens from the menu of a report."""
+    set_width(browser, 1400)
+    browser.get(report.as_uri())
+    wait(browser, "return document.querySelector('#app').innerText.includes('What to read first')")
+    browser.execute_script("app.showCategory('Explorer')")
+    wait(browser, "return document.querySelector('td a')").click()
+    browser.switch_to.frame(wait(browser, "return document.querySelector('iframe')"))
+    wait(browser, "return document.documentElement.dataset.ready !== undefined")
+    browser.switch_to.default_content()
+    # the page of the report itself warns of its own style sheets
+    assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []
