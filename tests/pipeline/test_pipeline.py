@@ -17,6 +17,7 @@ from study.pipeline import configuration
 from study.pipeline.experiment import discover
 from study.pipeline.sources import Sources
 from study.pipeline.steps import steps_of
+from tests.paper.figures.printing import faults_of_all
 from tests.pipeline.additions import ADDED
 from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, make
 from tests.test_readme import check_the_results_of_the_readme
@@ -83,6 +84,10 @@ def test_everything_is_made(project):
     for table in (results / "tables").glob("*.csv"):
         assert len(table.read_text().splitlines()) > 1
         assert "\\toprule" in table.with_suffix(".tex").read_text()
+
+
+def test_nothing_is_wrong_with_figures_as_they_are_printed(project):
+    assert faults_of_all(project / "results") == {}
 
 
 def test_datasets_explain_themselves(project):
