@@ -49,11 +49,12 @@ class _Sources:
 
     def of(self, *modules: str) -> list[str]:
         found = set(modules).union(*map(self._graph.find_upstream_modules, modules))
+        styles = [self._root / "paper" / "style.mplstyle"] if "paper.figures.style" in found else []
         paths = [self._root.joinpath(*name.split(".")) for name in sorted(found)]
         files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
         # beside the modules lie numbers that were printed in 1996, and what the page consists of
         beside = (path for folder in {path.parent for path in files} for path in folder.glob("*.*"))
-        return [str(path) for path in [*files, *sorted(path for path in beside if path.suffix in BESIDE)]]
+        return [str(path) for path in [*files, *styles, *sorted(path for path in beside if path.suffix in BESIDE)]]
 
 
 def _step(name: str, message: str, outputs: Iterable[str], jobs: dict[str, dict], **more: Any) -> dict[str, Any]:

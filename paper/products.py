@@ -2,16 +2,17 @@
 
 A declaration names the datasets that the product reads, by the arguments that take them, its caption, and what it asks
 of the configuration. The pipeline finds all declarations with :func:`discover`. One figure or page is made with
-``python -m paper.products MODULE NAME RESULTS OUTPUT``.
+``python -m paper.products MODULE NAME RESULTS OUTPUT``, and a figure at the width of a journal with ``--width MM``.
 """
 
+import argparse
 import functools
 import importlib
 import inspect
 import pkgutil
 import re
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -184,22 +185,47 @@ def made(product: Product, read: Callable[[str], Any]) -> Any:
     )
 
 
-def main(module: str, name: str, results: str, output: str) -> None:
-    """Make one figure, in all its formats next to ``output``, or one page."""
+def main(module: str, name: str, results: str, output: str, width: float | None = None) -> None:
+    """Make one figure, in all its formats next to ``output``, or one page.
+
+    A figure keeps its own width, or takes another in millimetres.
+
+    Raises
+    ------
+    SystemExit
+        If the module has no such product, or the product no width; the message is one sentence.
+    """
     importlib.import_module(module)
     of_module = [product for product in PRODUCTS.values() if product.module == module and product.name == name]
     if not of_module:
         raise SystemExit(f"{module} declares no product '{name}'.")
     (product,) = of_module
-    one = made(product, reader(Path(results)))
-    if product.kind == "figure":
-        # imported by name, so that only figures, whose modules import the style, depend on its source
-        importlib.import_module("paper.figures.style").save(one, Path(output))
-    else:
-        write(Path(output), one)
+    if product.kind != "figure":
+        if width is not None:
+            raise SystemExit(f"{product.label} has no width.")
+        write(Path(output), made(product, reader(Path(results))))
+        return
+    # imported by name, so that only figures, whose modules import the style, depend on its source
+    style = importlib.import_module("paper.figures.style")
+    picture = made(product, reader(Path(results)))
+    style.save(picture if width is None else style.at_width(picture, width), Path(output))
+
+
+def _width(text: str) -> float:
+    """A width in millimetres between those of a stamp and of a poster."""
+    with suppress(ValueError):
+        if 20 <= float(text) <= 2000:
+            return float(text)
+    raise argparse.ArgumentTypeError(f"'{text}' is no number of millimetres between 20 and 2000")
 
 
 if __name__ == "__main__":
     from paper import products  # the module that holds the declarations; the running one is a copy
 
-    products.main(*sys.argv[1:])
+    parser = argparse.ArgumentParser("python -m paper.products", description="Make one figure or page.")
+    for argument in ("module", "name", "results", "output"):
+        parser.add_argument(argument)
+    parser.add_argument(
+        "--width", type=_width, metavar="MM", help="width of a figure in millimetres, in place of its own"
+    )
+    products.main(**vars(parser.parse_args()))

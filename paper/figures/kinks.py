@@ -3,6 +3,7 @@
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from paper.data import of_kinds
 from paper.figures.style import PAGE, legend_in_gap, letter, looks, panels, wrapped
@@ -46,6 +47,7 @@ def draw(kinks: xr.Dataset) -> Figure:
             if np.isfinite(error).any():
                 ax.plot(steps, error, label=error.scheme_title.item(), **look)
         ax.set(xscale="log", yscale="log")
+        ax.xaxis.set_minor_formatter(NullFormatter())
         letter(ax, index, wrapped(of_problem.problem_title.item(), 12))
         if index + columns >= number:
             ax.set_xlabel("steps per period")

@@ -1,5 +1,7 @@
 """The Fermi-Pasta-Ulam chain: exchange of oscillatory energy between stiff springs, and its sum over long times."""
 
+from typing import Any
+
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -44,7 +46,7 @@ def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
             energy = f"oscillatory_energy_{spring}"
             ax.plot(one.t, one[energy], color=colour, linestyle=line, linewidth=0.8, label=f"spring {spring}")
             exact = one[f"reference_{energy}"]
-            marks = {
+            marks: dict[str, Any] = {
                 "marker": marker,
                 "markersize": 3,
                 "markerfacecolor": "none",

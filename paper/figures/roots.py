@@ -51,11 +51,11 @@ def draw(roots: xr.Dataset) -> Figure:
     picture = found.pcolormesh(roots.guess, roots.predictor, houbolt, cmap=SHADES, rasterized=True)
     figure.colorbar(picture, ax=found, label="displacement found")
     found.set(xlabel="displacement at which Newton starts", ylabel="predicted displacement")
-    for start, line in zip(roots.start.values, ("-", ":"), strict=True):
+    for start, dashes in zip(roots.start.values, ("-", ":"), strict=True):
         for tolerance, colour in zip(roots.newton_tolerance.values, COLOURS, strict=True):
             steps = roots.steps_together.sel(start=start, newton_tolerance=tolerance).clip(min=1)
-            label = f"tolerance $10^{{{np.log10(tolerance):.0f}}}$" if line == "-" else None
-            together.semilogy(roots.dt, steps, line, color=colour, linewidth=0.9, label=label)
+            label = f"tolerance $10^{{{np.log10(tolerance):.0f}}}$" if dashes == "-" else None
+            together.semilogy(roots.dt, steps, dashes, color=colour, linewidth=0.9, label=label)
     together.plot([], [], ":", color="0.4", label="Newton starts from zero")
     together.set(xlabel="step size Δt (s)", ylabel="steps until two runs differ")
     together.legend(**BELOW)

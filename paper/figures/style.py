@@ -136,15 +136,15 @@ def legend_below(figure: Figure, columns: int, axes: Axes | None = None, handles
 
 def legend_in_gap(figure: Figure, axes: np.ndarray, number: int, columns: int) -> None:
     """A legend in place of the panels after the first ``number`` ones, or below all panels if there is none."""
-    first, *others = axes.ravel()[number:] if number < axes.size else [None]
+    if number == axes.size:
+        legend_below(figure, columns)
+        return
+    place, *others = axes.ravel()[number:]
     for unused in others:
         unused.remove()
-    if first is None:
-        legend_below(figure, columns)
-    else:
-        first.axis("off")
-        handles = axes.flat[0].get_legend_handles_labels()[0]
-        first.legend(handles=handles, loc="center left", borderaxespad=0, handlelength=2.2)
+    place.axis("off")
+    handles = axes.flat[0].get_legend_handles_labels()[0]
+    place.legend(handles=handles, loc="center left", borderaxespad=0, handlelength=2.2)
 
 
 def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, list[tuple[xr.Dataset, np.ndarray]]]:
@@ -165,7 +165,7 @@ def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, 
     legend = max(0.08 * len(titles) + 0.31 * sum(title.count("\n") + 1 for title in titles) for titles in entries)
     figure = empty(PAGE, rows * (height + 0.3) + legend + 1.7)  # titles and labels take the rest
     grid = figure.add_gridspec(rows + 1, len(parts), height_ratios=[height] * rows + [legend])
-    columns = []
+    columns: list[tuple[xr.Dataset, np.ndarray]] = []
     for index, (name, part) in enumerate(parts.items()):
         axes: list[Axes] = []
         for row in range(rows):
@@ -208,7 +208,7 @@ def save(figure: Figure, output: Path) -> None:
         write(output.with_suffix(suffix), content.getvalue())
 
 
-def widened(figure: Figure, millimetres: float) -> Figure:
-    """The figure at another width and its own height; panels take the room, and text keeps its size."""
+def at_width(figure: Figure, millimetres: float) -> Figure:
+    """The figure at another width. It keeps its height and the size of its text, and panels fill the room."""
     figure.set_figwidth(millimetres / 10 * _CM)
     return figure

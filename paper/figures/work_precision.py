@@ -36,9 +36,9 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
         one = data.sel(problem=problem)
         for column, (ax, (measure, title)) in enumerate(zip(row, MEASURES.items(), strict=True)):
             peer = one.sel(solver="heyoka")
-            peer = abs(peer[f"solver_{measure}"]).where(peer.solver_max_trajectory_error < 1)
             if cost == "time_per_run":
-                ax.plot(one.solver_time_per_run.sel(solver="heyoka"), peer, "-*", color="0.6", label="heyoka")
+                reached = abs(peer[f"solver_{measure}"]).where(peer.solver_max_trajectory_error < 1)
+                ax.plot(peer.solver_time_per_run, reached, "-*", color="0.6", label="heyoka")
             sizes = losses.sel(problem=problem) if measure == "amplitude_decay" else abs(one[measure])
             known = sizes.where((one.flagged.sel(measure=measure) == 0) & (sizes > FLOOR))
             for name, look in looks(one.scheme).items():

@@ -1,10 +1,11 @@
-"""Files that are no datasets of the study are refused with one sentence."""
+"""How datasets are read: files that are none are refused with one sentence, and errors that mean nothing left out."""
 
+import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
 
-from paper.data import SOURCE, load, load_table
+from paper.data import SOURCE, load, load_table, loss_of_amplitude, of_kinds
 from study import datasets
 
 
@@ -45,3 +46,26 @@ def test_tables_are_read_as_texts(tmp_path):
     pd.DataFrame({"a": ["1.0", ""]}).to_csv(path, index=False)
     path.write_text('a,b\n1.0,""\n')
     assert load_table(path).to_dict("records") == [{"a": "1.0", "b": ""}]
+
+
+def test_a_ripple_of_the_amplitude_is_no_loss():
+    """A loss per period does not depend on the length of the run; a ripple is divided by it."""
+    steps = np.array([8, 16, 32, 64, 128])
+    loss = 1.0 / steps**3
+    ripple = np.array([3.0, -2.0, 1.0, -1.0, 0.5])
+    late = np.where(steps < 30, 0.1, 1.0) * loss  # saturated at large steps
+    per_period = np.stack([np.outer(loss, [1, 1]), np.outer(ripple, [1 / 3, 1 / 100]), np.stack([loss, late], 1)])
+    errors = xr.Dataset(
+        {"amplitude_decay": (("scheme", "steps_per_period", "periods"), per_period)},
+        {"steps_per_period": steps, "periods": [3, 100]},
+    )
+    found = loss_of_amplitude(errors, 3, 100).values
+    np.testing.assert_allclose(found[0], loss)
+    assert np.isnan(found[1]).all()
+    np.testing.assert_array_equal(np.isnan(found[2]), steps < 30)
+
+
+def test_chosen_schemes_come_in_the_order_of_the_choice_or_the_first_ones_stand_in():
+    dataset = xr.Dataset(coords={"scheme": ["a", "b", "c"]})
+    assert of_kinds(dataset, ["c", "x", "a"]).scheme.values.tolist() == ["c", "a"]
+    assert of_kinds(dataset, ["x", "y"]).scheme.values.tolist() == ["a", "b"]

@@ -1,8 +1,16 @@
 """The plan of the paper."""
 
+from pathlib import Path
+
 import pytest
 
 from paper import plan, products
+
+
+def test_what_is_drawn_depends_on_the_style_and_what_is_counted_does_not():
+    steps = {step["name"]: step["jobs"] for step in plan.steps_of(products.discover(), Path("."))}
+    assert "paper/style.mplstyle" in steps["figure"]["instability"]["inputs"]
+    assert "paper/style.mplstyle" not in steps["claims"][""]["inputs"]
 
 
 def test_a_dataset_that_is_not_made_is_told_with_its_reader():

@@ -170,6 +170,20 @@ def test_a_figure_is_one_new_file(tmp_path):
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert all((tmp_path / f"own{suffix}").stat().st_size > 1000 for suffix in (".pdf", ".png", ".svg"))
+    assert b'width="238.32pt"' in (tmp_path / "own.svg").read_bytes()  # the style of the figures
+    done = subprocess.run([*command, "--width", "90"], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert b'width="255.118' in (tmp_path / "own.svg").read_bytes()
+    for width in ("9", "wide"):
+        done = subprocess.run(
+            [*command, "--width", width], cwd=tmp_path, env=environment, capture_output=True, text=True
+        )
+        assert f"'{width}' is no number of millimetres between 20 and 2000" in done.stderr
+
+
+def test_a_page_has_no_width():
+    with pytest.raises(SystemExit, match=r"page 'explorer' has no width\."):
+        products.main("paper.explorer.page", "explorer", ".", "explorer.html", width=90)
 
 
 def test_an_unknown_product_is_refused_in_a_sentence():

@@ -17,6 +17,7 @@ from study.pipeline.experiment import discover
 from study.pipeline.sources import Sources
 from study.pipeline.steps import steps_of
 from tests.browser import needs_browser
+from tests.paper.figures.printing import faults_of_all
 from tests.pipeline.additions import ADDED
 from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, hashes_of, make
 from tests.pipeline.report import check_contents, check_explorer
@@ -67,6 +68,10 @@ def test_everything_is_made(project):
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no TeX is installed")
 def test_the_latex_sources_compile_to_the_same_content(project, tmp_path):
     check_latex(project, tmp_path)
+
+
+def test_nothing_is_wrong_with_figures_as_they_are_printed(project):
+    assert faults_of_all(project / "results") == {}
 
 
 def test_datasets_explain_themselves(project):

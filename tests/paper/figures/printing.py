@@ -2,15 +2,18 @@
 
 import itertools
 import re
+from pathlib import Path
 from typing import NamedTuple
 from unittest import mock
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from paper.figures.style import COLUMN, PAGE
+from paper.products import discover, made, reader
 
 #: Smallest type in points, and how many points two texts may share at their edges.
 SMALLEST, SHARED = 7.0, 1.0
@@ -67,3 +70,14 @@ def faults(figure: Figure) -> list[str]:
         if shared is not None and min(shared.width, shared.height) > SHARED:
             found.append(f"'{one.words}' and '{other.words}' overlap")
     return found
+
+
+def faults_of_all(results: Path) -> dict[str, list[str]]:
+    """The faults of each figure of a folder of results, as far as it has any."""
+    read, found = reader(results), {}
+    for product in discover(["figures"]):
+        if product.kind == "figure":
+            picture = made(product, read)
+            found[product.name] = faults(picture)
+            plt.close(picture)
+    return {name: sentences for name, sentences in found.items() if sentences}

@@ -111,6 +111,15 @@ def test_the_style_serves_other_figures():
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "7.0 False\n"
 
 
+@pytest.mark.parametrize("width", [90, 190])
+def test_a_figure_fits_the_width_of_a_journal(width, tmp_path):
+    figure = style.at_width(draw(_spectral(3)), width)
+    assert faults(figure) == [f"{width / 10:.1f} cm is no width of the manuscript"]
+    save(figure, tmp_path / "own.pdf")
+    assert plt.imread(tmp_path / "own.png").shape[1] == int(width / 25.4 * plt.rcParams["savefig.dpi"])
+    plt.close(figure)
+
+
 def test_the_same_figure_gives_the_same_files(tmp_path):
     for folder in ("first", "second"):
         (tmp_path / folder).mkdir()
