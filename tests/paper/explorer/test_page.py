@@ -191,6 +191,23 @@ def test_the_run_under_the_mouse_is_shown_and_a_click_keeps_it(browser, page, da
 
 
 @needs_browser
+def test_a_tap_keeps_a_run_on_a_phone(browser, page):
+    from selenium.webdriver.common.actions.action_builder import ActionBuilder
+    from selenium.webdriver.common.actions.pointer_input import PointerInput
+
+    _open(browser, page, width=390)
+    corner = "const {left, top, width, height} = document.querySelector('canvas').getBoundingClientRect()"
+    x, y = browser.execute_script(f"{corner}; return [left + width / 16, top + height / 24]")
+    finger = ActionBuilder(browser, mouse=PointerInput("touch", "finger"))
+    finger.pointer_action.move_to_location(int(x), int(y)).pointer_down().pointer_up()
+    finger.perform()
+    wait(browser, "return location.hash !== ''")
+    run = [float(x) for x in _address(browser)["run"].split(",")]
+    assert run == pytest.approx([AMPLITUDES[-1], PARTS[0]], rel=1e-3)
+    check_page(browser)
+
+
+@needs_browser
 def test_a_map_obeys_the_keyboard(browser, page):
     from selenium.webdriver import Keys
 
