@@ -182,7 +182,7 @@ claim_printed_error(
 
 @claim(
     "3.1",
-    "With α the same β and γ are significantly more accurate.",
+    "The parameter α makes Newmark with the same β and γ significantly more accurate.",
     "ratio of the errors without and with α, smallest and largest over the step sizes, hardening",
     words="the introduction of the extra parameter α has improved the accuracy significantly",
     reads=["energy_error"],

@@ -119,7 +119,7 @@ def newmark_should_never_be_used(data):
 
 @claim(
     "5",
-    "The α-method damps less than these three.",
+    "The α-method damps less than Newmark (γ = 0.6), Houbolt and Wilson.",
     "largest ratio of its error to the smallest of theirs, all step sizes of both springs",
     words="The numerical damping of the α-method is not as strong as that of the Newmark method",
     reads=["energy_error"],
@@ -191,7 +191,7 @@ def other_schemes_at_large_steps(data):
 
 @claim(
     "5",
-    "At such large steps they are sometimes chaotic.",
+    "At such large steps the other schemes are sometimes chaotic.",
     "distance of two runs that start 10⁻¹⁰ apart in the double well at Δt = 2.5, the larger of its last two values",
     words="and sometimes chaotic",
     reads=["sensitivity"],

@@ -23,14 +23,14 @@ def order_does_not_matter(data):
     order = kinks.observed_order.sel(scheme="rk4")
     low, high = float(order.min()), float(order.max())
     lost, gains = high < LOST, max(gain.values()) > GAINED
-    reason = f"the order is {'lost' if lost else 'kept'}, the smaller error {'kept' if gains else 'lost'}"
+    reason = f"the order is {'lost' if lost else 'kept'}, the smaller error is {'kept' if gains else 'lost'}"
     holds = lost and not gains
     return Finding(f"{listed(gain, data, '.2g')}; order {low:.1f} to {high:.1f}", holds, "" if holds else reason)
 
 
 @claim(
     "materials",
-    "The balance of energies tells whether the motion of a yielding structure is right.",
+    "The balance of energies shows whether the motion of a yielding structure is right.",
     "error of the displacement and of the balance of average acceleration at the coarsest steps, in percent",
     whose=PRACTICE,
     reads=["kinks"],

@@ -28,7 +28,7 @@ def springs_agree(data):
 
 @claim(
     "3.2",
-    "Newmark (γ = 0.6), Houbolt and Wilson damp strongly here too.",
+    "On the softening spring Newmark (γ = 0.6), Houbolt and Wilson damp strongly too.",
     "signed energy error at the end, softening at T/20",
     words="Strong numerical damping is again observed",
     reads=["phase_portrait/softening"],

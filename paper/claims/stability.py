@@ -9,7 +9,7 @@ from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_199
 
 @claim(
     "stability",
-    "Δt < T/20 is reasonable for average acceleration, at every amplitude and for long.",
+    "Δt < T/20 is reasonable for average acceleration at every amplitude and over long times.",
     f"steps a period that keep the energy within {REASONABLE:g} % over the longest runs at all amplitudes, by problem",
     whose=XIE_EXTENDED,
     reads=["stability/robustness"],

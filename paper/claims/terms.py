@@ -38,6 +38,8 @@ APART = 0.1
 CHAOTIC = 0.05
 #: Number of different stays in a well above which jumps are "irregular".
 IRREGULAR = 5
+#: Largest distance from a whole number of the steps that an oscillation takes "in resonance" with the step.
+RESONANT = 0.05
 #: Largest range of a displacement "at rest".
 AT_REST = 0.01
 #: Least order found of a scheme that "is of second order".

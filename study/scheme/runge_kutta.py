@@ -177,7 +177,7 @@ class Gauss4(OneStep):
     ----------
     E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, section II.1.
     P. C. Hammer, J. W. Hollingsworth, Trapezoidal methods of approximating solutions of differential equations, Math.
-    Tables Aids Comput. 9(51), 1955, 92-96.
+    Tables Aids Comput. 9, 1955, 92-96.
     J. C. Butcher, Implicit Runge-Kutta processes, Math. Comput. 18(85), 1964, 50-64.
     """
 

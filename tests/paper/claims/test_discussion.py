@@ -7,7 +7,7 @@ import xarray as xr
 from paper.claims import discussion, double_well
 from paper.claims.ledger import Verdict
 from paper.published import SCHEMES
-from tests.paper.claims.made_up import DAMPED, filled
+from tests.paper.claims.made_up import DAMPED, energy_error, filled
 
 #: Of 80 neighbours, four are a twentieth.
 STEPS = [round(0.01 * k, 2) for k in range(1, 82)]
@@ -98,3 +98,22 @@ def test_unconditionally_stable_is_up_to_round_off(excess, holds):
     radius = filled(1 + excess, scheme=SCHEMES, damping_ratio=[0.0], dt_over_period=[0.1])
     data = {"spectral": radius.to_dataset(name="spectral_radius")}
     assert discussion.five_are_unconditionally_stable(data).holds == holds
+
+
+@pytest.mark.parametrize("steps, verdict", [(20.04, Verdict.QUALIFIED), (20.06, Verdict.REPRODUCED)])
+def test_the_best_scheme_is_an_accident_only_in_a_resonance(steps, verdict):
+    drift = xr.Dataset({"steps_per_oscillation": ("steps_per_period", [steps])}, {"steps_per_period": [20.0]})
+    finding = discussion.runge_kutta_is_best(energy_error(rk4=0.1) | {"energy_drift": drift})
+    assert finding.verdict == verdict
+
+
+@pytest.mark.parametrize(
+    "flags, verdict",
+    [((1, 1), Verdict.QUALIFIED), ((1, 2), Verdict.REPRODUCED), ((0, 1), Verdict.NOT_REPRODUCED)],
+)
+def test_explicit_schemes_find_no_solution_if_both_fail(flags, verdict):
+    status = xr.DataArray(list(flags), {"scheme": ["central_difference", "rk4"]}, ["scheme"])
+    status.attrs["flag_meanings"] = "complete not_finite newton_not_converged"
+    portrait = xr.Dataset({"status": status, "failed_at_step": status + 6})
+    finding = double_well.explicit_schemes_fail({"phase_portrait/double_well": portrait})
+    assert finding.verdict == verdict and "rk4: " in finding.ours and finding.ours.endswith(f"at step {flags[1] + 6}")
