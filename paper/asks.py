@@ -41,6 +41,11 @@ def rising(key: str) -> Ask:
     return lambda values: None if values == sorted(values) else f"{key} must rise, not {values}."
 
 
+def fourfold(key: str) -> Ask:
+    """Require that a list holds four times its first number."""
+    return lambda values: None if 4 * values[0] in values else f"{key} lacks {4 * values[0]}, four times the first."
+
+
 def spans(key: str, *values: float) -> Ask:
     """Require that a range from ``first`` to ``last`` includes some values."""
 

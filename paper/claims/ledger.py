@@ -23,6 +23,7 @@ class Verdict(StrEnum):
     REPRODUCED = "reproduced"
     QUALIFIED = "reproduced with a qualification"
     NOT_REPRODUCED = "not reproduced"
+    UNDECIDED = "undecided"
 
 
 @dataclass(frozen=True)
@@ -30,16 +31,19 @@ class Finding:
     """Our value as a text, whether the claim holds, and a qualification.
 
     A claim that holds with a qualification is reproduced with that qualification. If a claim does not hold, its
-    qualification is the reason.
+    qualification is the reason. A claim that the noise of measured times leaves open is not decided.
     """
 
     ours: str
     holds: bool
     qualification: str = ""
+    decided: bool = True
 
     @property
     def verdict(self) -> Verdict:
-        """Verdict from ``holds`` and ``qualification``."""
+        """Verdict from ``decided``, ``holds`` and ``qualification``."""
+        if not self.decided:
+            return Verdict.UNDECIDED
         if not self.holds:
             return Verdict.NOT_REPRODUCED
         return Verdict.QUALIFIED if self.qualification else Verdict.REPRODUCED

@@ -26,6 +26,7 @@ def of_claims(claims: pd.DataFrame) -> dict:
             f"{prefix}_reproduced": int(count.get(Verdict.REPRODUCED, 0)),
             f"{prefix}_qualified": int(count.get(Verdict.QUALIFIED, 0)),
             f"{prefix}_not_reproduced": int(count.get(Verdict.NOT_REPRODUCED, 0)),
+            f"{prefix}_undecided": int(count.get(Verdict.UNDECIDED, 0)),
         }
     verdicts = claims.set_index("claim")["verdict"]
     return counts | {"verdicts_confirmed": bool((verdicts[JUDGED] != Verdict.NOT_REPRODUCED).all())}

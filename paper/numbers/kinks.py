@@ -2,6 +2,7 @@
 
 import xarray as xr
 
+from paper.asks import fourfold
 from paper.products import numbers
 
 #: Problems with a history, and those with any kink but contact.
@@ -24,7 +25,8 @@ def _orders(kinks: xr.Dataset, problem: str, *schemes: str) -> str:
     kinks="kinks",
     asks={
         "kinks.problems": ["hardening", "yielding", "hysteretic", "bouncing", "shaken"],
-        "kinks.schemes": ["average_acceleration", "rk4", "yoshida4"],
+        "kinks.schemes": ["average_acceleration", "central_difference", "rk4", "yoshida4"],
+        "kinks.steps_per_period": fourfold("kinks.steps_per_period"),
     },
 )
 def of_kinks(kinks: xr.Dataset) -> dict:
@@ -34,10 +36,17 @@ def of_kinks(kinks: xr.Dataset) -> dict:
     of_rk4 = kinks.observed_order.sel(scheme="rk4", problem=KINKED)
     average, rk4 = (coarsest.error.sel(scheme=name) for name in ("average_acceleration", "rk4"))
     gain = {p: float(average.sel(problem=p) / rk4.sel(problem=p)) for p in ("hardening", *KINKED)}
+    # a step of the Runge-Kutta method takes four forces, one of central difference takes one
+    at_equal_forces = kinks.error.sel(scheme="central_difference", steps_per_period=4 * coarsest.steps_per_period)
+    equal = {p: float(at_equal_forces.sel(problem=p) / rk4.sel(problem=p)) for p in KINKED}
+    highest = kinks.observed_order.sel(problem=[*KINKED, "bouncing"]).max()
     balance = coarsest.max_energy_imbalance.sel(problem=REMEMBER, scheme="average_acceleration")
     return {
         "order_lost_on_kinks": bool((of_rk4 < LOST).all()),
         "accuracy_kept_on_kinks": min(gain[p] for p in KINKED) > GAINED,
+        "equal_forces_undo_it": sum(ratio < 1 for ratio in equal.values()) > len(equal) / 2,
+        **{f"kinks_equal_{p}": f"{ratio:.2g}" for p, ratio in equal.items()},
+        "kinks_highest_order": f"{float(highest):.1f}",
         "balance_is_no_verdict": bool(
             balance.max() < KEPT and average.sel(problem="yielding") > 1e4 * balance.max() / 100
         ),

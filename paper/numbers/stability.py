@@ -5,7 +5,7 @@ import xarray as xr
 
 from paper.asks import contained, rising
 from paper.claims.ledger import by_name
-from paper.claims.terms import CHAOTIC, DAMPED
+from paper.claims.terms import CHAOTIC, DAMPED, DISSIPATIVE
 from paper.products import numbers
 from paper.published import PROBLEMS
 from paper.tables.outcomes_near_1996 import FAILURES, SPAN, is_outcome, near_1996
@@ -119,6 +119,7 @@ def of_stability(
     pendulum = exponents.sel(problem="pendulum", scheme="average_acceleration")
     near = near_1996(atlas)
     by_scheme = {name: is_outcome(near, name).any(["problem", "amplitude", "dt_over_period"]) for name in FAILURES}
+    at_rest = by_scheme["damped_to_rest"]
     untouched = ~(by_scheme["chaotic"] | by_scheme["growing"] | by_scheme["not_finite"])
     return {
         "maps": atlas.sizes["scheme"] * atlas.sizes["problem"],
@@ -129,8 +130,9 @@ def of_stability(
         "map_chaotic_schemes": int(by_scheme["chaotic"].sum()),
         "map_untouched": ", ".join(atlas.scheme_title.values[untouched.values]) or "none",
         "damped_end_at_rest": bool(
-            is_outcome(near, "damped_to_rest").any(["problem", "amplitude", "dt_over_period"]).sel(scheme=DAMPED).all()
+            (at_rest & ~by_scheme["chaotic"] & ~by_scheme["growing"]).sel(scheme=DISSIPATIVE).all()
         ),
+        "robust_schemes": robustness.sizes["scheme"],
         "twenty_not_everywhere": bool((of_both <= 10).all() and (at_all_amplitudes > 20).any()),
         "chaos_before_roots": bool(
             bifurcation.dt.values[chaotic.values.argmax()] < roots.unique_up_to.sel(scheme="average_acceleration")

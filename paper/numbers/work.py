@@ -99,12 +99,17 @@ def of_all_measures(recommendation: xr.Dataset) -> dict:
     explicit = dict(zip(recommendation.scheme.values, recommendation.explicit.values == 1, strict=True))
     fastest = recommendation.cheapest_scheme.values.ravel()
     fastest = fastest[fastest != ""]
+    implicit = recommendation.scheme.values[recommendation.explicit.values == 0]
+    ties = (recommendation.ties_with_fastest.sel(scheme=implicit) == 1).any("scheme").values.ravel()
+    names = recommendation.cheapest_scheme.values.ravel()
+    tied_by_implicit = [bool(tie) and explicit[name] for name, tie in zip(names, ties, strict=True) if name]
     won = sum(explicit[name] for name in fastest)
     close = recommendation.cheapest_scheme.sel(measure="max_energy_error", error=recommendation.error < 0.01).values
     tied = (recommendation.ties_with_fastest.sum("scheme") > 1).sum()
     return {
         "work_of_all": fastest.size,
         "work_explicit_of_all": won,
+        "work_explicit_tied": sum(tied_by_implicit),
         "explicit_wins_most": won > fastest.size / 2,
         "work_ranking_of_all": _counted(fastest, titles),
         "work_ties": int(tied),

@@ -31,10 +31,10 @@ def _sizes(data: xr.Dataset, measure: str) -> xr.DataArray:
 
 
 def _with_ties(table: pd.DataFrame) -> pd.DataFrame:
-    """The table by time, with a column that tells which times differ from the least by no more than both spreads."""
+    """The table by time, with a column that tells whose interquartile range, about the median, meets the fastest's."""
     table = table.sort_values("time")
     slower_by = table["time"] - table["time"].iloc[:1].squeeze()
-    ties = slower_by <= table["time_spread"] + table["time_spread"].iloc[:1].squeeze()
+    ties = slower_by <= (table["time_spread"] + table["time_spread"].iloc[:1].squeeze()) / 2
     table.insert(table.columns.get_loc("time_spread") + 1, "ties_with_fastest", ties)
     return table
 
@@ -170,7 +170,7 @@ def recommend(
         By ``scheme``: the step (of an assessment ``dt`` and ``steps`` of the run, of a problem of the study
         ``steps_per_period``), the ``error`` at that step, ``time`` of all steps in seconds (a call of :func:`study.run`
         adds less than a millisecond) with its interquartile range ``time_spread``, ``ties_with_fastest`` where the
-        times differ by no more than their spreads, ``force_evaluations`` and ``verdict``. Schemes of an assessment for
+        interquartile ranges of the times meet, ``force_evaluations`` and ``verdict``. Schemes of an assessment for
         which no step was found are last.
 
     Raises

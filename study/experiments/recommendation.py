@@ -19,7 +19,7 @@ _NEEDS = {
     "time_spread": {"long_name": "interquartile range of the time of the run", "units": "s"},
     "force_evaluations": {"long_name": "forces evaluated in the run", "units": "1"},
     "ties_with_fastest": {
-        "long_name": "1 where the time differs from the least by no more than both spreads",
+        "long_name": "1 where the interquartile range of the time meets that of the least",
         "units": "1",
     },
 }

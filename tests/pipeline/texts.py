@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import study
+from paper.claims.ledger import Verdict
 
 PDFLATEX = ["pdflatex", "-interaction=nonstopmode"]
 
@@ -34,7 +35,7 @@ def check_ledger(results: Path) -> None:
     """Every claim is decided, in words that can be printed."""
     claims = list(csv.DictReader((results / "claims.csv").read_text().splitlines()))
     assert len(claims) >= 35
-    assert {c["verdict"] for c in claims} <= {"reproduced", "reproduced with a qualification", "not reproduced"}
+    assert {c["verdict"] for c in claims} <= {*Verdict}
     for claim in claims:
         assert claim["verdict"] == "reproduced" or claim["reason"], claim["claim"]
         printed = f"{claim['ours']} {claim['reason']}"

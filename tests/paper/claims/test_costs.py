@@ -3,6 +3,7 @@
 import pytest
 
 from paper.claims import costs
+from paper.claims.ledger import Verdict
 from tests.paper.claims.made_up import times
 
 
@@ -17,6 +18,7 @@ from tests.paper.claims.made_up import times
 def test_much_less_is_decided_by_the_quartiles(repeats, holds, reason):
     finding = costs.central_difference_is_cheap(times(central_difference=repeats))
     assert (finding.holds, finding.qualification) == (holds, reason)
+    assert (finding.verdict == Verdict.UNDECIDED) == ("do not decide" in reason)
 
 
 @pytest.mark.parametrize("time, holds", [(9.9, False), (14.9, True), (15.1, False)])
