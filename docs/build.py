@@ -16,6 +16,7 @@ from sphinx.cmd.build import build_main
 import study
 from docs import filled, interface
 from docs.data import OF_SCHEMES, Data
+from docs.links import problems
 from docs.plan import PRODUCTS
 from docs.scheme_page import Library, scheme_page
 from docs.scheme_table import index_page
@@ -56,7 +57,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
     Raises
     ------
     SystemExit
-        If Sphinx warns of anything.
+        If Sphinx warns of anything, a link leads nowhere, or a page loads something from elsewhere.
     """
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
     results, output = results.absolute(), output.absolute()
@@ -71,6 +72,8 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
                 raise SystemExit("the site is not built: the lines above say what Sphinx warns of.")
         for name in PRODUCTS:
             shutil.copy(results / name, unfinished)
+        if found := problems(unfinished):
+            raise SystemExit("\n".join(found))
         if output.exists():
             output.rename(before)
         unfinished.rename(output)

@@ -2,12 +2,16 @@
 
 import html
 import io
+import math
 import re
 
 from matplotlib import rc_context, rcParams
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
+from docs.text import RAISED
 from paper.figures.style import OUTCOME_STYLES  # whose settings hold for these figures too
 
 #: Colours that a page replaces by its own, see ``static/site.css``: of text and lines, of what stands out, of others.
@@ -20,12 +24,25 @@ PANEL = (3.5, 2.7)
 _SETTINGS = {"font.family": ["DejaVu Sans", "sans-serif"], "font.size": 9, "svg.fonttype": "none"}
 
 
-def panel(width: float = PANEL[0], height: float = PANEL[1]) -> tuple[Figure, Axes]:
-    """A figure with one panel, which a page sets beside others where it has room."""
+def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
+    """A figure with one panel, which a page sets beside others where it has room.
+
+    Parameters
+    ----------
+    logarithmic
+        Axes that are logarithmic: "x", "y", "xy" or none.
+    """
     with rc_context(_SETTINGS):
-        figure = Figure(figsize=(width, height), facecolor="none")
-        axes = figure.subplots()
+        # margins that suit every panel; a layout that measures all texts takes most of the time
+        figure = Figure(figsize=PANEL, facecolor="none", layout="none")
+        axes = figure.add_axes((0.17, 0.18, 0.8, 0.72))
         axes.set_facecolor("none")
+        for name in logarithmic:
+            axes.set(**{f"{name}scale": "log"})
+            axis = getattr(axes, f"{name}axis")
+            # typesetting as mathematics takes longer than the rest
+            axis.set_major_formatter(lambda value, _: "10" + str(round(math.log10(value))).translate(RAISED))
+            axis.set_minor_formatter(NullFormatter())
         axes.grid(color=OTHER, linewidth=0.3, alpha=0.6)
         axes.set_axisbelow(True)
         return figure, axes
@@ -41,7 +58,7 @@ def svg(figure: Figure, label: str) -> str:
     """
     with rc_context(_SETTINGS | {"svg.hashsalt": rcParams["svg.hashsalt"]}):
         written = io.StringIO()
-        figure.savefig(written, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
+        FigureCanvasSVG(figure).print_svg(written, metadata={"Date": None, "Creator": None})
     text = written.getvalue()
     text = text[text.index("<svg") :].strip()
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)

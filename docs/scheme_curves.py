@@ -17,13 +17,13 @@ BESIDE = {"average_acceleration": "--", "central_difference": ":"}
 def linear_theory(subject: "Subject", library: "Library") -> str:
     """Spectral radius, elongation of the period and numerical damping over the step size."""
     drawn = [
-        ("radius", "spectral radius", (1e-2, 1e2), (0.0, 1.5), "log"),
-        ("elongation", "relative elongation of the period", (0.0, 0.4), (-0.4, 0.6), "linear"),
-        ("damping", "numerical damping ratio", (0.0, 0.4), (-0.02, 0.25), "linear"),
+        ("radius", "spectral radius", (1e-2, 1e2), (0.0, 1.5), "x"),
+        ("elongation", "relative elongation of the period", (0.0, 0.4), (-0.4, 0.6), ""),
+        ("damping", "numerical damping ratio", (0.0, 0.4), (-0.02, 0.25), ""),
     ]
     panels = []
-    for name, label, horizontal, vertical, scale in drawn:
-        figure, axes = panel()
+    for name, label, horizontal, vertical, logarithmic in drawn:
+        figure, axes = panel(logarithmic)
         shown = (PARTS >= max(horizontal[0], 5e-3)) & (PARTS <= horizontal[1])
         for other, line in BESIDE.items():
             if other != subject.name and other in library.schemes:
@@ -34,7 +34,7 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
         axes.plot(PARTS[shown], np.clip(values, -9, 9), color=ACCENT, lw=2, label=subject.scheme.title)
         if name == "radius":
             axes.axhline(1.0, color=INK, lw=0.6)
-        axes.set(xscale=scale, xlim=horizontal, ylim=vertical, xlabel="step size over period", ylabel=label)
+        axes.set(xlim=horizontal, ylim=vertical, xlabel="step size over period", ylabel=label)
         axes.legend(frameon=False, fontsize=8)
         panels.append(svg(figure, f"{label} of {subject.scheme.title} over the step size"))
     caption = (

@@ -71,6 +71,8 @@ def equations(lines: list[str]) -> str:
 def _value(value: Any) -> str:
     if isinstance(value, tuple):
         return "(" + ", ".join(map(_value, value)) + ")"
+    if isinstance(value, study.Scheme):
+        return value.title
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

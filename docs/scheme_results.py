@@ -106,7 +106,7 @@ def maps(subject: "Subject", data: Data) -> str:
     panels, rows = [], []
     for problem, title in _titles(one).items():
         map_ = one.sel(problem=problem)
-        figure, axes = panel()
+        figure, axes = panel("xy")
         outcome_map(axes, map_, subject.theory.limit)
         axes.grid(visible=False)
         axes.set_title(title)
@@ -170,7 +170,7 @@ def work(subject: "Subject", data: Data) -> str:
         return _not_run("measured times")
     panels, rows = [], []
     for problem, title in _titles(one).items():
-        figure, axes = panel()
+        figure, axes = panel("xy")
         for name in [*everything.scheme.values[everything.scheme.values != subject.name], subject.name]:
             run = everything.sel(problem=problem, scheme=name, periods=_LONG)
             error = abs(run.max_trajectory_error)
@@ -181,7 +181,7 @@ def work(subject: "Subject", data: Data) -> str:
                 else {"color": OTHER, "lw": 0.7}
             )
             axes.plot(run.force_evaluations, known, **look)
-        axes.set(xscale="log", yscale="log", xlabel=f"forces in {_LONG} periods", ylabel="largest error, relative")
+        axes.set(xlabel=f"forces in {_LONG} periods", ylabel="largest error, relative")
         axes.set_ylim(top=3)
         axes.set_title(title)
         panels.append(svg(figure, f"Error of {subject.scheme.title} on the {title} over the forces evaluated"))

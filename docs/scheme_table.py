@@ -98,8 +98,7 @@ ticks keep some schemes side by side.
 {meanings}
 
 Order, stability, damping and memory follow from the code of each scheme by automatic differentiation. Times were
-measured on the machine that made this site. `study.recommend` and the page on {{doc}}`/how_to/choose` compare schemes at equal
-error.
+measured on the machine that made this site. {{doc}}`/how_to/choose` compares schemes at equal error.
 
 ```{{toctree}}
 :hidden:
@@ -111,4 +110,4 @@ error.
         "Table of time integration schemes for structural dynamics: order, stability limit, spectral radius, period "
         "elongation, numerical damping, cost. Newmark, Wilson, Houbolt, HHT, generalized-α, Bathe, Runge-Kutta."
     )
-    return described(description, text)
+    return described(description, text, hide_toc=True)

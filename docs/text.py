@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterable, Mapping
 
+#: Digits and a minus as exponents.
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 #: Below this a fraction is zero to round-off.
 _ZERO = 1e-6
 
@@ -15,11 +17,8 @@ def number(value: float, digits: int = 3) -> str:
         return "∞"
     if value and not 1e-3 <= abs(value) < 1e5:
         mantissa, exponent = f"{value:.{max(digits - 2, 0)}e}".split("e")
-        return f"{mantissa}·10{str(int(exponent)).translate(_RAISED)}"
+        return f"{mantissa}·10{str(int(exponent)).translate(RAISED)}"
     return f"{float(format(value, f'.{digits}g')):g}".replace("-", "−")
-
-
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def percent(fraction: float, digits: int = 2) -> str:
@@ -48,7 +47,8 @@ def listed(words: Iterable[str]) -> str:
     return f"{', '.join(others)} and {last}" if others else last
 
 
-def described(description: str, body: str) -> str:
-    """A page in Markdown with the sentence that search engines show."""
+def described(description: str, body: str, hide_toc: bool = False) -> str:
+    """A page in Markdown with the sentence that search engines show, and without a list of its headings if asked."""
     sentence = description.replace('"', "'")
-    return f'---\nmyst:\n  html_meta:\n    description: "{sentence}"\n---\n\n{body}'
+    hidden = "hide-toc: true\n" if hide_toc else ""
+    return f'---\n{hidden}myst:\n  html_meta:\n    description: "{sentence}"\n---\n\n{body}'
