@@ -43,13 +43,13 @@ def is_equation(paragraph: list[str]) -> bool:
 
 
 def paragraphs_of(lines: Iterable[str]) -> list[list[str]]:
-    """The lines between empty lines."""
+    """The lines between empty lines; equations after a colon are a paragraph of their own."""
     found: list[list[str]] = [[]]
     for line in lines:
+        if not line.strip() or (found[-1] and found[-1][-1].endswith(":") and is_equation([line])):
+            found.append([])
         if line.strip():
             found[-1].append(line)
-        elif found[-1]:
-            found.append([])
     return [paragraph for paragraph in found if paragraph]
 
 

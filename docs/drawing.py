@@ -4,6 +4,7 @@ import html
 import io
 import math
 import re
+from typing import Any
 
 from matplotlib import rc_context, rcParams
 from matplotlib.axes import Axes
@@ -21,7 +22,7 @@ _NAMES = {INK: "currentColor", ACCENT: "var(--curve)", OTHER: "var(--curve-other
 #: Width and height of a panel in inches.
 PANEL = (3.5, 2.7)
 
-_SETTINGS = {"font.family": ["DejaVu Sans", "sans-serif"], "font.size": 9, "svg.fonttype": "none"}
+_SETTINGS: Any = {"font.family": ["DejaVu Sans", "sans-serif"], "font.size": 9, "svg.fonttype": "none"}
 
 
 def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
@@ -34,7 +35,8 @@ def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
     """
     with rc_context(_SETTINGS):
         # margins that suit every panel; a layout that measures all texts takes most of the time
-        figure = Figure(figsize=PANEL, facecolor="none", layout="none")
+        figure = Figure(figsize=PANEL, facecolor="none")
+        figure.set_layout_engine("none")
         axes = figure.add_axes((0.17, 0.18, 0.8, 0.72))
         axes.set_facecolor("none")
         for name in logarithmic:

@@ -50,9 +50,9 @@ def _beside(results: Path) -> Iterator[None]:
 
 def names_of(text: str, results: Path) -> dict[str, Any]:
     """What the lines of code of a page define."""
-    names: dict[str, Any] = {"n": json.loads((results / NUMBERS).read_text(encoding="utf-8"))}
-    names |= {"listed": listed, "number": number, "percent": percent}
+    names: dict[str, Any] = {"listed": listed, "number": number, "percent": percent}
     with _beside(results):
+        names["n"] = json.loads(Path(results.name, NUMBERS).read_text(encoding="utf-8"))
         for code in _CODE.findall(text):
             exec(code, names)
     return names

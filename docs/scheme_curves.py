@@ -34,6 +34,8 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
         axes.plot(PARTS[shown], np.clip(values, -9, 9), color=ACCENT, lw=2, label=subject.scheme.title)
         if name == "radius":
             axes.axhline(1.0, color=INK, lw=0.6)
+        if name == "damping" and np.nanmin(values, initial=0.0) < vertical[0]:
+            vertical = (-vertical[1], vertical[1])  # a scheme that feeds energy
         axes.set(xlim=horizontal, ylim=vertical, xlabel="step size over period", ylabel=label)
         axes.legend(frameon=False, fontsize=8)
         panels.append(svg(figure, f"{label} of {subject.scheme.title} over the step size"))

@@ -86,6 +86,13 @@ def stability(theory: Theory) -> str:
     return f"without damping for ωΔt ≤ {number(theory.limit, 4)}, which is Δt ≤ {limit} T"
 
 
+def high_frequencies(theory: Theory) -> str:
+    """What becomes of modes that the step does not resolve, in a phrase."""
+    if math.isnan(theory.at_infinity):
+        return "unstable, as it is stable up to a step size only"
+    return f"spectral radius ρ∞ = {number(theory.at_infinity)} at infinite frequency"
+
+
 def forces(scheme: study.Scheme) -> str:
     """Forces that a step evaluates, in a phrase."""
     counted = [f"{scheme.evaluations} a step"] if scheme.evaluations else []
@@ -106,8 +113,7 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
             "order claimed": f"{scheme.order}{damped}",
             "order measured": measured,
             "stable": stability(theory),
-            "damping of high frequencies": f"spectral radius ρ∞ = {number(round(theory.at_infinity, 4))} at infinite "
-            "frequency",
+            "high frequencies": high_frequencies(theory),
             f"at {STEPS} steps a period": scheme_results.at_the_rule_of_thumb(theory, STEPS) + ", in linear theory",
             "forces": forces(scheme),
             "memory": f"{theory.memory} vectors of the size of u from step to step",
@@ -162,7 +168,8 @@ def scheme_page(subject: Subject, library: Library) -> str:
         "Work, precision and cost": scheme_results.work(subject, library.data),
         "Names in other codes": names_in_codes(subject.name),
         "Run it": _use(subject),
-        "References": "\n".join(f"- {markdown(work)}" for work in subject.text.references),
+        "References": "\n".join(f"- {markdown(work)}" for work in subject.text.references)
+        or "Its docstring names none.",
     }
     parts = [
         f"# {title}: numerical damping, stability, order and cost",

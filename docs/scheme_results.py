@@ -159,7 +159,7 @@ def _failures(subject: "Subject", data: Data) -> str:
             )
     if not found:
         return "At the amplitudes of 1996 no run fails, down to one step a period, though its energy may be wrong."
-    return f"At the amplitudes of 1996 runs fail {listed(found)}, as steps grow."
+    return f"At the amplitudes of 1996, with ever larger steps, runs first fail {listed(found)}."
 
 
 def work(subject: "Subject", data: Data) -> str:
@@ -175,12 +175,8 @@ def work(subject: "Subject", data: Data) -> str:
             run = everything.sel(problem=problem, scheme=name, periods=_LONG)
             error = abs(run.max_trajectory_error)
             known = error.where((run.flagged.sel(measure="max_trajectory_error") == 0) & (error > _FLOOR))
-            look = (
-                {"color": ACCENT, "lw": 2, "marker": "o", "ms": 4}
-                if name == subject.name
-                else {"color": OTHER, "lw": 0.7}
-            )
-            axes.plot(run.force_evaluations, known, **look)
+            color, width, marker = (ACCENT, 2.0, "o") if name == subject.name else (OTHER, 0.7, "")
+            axes.plot(run.force_evaluations, known, color=color, lw=width, marker=marker, ms=4)
         axes.set(xlabel=f"forces in {_LONG} periods", ylabel="largest error, relative")
         axes.set_ylim(top=3)
         axes.set_title(title)

@@ -43,7 +43,7 @@ def _cells(subject: Subject, library: Library) -> list[str | float]:
         scheme.order,
         scheme.damped_order,
         theory.limit,
-        round(theory.at_infinity, 4),
+        theory.at_infinity,
         100 * at(theory.elongation, 1 / STEPS),
         0.0 if abs(decay) < ROUND_OFF else 100 * decay,
         scheme.evaluations if scheme.explicit else scheme.evaluations_per_iteration,

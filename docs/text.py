@@ -17,7 +17,7 @@ def number(value: float, digits: int = 3) -> str:
         return "∞"
     if value and not 1e-3 <= abs(value) < 1e5:
         mantissa, exponent = f"{value:.{max(digits - 2, 0)}e}".split("e")
-        return f"{mantissa}·10{str(int(exponent)).translate(RAISED)}"
+        return f"{mantissa.replace('-', '−')}·10{str(int(exponent)).translate(RAISED)}"
     return f"{float(format(value, f'.{digits}g')):g}".replace("-", "−")
 
 

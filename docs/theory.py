@@ -27,7 +27,7 @@ class Theory(NamedTuple):
     limit
         ωΔt up to which the scheme is stable.
     at_infinity
-        Spectral radius at infinite frequency.
+        Spectral radius at infinite frequency; NaN for a scheme that is unstable there.
     memory
         Vectors of the size of u in the state that a step hands to the next.
     """
@@ -43,10 +43,15 @@ class Theory(NamedTuple):
     memory: int
 
 
+#: ρ∞ below this is zero: where roots at zero meet, round-off leaves the more of it the more of them there are.
+_NO_RADIUS = 5e-3
+
+
 def theory_of(scheme: study.Scheme) -> Theory:
     """Linear theory of a scheme."""
     undamped = study.LinearTheory(scheme, PARTS)
     motion = undamped.motion()
+    limit, at_infinity = undamped.stability_limit(), undamped.infinite_frequency_radius()
     return Theory(
         undamped.spectral_radius,
         motion.period_elongation,
@@ -54,8 +59,8 @@ def theory_of(scheme: study.Scheme) -> Theory:
         motion.amplitude_decay,
         undamped.order(),
         study.LinearTheory(scheme, PARTS, damping_ratio=DAMPED).order(),
-        undamped.stability_limit(),
-        undamped.infinite_frequency_radius(),
+        limit,
+        np.nan if np.isfinite(limit) else at_infinity * (at_infinity > _NO_RADIUS),
         undamped.matrices.shape[-1],
     )
 
