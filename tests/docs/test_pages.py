@@ -29,7 +29,7 @@ GALLERY = [page for page in filled.pages() if page.parent.name == "gallery" and 
 
 def blocks(page: Path, language: str) -> list[str]:
     """Blocks of code of a page."""
-    fenced = re.findall(r"^```(\w*)\n(.*?)^```$", page.read_text(), re.DOTALL | re.MULTILINE)
+    fenced = re.findall(r"^```([^\n]*)\n(.*?)^```$", page.read_text(), re.DOTALL | re.MULTILINE)
     return [block for written_in, block in fenced if written_in == language]
 
 
