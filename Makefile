@@ -13,13 +13,10 @@ OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER))
 .PHONY: study site test benchmark check lock torture archive citation clean
 
 # a product that could not be used is put aside, and the next call makes it again
-study: .venv/ready
+# the pages of the site, results/site/index.html, are made on request, with what is missing of the study
+study site: .venv/ready
 	@rm -f .snakemake/again
-	@until $(BIN)/snakemake $(OPTIONS) --configfile $(CONFIG); do test -e .snakemake/again || exit 1; rm .snakemake/again; done
-
-# the pages of the site, results/site/index.html, and what is missing of the study
-site: .venv/ready
-	$(BIN)/snakemake $(OPTIONS) site --configfile $(CONFIG)
+	@until $(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG); do test -e .snakemake/again || exit 1; rm .snakemake/again; done
 
 # pyproject.toml states the least coverage
 test: .venv/ready

@@ -55,6 +55,7 @@ def planned():
     """The plans of datasets, paper and site, which are kept until a source or the configuration changes."""
     text = yaml.safe_dump(config, sort_keys=False)
     sources = sorted(path for room in ("study", "reference", "paper", "docs") for path in Path(PROJECT, room).rglob("*.py"))
+    sources += sorted(Path(PROJECT, "docs").rglob("*.md"))  # pages name what they read
     key = hashlib.sha256("\0".join([sys.version, PROJECT, ROOT, text]).encode())
     for path in sources:
         key.update(str(path).encode() + path.read_bytes())

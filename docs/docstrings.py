@@ -90,7 +90,8 @@ def restructured(lines: list[str]) -> list[str]:
             section = paragraph[0].strip()
         if section == "References" and not paragraph[0].startswith((".. ", "[")):
             head = paragraph[:2] if paragraph[0].strip() == section else []
-            found += [*head, *(f"- {escaped(work)}" for work in references_of(paragraph[len(head) :])), ""]
+            # the backslash keeps an initial from being the letter of a list
+            found += [*head, *(f"- \\{escaped(work)}" for work in references_of(paragraph[len(head) :])), ""]
         elif section == "Examples":
             found += [*paragraph, ""]
         elif is_equation(paragraph):

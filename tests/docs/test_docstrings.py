@@ -49,4 +49,4 @@ def test_signs_of_markup_are_kept_as_text():
         ["With |u|:", "", "u = |v|", "", "References", "----------", "A book, 2006.", "Another, 2007."]
     )
     assert lines[:5] == [r"With \|u\|:", "", ".. rst-class:: equations", "", r"| u = \|v\|"]
-    assert lines[-3:] == ["- A book, 2006.", "- Another, 2007.", ""]
+    assert lines[-3:] == [r"- \A book, 2006.", r"- \Another, 2007.", ""]
