@@ -70,6 +70,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
             options = ["-q", "-n", "-W", "--keep-going", "-b", "html", "-c", str(Path(__file__).parent)]
             if build_main([*options, "-d", str(Path(folder, "trees")), str(sources), str(unfinished)]):
                 raise SystemExit("the site is not built: the lines above say what Sphinx warns of.")
+        (unfinished / ".buildinfo").unlink()  # a sum over paths of this machine, for builds that go on
         for name in PRODUCTS:
             shutil.copy(results / name, unfinished)
         if found := problems(unfinished):

@@ -65,6 +65,7 @@ def svg(figure: Figure, label: str) -> str:
     text = text[text.index("<svg") :].strip()
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r' (width|height)="[\d.]+pt"', "", text, count=2)
+    text = re.sub(r'<g id="[^"]*">', "<g>", text)  # names of parts, which would occur several times in a page
     for colour, name in _NAMES.items():
         text = re.sub(rf"(fill|stroke): {colour}\b", rf"\1: {name}", text)
     text = text.replace("<svg", f'<svg role="img" aria-label="{html.escape(label)}"', 1)

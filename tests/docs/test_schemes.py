@@ -78,6 +78,7 @@ def test_a_figure_has_the_colours_of_its_page_and_the_same_bytes():
     assert text == drawn()
     assert "var(--curve)" in text and "currentColor" in text and 'aria-label="a &quot;curve&quot;"' in text
     assert ACCENT not in text and "#ffffff" not in text and "\n\n" not in text and "10¹" in text
+    assert not re.search(r"<g id=", text)
 
 
 def test_numbers_as_they_stand_on_pages():
