@@ -115,7 +115,7 @@ def maps(subject: "Subject", data: Data) -> str:
         axes.minorticks_off()
         panels.append(svg(figure, f"How runs of {subject.scheme.title} on the {title} end, by step size and amplitude"))
         share = np.bincount(map_.outcome.values.ravel(), minlength=len(names)) / map_.outcome.size
-        rows.append([title, *(f"{100 * part:.0f} %" if part else "–" for part in share)])
+        rows.append([title, *(_share(part) for part in share)])
     periods = int(atlas.periods)
     caption = f"How runs of {periods} periods end over the step size and the amplitude, relative to that of 1996." + (
         _LIMIT if np.isfinite(subject.theory.limit) else ""
@@ -138,6 +138,10 @@ def maps(subject: "Subject", data: Data) -> str:
     return "\n\n".join(parts)
 
 
+def _share(part: float) -> str:
+    return "–" if part == 0 else "< 1 %" if part < 0.01 else f"{100 * part:.0f} %"
+
+
 def _steps(needed: float, robust: xr.Dataset) -> str:
     return f"more than {int(robust.most_steps)}" if np.isnan(needed) else f"{needed:.0f}"
 
@@ -155,11 +159,11 @@ def _failures(subject: "Subject", data: Data) -> str:
             first = int(np.argmax(status != 0))
             part = one.dt_over_period.values[first]
             found.append(
-                f"on the {title} from {number(1 / part)} steps a period on ({_FAILURES[names[int(status[first])]]})"
+                f"on the {title} at {number(1 / part)} steps a period ({_FAILURES[names[int(status[first])]]})"
             )
     if not found:
         return "At the amplitudes of 1996 no run fails, down to one step a period, though its energy may be wrong."
-    return f"At the amplitudes of 1996, with ever larger steps, runs first fail {listed(found)}."
+    return f"With ever larger steps, runs at the amplitudes of 1996 first fail {listed(found)}."
 
 
 def work(subject: "Subject", data: Data) -> str:
