@@ -1,6 +1,7 @@
 # `make` installs everything and makes the study; `make test` installs everything and runs the tests;
 # `make check` checks style and types; `make benchmark` measures speed; `make torture` kills the pipeline
-# again and again; `make archive` packs what it has made; `make latex` writes the LaTeX source of its texts; `make CLUSTER=slurm` makes it on a cluster.
+# again and again; `make archive` packs what it has made; `make latex` writes the LaTeX source of its texts; `make site`
+# makes the pages of the site from it; `make CLUSTER=slurm` makes the study on a cluster.
 
 PYTHON ?= python3
 CONFIG ?= config/study.yaml
@@ -9,12 +10,13 @@ BIN := .venv/bin
 CLUSTER ?=
 OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER))
 
-.PHONY: study test benchmark check lock torture archive latex citation clean
+.PHONY: study site test benchmark check lock torture archive latex citation clean
 
 # a product that could not be used is put aside, and the next call makes it again
-study: .venv/ready
+# the pages of the site, results/site/index.html, are made on request, with what is missing of the study
+study site: .venv/ready
 	@rm -f .snakemake/again
-	@until $(BIN)/snakemake $(OPTIONS) --configfile $(CONFIG); do test -e .snakemake/again || exit 1; rm .snakemake/again; done
+	@until $(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG); do test -e .snakemake/again || exit 1; rm .snakemake/again; done
 
 # pyproject.toml states the least coverage
 test: .venv/ready

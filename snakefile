@@ -1,7 +1,8 @@
 """From the problems to the manuscript: references, experiments, figures, tables, ledger of claims, PDF.
 
 Every experiment, figure, table and claim declares in its own file what it reads, how it is called and what it asks of
-the configuration. Two commands turn these declarations into a plan of steps, and every step becomes a rule.
+the configuration. Three commands turn these declarations into a plan of steps, and every step becomes a rule. The site
+is no part of what is made by default: ``snakemake site`` makes it.
 """
 
 import atexit
@@ -54,9 +55,10 @@ def printed_by(*module, given=None):
 
 
 def planned():
-    """The plan of datasets and that of the paper, which are kept until a source or the configuration changes."""
+    """The plans of datasets, paper and site, which are kept until a source or the configuration changes."""
     text = yaml.safe_dump(config, sort_keys=False)
-    sources = sorted(path for room in ("study", "reference", "paper") for path in Path(PROJECT, room).rglob("*.py"))
+    sources = sorted(path for room in ("study", "reference", "paper", "docs") for path in Path(PROJECT, room).rglob("*.py"))
+    sources += sorted(Path(PROJECT, "docs").rglob("*.md"))  # pages name what they read
     key = hashlib.sha256("\0".join([sys.version, PROJECT, ROOT, text]).encode())
     for path in sources:
         key.update(str(path).encode() + path.read_bytes())
@@ -64,9 +66,10 @@ def planned():
     if not kept.exists():
         data = printed_by("study.pipeline.plan", ROOT, text)
         paper = printed_by("paper.plan", ROOT, given=data)
+        site = printed_by("docs.plan", ROOT, given=data)
         kept.parent.mkdir(parents=True, exist_ok=True)
         unfinished = kept.with_suffix(f".{os.getpid()}")
-        unfinished.write_text(json.dumps([json.loads(data), json.loads(paper)]))
+        unfinished.write_text(json.dumps(list(map(json.loads, (data, paper, site)))))
         unfinished.replace(kept)
     return json.loads(kept.read_text())
 
@@ -94,7 +97,7 @@ if workflow.is_main_process:
     atexit.register(Path(".snakemake", "runs", f"{run}.json").unlink, missing_ok=True)
 
 
-DATA, PAPER = planned()
+DATA, PAPER, SITE = planned()
 
 
 def end_jobs():
@@ -163,7 +166,7 @@ def in_report(output, listed):
     )
 
 
-for step in [*DATA["steps"], *PAPER["steps"]]:
+for step in [*DATA["steps"], *PAPER["steps"], *SITE["steps"]]:
     # an output is an update: when a job fails, what was there before stays
     kept = temp if step.get("temporary") else update
     listed = step.get("report", {})

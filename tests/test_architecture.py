@@ -11,7 +11,8 @@ from paper.published import printed_energy_errors
 from study.problem.named import time_scales
 
 PROJECT = Path(__file__).parent.parent
-SOURCES = [path for folder in ("study", "reference", "paper", "tests") for path in (PROJECT / folder).rglob("*.py")]
+FOLDERS = ("study", "reference", "paper", "docs", "tests")
+SOURCES = [path for folder in FOLDERS for path in (PROJECT / folder).rglob("*.py")]
 
 
 def test_the_arrows_of_the_design_hold(monkeypatch):

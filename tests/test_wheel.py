@@ -126,9 +126,9 @@ def test_the_version_is_stated_once_and_cited(wheel):
 def test_the_environment_for_conda_holds_the_dependencies_of_the_pipeline():
     environment = yaml.safe_load((PROJECT / "config" / "environment.yaml").read_text())
     listed = environment["dependencies"][-1]["pip"]
-    wanted = {*METADATA["dependencies"], *EXTRAS["reference"], *EXTRAS["paper"], *EXTRAS["pipeline"]}
+    wanted = {*METADATA["dependencies"], *EXTRAS["reference"], *EXTRAS["paper"], *EXTRAS["site"], *EXTRAS["pipeline"]}
     assert sorted(listed, key=str.lower) == listed
-    assert set(listed) == wanted - {"time-integration-study[reference,paper]"}
+    assert set(listed) == wanted - {"time-integration-study[reference,paper,site]"}
 
 
 def test_pinned_packages_name_no_registry_and_satisfy_the_declared_bounds():

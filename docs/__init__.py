@@ -1,0 +1,1 @@
+"""The site of the study: pages written by hand, and pages made of its datasets and docstrings."""

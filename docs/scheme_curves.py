@@ -1,0 +1,46 @@
+"""Curves of linear theory on the page of a scheme."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from docs.drawing import ACCENT, INK, OTHER, figure_of, panel, svg
+from docs.theory import PARTS
+
+if TYPE_CHECKING:
+    from docs.scheme_page import Library, Subject
+
+#: Schemes that every page shows for comparison, with their lines.
+BESIDE = {"average_acceleration": "--", "central_difference": ":"}
+
+
+def linear_theory(subject: "Subject", library: "Library") -> str:
+    """Spectral radius, elongation of the period and numerical damping over the step size."""
+    drawn = [
+        ("radius", "spectral radius", (1e-2, 1e2), (0.0, 1.5), "x"),
+        ("elongation", "relative elongation of the period", (0.0, 0.4), (-0.4, 0.6), ""),
+        ("damping", "numerical damping ratio", (0.0, 0.4), (-0.02, 0.25), ""),
+    ]
+    panels = []
+    for name, label, horizontal, vertical, logarithmic in drawn:
+        figure, axes = panel(logarithmic)
+        shown = (PARTS >= max(horizontal[0], 5e-3)) & (PARTS <= horizontal[1])
+        for other, line in BESIDE.items():
+            if other != subject.name and other in library.schemes:
+                beside = library.subject(other)
+                values = getattr(beside.theory, name)[shown]
+                axes.plot(PARTS[shown], np.clip(values, -9, 9), color=OTHER, ls=line, lw=1.2, label=beside.scheme.title)
+        values = getattr(subject.theory, name)[shown]
+        axes.plot(PARTS[shown], np.clip(values, -9, 9), color=ACCENT, lw=2, label=subject.scheme.title)
+        if name == "radius":
+            axes.axhline(1.0, color=INK, lw=0.6)
+        if name == "damping" and np.nanmin(values, initial=0.0) < vertical[0]:
+            vertical = (-vertical[1], vertical[1])  # a scheme that feeds energy
+        axes.set(xlim=horizontal, ylim=vertical, xlabel="step size over period", ylabel=label)
+        axes.legend(frameon=False, fontsize=8)
+        panels.append(svg(figure, f"{label} of {subject.scheme.title} over the step size"))
+    caption = (
+        "Linear theory, from the derivative of a step of the code. Above a spectral radius of one a run grows without "
+        "bound; curves end where the roots become real and nothing oscillates."
+    )
+    return figure_of(panels, caption)

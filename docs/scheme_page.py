@@ -1,0 +1,180 @@
+"""The page of a scheme: the same for a named one and for one of a user's own."""
+
+import dataclasses
+import html
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import study
+from docs import scheme_results
+from docs.data import Data
+from docs.docstrings import Explained, explained, is_equation, markdown
+from docs.names import names_in_codes
+from docs.scheme_curves import linear_theory
+from docs.text import definitions, described, number, table
+from docs.theory import Theory, theory_of
+
+#: Fields of a scheme that are labels and no parameters.
+_LABELS = {"title", "source", "doi"}
+#: Steps a period of the rule of thumb, at which a page gives its numbers.
+STEPS = 20
+
+
+@dataclass
+class Subject:
+    """A scheme and the name of its page, with what follows from its code."""
+
+    name: str
+    scheme: study.Scheme
+
+    @cached_property
+    def theory(self) -> Theory:
+        """Linear theory."""
+        return theory_of(self.scheme)
+
+    @cached_property
+    def text(self) -> Explained:
+        """What the docstring of its class says."""
+        return explained(type(self.scheme))
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Names and values of its parameters."""
+        fields = (one.name for one in dataclasses.fields(self.scheme))
+        return {name: getattr(self.scheme, name) for name in fields if name not in _LABELS}
+
+
+@dataclass
+class Library:
+    """All schemes that have pages, by name, and the datasets that the pages show."""
+
+    data: Data
+    schemes: Mapping[str, study.Scheme]
+    aliases: Mapping[str, list[str]] = field(default_factory=dict)
+    _known: dict[str, Subject] = field(default_factory=dict)
+
+    def subject(self, name: str) -> Subject:
+        """A scheme by its name, whose linear theory is computed once for all pages."""
+        if name not in self._known:
+            self._known[name] = Subject(name, self.schemes[name])
+        return self._known[name]
+
+
+def equations(lines: list[str]) -> str:
+    """Equations, line by line."""
+    return '<div class="equations">' + "\n".join(html.escape(line) for line in lines) + "</div>"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, tuple):
+        return "(" + ", ".join(map(_value, value)) + ")"
+    if isinstance(value, study.Scheme):
+        return value.title
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def stability(theory: Theory) -> str:
+    """Up to which step size a scheme is stable, in a phrase."""
+    if math.isinf(theory.limit):
+        return "unconditionally, for linear systems"
+    if theory.limit == 0:
+        return "at no step size without damping"
+    limit = number(theory.limit / (2 * math.pi))
+    return f"without damping for ωΔt ≤ {number(theory.limit, 4)}, which is Δt ≤ {limit} T"
+
+
+def high_frequencies(theory: Theory) -> str:
+    """What becomes of modes that the step does not resolve, in a phrase."""
+    if math.isnan(theory.at_infinity):
+        return "unstable, as it is stable up to a step size only"
+    return f"spectral radius ρ∞ = {number(theory.at_infinity)} at infinite frequency"
+
+
+def forces(scheme: study.Scheme) -> str:
+    """Forces that a step evaluates, in a phrase."""
+    counted = [f"{scheme.evaluations} a step"] if scheme.evaluations else []
+    counted += [] if scheme.explicit else [f"{scheme.evaluations_per_iteration} a Newton iteration"]
+    return " and ".join(counted)
+
+
+def _facts(subject: Subject, aliases: list[str]) -> str:
+    scheme, theory = subject.scheme, subject.theory
+    doi = f', <a href="https://doi.org/{scheme.doi}">doi:{scheme.doi}</a>' if scheme.doi else ""
+    damped = "" if scheme.damped_order == scheme.order else f", {scheme.damped_order} with damping or load"
+    measured = f"{number(theory.order)} on the linear oscillator, {number(theory.damped_order)} with damping"
+    return definitions(
+        {
+            "names here": ", ".join(f"<code>{name}</code>" for name in [subject.name, *aliases]),
+            "source": html.escape(scheme.source) + doi,
+            "kind": f"{'explicit' if scheme.explicit else 'implicit'}, family “{html.escape(scheme.family)}”",
+            "order claimed": f"{scheme.order}{damped}",
+            "order measured": measured,
+            "stable": stability(theory),
+            "high frequencies": high_frequencies(theory),
+            f"at {STEPS} steps a period": scheme_results.at_the_rule_of_thumb(theory, STEPS) + ", in linear theory",
+            "forces": forces(scheme),
+            "memory": f"{theory.memory} vectors of the size of u from step to step",
+        }
+    )
+
+
+def _method(subject: Subject) -> str:
+    return "\n\n".join(
+        equations(paragraph) if is_equation(paragraph) else "\n".join(map(markdown, paragraph))
+        for paragraph in subject.text.paragraphs
+    )
+
+
+def _parameters(subject: Subject) -> str:
+    if not subject.parameters:
+        return "The scheme has no parameters."
+    said = {name.strip(): text for names, text in subject.text.parameters.items() for name in names.split(",")}
+    rows = [
+        [f"`{name}`", markdown(_value(value)), markdown(said.get(name, ""))]
+        for name, value in subject.parameters.items()
+    ]
+    return table(["parameter", "here", "range or meaning"], rows, numbers_from=3)
+
+
+def _use(subject: Subject) -> str:
+    if subject.name not in study.schemes:
+        return "`study.run` and `study.assess` take this scheme as an object, and `study.register` gives it a name."
+    kind = type(subject.scheme).__name__
+    public = f"\n\nOther parameters: {{py:class}}`study.{kind}`." if hasattr(study, kind) else ""
+    return (
+        "```python\nimport study\n\n"
+        f'ds = study.run("softening", "{subject.name}", dt=0.057, steps=2000, observe=["max_energy_error"])\n'
+        f"print(ds.max_energy_error)\n```{public}"
+    )
+
+
+def scheme_page(subject: Subject, library: Library) -> str:
+    """The page of a scheme as Markdown."""
+    title = subject.scheme.title
+    description = (
+        f"{title}: numerical damping, period elongation, stability limit, order, cost and failures of the time "
+        "integration scheme; equations, parameters, names in other codes."
+    )
+    sections = {
+        "Equations": _method(subject),
+        "Parameters": _parameters(subject),
+        "Linear theory: stability, period elongation and numerical damping": linear_theory(subject, library),
+        "Order on non-linear springs": scheme_results.orders(subject, library.data),
+        "Energy error, printed in 1996 and here": scheme_results.energy(subject, library.data),
+        "Map of stability, and how it fails": scheme_results.maps(subject, library.data),
+        "Work, precision and cost": scheme_results.work(subject, library.data),
+        "Names in other codes": names_in_codes(subject.name),
+        "Run it": _use(subject),
+        "References": "\n".join(f"- {markdown(work)}" for work in subject.text.references)
+        or "Its docstring names none.",
+    }
+    parts = [
+        f"# {title}: numerical damping, stability, order and cost",
+        markdown(subject.text.summary),
+        _facts(subject, library.aliases.get(subject.name, [])),
+        *(f"## {heading}\n\n{text}" for heading, text in sections.items()),
+    ]
+    return described(description, "\n\n".join(parts) + "\n")

@@ -1,0 +1,213 @@
+"""What the datasets hold on a scheme: orders, energy errors, maps, work and precision."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from docs.data import Data
+from docs.drawing import ACCENT, OTHER, figure_of, map_legend, panel, svg
+from docs.text import listed, number, percent, table
+from docs.theory import ROUND_OFF, Theory, at
+from paper.figures.outcome_map import outcome_map
+from paper.figures.style import OUTCOME_STYLES
+from paper.orders import PERIODS, observed_order
+from paper.published import printed_energy_errors
+
+if TYPE_CHECKING:
+    from docs.scheme_page import Subject
+
+#: What each measure of error is called.
+_MEASURES = {
+    "max_trajectory_error": "displacement",
+    "period_elongation": "period",
+    "amplitude_decay": "amplitude",
+    "max_energy_error": "energy",
+}
+#: What the ways to fail are called.
+_FAILURES = {"newton_not_converged": "Newton's iteration does not converge", "not_finite": "the motion overflows"}
+#: Length in periods of the runs of work and precision.
+_LONG = 100
+_LIMIT = " Dashed: linear limit of stability at the stiffest place of the motion."
+#: Smallest error drawn; below it round-off dominates.
+_FLOOR = 1e-14
+
+
+def _of(subject: "Subject", dataset: xr.Dataset) -> xr.Dataset | None:
+    """The part of a dataset with a scheme, None if it has none."""
+    return dataset.sel(scheme=subject.name) if subject.name in dataset.scheme.values else None
+
+
+def _not_run(what: str) -> str:
+    return (
+        f"The study that made this page has no {what} of this scheme; the full study runs all schemes that have names."
+    )
+
+
+def _titles(one: xr.Dataset) -> dict[str, str]:
+    return dict(zip(one.problem.values.tolist(), map(str, one.problem_title.values), strict=True))
+
+
+def orders(subject: "Subject", data: Data) -> str:
+    """Observed orders on non-linear springs, and on forces with kinks."""
+    parts = []
+    one = _of(subject, data["accuracy"])
+    if one is None:
+        parts.append(_not_run("accuracy runs"))
+    else:
+        rows = []
+        for problem, title in _titles(one).items():
+            found = (
+                observed_order(one[measure].sel(problem=problem, periods=PERIODS[measure])) for measure in _MEASURES
+            )
+            rows.append([title, *(number(order, 2) for order in found)])
+        parts.append("Order in Δt that the errors show, fitted to the finest steps above round-off:")
+        parts.append(table(["problem", *_MEASURES.values()], rows))
+        parts.append("A dash stands where the slope is not steady or the errors are round-off.")
+    kinked = _of(subject, data["kinks"])
+    if kinked is not None:
+        found = kinked.observed_order
+        rows = [[title, number(found.sel(problem=name).item(), 2)] for name, title in _titles(kinked).items()]
+        parts.append("Order of the displacement where the force yields, remembers or touches, and under a record:")
+        parts.append(table(["problem", "order"], rows))
+    return "\n\n".join(parts)
+
+
+def energy(subject: "Subject", data: Data) -> str:
+    """Largest energy errors as printed in 1996 and as found here."""
+    one = _of(subject, data["energy_error"])
+    if one is None:
+        return _not_run("runs with the step sizes of 1996")
+    one = one.max_energy_error.sel(period_used="printed")
+    printed = printed_energy_errors()
+    known = subject.name in printed.scheme.values
+    titles = _titles(data["energy_error"])
+    head = ["steps a period"]
+    for title in titles.values():
+        head += [f"{title}, 1996", "here"] if known else [title]
+    rows = []
+    for steps in one.steps_per_period.values.tolist():
+        row = [str(steps)]
+        for problem in titles:
+            if known:
+                row.append(number(printed.sel(problem=problem, steps_per_period=steps, scheme=subject.name).item()))
+            row.append(number(one.sel(problem=problem, steps_per_period=steps).item()))
+        rows.append(row)
+    return "Largest energy error over 100 periods, in percent:\n\n" + table(head, rows, numbers_from=0)
+
+
+def maps(subject: "Subject", data: Data) -> str:
+    """Outcome of runs over step size and amplitude, in words and as maps; steps for the energy at all amplitudes."""
+    atlas = data["stability/atlas"]
+    one = _of(subject, atlas)
+    if one is None:
+        return _not_run("maps of stability")
+    names = atlas.outcome.flag_meanings.split()
+    panels, rows = [], []
+    for problem, title in _titles(one).items():
+        map_ = one.sel(problem=problem)
+        figure, axes = panel("xy")
+        outcome_map(axes, map_, subject.theory.limit)
+        axes.grid(visible=False)
+        axes.set_title(title)
+        axes.set(xlabel="step size over period", ylabel="initial displacement, relative")
+        axes.set_xticks([0.01, 0.05, 0.2, 1], ["1/100", "1/20", "1/5", "1"])
+        axes.minorticks_off()
+        panels.append(svg(figure, f"How runs of {subject.scheme.title} on the {title} end, by step size and amplitude"))
+        share = np.bincount(map_.outcome.values.ravel(), minlength=len(names)) / map_.outcome.size
+        rows.append([title, *(_share(part) for part in share)])
+    periods = int(atlas.periods)
+    caption = f"How runs of {periods} periods end over the step size and the amplitude, relative to that of 1996." + (
+        _LIMIT if np.isfinite(subject.theory.limit) else ""
+    )
+    head = ["problem", *(OUTCOME_STYLES[name][0] for name in names)]
+    parts = [figure_of([*panels, map_legend()], caption), "Share of these runs by outcome:", table(head, rows)]
+    parts.append(_failures(subject, data))
+    robust = _of(subject, data["stability/robustness"])
+    if robust is not None:
+        last = robust.isel(periods=-1)
+        rows = [
+            [title, *(_steps(last.steps_needed.sel(problem=name, level=level).item(), last) for level in last.level)]
+            for name, title in _titles(robust).items()
+        ]
+        length = int(last.periods)
+        parts.append(
+            f"Steps a period that keep the energy within some percent over {length} periods at all amplitudes:"
+        )
+        parts.append(table(["problem", *(f"{level} %" for level in last.level.values)], rows))
+    return "\n\n".join(parts)
+
+
+def _share(part: float) -> str:
+    return "–" if part == 0 else "< 1 %" if part < 0.01 else f"{100 * part:.0f} %"
+
+
+def _steps(needed: float, robust: xr.Dataset) -> str:
+    return f"more than {int(robust.most_steps)}" if np.isnan(needed) else f"{needed:.0f}"
+
+
+def _failures(subject: "Subject", data: Data) -> str:
+    """From which step size on runs fail at the amplitudes of 1996."""
+    one = _of(subject, data["large_steps"])
+    if one is None:
+        return ""
+    names = one.status.flag_meanings.split()
+    found = []
+    for problem, title in _titles(one).items():
+        status = one.status.sel(problem=problem).values
+        if status.any():
+            first = int(np.argmax(status != 0))
+            part = one.dt_over_period.values[first]
+            found.append(
+                f"on the {title} at {number(1 / part)} steps a period ({_FAILURES[names[int(status[first])]]})"
+            )
+    if not found:
+        return "At the amplitudes of 1996 no run fails, down to one step a period, though its energy may be wrong."
+    return f"With ever larger steps, runs at the amplitudes of 1996 first fail {listed(found)}."
+
+
+def work(subject: "Subject", data: Data) -> str:
+    """Error over forces evaluated, among the other schemes, and the cost of a step."""
+    everything = data["work_precision"]
+    one = _of(subject, everything)
+    if one is None:
+        return _not_run("measured times")
+    panels, rows = [], []
+    for problem, title in _titles(one).items():
+        figure, axes = panel("xy")
+        for name in [*everything.scheme.values[everything.scheme.values != subject.name], subject.name]:
+            run = everything.sel(problem=problem, scheme=name, periods=_LONG)
+            error = abs(run.max_trajectory_error)
+            known = error.where((run.flagged.sel(measure="max_trajectory_error") == 0) & (error > _FLOOR))
+            color, width, marker = (ACCENT, 2.0, "o") if name == subject.name else (OTHER, 0.7, "")
+            axes.plot(run.force_evaluations, known, color=color, lw=width, marker=marker, ms=4)
+        axes.set(xlabel=f"forces in {_LONG} periods", ylabel="largest error, relative")
+        axes.set_ylim(top=3)
+        axes.set_title(title)
+        panels.append(svg(figure, f"Error of {subject.scheme.title} on the {title} over the forces evaluated"))
+        time = one.median_time_per_step.sel(problem=problem)
+        forces = one.force_evaluations_per_step.sel(problem=problem)
+        rows.append([title, _range(time), _range(forces)])
+    caption = (
+        f"Largest error of the displacement over {_LONG} periods against the forces evaluated: {subject.scheme.title} "
+        "with points, the other schemes of the dataset as thin lines."
+    )
+    measured = table(["problem", "time of a step, ns", "forces a step"], rows)
+    return f"{figure_of(panels, caption)}\n\n{measured}\n\nTimes depend on the machine; the dataset holds every repeat."
+
+
+def _range(values: xr.DataArray) -> str:
+    low, high = (number(float(value), 2) for value in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"
+
+
+def at_the_rule_of_thumb(theory: Theory, steps: int) -> str:
+    """Elongation of the period and loss of amplitude in linear theory at some steps a period, in a phrase."""
+    elongation, decay = at(theory.elongation, 1 / steps), at(theory.decay, 1 / steps)
+    if np.isnan(elongation):
+        return "nothing oscillates"
+    longer = f"{percent(abs(elongation))} too {'long' if elongation > 0 else 'short'}"
+    if abs(decay) < ROUND_OFF:
+        return f"the period is {longer}, and the amplitude stays"
+    changes = "falls" if decay > 0 else "grows"
+    return f"the period is {longer}, and the amplitude {changes} by {percent(abs(decay))} a period"

@@ -1,0 +1,113 @@
+"""The table of all schemes, which a reader sorts and narrows down."""
+
+import html
+import math
+from collections.abc import Iterable
+
+from docs.scheme_page import STEPS, Library, Subject
+from docs.text import described, number
+from docs.theory import ROUND_OFF, at
+
+#: Heading of each column, and what it means where the heading alone does not say it.
+COLUMNS = {
+    "scheme": "",
+    "family": "",
+    "kind": "",
+    "order": "claimed, without damping and load",
+    "order, damped": "claimed, with damping or load",
+    "largest stable ωΔt": "without damping",
+    "ρ∞": "spectral radius at infinite frequency",
+    "period, %": f"relative error of the period at {STEPS} steps a period, in linear theory",
+    "amplitude, %": f"loss of amplitude a period at {STEPS} steps a period, in linear theory",
+    "forces": "a step for explicit schemes, a Newton iteration for implicit ones",
+    "memory": "vectors of the size of u from step to step",
+    "time, ns": "median of a step on the softening spring at the finest step; a dash where it is not measured",
+}
+
+
+def _time(subject: Subject, library: Library) -> float:
+    """Time of a step on the softening spring, NaN if the dataset has none."""
+    times = library.data["work_precision"].median_time_per_step
+    if subject.name not in times.scheme.values or "softening" not in times.problem.values:
+        return math.nan
+    return times.sel(scheme=subject.name, problem="softening").isel(steps_per_period=-1).item()
+
+
+def _cells(subject: Subject, library: Library) -> list[str | float]:
+    scheme, theory = subject.scheme, subject.theory
+    decay = at(theory.decay, 1 / STEPS)
+    return [
+        scheme.title,
+        scheme.family,
+        "explicit" if scheme.explicit else "implicit",
+        scheme.order,
+        scheme.damped_order,
+        theory.limit,
+        theory.at_infinity,
+        100 * at(theory.elongation, 1 / STEPS),
+        0.0 if abs(decay) < ROUND_OFF else 100 * decay,
+        scheme.evaluations if scheme.explicit else scheme.evaluations_per_iteration,
+        theory.memory,
+        _time(subject, library),
+    ]
+
+
+def _row(subject: Subject, library: Library) -> str:
+    title, *cells = _cells(subject, library)
+    parts = [
+        f'<td><input type="checkbox" aria-label="compare {html.escape(str(title))}"></td>',
+        f'<th scope="row"><a href="{subject.name}.html">{html.escape(str(title))}</a></th>',
+    ]
+    for cell in cells:
+        if isinstance(cell, str):
+            parts.append(f"<td>{html.escape(cell)}</td>")
+        else:
+            parts.append(f'<td data-value="{cell!r}">{number(cell)}</td>')
+    return f"<tr>{''.join(parts)}</tr>"
+
+
+def table_of(subjects: Iterable[Subject], library: Library) -> str:
+    """The table as an element of a page."""
+    heads = "".join(
+        f'<th scope="col"><button type="button" title="{html.escape(meaning)}">{html.escape(name)}</button></th>'
+        for name, meaning in COLUMNS.items()
+    )
+    rows = "\n".join(_row(subject, library) for subject in subjects)
+    return (
+        '<form class="narrow" hidden><label>Show schemes with <input type="search" name="words" '
+        'placeholder="explicit, Newmark, …"></label> '
+        '<label><input type="checkbox" name="chosen"> only those with a tick</label></form>\n'
+        '<div class="wide" tabindex="0" role="region" aria-label="table of schemes">\n<table class="sortable">\n'
+        f'<thead><tr><th scope="col"><span class="hidden">compare</span></th>{heads}</tr></thead>\n'
+        f"<tbody>\n{rows}\n</tbody>\n</table>\n</div>\n"
+    )
+
+
+def index_page(library: Library) -> str:
+    """The page of the table, which leads to the page of every scheme."""
+    subjects = [library.subject(name) for name in library.schemes]
+    entries = "\n".join(f"{one.scheme.title} <{one.name}>" for one in subjects)
+    meanings = "\n".join(f"- **{name}**: {meaning}" for name, meaning in COLUMNS.items() if meaning)
+    text = f"""# Time integration schemes: order, stability and numerical damping compared
+
+{len(subjects)} schemes for M ü + C u̇ + p(u) = f(t), each with a page of its own. The heading of a column sorts by it;
+ticks keep some schemes side by side.
+
+{table_of(subjects, library)}
+
+{meanings}
+
+Order, stability, damping and memory follow from the code of each scheme by automatic differentiation. Times were
+measured on the machine that made this site. {{doc}}`/how_to/choose` compares schemes at equal error.
+
+```{{toctree}}
+:hidden:
+
+{entries}
+```
+"""
+    description = (
+        "Table of time integration schemes for structural dynamics: order, stability limit, spectral radius, period "
+        "elongation, numerical damping, cost. Newmark, Wilson, Houbolt, HHT, generalized-α, Bathe, Runge-Kutta."
+    )
+    return described(description, text, hide_toc=True)

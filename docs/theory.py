@@ -1,0 +1,70 @@
+"""Linear theory of a scheme for its page, from the code of the scheme itself."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+import study
+
+#: Steps over period of the curves, and of the order, which needs fine ones.
+PARTS = np.logspace(-3, 3, 601)
+#: Damping ratio of the oscillator that shows the order with damping.
+DAMPED = 0.1
+#: A loss of amplitude a period below this is round-off.
+ROUND_OFF = 1e-9
+
+
+class Theory(NamedTuple):
+    """Linear theory over :data:`PARTS`, and the numbers that follow from it.
+
+    Attributes
+    ----------
+    radius, elongation, damping, decay
+        Spectral radius; relative elongation of the period, damping ratio and loss of amplitude a period, which are NaN
+        where nothing oscillates.
+    order, damped_order
+        Measured order without and with damping; NaN if the errors are round-off.
+    limit
+        ωΔt up to which the scheme is stable.
+    at_infinity
+        Spectral radius at infinite frequency; NaN for a scheme that is unstable there.
+    memory
+        Vectors of the size of u in the state that a step hands to the next.
+    """
+
+    radius: np.ndarray
+    elongation: np.ndarray
+    damping: np.ndarray
+    decay: np.ndarray
+    order: float
+    damped_order: float
+    limit: float
+    at_infinity: float
+    memory: int
+
+
+#: ρ∞ below this is zero: where roots at zero meet, round-off leaves the more of it the more of them there are.
+_NO_RADIUS = 5e-3
+
+
+def theory_of(scheme: study.Scheme) -> Theory:
+    """Linear theory of a scheme."""
+    undamped = study.LinearTheory(scheme, PARTS)
+    motion = undamped.motion()
+    limit, at_infinity = undamped.stability_limit(), undamped.infinite_frequency_radius()
+    return Theory(
+        undamped.spectral_radius,
+        motion.period_elongation,
+        motion.algorithmic_damping,
+        motion.amplitude_decay,
+        undamped.order(),
+        study.LinearTheory(scheme, PARTS, damping_ratio=DAMPED).order(),
+        limit,
+        np.nan if np.isfinite(limit) else at_infinity * (at_infinity > _NO_RADIUS),
+        undamped.matrices.shape[-1],
+    )
+
+
+def at(values: np.ndarray, part: float) -> float:
+    """The value at the step size nearest to a part of the period."""
+    return float(values[np.argmin(np.abs(np.log(PARTS / part)))])

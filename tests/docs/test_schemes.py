@@ -1,0 +1,112 @@
+"""Pages of schemes, and the table of all."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import study
+from docs import names
+from docs.drawing import ACCENT, INK, panel, svg
+from docs.links import problems
+from docs.scheme_page import Library, scheme_page
+from docs.scheme_results import orders
+from docs.scheme_table import COLUMNS, table_of
+from docs.text import number, percent
+from docs.theory import theory_of
+from study.assessment.load import load
+
+HEUN = Path(__file__).parents[2] / "examples" / "scheme.py"
+
+
+class Empty(dict):
+    """Datasets without any scheme."""
+
+    def __missing__(self, name):
+        return xr.Dataset(coords={"scheme": [], "problem": ["softening"]}).assign(
+            median_time_per_step=(("problem", "scheme"), np.empty((1, 0)))
+        )
+
+
+@pytest.fixture(scope="module")
+def library():
+    schemes = {name: study.schemes[name] for name in ("houbolt", "central_difference")}
+    return Library(Empty(), schemes | {"heun": load(f"{HEUN}:heun", (study.Scheme,))}, {"houbolt": ["hbt"]})
+
+
+def test_pages_of_named_schemes_and_of_ones_own_have_one_form(library):
+    pages = {name: scheme_page(library.subject(name), library) for name in library.schemes}
+    headings = {name: re.findall("^## .*", page, re.MULTILINE) for name, page in pages.items()}
+    assert headings["houbolt"] == headings["central_difference"] == headings["heun"]
+    assert all(page.count("this page has no") == 4 for page in pages.values())  # one sentence for each kind of run
+    houbolt = pages["houbolt"]
+    assert "<code>houbolt</code>, <code>hbt</code>" in houbolt and "10.2514/8.1722" in houbolt
+    assert "u̇₁ = (11u₁ − 18u₀ + 9u₋₁ − 2u₋₂) / (6Δt)" in houbolt and "integrator Houbolt" in houbolt
+    assert "unconditionally" in houbolt and "ρ∞ = 0 at" in houbolt
+    assert "ωΔt ≤ 2," in pages["central_difference"] and "unstable" in pages["central_difference"]
+
+
+def test_linear_theory_of_a_page():
+    theory = theory_of(study.schemes["average_acceleration"])
+    assert theory.order == pytest.approx(2, abs=0.05) and theory.damped_order == pytest.approx(2, abs=0.05)
+    assert np.isinf(theory.limit) and theory.at_infinity == pytest.approx(1) and theory.memory == 3
+
+
+def test_orders_come_from_the_errors():
+    steps = np.array([64, 128, 256, 512, 1024, 2048])
+    error = (("scheme", "problem", "steps_per_period", "periods"), (1.0 / steps[None, None, :, None] ** 3).repeat(2, 3))
+    measures = ("max_trajectory_error", "period_elongation", "amplitude_decay", "max_energy_error")
+    accuracy = xr.Dataset(
+        {measure: (*error, {"units": "1"}) for measure in measures},
+        {"scheme": ["rk4"], "problem": ["a"], "steps_per_period": steps, "periods": [1, 3]},
+    ).assign_coords(problem_title=("problem", ["spring"]))
+    data = Empty({"accuracy": accuracy})
+    subject = Library(data, study.schemes).subject("rk4")
+    assert "| spring | 3 | 3 | 3 | 3 |" in orders(subject, data)
+
+
+def test_a_figure_has_the_colours_of_its_page_and_the_same_bytes():
+    def drawn():
+        figure, axes = panel("x")
+        axes.plot([1, 10], [1, 2], color=ACCENT)
+        axes.axhline(1, color=INK)
+        return svg(figure, 'a "curve"')
+
+    text = drawn()
+    assert text == drawn()
+    assert "var(--curve)" in text and "currentColor" in text and 'aria-label="a &quot;curve&quot;"' in text
+    assert ACCENT not in text and "#ffffff" not in text and "\n\n" not in text and "10¹" in text
+    assert not re.search(r"<g id=", text)
+
+
+def test_numbers_as_they_stand_on_pages():
+    assert [number(x) for x in (0, -0.5, 2.0, 123456, np.inf, np.nan)] == ["0", "−0.5", "2", "1.2·10⁵", "∞", "–"]
+    assert (percent(0.0712), percent(-1e-12), percent(np.nan)) == ("7.1 %", "0 %", "–")
+
+
+def test_the_table_has_every_scheme_and_column(library):
+    table = table_of([library.subject(name) for name in library.schemes], library)
+    assert table.count("<tr>") == 1 + 3 and table.count("<button") == len(COLUMNS)
+    assert all(row.count("<td") == len(COLUMNS) for row in table.split("<tr>")[2:])
+
+
+def test_names_in_other_codes_can_be_checked():
+    rows = names.rows()
+    assert all(row["scheme"] in study.schemes and re.match(r"https?://[\w.-]+\.\w+", row["source"]) for row in rows)
+    assert len({(row["scheme"], row["code"]) for row in rows}) == len(rows)
+    assert {row["code"].split("/")[0] for row in rows} == {"OpenSees", "Abaqus", "LS-DYNA", "Code_Aster", "SciML"}
+    assert "has been confirmed" in names.names_in_codes("gauss4")
+
+
+def test_links_that_lead_nowhere_and_what_is_loaded_from_elsewhere_are_found(tmp_path):
+    (tmp_path / "b.html").write_text('<h1 id="here">b</h1>')
+    (tmp_path / "a.html").write_text(
+        '<a href="b.html#here"></a><a href="#there"></a><a href="c.html"></a><a href="https://doi.org/10"></a>'
+        '<script src="https://x.org/x.js"></script><img src="data:,"><a href="https:nothing"></a>'
+    )
+    (tmp_path / "s.css").write_text("@import url(https://x.org/s.css);")
+    found = problems(tmp_path)
+    assert len(found) == 5
+    assert all(part in " ".join(found) for part in ("#there", "c.html", "x.js", "https:nothing", "s.css"))

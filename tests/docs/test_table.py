@@ -1,0 +1,73 @@
+"""The table of schemes in a browser, by the keyboard alone."""
+
+import shutil
+
+import pytest
+import xarray as xr
+
+import study
+from docs import filled
+from docs.scheme_page import Library
+from docs.scheme_table import table_of
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+#: Titles of the schemes that the table shows.
+SHOWN = """
+const rows = [...document.querySelectorAll("tbody tr")]
+return rows.filter((row) => !row.hidden).map((row) => row.cells[1].innerText)
+"""
+
+
+@pytest.fixture
+def browser(tmp_path):
+    """A browser that shows the table of three schemes."""
+    from selenium import webdriver
+
+    times = xr.Dataset({"median_time_per_step": (("problem", "scheme", "steps_per_period"), [[[7.0], [30.0]]])})
+    times = times.assign_coords(problem=["softening"], scheme=["rk4", "houbolt"], steps_per_period=[64])
+    library = Library({"work_precision": times}, study.schemes)  # type: ignore[arg-type]
+    table = table_of([library.subject(name) for name in ("houbolt", "rk4", "central_difference")], library)
+    script = (filled.FOLDER.parent / "static" / "table.js").read_text()
+    page = tmp_path / "page.html"
+    page.write_text(f'<meta charset="utf-8"><link rel="icon" href="data:,">{table}<script>{script}</script>')
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM or ""
+    for argument in ("headless", "no-sandbox", "disable-gpu", f"user-data-dir={tmp_path / 'profile'}"):
+        options.add_argument(f"--{argument}")
+    driver = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+    driver.get(page.as_uri())
+    yield driver
+    driver.quit()
+
+
+@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs chromium and chromedriver")
+def test_the_keyboard_sorts_and_narrows_the_table(browser):
+    from selenium.webdriver.common.keys import Keys
+
+    def press(*keys):
+        browser.switch_to.active_element.send_keys(*keys)
+
+    def heading():
+        return browser.execute_script("return document.activeElement.innerText")
+
+    press(Keys.TAB, "explicit")
+    assert browser.execute_script(SHOWN) == ["Runge-Kutta", "Central difference"]
+    press(*[Keys.BACKSPACE] * len("explicit"))
+    sorted_by = {}
+    for _ in range(16):  # past the box, the region that scrolls, and all headings
+        press(Keys.TAB)
+        if browser.execute_script("return document.activeElement.tagName") == "BUTTON":
+            press(Keys.ENTER)
+            sorted_by[heading()] = browser.execute_script(SHOWN)
+    assert sorted_by["order"] == ["Central difference", "Houbolt", "Runge-Kutta"]
+    assert sorted_by["largest stable ωΔt"] == ["Central difference", "Runge-Kutta", "Houbolt"]
+    assert sorted_by["time, ns"] == ["Runge-Kutta", "Houbolt", "Central difference"]  # what is missing stays last
+    (last,) = browser.execute_script("return [...document.querySelectorAll('[aria-sort]')].map((one) => one.ariaSort)")
+    assert last == "ascending"
+    browser.execute_script("document.querySelectorAll('thead button')[11].focus()")
+    press(Keys.ENTER)
+    assert browser.execute_script(SHOWN) == ["Houbolt", "Runge-Kutta", "Central difference"]
+    press(Keys.TAB, Keys.SPACE)
+    browser.execute_script("document.querySelector('[name=chosen]').focus()")
+    press(Keys.SPACE)
+    assert browser.execute_script(SHOWN) == ["Houbolt"]
