@@ -5,20 +5,14 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import xarray as xr
 
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+from paper.printing import printed
 
 
 def number(value: float, form: str = ".1f", missing: str = "failed") -> str:
     """A number with a minus sign and powers of ten; ``missing`` if it is not a number."""
     if np.isnan(value):
         return missing
-    mantissa, power, exponent = f"{value:{form}}".replace("inf", "∞").partition("e")
-    if not power:
-        return mantissa.replace("-", "−")
-    if float(mantissa) == 0:
-        return "0"
-    factor = "" if mantissa == "1" else f"{mantissa}×".replace("-", "−")
-    return f"{factor}10{str(int(exponent)).translate(_RAISED)}"
+    return printed(f"{value:{form}}".replace("inf", "∞"))
 
 
 def title(name: str, data: Mapping[str, xr.Dataset]) -> str:
