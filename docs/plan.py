@@ -19,7 +19,7 @@ from paper.products import Product
 _TOLD = ("study", "docs", "paper/figures", "paper/published", "examples")
 _FILES = ("paper/data.py", "paper/products.py", "paper/orders.py", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff")
 #: Products that the site has beside its pages.
-PRODUCTS = ("explorer.html", "manuscript.pdf")
+PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf")
 
 
 def sources(root: Path) -> list[str]:
