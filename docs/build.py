@@ -29,6 +29,9 @@ INCLUDED = ("CONTRIBUTING.md", "CHANGELOG.md")
 
 def library_of(results: Path, own: Iterable[str]) -> Library:
     """All named schemes and a user's own, with the datasets."""
+    for place in own:
+        if place.rpartition(":")[2] in study.schemes:
+            raise SystemExit(f"'{place}' has the name of a scheme of the study; give it another one.")
     schemes = dict(study.schemes) | {place.rpartition(":")[2]: load(place, (study.Scheme,)) for place in own}
     return Library(Data(results, OF_SCHEMES), schemes)
 

@@ -104,14 +104,17 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
     scheme, theory = subject.scheme, subject.theory
     doi = f', <a href="https://doi.org/{scheme.doi}">doi:{scheme.doi}</a>' if scheme.doi else ""
     damped = "" if scheme.damped_order == scheme.order else f", {scheme.damped_order} with damping or load"
-    measured = f"{number(theory.order)} on the linear oscillator, {number(theory.damped_order)} with damping"
+    measured = (
+        f"{number(theory.order)} on the linear oscillator, {number(theory.damped_order)} with damping; that of a "
+        "motion is lower where displacement and velocity belong to different times"
+    )
     return definitions(
         {
             "names here": ", ".join(f"<code>{name}</code>" for name in [subject.name, *aliases]),
             "source": html.escape(scheme.source) + doi,
             "kind": f"{'explicit' if scheme.explicit else 'implicit'}, family “{html.escape(scheme.family)}”",
             "order claimed": f"{scheme.order}{damped}",
-            "order measured": measured,
+            "order of its roots": measured,
             "stable": stability(theory),
             "high frequencies": high_frequencies(theory),
             f"at {STEPS} steps a period": scheme_results.at_the_rule_of_thumb(theory, STEPS) + ", in linear theory",

@@ -44,7 +44,6 @@ def of_kinks(kinks: xr.Dataset) -> dict:
     return {
         "order_lost_on_kinks": bool((of_rk4 < LOST).all()),
         "accuracy_kept_on_kinks": min(gain[p] for p in KINKED) > GAINED,
-        "equal_forces_undo_it": sum(ratio < 1 for ratio in equal.values()) > len(equal) / 2,
         **{f"kinks_equal_{p}": f"{ratio:.2g}" for p, ratio in equal.items()},
         "kinks_highest_order": f"{float(highest):.1f}",
         "balance_is_no_verdict": bool(

@@ -90,7 +90,6 @@ def of_the_softening_spring(portrait: xr.Dataset) -> dict:
     damped, faithful = lost.sel(scheme=_DAMPED), abs(lost.sel(scheme=["average_acceleration", "central_difference"]))
     return {
         "three_damp_away": bool(damped.min() > 50 and faithful.max() < 10),
-        "three_lose_least": f"{damped.min().item():.0f}",
         "alpha_loses": f"{lost.sel(scheme='hht_alpha').item():.0f}",
     }
 

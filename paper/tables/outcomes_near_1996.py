@@ -54,7 +54,7 @@ def first_of(atlas: xr.Dataset, name: str) -> xr.DataArray:
 def _with_problem(values: xr.DataArray) -> str:
     """The smallest of the values over problems, and the initial of its problem."""
     least = values.min().item()
-    return "–" if np.isinf(least) else f"{least:.2g} {values.problem.values[int(np.argmin(values.values))][0]}"
+    return "–" if np.isinf(least) else f"{least:.2g} ({values.problem.values[int(np.argmin(values.values))][0]})"
 
 
 @table(atlas="stability/atlas", asks={"atlas.amplitudes": some_near_1996})

@@ -13,8 +13,9 @@ def _cell(needs: xr.Dataset) -> str:
     if not name:
         return "–"
     best = needs.sel(scheme=name)
+    at_most = "≤ " if best.steps_per_period == needs.coarsest else ""
     tied = (needs.ties_with_fastest == 1).sum() > 1
-    return f"{best.scheme_title.item()}: {best.steps_per_period.item():.0f}{' *' if tied else ''}"
+    return f"{best.scheme_title.item()}: {at_most}{best.steps_per_period.item():.0f}{' *' if tied else ''}"
 
 
 @table(recommendation="recommendation", asks={"recommendation.measures": list(MEASURES)})

@@ -45,6 +45,9 @@ Pairs = Float[np.ndarray, "2 points"]
 #: Largest excess of a spectral radius over one that counts as round-off.
 GROWTH = 1e-8
 
+#: Excess of the spectral radius at half of a stability limit above which a scheme is unstable at every step size.
+WEAK_GROWTH = 1e-11
+
 #: Smallest error of the roots that enters the fit of the order.
 ROUND_OFF = 1e-11
 
@@ -200,7 +203,7 @@ class LinearTheory:
         return None
 
     def stability_limit(self) -> float:
-        """Ω_crit, up to which the spectral radius is at most one; infinite if it is so up to Ω = 10⁴.
+        """Ω_crit, up to which the spectral radius is at most one; infinite if it is so up to Ω = 10⁴, zero if never.
 
         The search has its own step sizes. It can miss windows of instability that are narrower than 3e-4.
         """
@@ -212,6 +215,8 @@ class LinearTheory:
             if first == 0:
                 return 0.0
             stable = float(omega[first - 1])
+            if self._radius(np.array([stable / 4 / np.pi]))[0] > 1 + WEAK_GROWTH:
+                return 0.0  # the excess grows with a power of Ω from zero on
             omega = np.linspace(omega[first - 1], omega[first], PARTS)
         return stable
 

@@ -69,7 +69,10 @@ def recommendation(problems: Springs, measures: Names, errors: Tolerances, perio
     return xr.Dataset(
         {"cheapest_scheme": (dims, cheapest.astype(str), {"long_name": "cheapest scheme, empty where none"})}
         | {name: ((*dims, "scheme"), values, _NEEDS[name]) for name, values in needs.items()}
-        | {"coarsest": ((), tried[0], {"long_name": "fewest steps per period that were tried", "units": "1"})},
+        | {
+            "coarsest": ((), tried[0], {"long_name": "fewest steps per period that were tried", "units": "1"}),
+            "finest": ((), tried[-1], {"long_name": "most steps per period that were tried", "units": "1"}),
+        },
         coords={
             **coordinates.problem_coordinates(problems),
             **coordinates.scheme_coordinates(schemes),

@@ -1,6 +1,7 @@
 """Linear theory out of the code, against closed forms, against the run itself, and against what is claimed."""
 
 import re
+import runpy
 
 import jax.numpy as jnp
 import numpy as np
@@ -209,3 +210,9 @@ def test_narrow_windows_of_instability_are_found(name, at):
 
 def test_a_grid_too_coarse_for_an_order_gives_none():
     assert np.isnan(LinearTheory(study.schemes["rk4"], np.array([0.01, 0.1])).order())
+
+
+def test_a_scheme_that_grows_weakly_is_stable_at_no_step():
+    # Heun's method: |R|² = 1 + Ω⁴/4, which is within round-off of one at small steps
+    scope = runpy.run_path("examples/scheme.py")
+    assert study.LinearTheory(scope["heun"], np.logspace(-3, 0, 5)).stability_limit() == 0.0

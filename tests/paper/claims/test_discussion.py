@@ -96,8 +96,11 @@ def test_no_resemblance_is_rest(width, holds):
 @pytest.mark.parametrize("excess, holds", [(9e-11, True), (1.1e-10, False)])
 def test_unconditionally_stable_is_up_to_round_off(excess, holds):
     radius = filled(1 + excess, scheme=SCHEMES, damping_ratio=[0.0], dt_over_period=[0.1])
+    radius.loc[{"scheme": ["central_difference", "rk4"]}] = 2.0
     data = {"spectral": radius.to_dataset(name="spectral_radius")}
     assert discussion.five_are_unconditionally_stable(data).holds == holds
+    radius.loc[{"scheme": "rk4"}] = 1.0
+    assert not discussion.five_are_unconditionally_stable(data).holds
 
 
 @pytest.mark.parametrize("steps, verdict", [(20.04, Verdict.QUALIFIED), (20.06, Verdict.REPRODUCED)])
