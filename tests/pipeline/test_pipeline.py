@@ -149,7 +149,7 @@ def _edited(path: Path):
 
 def test_an_edited_figure_script_redraws_that_figure(copy):
     _edited(copy / "paper" / "figures" / "instability.py")
-    assert _would_run(copy) == {"figures/instability", "manuscript"}
+    assert _would_run(copy) == {"figures/instability", "manuscript", "supplement"}
 
 
 def test_a_failed_job_leaves_what_was_there_and_is_made_anew(copy):
