@@ -61,6 +61,12 @@ def test_every_figure_and_table_is_cited_in_order(text):
         assert labels == sorted(labels, key=first_cited.get)
 
 
+@pytest.mark.parametrize("text", TEXTS, ids=lambda text: text.stem)
+def test_no_semicolon_follows_a_number(text):
+    # Typst takes it for the end of the number and does not print it
+    assert not re.findall(r"#n\.[\w.]+;", text.read_text())
+
+
 def test_facts_are_what_holds_takes_and_numbers_are_not():
     names = {name for text in TEXTS for name in re.findall(r"#holds\(n\.(\w+)\)", text.read_text())}
     assert names
