@@ -26,6 +26,7 @@ _SIGNS = {
     "√": "\\ensuremath{\\surd}",
     "∂": "\\ensuremath{\\partial}",
     "·": "\\ensuremath{\\cdot}",
+    "†": "\\dag{}",
     "…": "\\ldots{}",
     "‑": "-",
     "\u00a0": "~",
