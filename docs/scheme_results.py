@@ -12,7 +12,7 @@ from docs.theory import ROUND_OFF, Theory, at
 from paper.figures.outcome_map import outcome_map
 from paper.figures.style import OUTCOME_STYLES
 from paper.orders import PERIODS, observed_order
-from paper.published import printed_energy_errors
+from paper.published import printed_cpu_times, printed_energy_errors
 
 if TYPE_CHECKING:
     from docs.scheme_page import Subject
@@ -74,7 +74,7 @@ def orders(subject: "Subject", data: Data) -> str:
 
 
 def energy(subject: "Subject", data: Data) -> str:
-    """Largest energy errors as printed in 1996 and as found here."""
+    """Largest energy errors as printed in 1996 and as found here, and the computing times of 1996."""
     one = _of(subject, data["energy_error"])
     if one is None:
         return _not_run("runs with the step sizes of 1996")
@@ -93,7 +93,20 @@ def energy(subject: "Subject", data: Data) -> str:
                 row.append(number(printed.sel(problem=problem, steps_per_period=steps, scheme=subject.name).item()))
             row.append(number(one.sel(problem=problem, steps_per_period=steps).item()))
         rows.append(row)
-    return "Largest energy error over 100 periods, in percent:\n\n" + table(head, rows, numbers_from=0)
+    errors = "Largest energy error over 100 periods, in percent:\n\n" + table(head, rows, numbers_from=0)
+    return f"{errors}\n\n{_times_of_1996(subject.name, titles)}" if known else errors
+
+
+def _times_of_1996(scheme: str, titles: dict[str, str]) -> str:
+    """The seconds printed in 1996, and their ratio to average acceleration."""
+    seconds = printed_cpu_times().sel(problem=list(titles))
+    ratio = seconds / seconds.sel(scheme="average_acceleration")
+    told = [
+        f"{number(seconds.sel(problem=name, scheme=scheme).item())} s on the {title} "
+        f"({number(ratio.sel(problem=name, scheme=scheme).item())} times average acceleration)"
+        for name, title in titles.items()
+    ]
+    return f"In 1996, 100,000 steps took {listed(told)} on a Pentium of 90 MHz."
 
 
 def maps(subject: "Subject", data: Data) -> str:
