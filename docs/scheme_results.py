@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+import study
 from docs.data import Data
 from docs.drawing import ACCENT, OTHER, figure_of, map_legend, panel, svg
 from docs.text import listed, number, percent, table
@@ -38,10 +39,11 @@ def _of(subject: "Subject", dataset: xr.Dataset) -> xr.Dataset | None:
     return dataset.sel(scheme=subject.name) if subject.name in dataset.scheme.values else None
 
 
-def _not_run(what: str) -> str:
-    return (
-        f"The study that made this page has no {what} of this scheme; the full study runs all schemes that have names."
-    )
+def _not_run(subject: "Subject", what: str) -> str:
+    missing = f"The study that made this page has no {what} of this scheme"
+    if subject.name in study.schemes:
+        return f"{missing}; the full study runs all schemes that have names."
+    return f"{missing}; `study assess-scheme FILE.py:{subject.name} --output page.html` runs it beside others."
 
 
 def _titles(one: xr.Dataset) -> dict[str, str]:
@@ -53,7 +55,7 @@ def orders(subject: "Subject", data: Data) -> str:
     parts = []
     one = _of(subject, data["accuracy"])
     if one is None:
-        parts.append(_not_run("accuracy runs"))
+        parts.append(_not_run(subject, "accuracy runs"))
     else:
         rows = []
         for problem, title in _titles(one).items():
@@ -77,7 +79,7 @@ def energy(subject: "Subject", data: Data) -> str:
     """Largest energy errors as printed in 1996 and as found here, and the computing times of 1996."""
     one = _of(subject, data["energy_error"])
     if one is None:
-        return _not_run("runs with the step sizes of 1996")
+        return _not_run(subject, "runs with the step sizes of 1996")
     one = one.max_energy_error.sel(period_used="printed")
     printed = printed_energy_errors()
     known = subject.name in printed.scheme.values
@@ -114,7 +116,7 @@ def maps(subject: "Subject", data: Data) -> str:
     atlas = data["stability/atlas"]
     one = _of(subject, atlas)
     if one is None:
-        return _not_run("maps of stability")
+        return _not_run(subject, "maps of stability")
     names = atlas.outcome.flag_meanings.split()
     panels, rows = [], []
     for problem, title in _titles(one).items():
@@ -184,7 +186,7 @@ def work(subject: "Subject", data: Data) -> str:
     everything = data["work_precision"]
     one = _of(subject, everything)
     if one is None:
-        return _not_run("measured times")
+        return _not_run(subject, "measured times")
     panels, rows = [], []
     for problem, title in _titles(one).items():
         figure, axes = panel("xy")
