@@ -7,8 +7,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import jax
-import matplotlib
 import pandas as pd
 import pytest
 import yaml
@@ -16,7 +14,7 @@ import yaml
 import study
 from paper import products
 from paper.claims import ledger
-from tests import small_results
+from tests.snippets import blocks, commands, run_command, run_examples
 
 PROJECT = Path(__file__).parent.parent
 README, CONTRIBUTING = ((PROJECT / name).read_text() for name in ("README.md", "CONTRIBUTING.md"))
@@ -24,34 +22,14 @@ PAGES = {name: (PROJECT / "docs" / "pages" / name).read_text() for name in ("des
 TEXTS = {"README.md": README, "CONTRIBUTING.md": CONTRIBUTING} | {f"docs/pages/{n}": text for n, text in PAGES.items()}
 
 
-def _blocks(text: str, language: str) -> list[str]:
-    fenced = re.findall(r"^```([^\n]*)\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
-    return [block for written_in, block in fenced if written_in == language]
-
-
 def test_the_examples_of_the_readme_run_in_order(tmp_path, monkeypatch):
-    """Under JAX's usual rules, which are less strict than those of the tests."""
-    small_results.write_to(tmp_path / "results")
-    monkeypatch.chdir(tmp_path)
-    matplotlib.use("agg")
-    seen: dict = {}
-    with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
-        for number, block in enumerate(_blocks(README, "python"), start=1):
-            exec(compile(block, f"README.md, example {number}", "exec"), seen)
+    seen = run_examples(README, "README.md", tmp_path, monkeypatch)
     assert seen["ds"].attrs["problem"] == "pendulum" and (tmp_path / "pendulum.html").stat().st_size > 1e4
 
 
-@pytest.mark.parametrize(
-    "words",
-    [block.split("#")[0].split()[1:] for block in "".join(_blocks(README, "sh")).splitlines() if "bin/study " in block],
-    ids=lambda words: words[0],
-)
+@pytest.mark.parametrize("words", commands(README), ids=lambda words: words[0])
 def test_the_commands_of_the_readme_run(words, tmp_path):
-    small_results.write_to(tmp_path / "results")
-    environment = os.environ | {"PYTHONPATH": str(PROJECT)}
-    command = [sys.executable, "-m", "study", *words]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[-4000:]
+    run_command(words, tmp_path)
 
 
 #: Runs the files of CONTRIBUTING as modules and each of their products; prints the text of the claim and the number.
@@ -91,8 +69,8 @@ for product in one:
 
 def test_the_examples_of_contributing_run(tmp_path):
     """In a process of their own, as declarations stay."""
-    files = {block.split("\n")[0].removeprefix("# "): block for block in _blocks(CONTRIBUTING, "python")}
-    options = yaml.safe_load(next(block for block in _blocks(CONTRIBUTING, "yaml") if "last_displacement" in block))
+    files = {block.split("\n")[0].removeprefix("# "): block for block in blocks(CONTRIBUTING, "python")}
+    options = yaml.safe_load(next(block for block in blocks(CONTRIBUTING, "yaml") if "last_displacement" in block))
     environment = os.environ | {"PYTHONPATH": str(PROJECT), "MPLBACKEND": "agg"}
     command = [sys.executable, "-c", _EXAMPLES, json.dumps(files), json.dumps(options)]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
@@ -147,7 +125,7 @@ def test_the_results_of_the_readme_are_those_of_the_study():
 @pytest.mark.parametrize("name", TEXTS)
 def test_files_that_are_named_exist(name):
     """Other than those that CONTRIBUTING has its readers add."""
-    added = {block.split("\n")[0].removeprefix("# ") for block in _blocks(CONTRIBUTING, "python")}
+    added = {block.split("\n")[0].removeprefix("# ") for block in blocks(CONTRIBUTING, "python")}
     named = set(re.findall(r"[`(]((?:study|paper|tests|config|docs|\.github|\.ci)/[\w./-]*)[`)]", TEXTS[name]))
     named |= set(re.findall(r"`([\w.-]+\.(?:md|cff|toml|txt))`", TEXTS[name]))
     assert named
@@ -155,7 +133,7 @@ def test_files_that_are_named_exist(name):
 
 
 def test_the_rooms_of_the_design_are_those_of_the_tree():
-    (tree,) = (block for block in _blocks(TEXTS["docs/pages/design.md"], "text") if "snakefile" in block)
+    (tree,) = (block for block in blocks(TEXTS["docs/pages/design.md"], "text") if "snakefile" in block)
     stated = set(re.findall(r"^  (\w+)/", tree, re.MULTILINE))
     assert stated == {path.parent.name for path in (PROJECT / "study").glob("*/__init__.py")}
 

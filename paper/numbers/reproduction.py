@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from paper.asks import OF_THE_DRIFT, OF_THE_TABLES
+from paper.claims.terms import DISSIPATIVE, FAITHFUL
 from paper.data import of_the_tables
 from paper.products import numbers
 from paper.published import SCHEMES, printed_energy_errors
@@ -11,8 +12,6 @@ from paper.rounding import once, same, twice
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.
 _GROWING = ["average_acceleration", "central_difference", "hht_alpha"]
-#: Schemes with strong numerical damping.
-_DAMPED = ["newmark_dissipative", "wilson_theta", "houbolt"]
 
 
 def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
@@ -87,7 +86,7 @@ def of_drift(drift: xr.Dataset) -> dict:
 def of_the_softening_spring(portrait: xr.Dataset) -> dict:
     """Energy that schemes have lost by the end."""
     lost = -portrait.energy_error.isel(t=-1)
-    damped, faithful = lost.sel(scheme=_DAMPED), abs(lost.sel(scheme=["average_acceleration", "central_difference"]))
+    damped, faithful = lost.sel(scheme=DISSIPATIVE), abs(lost.sel(scheme=FAITHFUL))
     return {
         "three_damp_away": bool(damped.min() > 50 and faithful.max() < 10),
         "alpha_loses": f"{lost.sel(scheme='hht_alpha').item():.0f}",

@@ -1,13 +1,12 @@
 """Numbers of the text: structures."""
 
-from collections.abc import Iterable
-
 import numpy as np
 import xarray as xr
 
 from paper.asks import samples_of_history
 from paper.claims.ledger import by_name
 from paper.claims.structures import SAMPLES_OF_SAWTOOTH, kept, sawtooth
+from paper.claims.wording import joined
 from paper.data import TURNING
 from paper.figures.oscillatory_energies import total
 from paper.products import numbers
@@ -15,12 +14,6 @@ from paper.tables.structures import STEPS_PER_PERIOD
 
 #: Schemes of structures without numerical damping, apart from the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
-
-
-def _in_words(titles: Iterable[str]) -> str:
-    """Titles of structures as a list in a sentence."""
-    *others, last = [f"the {title}" for title in titles]
-    return f"{', '.join(others)} and {last}" if others else last
 
 
 @numbers(
@@ -57,8 +50,8 @@ def of_structures(
     change = by_name(100 * abs(oscillatory / oscillatory.isel(t=0) - 1).max("t"))
     return {
         "most_unknowns": int(structures.unknowns.max()),
-        "structure_titles": _in_words(structures.problem_title.values),
-        "turning_titles": _in_words(runs.problem_title.values),
+        "structure_titles": joined([f"the {title}" for title in structures.problem_title.values], {}),
+        "turning_titles": joined([f"the {title}" for title in runs.problem_title.values], {}),
         "trapezoidal_fails_turning": lost["average_acceleration"] > 0,
         "momentum_method_stable": lost["energy_momentum"] == 0 and min(lost[name] for name in UNDAMPED) > 0,
         "structure_tolerance": f"{np.log10(reference.rtol):.0f}",

@@ -12,26 +12,6 @@ from paper.published import SCHEMES, printed_cpu_times
 EXACTING = 1e-10
 
 
-def _heyoka_wins_below(work: xr.Dataset) -> float:
-    """The error below which heyoka takes less time than the Runge-Kutta method, on every problem that it was given.
-
-    Zero where it never does.
-    """
-    wins = []
-    given = work.solver_time_per_run.sel(solver="heyoka", periods=100).dropna("problem", how="all").problem
-    for problem in given.values:
-        one = work.sel(problem=problem, periods=100)
-        rk4 = one.sel(scheme="rk4")
-        peer = one.sel(solver="heyoka")
-        # error of Runge-Kutta at the times of heyoka, interpolated in logarithms
-        times, errors = np.log(rk4.time_per_run.values), np.log(rk4.max_trajectory_error.values)
-        there = np.exp(np.interp(np.log(peer.solver_time_per_run.values), times, errors))
-        wins.append(
-            float(peer.solver_max_trajectory_error.values[peer.solver_max_trajectory_error < there].max(initial=0.0))
-        )
-    return min(wins, default=0.0)
-
-
 def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time: xr.DataArray) -> tuple[str, float]:
     """The fastest along a dimension that reaches ``EXACTING``, and its milliseconds."""
     error, time = error.sel({dimension: data[dimension]}), time.sel({dimension: data[dimension]})
@@ -79,7 +59,6 @@ def of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
         "work_finest_steps": f"{work.steps_per_period.max().item():,}",
         "work_loosest": f"{np.log10(spring.tolerance.max().item()):.0f}",
         "work_tightest": f"{np.log10(spring.tolerance.min().item()):.0f}",
-        "work_heyoka_from": f"{_heyoka_wins_below(work):.0e}",
         "work_iterations_coarse": f"{coarse.item():.1f}",
         "work_diffrax_step": f"{spring.diffrax_rk4_time_per_step.dropna('steps_per_period')[-1].item():.0f}",
         "work_rk4_step": f"{spring.median_time_per_step.sel(scheme='rk4').isel(steps_per_period=-1).item():.0f}",

@@ -1,14 +1,11 @@
 """Pages by hand, the interface, and the step of the pipeline."""
 
 import json
-import os
 import re
 import subprocess
 import sys
 from pathlib import Path
 
-import jax
-import matplotlib
 import numpy as np
 import pytest
 import xarray as xr
@@ -20,17 +17,11 @@ from paper import products
 from study import datasets
 from study.pipeline import configuration
 from study.pipeline.experiment import discover
-from tests import small_results
+from tests.snippets import blocks, commands, run_command, run_examples
 
 PROJECT = Path(__file__).parents[2]
 PAGES = sorted(filled.FOLDER.rglob("*.md"))
 GALLERY = [page for page in filled.pages() if page.parent.name == "gallery" and page.stem != "index"]
-
-
-def blocks(page: Path, language: str) -> list[str]:
-    """Blocks of code of a page."""
-    fenced = re.findall(r"^```([^\n]*)\n(.*?)^```$", page.read_text(), re.DOTALL | re.MULTILINE)
-    return [block for written_in, block in fenced if written_in == language]
 
 
 def _relative(page: Path) -> str:
@@ -38,17 +29,12 @@ def _relative(page: Path) -> str:
 
 
 @pytest.mark.parametrize(
-    "page", [page for page in PAGES if page not in GALLERY and blocks(page, "python")], ids=_relative
+    "page",
+    [page for page in PAGES if page not in GALLERY and blocks(page.read_text(), "python")],
+    ids=_relative,
 )
 def test_the_examples_of_a_page_run_in_order(page, tmp_path, monkeypatch):
-    """Under JAX's usual rules, which are less strict than those of the tests."""
-    small_results.write_to(tmp_path / "results")
-    monkeypatch.chdir(tmp_path)
-    matplotlib.use("agg")
-    seen: dict = {}
-    with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
-        for number, block in enumerate(blocks(page, "python"), start=1):
-            exec(compile(block, f"{page.name}, example {number}", "exec"), seen)
+    seen = run_examples(page.read_text(), page.name, tmp_path, monkeypatch)
     if page.stem == "choose":
         assert (seen["runs"].status == 0).any() and seen["how"].shape == seen["runs"].status.shape
         assert (tmp_path / "duffing.html").stat().st_size > 1e4
@@ -56,22 +42,12 @@ def test_the_examples_of_a_page_run_in_order(page, tmp_path, monkeypatch):
         assert seen["theory"].order() == pytest.approx(2, abs=0.1)
 
 
-COMMANDS = [
-    line.split("#")[0].split()[1:]
-    for page in PAGES
-    for line in "".join(blocks(page, "sh")).splitlines()
-    if line.startswith(".venv/bin/study ")
-]
+COMMANDS = [words for page in PAGES for words in commands(page.read_text())]
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=lambda words: words[0])
 def test_the_commands_of_the_pages_run(words, tmp_path):
-    small_results.write_to(tmp_path / "results")
-    (tmp_path / "examples").symlink_to(PROJECT / "examples")
-    environment = os.environ | {"PYTHONPATH": str(PROJECT)}
-    command = [sys.executable, "-m", "study", *words]
-    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[-4000:]
+    run_command(words, tmp_path)
 
 
 def test_the_commands_are_those_of_the_package():
@@ -100,7 +76,7 @@ def test_a_page_says_what_its_code_gives(tmp_path):
 @pytest.mark.parametrize("page", GALLERY, ids=_relative)
 def test_a_question_has_a_figure_a_paragraph_a_dataset_and_its_lines(page):
     text, figures = page.read_text(), {one.name for one in products.discover(["figures"]) if one.kind == "figure"}
-    assert re.match(r"# .*\?\n", text) and len(blocks(page, "python")) == 1
+    assert re.match(r"# .*\?\n", text) and len(blocks(text, "python")) == 1
     (shown,) = re.findall(r"\(figure:(\w+)\)", text)
     assert shown in figures and any(file.endswith(".nc") for file in filled.reads(text))
     assert len(re.findall(r"\{\{", text)) >= 2
