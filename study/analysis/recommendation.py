@@ -187,10 +187,10 @@ def recommend(
     Examples
     --------
     >>> study.recommend("hardening", error=0.01, periods=100).head(2)  # doctest: +SKIP
-              steps_per_period     error      time  ...  ties_with_fastest  force_evaluations                   verdict
-    scheme                                          ...
-    kahan_li8                8  0.003907  0.000057  ...               True            13600.0  already the coarsest step
-    rk4                     96  0.008142  0.000236  ...              False            38400.0                      found
+               steps_per_period     error  ...  force_evaluations verdict
+    scheme                                 ...
+    kahan_li8                10  0.003938  ...            17000.0   found
+    rk4                      96  0.007372  ...            38400.0   found
     """
     for name, number in (("error", error), ("periods", periods)):
         if isinstance(number, bool) or not isinstance(number, int | float | np.number):
