@@ -8,6 +8,7 @@ import secrets
 import shutil
 import sys
 import tempfile
+from collections import defaultdict
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -20,7 +21,8 @@ from docs.links import problems
 from docs.plan import PRODUCTS
 from docs.scheme_page import Library, scheme_page
 from docs.scheme_table import index_page
-from study.assessment.load import load
+from study.scheme.named import ALIASES
+from study.user_files import load
 
 PROJECT = Path(__file__).parent.parent
 #: Files of the project that pages include.
@@ -32,8 +34,11 @@ def library_of(results: Path, own: Iterable[str]) -> Library:
     for place in own:
         if place.rpartition(":")[2] in study.schemes:
             raise SystemExit(f"'{place}' has the name of a scheme of the study; give it another one.")
+    aliases = defaultdict(list)
+    for alias, name in ALIASES.items():
+        aliases[name].append(alias)
     schemes = dict(study.schemes) | {place.rpartition(":")[2]: load(place, (study.Scheme,)) for place in own}
-    return Library(Data(results, OF_SCHEMES), schemes)
+    return Library(Data(results, OF_SCHEMES), schemes, aliases)
 
 
 def write_sources(results: Path, folder: Path, own: Iterable[str] = ()) -> None:

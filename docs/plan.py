@@ -29,12 +29,6 @@ def sources(root: Path) -> list[str]:
     return [str(path) for path in [*files, *(root / name for name in _FILES)]]
 
 
-def own_schemes(configuration: dict) -> list[str]:
-    """The schemes of a user's own, FILE.py:NAME, that the configuration assesses."""
-    assessed = configuration.get("assess", {}).values()
-    return list(dict.fromkeys(place for one in assessed for place in one.get("own_schemes", [])))
-
-
 def steps_of(files: Iterable[str], own: Iterable[str], root: Path) -> list[dict[str, Any]]:
     """The step that makes the site of some files of the results and schemes of a user's own."""
     own = list(own)
@@ -62,7 +56,7 @@ def main(root: str) -> None:
         check_datasets([site], plan["datasets"])
     except ValueError as error:
         raise SystemExit(str(error)) from None
-    print(json.dumps({"steps": steps_of(site.files, own_schemes(plan["configuration"]), Path(root))}))
+    print(json.dumps({"steps": steps_of(site.files, plan["configuration"].get("own_schemes", []), Path(root))}))
 
 
 if __name__ == "__main__":

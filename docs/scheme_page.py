@@ -53,7 +53,7 @@ class Library:
 
     data: Data
     schemes: Mapping[str, study.Scheme]
-    aliases: Mapping[str, list[str]] = field(default_factory=dict)
+    aliases: Mapping[str, list[str]]
     _known: dict[str, Subject] = field(default_factory=dict)
 
     def subject(self, name: str) -> Subject:

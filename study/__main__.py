@@ -11,7 +11,6 @@ from typing import Any
 from study import datasets
 from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
-from study.assessment.load import load
 from study.assessment.report import answer, report, write_page
 from study.assessment.scheme import BESIDE, assess_scheme, scheme_page
 from study.marching.run import run
@@ -21,6 +20,7 @@ from study.problem.named import problems
 from study.registry import Registry, UnknownName
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
+from study.user_files import load
 from study.writing import check_writable
 
 _REGISTRIES: dict[str, Registry[Any]] = {"problems": problems, "schemes": schemes, "observers": observers}

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import study
-from study.assessment.load import load
 from study.problem.frequencies import frequencies
+from study.user_files import load
 
 FOLDER = Path(__file__).parent.parent / "examples"
 

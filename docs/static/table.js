@@ -5,7 +5,8 @@ for (const table of document.querySelectorAll("table.sortable")) {
 
   const value = (row, column) => {
     const cell = row.cells[column];
-    return "value" in cell.dataset ? Number(cell.dataset.value.replace("inf", "Infinity")) : cell.textContent;
+    // errors sort by their size, whatever their sign
+    return "value" in cell.dataset ? Math.abs(cell.dataset.value.replace("inf", "Infinity")) : cell.textContent;
   };
   const compare = (a, b) => {
     if (typeof a === "string") return a.localeCompare(b);

@@ -8,12 +8,11 @@ import xarray as xr
 from typing_extensions import TypedDict
 
 from study.assessment.assess import assess
-from study.assessment.load import load
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Name, Schemes, Size, Tolerances, section
 from study.problem.definition import Problem
-from study.scheme.base import Scheme
+from study.user_files import load
 
 
 @section
@@ -22,14 +21,12 @@ class _Assessment(TypedDict):
     duration: NotRequired[Size]
     quantities: NotRequired[str]
     schemes: NotRequired[Schemes]
-    own_schemes: NotRequired[list[str]]
     errors: NotRequired[Tolerances]
 
 
 def _places(options: Options) -> list[tuple[str, str]]:
     """Keys and values that name something in a file."""
-    places = [(key, options[key]) for key in ("problem", "quantities") if ".py" in options.get(key, "")]
-    return places + [("own_schemes", place) for place in options.get("own_schemes", [])]
+    return [(key, options[key]) for key in ("problem", "quantities") if ".py" in options.get(key, "")]
 
 
 def _files(options: Options) -> Iterable[str]:
@@ -61,20 +58,17 @@ def assessment(
     duration: float | None = None,
     quantities: str | None = None,
     schemes: Sequence[str] | None = None,
-    own_schemes: Sequence[str] = (),
     errors: Sequence[float] = (0.1, 0.01, 0.001),
 ) -> xr.Dataset:
     """Assess a problem in a file, or one of the study: which scheme and which step it needs for an error.
 
-    ``problem``, ``quantities`` and ``own_schemes`` name a :class:`study.Problem`, a dict of :class:`study.Quantity` and
-    each a :class:`study.Scheme` as ``FILE.py:NAME``; ``problem`` may also be a name of the study.
+    ``problem`` and ``quantities`` name a :class:`study.Problem` and a dict of :class:`study.Quantity` as
+    ``FILE.py:NAME``; ``problem`` may also be a name of the study.
     """
     progress(f"assessment of {problem}")
-    chosen: dict[str, str | Scheme] = {name: name for name in schemes or ()}
-    chosen |= {place.rpartition(":")[2]: load(place, (Scheme,)) for place in own_schemes}
     return assess(
         load(problem, (Problem,)) if ".py" in problem else problem,
-        chosen or None,  # type: ignore[arg-type]
+        schemes,
         duration=duration,
         quantities=load(quantities, (dict,)) if quantities else None,
         errors=errors,

@@ -12,6 +12,8 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 
 from study.pipeline.experiment import Experiment, Merged, arguments_of, discover
+from study.pipeline.options import OwnSchemes
+from study.pipeline.own_schemes import register_own
 from study.problem.named import printed_periods, problems, time_scales
 from study.registry import Registry, did_you_mean
 from study.scheme.base import OneStep
@@ -23,12 +25,15 @@ MOST_STEPS = 1e13
 MOST_VALUES = 2e8
 _STRICT = ConfigDict(extra="forbid", strict=True)
 
-REGISTRIES: dict[str, Registry] = {
-    "spring": Registry("spring", {name: problems.resolve(name) for name in printed_periods}),
-    "structure": Registry("structure", {name: problems.resolve(name) for name in time_scales}),
-    "scheme": schemes,
-    "one-step scheme": Registry("one-step scheme", {n: s for n, s in schemes.items() if isinstance(s, OneStep)}),
-}
+
+def _registries() -> dict[str, Registry]:
+    """What a configuration can name, by kind."""
+    return {
+        "spring": Registry("spring", {name: problems.resolve(name) for name in printed_periods}),
+        "structure": Registry("structure", {name: problems.resolve(name) for name in time_scales}),
+        "scheme": schemes,
+        "one-step scheme": Registry("one-step scheme", {n: s for n, s in schemes.items() if isinstance(s, OneStep)}),
+    }
 
 
 def complete(configuration: Any) -> Any:
@@ -57,7 +62,8 @@ def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
             if last in place:
                 raise ValueError(f"{one.module} declares the section '{one.section}', which another experiment has.")
             place[last] = one.model or create_model(last, __config__=_STRICT, **fields)
-    return _nested("configuration", tree)
+    own: Any = (OwnSchemes, [])
+    return create_model("configuration", __base__=_nested("sections", tree), own_schemes=own)
 
 
 def _nested(name: str, tree: dict[str, Any]) -> type[BaseModel]:
@@ -143,7 +149,7 @@ def check_form(model: type[BaseModel], configuration: Any) -> None:
     if strange is not None:
         raise ValueError(f"{strange} of the configuration is no text; put it into quotation marks.")
     try:
-        model.model_validate(configuration, context=REGISTRIES)
+        model.model_validate(configuration, context=_registries())
     except ValidationError as mistakes:
         # where a key is misspelt another is missing, which tells less
         first = min(mistakes.errors(), key=lambda mistake: mistake["type"] != "extra_forbidden")
@@ -171,6 +177,7 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
         With one sentence that names the key or the dataset, and says what would be right.
     """
     declared = tuple(experiments)
+    _register_own_schemes(configuration)
     whole = complete(configuration)
     check_form(model_of(declared), whole)
     steps, made = 0.0, set(datasets_of(declared, whole))
@@ -204,6 +211,18 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
             "ask for fewer or shorter runs."
         )
     return whole
+
+
+def _register_own_schemes(configuration: Any) -> None:
+    """Give the schemes of a user's own their names, before other sections are read that use them."""
+    listed = configuration.get("own_schemes", []) if isinstance(configuration, Mapping) else []
+    if not isinstance(listed, list) or not all(isinstance(place, str) for place in listed):
+        raise ValueError(f"own_schemes must be a list of FILE.py:NAME, not {listed!r}.")
+    for place in listed:
+        try:
+            register_own(place)
+        except ValueError as error:
+            raise ValueError(f"own_schemes: {error}") from None
 
 
 def _check_makers(experiments: Iterable[Experiment | Merged], configuration: Mapping) -> None:

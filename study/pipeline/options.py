@@ -132,6 +132,8 @@ Springs = Annotated[list[Spring], _FEW, _DISTINCT]
 #: Problems whose force or load has kinks or remembers, and a smooth one to compare with.
 Kinked = Annotated[list[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken"]], _FEW, _DISTINCT]
 Schemes = Annotated[list[SchemeName], _FEW, _DISTINCT]
+#: Schemes of a user's own, FILE.py:NAME.
+OwnSchemes = Annotated[list[str], Len(0, 1000), _DISTINCT]
 OneStepSchemes = Annotated[list[OneStepName], _FEW, _DISTINCT]
 
 

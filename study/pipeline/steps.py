@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from study.pipeline.experiment import Experiment, Merged, Options
+from study.pipeline.own_schemes import file_of, own_schemes_in
 from study.pipeline.sources import Sources, modules_of_schemes, schemes_in
 
 
@@ -78,11 +79,12 @@ def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
 
     def job(name: str, options: Options) -> Job:
         made = [output.replace("{job}", name) for output in outputs]
-        modules = [one.module, "study.pipeline.command", *modules_of_schemes(schemes_in(options))]
-        text = command(
-            "study.pipeline.command", one.module, one.makes[0], *made, json.dumps(options), environment=one.environment
-        )
-        return Job(text, (*map(dataset, one.reads(options)), *one.files(options), *map(str, sources.of(*modules))))
+        own = own_schemes_in(options, configuration)
+        modules = [one.module, "study.pipeline.command", *modules_of_schemes(schemes_in(options) - own.keys())]
+        runner = ["study.pipeline.own_schemes", shlex.join(own.values())] if own else ["study.pipeline.command"]
+        text = command(*runner, one.module, one.makes[0], *made, json.dumps(options), environment=one.environment)
+        files = *one.files(options), *map(file_of, own.values()), *map(str, sources.of(*modules))
+        return Job(text, (*map(dataset, one.reads(options)), *files))
 
     return Step(
         name=one.name,

@@ -1,21 +1,38 @@
-"""Assessments that the configuration names, through the pipeline."""
+"""Problems and schemes of one's own that the configuration names, through the pipeline."""
+
+from pathlib import Path
 
 import yaml
 
 import study
+from study.scheme.named import OF_1996
 from tests.pipeline.pipeline import SMALL, call_snakemake, copied, make
 
 
-def test_the_pipeline_assesses_a_problem_in_a_file(tmp_path):
+def _edited(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
     folder = copied(tmp_path)
-    asked = {"problem": "examples/driven.py:driven", "duration": 20.0, "own_schemes": ["examples/scheme.py:heun"]}
-    overlay = folder / "mine.yaml"
-    overlay.write_text(yaml.safe_dump({"assess": {"mine": asked | {"schemes": ["rk4"], "errors": [0.05]}}}))
-    overlays = SMALL, overlay
-    make(folder, "assessment/mine.html", overlays=overlays)
+    asked = {"problem": "examples/driven.py:driven", "duration": 20.0, "schemes": ["rk4", "heun"], "errors": [0.05]}
+    overlay = {
+        "own_schemes": ["examples/scheme.py:heun"],
+        "assess": {"mine": asked},
+        "sensitivity": {"schemes": [*OF_1996, "heun"]},
+    }
+    (folder / "mine.yaml").write_text(yaml.safe_dump(overlay))
+    overlays = SMALL, folder / "mine.yaml"
+    make(folder, "assessment/mine.html", "sensitivity.nc", overlays=overlays)
     assert "For 5 % of displacement: " in (folder / "results/assessment/mine.html").read_text()
     ds = study.open("assessment/mine", folder / "results")
     assert ds.scheme.values.tolist() == ["rk4", "heun"] and (ds.verdict == 0).any()
-    (folder / "examples/driven.py").write_text((folder / "examples/driven.py").read_text().replace("0.5 *", "0.4 *"))
+    assert study.open("sensitivity", folder / "results").scheme_title.values[-2:].tolist() == ["Runge-Kutta", "Heun"]
+    _edited(folder / "examples/driven.py", "0.5 *", "0.4 *")
     planned = call_snakemake(folder, "-n", "results/assessment/mine.html", overlays=overlays)
     assert "Updated input files: examples/driven.py" in planned.stdout
+    _edited(folder / "examples/scheme.py", "dt**2 / 2 * slope", "dt * dt / 2 * slope")
+    planned = call_snakemake(folder, "-n", "results/sensitivity.nc", overlays=overlays)
+    assert "Updated input files: examples/scheme.py" in planned.stdout

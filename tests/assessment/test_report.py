@@ -10,8 +10,8 @@ import xarray as xr
 
 import study
 from study.__main__ import main
-from study.assessment.load import Unloadable, load
 from study.problem.definition import Problem
+from study.user_files import Unloadable, load
 from tests.browser import WIDTHS, check_page, needs_browser, set_width
 
 MODEL = """

@@ -8,8 +8,8 @@ import pytest
 import study
 from reference.amplitudes import amplitudes
 from study.__main__ import main
-from study.assessment.load import load
 from study.experiments.atlas import atlas
+from study.user_files import load
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "scheme.py"
 

@@ -17,6 +17,7 @@ from paper import products
 from study import datasets
 from study.pipeline import configuration
 from study.pipeline.experiment import discover
+from tests.pipeline.pipeline import call_snakemake, copied
 from tests.snippets import blocks, commands, run_command, run_examples
 
 PROJECT = Path(__file__).parents[2]
@@ -40,6 +41,14 @@ def test_the_examples_of_a_page_run_in_order(page, tmp_path, monkeypatch):
         assert (tmp_path / "duffing.html").stat().st_size > 1e4
     if page.stem == "run":
         assert seen["theory"].order() == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page.read_text(), "yaml")], ids=_relative)
+def test_the_configuration_of_a_page_is_accepted(page, tmp_path):
+    folder = copied(tmp_path)
+    (folder / "mine.yaml").write_text("\n".join(blocks(page.read_text(), "yaml")))
+    planned = call_snakemake(folder, "-n", "--quiet", overlays=["mine.yaml"])
+    assert planned.returncode == 0, planned.stderr + planned.stdout
 
 
 COMMANDS = [words for page in PAGES for words in commands(page.read_text())]
@@ -113,8 +122,8 @@ def test_the_table_of_datasets_names_what_the_short_study_makes():
 
 def test_the_step_of_the_site_depends_on_what_its_pages_show():
     short, made = _datasets_of_the_short_study()
-    own = {"one": {"own_schemes": ["examples/scheme.py:heun"]}}
-    given = json.dumps({"configuration": short | {"assess": own}, "datasets": made})
+    own = {"own_schemes": ["examples/scheme.py:heun"]}
+    given = json.dumps({"configuration": short | own, "datasets": made})
     command = [sys.executable, "-m", "docs.plan", "."]
     done = subprocess.run(command, input=given, cwd=PROJECT, capture_output=True, text=True)
     (step,) = json.loads(done.stdout)["steps"]

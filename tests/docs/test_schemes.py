@@ -16,7 +16,7 @@ from docs.scheme_results import orders
 from docs.scheme_table import COLUMNS, table_of
 from docs.text import number, percent
 from docs.theory import theory_of
-from study.assessment.load import load
+from study.user_files import load
 
 HEUN = Path(__file__).parents[2] / "examples" / "scheme.py"
 
@@ -63,7 +63,7 @@ def test_orders_come_from_the_errors():
         {"scheme": ["rk4"], "problem": ["a"], "steps_per_period": steps, "periods": [1, 3]},
     ).assign_coords(problem_title=("problem", ["spring"]))
     data = Empty({"accuracy": accuracy})
-    subject = Library(data, study.schemes).subject("rk4")
+    subject = Library(data, study.schemes, {}).subject("rk4")
     assert "| spring | 3 | 3 | 3 | 3 |" in orders(subject, data)
 
 

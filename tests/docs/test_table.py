@@ -25,7 +25,7 @@ def browser(tmp_path):
 
     times = xr.Dataset({"median_time_per_step": (("problem", "scheme", "steps_per_period"), [[[7.0], [30.0]]])})
     times = times.assign_coords(problem=["softening"], scheme=["rk4", "houbolt"], steps_per_period=[64])
-    library = Library({"work_precision": times}, study.schemes)  # type: ignore[arg-type]
+    library = Library({"work_precision": times}, study.schemes, {})  # type: ignore[arg-type]
     table = table_of([library.subject(name) for name in ("houbolt", "rk4", "central_difference")], library)
     script = (filled.FOLDER.parent / "static" / "table.js").read_text()
     page = tmp_path / "page.html"
@@ -61,6 +61,7 @@ def test_the_keyboard_sorts_and_narrows_the_table(browser):
             sorted_by[heading()] = browser.execute_script(SHOWN)
     assert sorted_by["order"] == ["Central difference", "Houbolt", "Runge-Kutta"]
     assert sorted_by["largest stable ωΔt"] == ["Central difference", "Runge-Kutta", "Houbolt"]
+    assert sorted_by["period, %"] == ["Runge-Kutta", "Central difference", "Houbolt"]  # by size; the second is negative
     assert sorted_by["time, ns"] == ["Runge-Kutta", "Houbolt", "Central difference"]  # what is missing stays last
     (last,) = browser.execute_script("return [...document.querySelectorAll('[aria-sort]')].map((one) => one.ariaSort)")
     assert last == "ascending"

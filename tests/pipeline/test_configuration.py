@@ -142,6 +142,11 @@ def test_what_is_no_configuration_is_told(whole):
         (lambda c: c["accuracy"].update(schemes="most"), "accuracy.schemes must be a list, or the word all, not"),
         (lambda c: c["structure_history"]["stiff_soft"].update(every=7), "every, 7, does not divide the number of"),
         (lambda c: c["structure_history"].update({"../x": c["structure_history"]["stiff_soft"]}), "'../x' must be a"),
+        (lambda c: c.update(own_schemes="heun"), "own_schemes must be a list of FILE.py:NAME, not 'heun'."),
+        (lambda c: c.update(own_schemes=["heun"]), "own_schemes: 'heun' must name a file and a study.Scheme in it,"),
+        (lambda c: c.update(own_schemes=["no.py:heun"]), "own_schemes: there is no file 'no.py'."),
+        (lambda c: c.update(own_schemes=["examples/scheme.py:hein"]), "has no 'hein'; did you mean 'heun'?"),
+        (lambda c: c["sensitivity"]["schemes"].append("heum"), "there is no scheme 'heum'"),
         (lambda c: c["phase_portrait"].update(soft=c["phase_portrait"]["softening"]), "there is no spring 'soft';"),
     ],
 )  # fmt: skip
