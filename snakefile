@@ -120,6 +120,9 @@ def end(number, frame):
 
 onstart:
     if workflow.local_exec:  # on a cluster Snakemake cancels its jobs itself
+        # to keep to a rate of jobs that is never reached here, Snakemake 9.27 weighs all waiting jobs again every second,
+        # once for every job that has started
+        workflow.scheduler.job_rate_limiter = None
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, end)
     else:
