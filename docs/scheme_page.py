@@ -13,6 +13,7 @@ from docs import scheme_results
 from docs.data import Data
 from docs.docstrings import Explained, explained, is_equation, markdown
 from docs.names import names_in_codes
+from docs.printed import printed_limit
 from docs.scheme_curves import linear_theory
 from docs.text import definitions, described, number, table
 from docs.theory import Theory, theory_of
@@ -116,6 +117,7 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
             "order claimed": f"{scheme.order}{damped}",
             "order of its roots": measured,
             "stable": stability(theory),
+            **({"stable, as printed": printed} if (printed := printed_limit(subject.name)) else {}),
             "high frequencies": high_frequencies(theory),
             f"at {STEPS} steps a period": scheme_results.at_the_rule_of_thumb(theory, STEPS) + ", in linear theory",
             "forces": forces(scheme),

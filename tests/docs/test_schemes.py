@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import study
-from docs import names
+from docs import names, printed
 from docs.drawing import ACCENT, INK, panel, svg
 from docs.links import problems
 from docs.scheme_page import Library, scheme_page
@@ -17,6 +17,7 @@ from docs.scheme_table import COLUMNS, table_of
 from docs.text import number, percent
 from docs.theory import theory_of
 from study.user_files import load
+from tests import bibliography
 
 HEUN = Path(__file__).parents[2] / "examples" / "scheme.py"
 
@@ -98,6 +99,14 @@ def test_names_in_other_codes_can_be_checked():
     assert len({(row["scheme"], row["code"]) for row in rows}) == len(rows)
     assert {row["code"].split("/")[0] for row in rows} == {"OpenSees", "Abaqus", "LS-DYNA", "Code_Aster", "SciML"}
     assert "has been confirmed" in names.names_in_codes("gauss4")
+
+
+@pytest.mark.parametrize("row", printed.rows(), ids=lambda row: row["scheme"])
+def test_printed_limits_are_those_of_linear_theory(row):
+    limit = study.LinearTheory(study.schemes[row["scheme"]], [0.1]).stability_limit()
+    assert limit == pytest.approx(float(row["limit"]), abs=5e-4)
+    assert row["work"] in {bibliography.label(work) for work in bibliography.works().values()}
+    assert row["place"] in printed.printed_limit(row["scheme"])
 
 
 def test_links_that_lead_nowhere_and_what_is_loaded_from_elsewhere_are_found(tmp_path):
