@@ -23,9 +23,9 @@ def of_long_times(runs: xr.Dataset) -> dict:
     bought = (steady / compensated.energy_round_off.sel(step="short")).max()
     lasting = {
         "lasting_periods": f"{last.periods.item():,}",
-        "lasting_steps": runs.steps_per_period,
-        "lasting_runs": runs.runs,
-        "lasting_spread": f"{100 * runs.spread_of_steps:.1f}",
+        "lasting_steps": runs.steps_per_period.item(),
+        "lasting_runs": runs.runs.item(),
+        "lasting_spread": f"{100 * runs.spread_of_steps.item():.1f}",
         "lasting_double_from": f"{law.sel(arithmetic='float64').min().item():.2f}",
         "lasting_double_to": f"{law.sel(arithmetic='float64').max().item():.2f}",
         "lasting_double_energy": f"{double.energy_round_off.max().item():.0e}",

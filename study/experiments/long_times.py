@@ -139,6 +139,8 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 @experiment(
     "long_times",
+    split=lambda options: {scheme: {**options, "schemes": [scheme]} for scheme in options["schemes"]},
+    along="scheme",
     reads=lambda options: [f"reference/{options['problem']}"],
     check=_check,
     steps=_number_of_steps,
@@ -196,13 +198,13 @@ def long_times(
     return (
         summary({name: np.moveaxis(values, -2, 2) for name, values in observed.items()}, lengths)
         .assign_coords(coordinates.scheme_coordinates(schemes))
-        .assign_attrs(
-            title=f"Long times on the {definition.title}",
-            problem=problem,
-            steps_per_period=steps_per_period,
-            runs=runs,
-            spread_of_steps=np.ptp(dt) / dt.mean(),
+        .assign_coords(
+            problem=((), problem, {"long_name": "problem"}),
+            steps_per_period=((), steps_per_period, {"long_name": "steps per exact period, about", "units": "1"}),
+            runs=((), runs, {"long_name": "runs with each kind of step size", "units": "1"}),
+            spread_of_steps=((), np.ptp(dt) / dt.mean(), {"long_name": "spread of the step sizes", "units": "1"}),
         )
+        .assign_attrs(title=f"Long times on the {definition.title}")
     )
 
 

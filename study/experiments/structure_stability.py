@@ -35,7 +35,13 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return None
 
 
-@experiment("stability/structures", check=_check, steps=_number_of_steps)
+@experiment(
+    "stability/structures",
+    split=lambda options: {one["problem"]: {**options, "lengths": [one]} for one in options["lengths"]},
+    along="problem",
+    check=_check,
+    steps=_number_of_steps,
+)
 def structure_stability(
     lengths: StructureLengths, schemes: Schemes, excitations: Sizes, steps_per_period: Counts
 ) -> xr.Dataset:

@@ -53,7 +53,8 @@ def test_all_schemes_are_written_out(config):
 
 def test_the_schema_knows_every_section():
     schema = configuration.schema()
-    assert set(schema["required"]) == set(SHIPPED["study.yaml"]) and schema["additionalProperties"] is False
+    assert set(schema["properties"]) == set(SHIPPED["study.yaml"]) and schema["additionalProperties"] is False
+    assert set(schema["properties"]) - set(schema["required"]) == {"own_schemes"}
     json.dumps(schema)
 
 
