@@ -50,7 +50,14 @@ def write_sources(results: Path, folder: Path, own: Iterable[str] = ()) -> None:
     shutil.copytree(results / "figures", folder / "figures", ignore=shutil.ignore_patterns("*.png", "*.pdf"))
     made = {f"interface/{name}.rst": text for name, text in interface.pages().items()}
     for page in filled.pages():
-        made[page.relative_to(filled.FOLDER).as_posix()] = filled.filled(page.read_text(encoding="utf-8"), results)
+        name = page.relative_to(filled.FOLDER).as_posix()
+        try:
+            made[name] = filled.filled(page.read_text(encoding="utf-8"), results)
+        except (KeyError, IndexError, ValueError) as error:
+            raise SystemExit(
+                f"docs/pages/{name} asks for what the datasets lack, {error}; make the study of config/study.yaml, or a "
+                "larger one."
+            ) from None
     library = library_of(results, own)
     made |= {f"schemes/{name}.md": scheme_page(library.subject(name), library) for name in library.schemes}
     made["schemes/index.md"] = index_page(library)

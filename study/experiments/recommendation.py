@@ -75,7 +75,7 @@ def recommendation(problems: Springs, measures: Names, errors: Tolerances, perio
         },
         coords={
             **coordinates.problem_coordinates(problems),
-            **coordinates.scheme_coordinates(schemes),
+            **{name: one for name, one in work.coords.items() if one.dims == ("scheme",)},
             "measure": ("measure", list(measures), {"long_name": "measure of error"}),
             "error": ("error", list(errors), {"long_name": "largest error that may be made, a fraction", "units": "1"}),
             "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
