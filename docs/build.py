@@ -55,7 +55,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str] = ()) -> None:
             made[name] = filled.filled(page.read_text(encoding="utf-8"), results)
         except (KeyError, IndexError, ValueError) as error:
             raise SystemExit(
-                f"docs/pages/{name} asks for what the datasets lack, {error}; make the study of config/study.yaml, or a "
+                f"docs/pages/{name} asks for what the datasets lack, {error}; make the study of config/study.yaml or a "
                 "larger one."
             ) from None
     library = library_of(results, own)
