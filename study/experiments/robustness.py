@@ -60,8 +60,8 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 @experiment(
     "stability/robustness",
     section="robustness",
-    split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
-    along="problem",
+    split=lambda options: {scheme: {**options, "schemes": [scheme]} for scheme in options["schemes"]},
+    along="scheme",
     reads=lambda options: ["reference/amplitudes"],
     check=_check,
     steps=_number_of_steps,
