@@ -26,7 +26,7 @@ from study.user_files import load
 
 PROJECT = Path(__file__).parent.parent
 #: Files of the project that pages include.
-INCLUDED = ("CONTRIBUTING.md", "CHANGELOG.md")
+INCLUDED = ("CONTRIBUTING.md", "CHANGELOG.md", "examples/scheme.py")
 
 
 def library_of(results: Path, own: Iterable[str]) -> Library:

@@ -1,9 +1,12 @@
 """Settings of Sphinx for the site."""
 
+import html
 import pkgutil
+import textwrap
 from pathlib import Path
 
 import yaml
+from docutils import nodes
 from sphinx.util.nodes import make_refnode
 
 import study
@@ -61,7 +64,16 @@ def _docstring(app, what, name, documented, options, lines):
     lines[:] = restructured(lines)
 
 
+def _describe(app, pagename, templatename, context, doctree):
+    """A page that does not describe itself is described by its first paragraph, which searches show."""
+    if doctree is not None and 'name="description"' not in context["metatags"]:
+        said = next((paragraph.astext() for paragraph in doctree.findall(nodes.paragraph)), "")
+        text = html.escape(textwrap.shorten(said, 160, placeholder=" …"))
+        context["metatags"] += f'<meta name="description" content="{text}">'
+
+
 def setup(app):
-    """Change docstrings before numpydoc reads them, and resolve references to names that are no page's own."""
+    """Change docstrings before numpydoc reads them, resolve names that are no page's own, and describe pages."""
+    app.connect("html-page-context", _describe)
     app.connect("missing-reference", _resolve)
     app.connect("autodoc-process-docstring", _docstring, priority=400)

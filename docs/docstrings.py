@@ -76,10 +76,10 @@ def explained(documented: type) -> Explained:
 
 def markdown(text: str) -> str:
     """A line of a docstring as Markdown: names in roles become code, and signs of Markdown are kept as they are."""
-    text = re.sub(r"^(\s*)([>#+])", r"\1\\\2", text)  # no quotation, heading or list
     text = _ROLE.sub(lambda role: f"``{role[2]}``", text)
     parts = re.split(r"(``.*?``)", text)  # code stays as it is
-    return "".join(part if part.startswith("``") else re.sub(r"([*_<\[\]|\\])", r"\\\1", part) for part in parts)
+    text = "".join(part if part.startswith("``") else re.sub(r"([*_<\[\]|\\])", r"\\\1", part) for part in parts)
+    return re.sub(r"^(\s*)([>#+])", r"\1\\\2", text)  # no quotation, heading or list
 
 
 def restructured(lines: list[str]) -> list[str]:

@@ -72,7 +72,7 @@ def filled(text: str, results: Path, images: str = "/figures") -> str:
         label, name = found.groups()
         return (
             f"```{{figure}} {images}/{name}.svg\n:alt: {label}\n:class: paper\n\n"
-            f"{label}. `snakemake results/figures/{name}.svg` makes it.\n```"
+            f"{label}. `.venv/bin/snakemake results/figures/{name}.svg` makes it.\n```"
         )
 
     parts = re.split(r"(^```python\n.*?^```$)", text, flags=re.DOTALL | re.MULTILINE)

@@ -15,13 +15,11 @@ from docs.docstrings import Explained, explained, is_equation, markdown
 from docs.names import names_in_codes
 from docs.printed import printed_limit
 from docs.scheme_curves import linear_theory
-from docs.text import definitions, described, number, table
-from docs.theory import Theory, theory_of
+from docs.text import definitions, described, listed, number, table
+from docs.theory import STEPS, Theory, theory_of
 
 #: Fields of a scheme that are labels and no parameters.
 _LABELS = {"title", "source", "doi"}
-#: Steps a period of the rule of thumb, at which a page gives its numbers.
-STEPS = 20
 
 
 @dataclass
@@ -89,6 +87,8 @@ def stability(theory: Theory) -> str:
 
 def high_frequencies(theory: Theory) -> str:
     """What becomes of modes that the step does not resolve, in a phrase."""
+    if theory.limit == 0:
+        return "unstable"
     if math.isnan(theory.at_infinity):
         return "unstable, as it is stable up to a step size only"
     return f"spectral radius ρ∞ = {number(theory.at_infinity)} at infinite frequency"
@@ -105,10 +105,9 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
     scheme, theory = subject.scheme, subject.theory
     doi = f', <a href="https://doi.org/{scheme.doi}">doi:{scheme.doi}</a>' if scheme.doi else ""
     damped = "" if scheme.damped_order == scheme.order else f", {scheme.damped_order} with damping or load"
-    measured = (
-        f"{number(theory.order)} on the linear oscillator, {number(theory.damped_order)} with damping; that of a "
-        "motion is lower where displacement and velocity belong to different times"
-    )
+    measured = f"{number(theory.order)} on the linear oscillator, {number(theory.damped_order)} with damping"
+    if scheme.order < round(theory.order):
+        measured += "; a motion has the order claimed, as its displacement and velocity err by more than the roots do"
     return definitions(
         {
             "names here": ", ".join(f"<code>{name}</code>" for name in [subject.name, *aliases]),
@@ -119,11 +118,19 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
             "stable": stability(theory),
             **({"stable, as printed": printed} if (printed := printed_limit(subject.name)) else {}),
             "high frequencies": high_frequencies(theory),
-            f"at {STEPS} steps a period": scheme_results.at_the_rule_of_thumb(theory, STEPS) + ", in linear theory",
+            f"at {STEPS} steps a period": scheme_results.by_the_rule_of_thumb(theory) + ", in linear theory",
             "forces": forces(scheme),
             "memory": f"{theory.memory} vectors of the size of u from step to step",
         }
     )
+
+
+def _case(subject: Subject) -> str:
+    """That a scheme is a case of what its class describes, where the class has parameters."""
+    values = [
+        f"{name} = {_value(value)}" for name, value in subject.parameters.items() if isinstance(value, float | int)
+    ]
+    return f"{subject.scheme.title} is the method below with {markdown(listed(values))}. " if values else ""
 
 
 def _method(subject: Subject) -> str:
@@ -168,7 +175,7 @@ def scheme_page(subject: Subject, library: Library) -> str:
         "Parameters": _parameters(subject),
         "Linear theory: stability, period elongation and numerical damping": linear_theory(subject, library),
         "Order on non-linear springs": scheme_results.orders(subject, library.data),
-        "Energy error, printed in 1996 and here": scheme_results.energy(subject, library.data),
+        "Energy error at the step sizes of 1996": scheme_results.energy(subject, library.data),
         "Map of stability, and how it fails": scheme_results.maps(subject, library.data),
         "Work, precision and cost": scheme_results.work(subject, library.data),
         "Names in other codes": names_in_codes(subject.name),
@@ -178,7 +185,7 @@ def scheme_page(subject: Subject, library: Library) -> str:
     }
     parts = [
         f"# {title}: numerical damping, stability, order and cost",
-        markdown(subject.text.summary),
+        f"{_case(subject)}{markdown(subject.text.summary)}",
         _facts(subject, library.aliases.get(subject.name, [])),
         *(f"## {heading}\n\n{text}" for heading, text in sections.items()),
     ]

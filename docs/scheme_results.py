@@ -9,7 +9,7 @@ import study
 from docs.data import Data
 from docs.drawing import ACCENT, OTHER, figure_of, map_legend, panel, svg
 from docs.text import listed, number, percent, table
-from docs.theory import ROUND_OFF, Theory, at
+from docs.theory import ROUND_OFF, Theory
 from paper.figures.outcome_map import outcome_map
 from paper.figures.style import OUTCOME_STYLES
 from paper.orders import PERIODS, observed_order
@@ -79,7 +79,10 @@ def energy(subject: "Subject", data: Data) -> str:
     """Largest energy errors as printed in 1996 and as found here, and the computing times of 1996."""
     one = _of(subject, data["energy_error"])
     if one is None:
-        return _not_run(subject, "runs with the step sizes of 1996")
+        return (
+            "The paper of 1996 prints nothing of this scheme, and the study that made this page did not run it with "
+            "the step sizes of that paper; the key `energy_error.schemes` of the configuration adds it."
+        )
     one = one.max_energy_error.sel(period_used="printed")
     printed = printed_energy_errors()
     known = subject.name in printed.scheme.values
@@ -216,12 +219,14 @@ def _range(values: xr.DataArray) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def at_the_rule_of_thumb(theory: Theory, steps: int) -> str:
-    """Elongation of the period and loss of amplitude in linear theory at some steps a period, in a phrase."""
-    elongation, decay = at(theory.elongation, 1 / steps), at(theory.decay, 1 / steps)
+def by_the_rule_of_thumb(theory: Theory) -> str:
+    """Elongation of the period and loss of amplitude in linear theory at 20 steps a period, in a phrase."""
+    elongation, decay = theory.elongation_of_rule, theory.decay_of_rule
     if np.isnan(elongation):
         return "nothing oscillates"
     longer = f"{percent(abs(elongation))} too {'long' if elongation > 0 else 'short'}"
+    if abs(elongation) < ROUND_OFF:
+        longer = "right"
     if abs(decay) < ROUND_OFF:
         return f"the period is {longer}, and the amplitude stays"
     changes = "falls" if decay > 0 else "grows"

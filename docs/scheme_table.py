@@ -4,9 +4,9 @@ import html
 import math
 from collections.abc import Iterable
 
-from docs.scheme_page import STEPS, Library, Subject
+from docs.scheme_page import Library, Subject
 from docs.text import described, number
-from docs.theory import ROUND_OFF, at
+from docs.theory import ROUND_OFF, STEPS
 
 #: Heading of each column, and what it means where the heading alone does not say it.
 COLUMNS = {
@@ -35,7 +35,7 @@ def _time(subject: Subject, library: Library) -> float:
 
 def _cells(subject: Subject, library: Library) -> list[str | float]:
     scheme, theory = subject.scheme, subject.theory
-    decay = at(theory.decay, 1 / STEPS)
+    decay = theory.decay_of_rule
     return [
         scheme.title,
         scheme.family,
@@ -44,7 +44,7 @@ def _cells(subject: Subject, library: Library) -> list[str | float]:
         scheme.damped_order,
         theory.limit,
         theory.at_infinity,
-        100 * at(theory.elongation, 1 / STEPS),
+        100 * theory.elongation_of_rule,
         0.0 if abs(decay) < ROUND_OFF else 100 * decay,
         scheme.evaluations if scheme.explicit else scheme.evaluations_per_iteration,
         theory.memory,
@@ -97,8 +97,9 @@ ticks keep some schemes side by side.
 
 {meanings}
 
-Order, stability, damping and memory follow from the code of each scheme by automatic differentiation. Times were
-measured on the machine that made this site. {{doc}}`/how_to/choose` compares schemes at equal error.
+Orders are those that schemes claim; their pages give measured ones. Stability, damping and memory follow from the code
+of each scheme by automatic differentiation. Times were measured on the machine that made this site. A narrow screen shows
+the first columns; the table scrolls sideways. {{doc}}`/how_to/choose` compares schemes at equal error.
 
 ```{{toctree}}
 :hidden:

@@ -8,6 +8,8 @@ import study
 
 #: Steps over period of the curves, and of the order, which needs fine ones.
 PARTS = np.logspace(-3, 3, 601)
+#: Steps a period of the rule of thumb, at which pages give numbers.
+STEPS = 20
 #: Damping ratio of the oscillator that shows the order with damping.
 DAMPED = 0.1
 #: A loss of amplitude a period below this is round-off.
@@ -19,9 +21,10 @@ class Theory(NamedTuple):
 
     Attributes
     ----------
-    radius, elongation, damping, decay
-        Spectral radius; relative elongation of the period, damping ratio and loss of amplitude a period, which are NaN
-        where nothing oscillates.
+    radius, elongation, damping
+        Spectral radius; relative elongation of the period and damping ratio, which are NaN where nothing oscillates.
+    elongation_of_rule, decay_of_rule
+        Relative elongation of the period and loss of amplitude a period at :data:`STEPS` steps a period.
     order, damped_order
         Measured order without and with damping; NaN if the errors are round-off.
     limit
@@ -35,7 +38,8 @@ class Theory(NamedTuple):
     radius: np.ndarray
     elongation: np.ndarray
     damping: np.ndarray
-    decay: np.ndarray
+    elongation_of_rule: float
+    decay_of_rule: float
     order: float
     damped_order: float
     limit: float
@@ -50,21 +54,17 @@ _NO_RADIUS = 5e-3
 def theory_of(scheme: study.Scheme) -> Theory:
     """Linear theory of a scheme."""
     undamped = study.LinearTheory(scheme, PARTS)
-    motion = undamped.motion()
+    motion, rule = undamped.motion(), study.LinearTheory(scheme, [1 / STEPS]).motion()
     limit, at_infinity = undamped.stability_limit(), undamped.infinite_frequency_radius()
     return Theory(
         undamped.spectral_radius,
         motion.period_elongation,
         motion.algorithmic_damping,
-        motion.amplitude_decay,
+        float(rule.period_elongation[0]),
+        float(rule.amplitude_decay[0]),
         undamped.order(),
         study.LinearTheory(scheme, PARTS, damping_ratio=DAMPED).order(),
         limit,
         np.nan if np.isfinite(limit) else at_infinity * (at_infinity > _NO_RADIUS),
         undamped.matrices.shape[-1],
     )
-
-
-def at(values: np.ndarray, part: float) -> float:
-    """The value at the step size nearest to a part of the period."""
-    return float(values[np.argmin(np.abs(np.log(PARTS / part)))])

@@ -32,7 +32,7 @@ class Splitting(OneStep):
 
     at the time t_i = t₀ + (d₀ + ... + d_{i−1}) Δt. Symplectic without damping. d = (0, 1), k = (1) is the symplectic
     Euler method, of first order and stable for ωΔt ≤ 2. McLachlan's method of order four has five kicks and is stable
-    for ωΔt ≤ 2.921. It is derived for ü that does not depend on u̇, and is of second order with damping. Carries u and
+    for ωΔt ≤ 2.922. It is derived for ü that does not depend on u̇, and is of second order with damping. Carries u and
     u̇; s forces a step. A force with a history commits it at u₁; the kicks in between all start from the history at u₀.
 
     Parameters
