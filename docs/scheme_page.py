@@ -126,11 +126,12 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
 
 
 def _case(subject: Subject) -> str:
-    """That a scheme is a case of what its class describes, where the class has parameters."""
-    values = [
-        f"{name} = {_value(value)}" for name, value in subject.parameters.items() if isinstance(value, float | int)
-    ]
-    return f"{subject.scheme.title} is the method below with {markdown(listed(values))}. " if values else ""
+    """That a scheme is a case of what its class describes, where numbers tell the cases apart."""
+    values = subject.parameters
+    if not values or not all(isinstance(value, float | int) for value in values.values()):
+        return ""
+    told = listed(f"{name} = {_value(value)}" for name, value in values.items())
+    return f"{subject.scheme.title} is the method below with {markdown(told)}. "
 
 
 def _method(subject: Subject) -> str:

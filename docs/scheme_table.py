@@ -98,8 +98,8 @@ ticks keep some schemes side by side.
 {meanings}
 
 Orders are those that schemes claim; their pages give measured ones. Stability, damping and memory follow from the code
-of each scheme by automatic differentiation. Times were measured on the machine that made this site. A narrow screen shows
-the first columns; the table scrolls sideways. {{doc}}`/how_to/choose` compares schemes at equal error.
+of each scheme by automatic differentiation. Times were measured on the machine that made this site. A narrow screen
+shows the first columns; the table scrolls sideways. {{doc}}`/how_to/choose` compares schemes at equal error.
 
 ```{{toctree}}
 :hidden:
