@@ -42,7 +42,7 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
                 on_failure="ignore",
             )
             kept = np.array([np.isinf(runs[name]).all() for name in observer.variables])
-            open_still[:, k] &= kept
+            open_still[:, k:] &= kept[:, None]  # a longer run leaves the level where a shorter one does
             needed[open_still[:, k], k] = steps
     return needed
 
