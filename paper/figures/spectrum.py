@@ -23,7 +23,7 @@ def draw(spectrum: xr.Dataset) -> Figure:
     spectrum = of_kinds(spectrum, SHOWN)
     number = spectrum.sizes["reduction"]
     rows = -(-number // 2)
-    figure, axes = panels(rows, 2, COLUMN, 4 * rows + 1.2, sharex=True, sharey=True)
+    figure, axes = panels(rows, 2, COLUMN, 3.1 * rows + 1.2, sharex=True, sharey=True)
     for index, (ax, reduction) in enumerate(zip(axes.flat, spectrum.reduction, strict=False)):
         of_reduction = spectrum.sel(reduction=reduction)
         ax.plot(spectrum.period, spectrum.period / 10, color="0.85", linestyle="-", linewidth=2.5, zorder=0)

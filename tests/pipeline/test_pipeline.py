@@ -21,7 +21,7 @@ from tests.paper.figures.printing import faults_of_all
 from tests.pipeline.additions import ADDED
 from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, hashes_of, make
 from tests.pipeline.report import check_contents, check_explorer
-from tests.pipeline.texts import check_latex, check_ledger
+from tests.pipeline.texts import check_latex, check_ledger, check_pages
 from tests.test_readme import check_the_results_of_the_readme
 from tests.torture import torture
 
@@ -68,6 +68,11 @@ def test_everything_is_made(project):
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no TeX is installed")
 def test_the_latex_sources_compile_to_the_same_content(project, tmp_path):
     check_latex(project, tmp_path)
+
+
+@pytest.mark.skipif(shutil.which("pdftotext") is None, reason="Poppler is not installed")
+def test_no_page_of_the_texts_is_overfull(project):
+    check_pages(project / "results")
 
 
 def test_nothing_is_wrong_with_figures_as_they_are_printed(project):

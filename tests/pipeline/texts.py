@@ -1,10 +1,11 @@
-"""The ledger and the LaTeX sources of a finished study."""
+"""The ledger, the pages and the LaTeX sources of a finished study."""
 
 import csv
 import json
 import re
 import subprocess
 import sys
+from itertools import combinations
 from pathlib import Path
 
 import study
@@ -29,6 +30,37 @@ def check_latex(project: Path, folder: Path) -> None:
         cited = ",".join(re.findall(r"\\citep{([^}]*)}", source)).replace(" ", "")
         # a sentence that the data do not bear is left out with its citations
         assert set(cited.split(",")) <= set(re.findall(r"@([a-z]+\d{4}[a-z]*)", text))
+
+
+#: A word of a page, as Poppler finds it: its place from the left and the top, and its letters.
+WORD = re.compile(r'<word xMin="(.+?)" yMin="(.+?)" xMax="(.+?)" yMax="(.+?)">(.*?)</word>')
+#: Height of the lower margin in points, and how far a word may reach into it.
+MARGIN, INTO_MARGIN = 54, 6
+#: Words of a page that may lie over others, as signs of an equation do.
+OVERLAPS = 2
+
+
+def check_pages(results: Path) -> None:
+    """No page has words over others, or in its lower margin beside its number."""
+    for name in ("manuscript", "supplement"):
+        command = ["pdftotext", "-bbox", str(results / f"{name}.pdf"), "-"]
+        told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        pages = re.findall(r'<page width=".+?" height="(.+?)">(.*?)</page>', told, re.DOTALL)
+        assert len(pages) > 8
+        for number, (height, page) in enumerate(pages, 1):
+            found = [(*map(float, word[:4]), word[4]) for word in WORD.findall(page)]
+            lowest = float(height) - MARGIN + INTO_MARGIN
+            low = [word for *_, bottom, word in found if bottom > lowest and not word.isdigit()]
+            assert not low, (name, number, low)
+            over = [(one[4], other[4]) for one, other in combinations(found, 2) if _overlap(one, other)]
+            assert len(over) <= OVERLAPS, (name, number, over)
+
+
+def _overlap(one: tuple, other: tuple) -> bool:
+    """Whether two words share more than a point of their widths and half of the height of one."""
+    across = min(one[2], other[2]) - max(one[0], other[0])
+    down = min(one[3], other[3]) - max(one[1], other[1])
+    return across > 1 and down > min(one[3] - one[1], other[3] - other[1]) / 2
 
 
 def check_ledger(results: Path) -> None:
