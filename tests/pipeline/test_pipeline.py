@@ -148,12 +148,9 @@ def test_an_edited_source_concerns_what_used_it():
     assert {"reference/hardening", "energy_error", "structures/stiff_soft"} <= springs
 
 
-def _edited(path: Path):
-    path.write_text(path.read_text() + "\n# edited\n")
-
-
 def test_an_edited_figure_script_redraws_that_figure(copy):
-    _edited(copy / "paper" / "figures" / "instability.py")
+    script = copy / "paper" / "figures" / "instability.py"
+    script.write_text(script.read_text() + "\n# edited\n")
     assert _would_run(copy) == {"figures/instability", "manuscript", "supplement"}
 
 
