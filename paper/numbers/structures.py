@@ -16,6 +16,11 @@ from paper.tables.structures import STEPS_PER_PERIOD
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
 
 
+def _in_a_sentence(title: str) -> str:
+    """The title of a structure with its article: the stiff bar; Duffing's oscillator, chaotic."""
+    return f"the {title}".replace("the Duffing,", "Duffing's oscillator,")
+
+
 @numbers(
     structures="structures",
     reference="reference/elastic_pendulum",
@@ -50,8 +55,8 @@ def of_structures(
     change = by_name(100 * abs(oscillatory / oscillatory.isel(t=0) - 1).max("t"))
     return {
         "most_unknowns": int(structures.unknowns.max()),
-        "structure_titles": joined([f"the {title}" for title in structures.problem_title.values], {}),
-        "turning_titles": joined([f"the {title}" for title in runs.problem_title.values], {}),
+        "structure_titles": joined(map(_in_a_sentence, structures.problem_title.values), {}),
+        "turning_titles": joined(map(_in_a_sentence, runs.problem_title.values), {}),
         "trapezoidal_fails_turning": lost["average_acceleration"] > 0,
         "momentum_method_stable": lost["energy_momentum"] == 0 and min(lost[name] for name in UNDAMPED) > 0,
         "structure_tolerance": f"{np.log10(reference.rtol):.0f}",
