@@ -35,7 +35,8 @@ def draw(spectrum: xr.Dataset) -> Figure:
                 sizes = {"linewidth": thinned(2.6, 0.6, place), "markersize": thinned(7, 1.6, place)}
                 ax.plot(spectrum.period, needed, label=needed.scheme_title.item(), **look | sizes)
         ax.set(xscale="log", yscale="log")
-        ax.xaxis.set_minor_formatter(NullFormatter())
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_minor_formatter(NullFormatter())
         labelled = spectrum.period.values[:: -(-len(spectrum.period) // 4)]
         ax.set_xticks(labelled, [f"{period:g}" for period in labelled])
         low, high = float(of_reduction.ductility.min()), float(of_reduction.ductility.max())

@@ -31,13 +31,17 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
     long = spectrum.period >= LONG
     steps = average.where(long, drop=True)
     same = float(steps.min()) == float(steps.max())
+    varies = f"{float(steps.max() / steps.min()):.0f}"
+    lasts = f"{float(spectrum.period.max()) / LONG:.0f}"
     yields = spectrum.reduction > 1
     return {
         "spectrum_error": f"{100 * spectrum.allowed_error.item():g}",
         "spectrum_long": f"{LONG:g}",
         "spectrum_ductility": f"{float(spectrum.ductility.max()):.0f}",
         "record_sets_the_step": same,
-        "spectrum_rule": "the record sets the step, not the period" if same else "the step depends on the period",
+        "spectrum_rule": "the record sets the step, not the period"
+        if same
+        else f"the step varies by a factor of {varies} while the period varies by one of {lasts}",
         "spectrum_average": _multiples(steps / spectrum.spacing),
         "spectrum_rk4": _multiples(rk4.where(long, drop=True) / spectrum.spacing),
         "spectrum_average_elastic": _span((0.2 / average.sel(period=0.2)).where(~yields, drop=True), ".0f"),

@@ -83,7 +83,7 @@ def of_all_measures(recommendation: xr.Dataset) -> dict:
     names = recommendation.cheapest_scheme.values.ravel()
     tied_by_implicit = [bool(tie) and explicit[name] for name, tie in zip(names, ties, strict=True) if name]
     won = sum(explicit[name] for name in fastest)
-    close = recommendation.cheapest_scheme.sel(measure="max_energy_error", error=recommendation.error < 0.01).values
+    close = recommendation.cheapest_scheme.sel(measure="max_energy_error", error=recommendation.error.min()).values
     tied = (recommendation.ties_with_fastest.sum("scheme") > 1).sum()
     return {
         "work_of_all": fastest.size,
@@ -92,9 +92,16 @@ def of_all_measures(recommendation: xr.Dataset) -> dict:
         "explicit_wins_most": won > fastest.size / 2,
         "work_ranking_of_all": _counted(fastest, titles),
         "work_ties": int(tied),
-        "energy_won_by_conserving": bool(close.size and (close == "energy_momentum").mean() > 0.5),
+        "energy_won_by_conserving": bool((close == "energy_momentum").all()),
         "recommended_periods": " or ".join(f"{length:,}" for length in recommendation.periods.values),
     }
+
+
+def _commit(described: str) -> str | None:
+    """A commit as the text names it; sources that had changed since are told."""
+    if described == "unknown":
+        return None
+    return described.removesuffix("-dirty")[:12] + (" with changes" if described.endswith("-dirty") else "")
 
 
 @numbers(
@@ -112,7 +119,7 @@ def of_times(cpu_time: xr.Dataset) -> dict:
         "cost_rk4": f"{rk4.ratio.item():.2f} ({rk4.ratio_low.item():.2f} to {rk4.ratio_high.item():.2f})",
         "processor": cpu_time.processor,
         "version": cpu_time.version,
-        "commit": None if cpu_time.commit == "unknown" else cpu_time.commit.removesuffix("-dirty")[:12],
+        "commit": _commit(cpu_time.commit),
         "python": cpu_time.python,
         "packages": cpu_time.packages,
     }
