@@ -36,6 +36,11 @@ def _listed(choices: Iterable[Choice], coarsest: float, finest: float) -> str:
     for title, steps in choices:
         before, after = marks.get(steps, ("", ""))
         named.append(f"{title}: {before}{steps:.0f}{after}")
+    return _first(named)
+
+
+def _first(named: list[str]) -> str:
+    """The schemes that a cell names, of all that it could name; a dash of none."""
     return "; ".join(named[:NAMED]) + ("; …" if len(named) > NAMED else "") if named else "–"
 
 
@@ -165,7 +170,7 @@ def _least_forces(spectrum: xr.Dataset, error: float) -> str:
     forces = (spectrum.evaluations + spectrum.evaluations_per_iteration) / worst
     best = worst.where(forces == forces.min(), drop=True)
     named = [f"{title}: {1e3 * step:g} ms" for title, step in zip(best.scheme_title.values, best.values, strict=True)]
-    return "; ".join(named[:NAMED]) + ("; …" if len(named) > NAMED else "") if named else "–"
+    return _first(named)
 
 
 def _record(spectrum: xr.Dataset) -> dict:
