@@ -43,7 +43,7 @@ def _not_run(subject: "Subject", what: str) -> str:
     missing = f"The study that made this page has no {what} of this scheme"
     if subject.name in study.schemes:
         return f"{missing}; the full study runs all schemes that have names."
-    return f"{missing}; `study assess-scheme FILE.py:{subject.name} --output page.html` runs it beside others."
+    return f"{missing}; the key `own_schemes` of the configuration takes it into the datasets."
 
 
 def _titles(one: xr.Dataset) -> dict[str, str]:

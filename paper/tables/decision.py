@@ -180,7 +180,7 @@ def _record(spectrum: xr.Dataset) -> dict:
         "Problem": f"Oscillators of {spectrum.period.min():g} to {spectrum.period.max():g} s that yield under a record",
         "Right in": "peak drift",
         **cells,
-        "Beware of": f"short periods set this step; a sample of the record every {1e3 * spectrum.spacing:g} ms",
+        "Beware of": f"a sample of the record every {1e3 * spectrum.spacing:g} ms",
     }
 
 
