@@ -5,8 +5,9 @@ import pytest
 import xarray as xr
 
 import study
-from study.experiments import long_times as experiment
-from study.experiments.long_times import growth, long_times, summary
+from study.experiments import long_runs as experiment
+from study.experiments.long_runs import ARITHMETIC, BITS, long_runs
+from study.experiments.long_times import growth, summary
 
 OMEGA = 2 * np.pi
 
@@ -63,7 +64,7 @@ def harmonic(monkeypatch, tmp_path) -> xr.Dataset:
     )
     monkeypatch.setattr(experiment.datasets, "open", lambda name: reference)
     monkeypatch.setattr(experiment, "problems_by_name", {"hardening": HARMONIC})
-    return long_times("hardening", ["average_acceleration"], 20, [1, 4, 10], runs=4)
+    return summary(long_runs("hardening", ["average_acceleration"], 20, [1, 4, 10], 4, list(ARITHMETIC)))
 
 
 def test_errors_of_the_experiment_are_those_of_linear_theory(harmonic):
@@ -79,13 +80,31 @@ def test_errors_of_the_experiment_are_those_of_linear_theory(harmonic):
 
 
 def test_failures_are_recorded():
+    along = ("scheme", "arithmetic", "step", "periods", "run")
     ok = np.ones((1, 4, 2, 3, 2))
-    observed = {name: ok.copy() for name in ("energy_error", "max_energy_error", "mean_energy_error", "phase_error")}
-    observed |= {"status": 0 * ok, "failed_at_step": -ok}
+    names = "energy_error", "max_energy_error", "mean_energy_error", "phase_error"
+    observed = {name: ok.copy() for name in names} | {
+        "status": (0 * ok).astype(int),
+        "failed_at_step": (-ok).astype(int),
+    }
     observed["status"][0, 0, 1, 2] = 2, 1
     observed["failed_at_step"][0, 0, 1, 2] = 700, 300
     observed["energy_error"][0, 0, 1, 2] = np.nan
-    ds = summary(observed, np.array([1, 10, 100]))
+    runs = xr.Dataset(
+        {name: (along, values) for name, values in observed.items()} | {"dt": (along[2::2], ok[0, 0, :, 0])}
+    )
+    ds = summary(runs.assign_coords(periods=[1, 10, 100], arithmetic=list(ARITHMETIC), step=list(BITS)))
     cell = ds.isel(scheme=0, arithmetic=0, step=1, periods=2)
     assert cell.status == 1 and cell.failed_at_step == 300 and np.isnan(cell.energy_error)
     assert (ds.status != 0).sum() == 1 and np.isnan(ds.energy_error).sum() == 1
+
+
+def test_long_jobs_are_split_by_arithmetic():
+    options = {"schemes": ["average_acceleration", "gauss4"], "steps_per_period": 20, "runs": 16}
+    short, long = ({**options, "periods": [10, 100, length]} for length in (1000, 10**6))
+    for chosen, number in ((short, 2), (long, 8)):
+        jobs = experiment._jobs(chosen).values()
+        runs = [(scheme, a) for job in jobs for scheme in job["schemes"] for a in job["arithmetics"]]
+        assert len(jobs) == number and sorted(runs) == sorted(
+            (scheme, a) for scheme in options["schemes"] for a in ARITHMETIC
+        )
