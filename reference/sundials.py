@@ -19,12 +19,15 @@ from reference.solution import (
     right_side,
 )
 from study.problem.definition import Problem
+from study.problem.internal_force import switches
 
 #: Smallest tolerance that is accepted; below it round-off dominates CVODE's estimate of the error.
 SMALLEST_RTOL = 1e-15
 MAX_NUM_STEPS = 1_000_000
-#: Status of CVODE at its limit of steps, from cvode.h.
-CV_TOO_MUCH_WORK = -1
+#: Status of CVODE at a root and at its limit of steps, from cvode.h.
+CV_ROOT_RETURN, CV_TOO_MUCH_WORK = 2, -1
+#: Relative tolerance of the motion along which kinks are found.
+KINK_RTOL = 1e-12
 
 
 def _right_side_of(problem: Problem):
@@ -78,6 +81,7 @@ def trajectory(
     method: str = "Adams",
     max_num_steps: int = MAX_NUM_STEPS,
     kinks: Times | None = None,
+    restarts: Times | None = None,
 ) -> Solution:
     """Displacement and velocity at the increasing times ``t``.
 
@@ -95,7 +99,9 @@ def trajectory(
     max_num_steps
         Limit of steps from one time to the next.
     kinks
-        Times at which the right side has a kink, in ascending order; no step crosses one.
+        Times at which the load has a kink, in ascending order; no step crosses one.
+    restarts
+        Times, all among ``t``, at which CVODE starts anew, since what it remembers of the motion before is of no use.
 
     Raises
     ------
@@ -110,7 +116,9 @@ def trajectory(
     solver = _solver(problem, rtol, method, max_num_steps=max_num_steps)
     y = np.empty((len(t), 2, *np.shape(problem.u0)))
     stops = np.concatenate([[] if kinks is None else kinks, [np.inf]])
-    start = time.perf_counter()
+    anew = np.isin(t, [] if restarts is None else restarts)
+    stops = np.union1d(stops, t[anew])
+    start, evaluations = time.perf_counter(), 0
     solution = solver.init_step(0.0, _start(problem))
     for i, until in enumerate(map(float, t)):
         if until > 0:
@@ -118,7 +126,46 @@ def trajectory(
             solution = solver.step(until, tstop=float(stop) if np.isfinite(stop) else None)
             _check(problem, method, solution)
         y[i] = solution.y.reshape(y[i].shape)
-    return Solution(y[:, 0], y[:, 1], int(solution.nfev), time.perf_counter() - start)
+        if anew[i]:
+            evaluations += solution.nfev
+            solution = solver.init_step(until, solution.y)
+    return Solution(y[:, 0], y[:, 1], int(evaluations + solution.nfev), time.perf_counter() - start)
+
+
+def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adams") -> Times:
+    """Times at which a switch of the internal force changes its sign, by CVODE's root finding.
+
+    There the force may have a kink; see :func:`study.problem.internal_force.switches`. A touch without a change of sign
+    is not found, and nothing after the time at which CVODE stops, as it does where a force switches without end.
+
+    Parameters
+    ----------
+    of_load
+        Times at which the load has a kink, in ascending order; no step crosses one.
+
+    Raises
+    ------
+    ValueError
+        If the mass is singular.
+    """
+    shape = (2, *np.shape(problem.u0))
+    compiled = jax.jit(lambda y: switches(problem.varying_force, *y.reshape(shape)))
+    number = len(compiled(_start(problem)))
+    if not number:
+        return np.zeros(0)
+
+    def fill(t, y, events):
+        events[:] = compiled(y)
+
+    fill.terminal = [False] * number  # type: ignore[attr-defined]
+    solver, found = _solver(problem, KINK_RTOL, method, eventsfn=fill, num_events=number), []
+    solution = solver.init_step(0.0, _start(problem))
+    for end in map(float, [*of_load, duration]):
+        while solution.success and solution.t < end:
+            solution = solver.step(end, tstop=end)
+            if solution.status == CV_ROOT_RETURN:
+                found.append(float(solution.t))
+    return np.unique(np.asarray(found, float))
 
 
 def period(problem: Problem, estimate: float, rtol: float = 1e-15, method: str = "Adams") -> float:

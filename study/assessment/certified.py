@@ -34,12 +34,12 @@ class Reference(NamedTuple):
 
 
 def _holds(one: Solution, other: Solution, quantities: dict[str, Quantity], problem: Problem, most: float) -> float:
-    """Time up to which two solutions agree in every quantity."""
+    """Time of the first solution up to which two agree in every quantity."""
     ends = [one.t[-1]]
     for quantity in quantities.values():
         _, along = errors.difference(quantity, problem, one, other)
-        apart = np.flatnonzero(~(along <= most))
-        ends.append(one.t[apart[0]] if apart.size else one.t[-1])
+        apart = other.t[~(along <= most)]
+        ends += [one.t[np.searchsorted(one.t, apart[0], side="right") - 1]] if apart.size else []
     return float(min(ends))
 
 
@@ -60,12 +60,16 @@ def certified(
     ValueError
         If the problem has no motion.
     """
-    route, witness = solution.routes_of(problem, duration)
-    grid = solution.grid_of(problem, duration, coarsest)
+    kinks = solution.kinks_of(problem, duration)
+    route, witness = solution.routes_of(problem, duration, kinks)
+    grid = solution.grid_of(problem, duration, coarsest, kinks)
+    # with points between those of the other route, so that the difference tells of the interpolation too
+    finer = np.union1d(grid, (grid[:-1] + grid[1:]) / 2)
     reached: tuple | None = None
     for rtol in solution.TOLERANCES:
         try:
-            one, other = (solution.solution_by(r, problem, grid, rtol) for r in (route, witness))
+            one = solution.solution_by(route, problem, grid, rtol)
+            other = solution.solution_by(witness, problem, finer, rtol)
         except (ValueError, RuntimeError) as error:
             if reached is None:
                 raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
@@ -103,12 +107,17 @@ def _until(whole: Solution, end: float) -> Solution:
     return Solution(*(part[:count] for part in whole))
 
 
-def cases_of(problem: Problem, reference: Reference, quantities: dict[str, Quantity]) -> dict[float, Case]:
+def cases_of(
+    problem: Problem, reference: Reference, quantities: dict[str, Quantity], coarsest: float
+) -> dict[float, Case]:
     """The problem and its neighbours, each with its own reference."""
     cases = {1.0: Case(problem, reference.solution, reference.targets, reference.oscillation)}
     for factor in ladder.STARTS:
         neighbour = excited(problem, factor, displaced=True)
-        one = solution.solution_by(reference.route, neighbour, reference.solution.t, reference.rtol)
+        kinks = solution.kinks_of(neighbour, reference.horizon)
+        route, _ = solution.routes_of(neighbour, reference.horizon, kinks)
+        grid = solution.grid_of(neighbour, reference.horizon, coarsest, kinks)
+        one = solution.solution_by(route, neighbour, grid, reference.rtol)
         targets = {name: errors.target(quantity, neighbour, one) for name, quantity in quantities.items()}
         swing = oscillation.oscillation(neighbour, one) if reference.oscillation else None
         cases[factor] = Case(neighbour, one, targets, swing)

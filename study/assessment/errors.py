@@ -159,13 +159,15 @@ def error(target: Target, problem: Problem, solution: Solution, run: xr.Dataset)
 def difference(quantity: Quantity, problem: Problem, one: Solution, other: Solution) -> tuple[float, Times]:
     """Difference of a quantity between two solutions, and along time up to each point, relative to its size.
 
+    They are compared at the times of the second one.
+
     Returns
     -------
     tuple
         The difference of the reductions, or the largest along time; and the largest up to each time, of shape (t,).
     """
-    values, others = (values_along(quantity, problem, s, s.t) for s in (one, other))
-    _check_finite(values, one.t, quantity, problem)
+    values, others = (values_along(quantity, problem, s, other.t) for s in (one, other))
+    _check_finite(values, other.t, quantity, problem)
     scale = np.abs(values).max() or 1.0
     along = np.maximum.accumulate(np.abs(values - others).max(axis=1) / scale)
     if quantity.reduce is None:

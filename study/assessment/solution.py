@@ -25,6 +25,9 @@ TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
 #: Points in the shortest period of small motions, or of the coarsest step, between which the solution is interpolated.
 POINTS = 40
 
+#: Points between two kinks of the force, at the least: a contact may be far shorter than a period.
+POINTS_BETWEEN_KINKS = 10
+
 #: Most points of a solution.
 MOST_POINTS = 200_000
 
@@ -50,7 +53,7 @@ class Solution(NamedTuple):
     Attributes
     ----------
     t
-        Times, among them every kink of the load.
+        Times, among them every kink of the load, and those of the force.
     u, v, a
         Displacement, velocity and acceleration, of shape (t, ...).
     """
@@ -79,26 +82,65 @@ def _accelerations(problem, t, u, v):
     return jax.lax.map(lambda at: acceleration(problem, *at), (t, u, v))
 
 
-def kinks_of(problem: Problem, duration: float) -> Times:
-    """Times within the run at which the slope of the load jumps."""
-    kinks = np.asarray(getattr(problem.load, "kinks", []), float)
-    return kinks[(kinks > 0) & (kinks < duration)]
+class Kinks(NamedTuple):
+    """Times within the run at which the slope of the load jumps, and those at which that of the internal force may."""
+
+    of_load: Times
+    of_force: Times
 
 
-def grid_of(problem: Problem, duration: float, coarsest: float) -> Times:
-    """Times between which the solution is interpolated, with all kinks of the load."""
+def _solvers():
+    """The modules of diffrax and CVODE."""
+    try:
+        from reference import diffrax, sundials
+    except ImportError as error:
+        raise NoReference(f"references need the extra 'reference' of this package: {error}.") from None
+    return diffrax, sundials
+
+
+def _methods(problem: Problem, duration: float) -> tuple[str, str]:
+    """The methods of diffrax and CVODE: explicit ones, or implicit ones for a stiff problem."""
+    found = frequencies(problem)
+    stiff = found is not None and found[-1] * duration > STIFF
+    return ("Kvaerno5", "BDF") if stiff else ("Dopri8", "Adams")
+
+
+def kinks_of(problem: Problem, duration: float) -> Kinks:
+    """The kinks of load and force; those of the force are found along the motion.
+
+    A force with a history has its kinks where that tells, and they are not looked for.
+
+    Raises
+    ------
+    NoReference
+        If an unknown has no mass, or the packages of the extra ``reference`` are not installed.
+    """
+    if problem.massless:
+        raise NoReference(f"the mass of '{problem.title}' is singular, and no reference takes such a problem.")
+    of_load = np.asarray(getattr(problem.load, "kinks", []), float)
+    of_load, of_force = of_load[(of_load > 0) & (of_load < duration)], np.zeros(0)
+    if problem.kinked and problem.history is None:
+        of_force = _solvers()[1].kinks(problem, duration, of_load, _methods(problem, duration)[1])
+    return Kinks(of_load, of_force)
+
+
+def grid_of(problem: Problem, duration: float, coarsest: float, kinks: Kinks) -> Times:
+    """Times between which the solution is interpolated, with all kinks of load and force."""
     found = frequencies(problem)
     shortest = coarsest
     if found is not None and 0 < found[-1] < np.inf:
         shortest = min(coarsest, 2 * np.pi / found[-1])
     points = int(np.clip(np.ceil(POINTS * duration / shortest), 200, MOST_POINTS))
     even = np.linspace(0.0, duration, points + 1)
-    kinks = kinks_of(problem, duration)
+    all_kinks = np.union1d(*kinks)
     # a point next to a kink would only make a short step
-    ends = np.concatenate([[-np.inf], kinks, [np.inf]])
+    ends = np.concatenate([[-np.inf], all_kinks, [np.inf]])
     after = np.searchsorted(ends, even)
     beside = np.minimum(even - ends[after - 1], ends[after] - even)
-    return np.union1d(even[(beside > 0.1 * duration / points) | (even == 0) | (even == duration)], kinks)
+    grid = np.union1d(even[(beside > 0.1 * duration / points) | (even == 0) | (even == duration)], all_kinks)
+    stretches = np.linspace(kinks.of_force[:-1], kinks.of_force[1:], POINTS_BETWEEN_KINKS + 1)
+    short = np.diff(kinks.of_force) < POINTS_BETWEEN_KINKS * duration / points
+    return np.union1d(grid, stretches[:, short])
 
 
 class Route(NamedTuple):
@@ -111,7 +153,7 @@ class Route(NamedTuple):
     trajectory: Callable[[Problem, Times, float], tuple[Motion, ...]]
 
 
-def routes_of(problem: Problem, duration: float) -> tuple[Route, Route]:
+def routes_of(problem: Problem, duration: float, kinks: Kinks) -> tuple[Route, Route]:
     """The two routes for a problem, the more accurate one first.
 
     The Taylor method of heyoka takes a free oscillator whose force translates. Otherwise diffrax and CVODE solve the
@@ -121,31 +163,23 @@ def routes_of(problem: Problem, duration: float) -> tuple[Route, Route]:
     Raises
     ------
     NoReference
-        If an unknown has no mass, or the packages of the extra ``reference`` are not installed.
+        If the packages of the extra ``reference`` are not installed.
     """
-    if problem.massless:
-        raise NoReference(f"the mass of '{problem.title}' is singular, and no reference takes such a problem.")
     if problem.history is not None:
         return Route("ρ∞-Bathe, small steps", partial(_by_small_steps, rho_bathe)), Route(
             "average acceleration, small steps", partial(_by_small_steps, average_acceleration)
         )
-    try:
-        from reference import diffrax, sundials
-    except ImportError as error:
-        raise NoReference(f"references need the extra 'reference' of this package: {error}.") from None
-    kinks = kinks_of(problem, duration)
-    found = frequencies(problem)
-    stiff = found is not None and found[-1] * duration > STIFF
-    explicit, implicit = ("Kvaerno5", "BDF") if stiff else ("Dopri8", "Adams")
+    diffrax, sundials = _solvers()
+    one_step, several_steps = _methods(problem, duration)
 
     def by_diffrax(problem, t, rtol):
-        return diffrax.trajectory(problem, t, rtol, explicit, MAX_STEPS)[:2]
+        return diffrax.trajectory(problem, t, rtol, one_step, MAX_STEPS)[:2]
 
     def by_cvode(problem, t, rtol):
-        return sundials.trajectory(problem, t, rtol, implicit, MAX_STEPS, kinks)[:2]
+        return sundials.trajectory(problem, t, rtol, several_steps, MAX_STEPS, *kinks)[:2]
 
-    of_diffrax = Route(f"diffrax {explicit}", by_diffrax)
-    of_cvode = Route(f"CVODE {implicit}", by_cvode)
+    of_diffrax = Route(f"diffrax {one_step}", by_diffrax)
+    of_cvode = Route(f"CVODE {several_steps}", by_cvode)
     if np.ndim(problem.u0) or not problem.conservative:
         return of_diffrax, of_cvode
     from reference import symbolic, taylor  # here, because importing them takes a second

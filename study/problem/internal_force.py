@@ -1,7 +1,9 @@
-"""What an internal force depends on, and whether its slope may jump: both are read off what it computes."""
+"""What an internal force depends on, whether its slope may jump, and where: all are read off what it computes."""
 
 import inspect
 from collections.abc import Callable
+from functools import partial
+from itertools import islice
 from typing import Any
 
 import equinox as eqx
@@ -9,6 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.extend import core
+from jaxtyping import Array, Float
 
 #: Operations whose slope jumps where they do so for no other reason than the value of their argument.
 KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "rem", "while"}
@@ -84,6 +87,54 @@ def may_have_kinks(force: Callable, *arguments: Any) -> bool:
     """
     program = _program(force, arguments)
     return _kinked(program, [True] * len(program.invars))[0]
+
+
+#: Differences whose sign tells on which side of a kink an operation is, by its operands.
+_SWITCHES: dict[str, Callable] = dict.fromkeys(("lt", "le", "gt", "ge", "max", "min"), lambda a, b: [a - b])
+_SWITCHES |= dict.fromkeys(("abs", "sign"), lambda a: [a])
+_SWITCHES["clamp"] = lambda low, a, high: [a - low, a - high]
+#: Operations that are programs of their own, by the parameter that holds the program.
+_CALLS = {"jit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
+
+
+def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array) -> list[Array]:
+    """The switches of a program in those arguments that ``depends`` marks."""
+    jaxpr = program.jaxpr
+    marked = {variable for variable, does in zip(jaxpr.invars, depends, strict=True) if does}
+    wanted = []
+    for equation in jaxpr.eqns:
+        given = [not isinstance(x, core.Literal) and x in marked for x in equation.invars]
+        name = equation.primitive.name
+        if any(given):
+            marked.update(equation.outvars)
+            # whole numbers, such as places in a table, jump across their kinks
+            if name in _SWITCHES and all(jnp.issubdtype(x.aval.dtype, jnp.floating) for x in equation.invars):
+                wanted.append((_SWITCHES[name], equation.invars))
+            elif name in _CALLS:
+                wanted.append((partial(_switches, equation.params[_CALLS[name]], given), equation.invars))
+    # the same program, with the operands for its results
+    operands = [operand for _, operands in wanted for operand in operands]
+    names = jaxpr.debug_info._replace(result_paths=("",) * len(operands))
+    to_operands = core.ClosedJaxpr(jaxpr.replace(outvars=operands, debug_info=names), program.consts)
+    values = iter(core.jaxpr_as_fun(to_operands)(*arguments))
+    return [switch for function, operands in wanted for switch in function(*islice(values, len(operands)))]
+
+
+def switches(force: Callable, *arguments: Any) -> Float[Array, "switches"]:
+    """Numbers whose sign changes where the slope of a force may jump.
+
+    They are the differences of what the force compares or of which it takes the larger or smaller, and what it takes
+    the size or the sign of. Those inside loops and branches are not found, nor the places of a table.
+
+    Parameters
+    ----------
+    arguments
+        Displacement, or displacement and velocity.
+    """
+    given = list(map(jnp.asarray, arguments))
+    program = eqx.filter_make_jaxpr(force)(*given)[0]
+    found = _switches(program, [True] * len(program.jaxpr.invars), *given)
+    return jnp.concatenate([jnp.zeros(0), *(jnp.ravel(switch).astype(float) for switch in found)])
 
 
 def depends_on_last(force: Callable, *arguments: Any) -> bool:

@@ -62,8 +62,9 @@ def test_a_recommended_step_keeps_its_error_against_another_solver(driven, asses
 
 
 def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
-    grid = solution.grid_of(driven, DURATION, 1.0)
-    one = solution.solution_by(solution.routes_of(driven, DURATION)[0], driven, grid, 1e-8)
+    kinks = solution.kinks_of(driven, DURATION)
+    grid = solution.grid_of(driven, DURATION, 1.0, kinks)
+    one = solution.solution_by(solution.routes_of(driven, DURATION, kinks)[0], driven, grid, 1e-8)
     exact = _by_scipy(one.t)
     assert np.abs(np.stack([one.u, one.v]) - exact).max() < 1e-6
     assert (assessed.reference_uncertainty < 1e-4).all()
@@ -95,9 +96,9 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     exact = float(taylor.period(problem, 0.15))
     duration = 20 * exact
     quantities = errors.named(None)
-    exactly = solution.solution_by(
-        solution.routes_of(problem, duration)[0], problem, solution.grid_of(problem, duration, exact / 4), 1e-12
-    )
+    kinks = solution.kinks_of(problem, duration)
+    grid = solution.grid_of(problem, duration, exact / 4, kinks)
+    exactly = solution.solution_by(solution.routes_of(problem, duration, kinks)[0], problem, grid, 1e-12)
     targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}
     one = Ladder(study.schemes["rk4"], {1.0: Case(problem, exactly, targets, None)}, duration, True).run(steps)
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, observe=["trajectory", MaxEnergyError()])

@@ -100,11 +100,10 @@ def test_failures_are_recorded():
 
 
 def test_long_jobs_are_split_by_arithmetic():
-    options = {"schemes": ["average_acceleration", "gauss4"], "steps_per_period": 20, "runs": 16}
+    schemes = ["average_acceleration", "gauss4"]
+    options = {"schemes": schemes, "steps_per_period": 20, "runs": 16}
     short, long = ({**options, "periods": [10, 100, length]} for length in (1000, 10**6))
     for chosen, number in ((short, 2), (long, 8)):
         jobs = experiment._jobs(chosen).values()
         runs = [(scheme, a) for job in jobs for scheme in job["schemes"] for a in job["arithmetics"]]
-        assert len(jobs) == number and sorted(runs) == sorted(
-            (scheme, a) for scheme in options["schemes"] for a in ARITHMETIC
-        )
+        assert len(jobs) == number and sorted(runs) == sorted((scheme, a) for scheme in schemes for a in ARITHMETIC)

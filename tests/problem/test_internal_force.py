@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import study
-from study.problem.internal_force import depends_on_last, may_have_kinks, number_of_arguments
+from study.problem.internal_force import depends_on_last, may_have_kinks, number_of_arguments, switches
 
 
 @pytest.mark.parametrize(
@@ -30,6 +30,26 @@ from study.problem.internal_force import depends_on_last, may_have_kinks, number
 def test_kinks_are_seen(force, kinked):
     assert may_have_kinks(force, 0.5) is kinked
     assert study.Problem(force, u0=0.5).kinked is kinked
+
+
+@pytest.mark.parametrize(
+    "force, arguments, expected",
+    [
+        (lambda u: u**3 + jnp.cos(u), (0.3,), []),
+        (lambda u: u * jnp.max(jnp.arange(3.0)), (0.3,), []),
+        (lambda u: jnp.maximum(u - 0.5, 0.0), (0.3,), [-0.2]),
+        (study.materials.gap(7.0, opening=0.1), (0.3,), [0.2]),
+        (lambda u: jnp.where(2 * u > 1, u, 3 * u) + jnp.abs(u), (0.3,), [-0.4, 0.3]),
+        (lambda u: jnp.clip(u, -1.0, 1.0), (0.3,), [-1.3, 0.7]),
+        (lambda u: jax.lax.clamp(-1.0, u, 1.0), (0.3,), [1.3, -0.7]),
+        (lambda u: jax.nn.relu(u + 1) + jax.nn.relu(u), (0.3,), [1.3, 0.3]),
+        (lambda u: jnp.minimum(u, jnp.array([0.0, 0.5])), ([0.3, 0.3],), [0.3, -0.2]),
+        (lambda u, v: u + jnp.abs(v) * v, (0.3, -2.0), [-2.0]),
+    ],
+)
+def test_switches_change_their_sign_at_kinks(force, arguments, expected):
+    found = switches(force, *map(jnp.asarray, arguments))
+    np.testing.assert_allclose(np.sort(np.abs(found)), np.sort(np.abs(expected)), atol=1e-15)
 
 
 def test_smooth_problems_of_the_study_are_seen_as_smooth():
