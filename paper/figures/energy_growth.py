@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from paper.asks import one_of, samples_of_history
 from paper.data import TURNING
-from paper.figures.style import COLUMN, legend_below, letter, looks, panels
+from paper.figures.style import PAGE, legend_below, letter, looks, panels
 from paper.products import figure
 
 #: Smallest error in percent; smaller ones are drawn at this value.
@@ -26,7 +26,7 @@ FLOOR = 1e-13
 )
 def draw(histories: list[xr.Dataset]) -> Figure:
     """One panel per structure; a cross marks a run that ends early."""
-    figure, axes = panels(1, len(histories), COLUMN, 6.5, sharey=True)
+    figure, axes = panels(1, len(histories), PAGE, 5.4, sharey=True)
     for index, (ax, history) in enumerate(zip(axes[0], histories, strict=True)):
         for place, (name, look) in enumerate(looks(history.scheme).items()):
             one = history.sel(scheme=name)
@@ -39,7 +39,7 @@ def draw(histories: list[xr.Dataset]) -> Figure:
                 ax.plot(one.t[end], error[end], "x", color=look["color"], markersize=7, markeredgewidth=1.5)
         ax.set(xlabel="elapsed time $t$ (s)", yscale="log")
         steps = history.steps_per_period.item()
-        letter(ax, index, f"{history.problem_title},\n{steps:g} steps")
+        letter(ax, index, f"{history.problem_title}, {steps:g} steps")
     axes[0, 0].set_ylabel("energy error (%)")
-    legend_below(figure, columns=2)
+    legend_below(figure, columns=5)
     return figure

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from paper.data import of_kinds
-from paper.figures.style import COLUMN, legend_below, letter, looks, panels, thinned
+from paper.figures.style import PAGE, legend_below, letter, looks, panels, thinned
 from paper.products import figure
 
 #: Two implicit schemes, of which one damps, and two explicit ones.
@@ -22,8 +22,7 @@ def draw(spectrum: xr.Dataset) -> Figure:
     """One panel per reduction of the strength; grey: a tenth of the period, and the spacing of the record."""
     spectrum = of_kinds(spectrum, SHOWN)
     number = spectrum.sizes["reduction"]
-    rows = -(-number // 2)
-    figure, axes = panels(rows, 2, COLUMN, 3.1 * rows + 1.2, sharex=True, sharey=True)
+    figure, axes = panels(1, number, PAGE, 5.2, sharex=True, sharey=True)
     for index, (ax, reduction) in enumerate(zip(axes.flat, spectrum.reduction, strict=False)):
         of_reduction = spectrum.sel(reduction=reduction)
         ax.plot(spectrum.period, spectrum.period / 10, color="0.85", linestyle="-", linewidth=2.5, zorder=0)
@@ -42,11 +41,8 @@ def draw(spectrum: xr.Dataset) -> Figure:
         low, high = float(of_reduction.ductility.min()), float(of_reduction.ductility.max())
         ductility = f"{low:.1f}" + ("" if f"{low:.1f}" == f"{high:.1f}" else f" to {high:.1f}")
         letter(ax, index, "elastic" if reduction == 1 else f"strength 1/{reduction:g},\nductility {ductility}")
-    for ax in axes[:, 0]:
-        ax.set_ylabel("sufficient step (s)")
-    for ax in axes[-1]:
+    axes[0, 0].set_ylabel("sufficient step (s)")
+    for ax in axes[0]:
         ax.set_xlabel("period (s)")
-    for ax in axes.flat[number:]:
-        ax.remove()
-    legend_below(figure, columns=2)
+    legend_below(figure, columns=4)
     return figure
