@@ -14,6 +14,15 @@ from sympy.printing.pycode import PythonCodePrinter
 
 from study.problem.definition import Problem
 
+
+def _whole_power(a, exponent: int):
+    """A power by products, since heyoka's series of powers above the second divides by ``a``, which may be zero."""
+    if exponent <= 2:
+        return a**exponent
+    half = _whole_power(a, exponent // 2)
+    return half * half * a if exponent % 2 else half * half
+
+
 _OPERATIONS: dict[str, Callable] = {
     "add": lambda a, b: a + b,
     "sub": lambda a, b: a - b,
@@ -21,7 +30,7 @@ _OPERATIONS: dict[str, Callable] = {
     "div": lambda a, b: a / b,
     "neg": lambda a: -a,
     "pow": lambda a, b: a**b,
-    "integer_pow": lambda a, b: a**b,
+    "integer_pow": _whole_power,
     "square": lambda a: a * a,
     "sqrt": hy.sqrt,
     "exp": hy.exp,

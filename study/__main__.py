@@ -11,7 +11,7 @@ from typing import Any
 from study import datasets
 from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
-from study.assessment.report import answer, report, write_page
+from study.assessment.report import answer, limits_of_reference, report, write_page
 from study.assessment.scheme import BESIDE, assess_scheme, scheme_page
 from study.marching.run import run
 from study.observer.named import observers
@@ -105,7 +105,9 @@ def _run(arguments: argparse.Namespace) -> None:
 
 
 def _assess(arguments: argparse.Namespace) -> None:
-    outputs = [arguments.output.with_name(arguments.output.name + suffix) for suffix in (".nc", ".html")]
+    # a name that has one of the two endings already means both files
+    stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
+    outputs = [arguments.output.with_name(stem + suffix) for suffix in (".nc", ".html")]
     for output in outputs:
         check_writable(output)
 
@@ -130,6 +132,8 @@ def _assess(arguments: argparse.Namespace) -> None:
         for error in dataset.allowed_error.values:
             print(f"{quantity}, error {error:g}:\n{recommend(dataset, error=error, quantity=quantity).to_string()}\n")
             print(f"{answer(dataset, quantity, error)}\n")
+    if told := limits_of_reference(dataset):
+        print(f"{told}\n")
     print(f"written: {outputs[0]}, {outputs[1]}")
 
 
@@ -182,6 +186,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except BrokenPipeError:  # the reader, such as head, has closed the pipe, into which exit would flush again
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return
+    except KeyboardInterrupt:
+        parser.exit(130, "study: interrupted; nothing was written.\n")
     except (UnknownName, TypeError, ValueError, OSError) as error:
         mistake = str(error)
     else:

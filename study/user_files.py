@@ -27,7 +27,7 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
         If there is no such file or name, if running the file fails, or if the object is of another kind.
     """
     file, separator, name = place.rpartition(":")
-    wanted = " or ".join(f"study.{kind.__name__}" for kind in kinds)
+    wanted = " or ".join(kind.__name__ if kind.__module__ == "builtins" else f"study.{kind.__name__}" for kind in kinds)
     if not separator or not file.endswith(".py"):
         raise Unloadable(f"'{place}' must name a file and a {wanted} in it, such as model.py:frame.")
     path = Path(file)
@@ -39,7 +39,7 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
     sys.path.insert(0, str(path.parent.resolve()))  # for modules beside it
     try:
         spec.loader.exec_module(module)
-    except Exception as error:  # a user's file may raise anything
+    except (Exception, SystemExit) as error:  # a user's file may raise anything
         raise Unloadable(f"{_where(error, path)}: {type(error).__name__}: {error}") from error
     finally:
         sys.path.pop(0)
@@ -57,7 +57,7 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
     return found
 
 
-def _where(error: Exception, path: Path) -> str:
+def _where(error: BaseException, path: Path) -> str:
     """File and line of a user's code in which an error arose, the innermost one."""
     lines = [
         frame.lineno

@@ -22,6 +22,7 @@ from jaxtyping import Complex, Float
 
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
+from study.scheme.contract import started, stepped
 from study.scheme.named import schemes
 
 #: A number for each step size, shape (points,).
@@ -80,18 +81,18 @@ def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.A
     """
     problem, dt = oscillator(damping_ratio), 2 * jnp.pi * dt_over_period
     # the map is linear, so any state serves; discrete gradients need one that moves in short and in long steps
-    state, _ = scheme.start(problem, jnp.ones(()), jnp.ones(()), dt)
+    state, _ = started(scheme, problem, jnp.ones(()), jnp.ones(()), dt)
     flat, unflatten = ravel_pytree(state)
 
     def step(flat):
-        return ravel_pytree(scheme.step(problem, unflatten(flat), 0.0, dt)[0])[0]
+        return ravel_pytree(stepped(scheme, problem, unflatten(flat), 0.0, dt)[0])[0]
 
     return jax.jacfwd(step)(flat)
 
 
 def _initial_state(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
     """The scheme's whole state at u = 1 and u̇ = 0, as a vector."""
-    state, _ = scheme.start(oscillator(damping_ratio), jnp.ones(()), jnp.zeros(()), 2 * jnp.pi * dt_over_period)
+    state, _ = started(scheme, oscillator(damping_ratio), jnp.ones(()), jnp.zeros(()), 2 * jnp.pi * dt_over_period)
     return ravel_pytree(state)[0]
 
 

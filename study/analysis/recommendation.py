@@ -86,12 +86,12 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
     if quantity not in known:
         raise UnknownName(f"the assessment has no quantity {quantity!r}; {did_you_mean(quantity, known)}")
     limits = assessed.allowed_error.values
-    if not np.any(limits <= error):
+    if not np.isclose(limits, error, rtol=1e-9, atol=0).any():
         raise ValueError(
-            f"error must be one that was assessed, {', '.join(f'{one:g}' for one in limits)}, or larger, not "
-            f"{error:g}; assess with errors=[...] for smaller ones."
+            f"error must be one that was assessed, {', '.join(f'{one:g}' for one in limits)}, not {error:g}; assess "
+            "with errors=[...] for others."
         )
-    one = assessed.sel(quantity=quantity, allowed_error=limits[limits <= error].max())
+    one = assessed.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
     words = np.array([word.replace("_", " ") for word in one.verdict.flag_meanings.split()])
     table = pd.DataFrame(
         {

@@ -40,6 +40,9 @@ USUAL = (
     "rk4",
 )
 
+#: Least error that can be asked for.
+LEAST_ERROR = 1e-10
+
 #: Periods of a free oscillation that are run if no duration is given.
 PERIODS = 10
 
@@ -53,6 +56,8 @@ def _chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | 
         return {name: schemes_by_name[name] for name in USUAL}
     if isinstance(given, Mapping):
         return {name: resolve(one, schemes_by_name, Scheme) for name, one in given.items()}  # type: ignore[type-abstract]
+    if not isinstance(given, str | Scheme | Iterable):
+        raise TypeError(f"schemes must be names, schemes, or a mapping from names to schemes, not {given!r}.")
     chosen: dict[str, Scheme] = {}
     for one in [given] if isinstance(given, str | Scheme) else given:
         scheme = resolve(one, schemes_by_name, Scheme)  # type: ignore[type-abstract]
@@ -67,14 +72,19 @@ def _chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | 
 
 def _checked_errors(allowed: Sequence[float]) -> list[float]:
     """Allowed errors, the largest first."""
-    values = np.atleast_1d(np.asarray(allowed, float))
-    if not values.size or not np.all((values > 0) & (values < 1)):
+    values = np.atleast_1d(np.asarray(allowed))
+    if values.dtype.kind not in "fiu" or not values.size or not np.all((values > 0) & (values < 1)):
         raise ValueError(f"errors must be fractions between zero and one, such as 0.01 for one percent, not {allowed}.")
+    if values.min() < LEAST_ERROR:
+        raise ValueError(
+            f"errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision is sure "
+            "of less."
+        )
     return sorted(set(values.tolist()), reverse=True)
 
 
-def _periods(problem: Problem) -> tuple[float, float] | None:
-    """Periods of the slowest and the fastest small motion, each the shorter one of those about the start and u = 0."""
+def _slowest_period(problem: Problem) -> float | None:
+    """Period of the slowest small motion, the shorter one of those about the start and about u = 0."""
     oscillating = []
     for at in (problem.u0, np.zeros(np.shape(problem.u0))):
         found = frequencies(problem, at)
@@ -83,16 +93,16 @@ def _periods(problem: Problem) -> tuple[float, float] | None:
     if not oscillating:  # the start and u = 0 are on hills: the time in which the start would be left
         pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
         far = np.abs(problem.u0).max()
-        return (2 * np.pi * float(np.sqrt(far / pull)),) * 2 if far > 0 and pull > 0 else None
-    return float(min(one.max() for one in oscillating)), float(min(one.min() for one in oscillating))
+        return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None
+    return float(min(one.max() for one in oscillating))
 
 
 def _period(problem: Problem) -> float | None:
     """About the period of a free oscillator of one unknown; None if it is none."""
-    periods = _periods(problem)
-    if np.ndim(problem.u0) or not problem.conservative or periods is None:
+    slowest = _slowest_period(problem)
+    if np.ndim(problem.u0) or not problem.conservative or slowest is None:
         return None
-    ds = run(problem, "rk4", dt=periods[0] / ESTIMATE[0], steps=ESTIMATE[0] * ESTIMATE[1], on_failure="ignore")
+    ds = run(problem, "rk4", dt=slowest / ESTIMATE[0], steps=ESTIMATE[0] * ESTIMATE[1], on_failure="ignore")
     u = ds.u.values - (ds.u.max().item() + ds.u.min().item()) / 2
     crossed = np.flatnonzero((u[:-1] < 0) & (u[1:] >= 0))
     return float(np.diff(ds.t.values[crossed]).mean()) if len(crossed) > 1 else None
@@ -183,7 +193,7 @@ def assess(
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))
-    slowest, fastest = _periods(equation) or (length / ladder.COARSEST,) * 2
+    slowest = _slowest_period(equation) or length / ladder.COARSEST
     coarsest = slowest / ladder.COARSEST
     reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
@@ -191,12 +201,15 @@ def assess(
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
     names = [*asked, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
     first = max(ladder.COARSEST, int(np.ceil(length / coarsest)))
-    finest = min(ladder.MOST_STEPS, int(length / min(slowest / ladder.FINEST, fastest / ladder.FINEST_OF_FASTEST)))
+    # the reference is close where the motion is fast, in contacts and under fast loads too
+    closest = float(np.quantile(np.diff(reference.solution.t), ladder.CLOSEST)) * ladder.STEPS_TO_CLOSEST
+    finest = max(first * 2**ladder.BEYOND, int(length / min(slowest / ladder.FINEST, closest)))
+    finest = min(ladder.MOST_STEPS, finest)
 
     def of(scheme: Scheme) -> Assessed:
         rungs = Ladder(scheme, cases, length, of_energy)
         rungs.climb(rungs.rounded(first), finest, allowed[-1])
-        verdicts = {(name, error): rungs.verdict(name, error, uncertainty[name]) for name in names for error in allowed}
+        verdicts = rungs.verdicts([(name, error) for name in names for error in allowed], uncertainty)
         return Assessed(rungs, verdicts, failures.map_of(equation, scheme, length, coarsest) if maps else None)
 
     found = _each(fit, of)
@@ -240,5 +253,6 @@ def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed]) -> dict[
             if not found:
                 raise
             left = [name for name in schemes if name not in found]
-            warnings.warn(f"interrupted: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
+            if left:
+                warnings.warn(f"interrupted: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
     return found

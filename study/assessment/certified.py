@@ -43,6 +43,23 @@ def _holds(one: Solution, other: Solution, quantities: dict[str, Quantity], prob
     return float(min(ends))
 
 
+def _on_a_grid(
+    problem: Problem, routes: tuple[Route, Route], grid: solution.Times, rtol: float, goal: float
+) -> tuple[Solution, Solution, solution.Times]:
+    """Solutions of both routes, and a grid fine enough for the interpolant of the first one.
+
+    The second solution has a point between any two of the first, so that their difference tells of the interpolant.
+    """
+    for _ in range(solution.GRIDS):
+        one = solution.solution_by(routes[0], problem, grid, rtol)
+        other = solution.solution_by(routes[1], problem, solution.with_points_between(grid), rtol)
+        finer = solution.refined(one, other, goal)
+        if len(finer) == len(grid):
+            break
+        grid = finer
+    return one, other, grid
+
+
 def certified(
     problem: Problem,
     duration: float,
@@ -63,13 +80,10 @@ def certified(
     kinks = solution.kinks_of(problem, duration)
     route, witness = solution.routes_of(problem, duration, kinks)
     grid = solution.grid_of(problem, duration, coarsest, kinks)
-    # with points between those of the other route, so that the difference tells of the interpolation too
-    finer = np.union1d(grid, (grid[:-1] + grid[1:]) / 2)
     reached: tuple | None = None
     for rtol in solution.TOLERANCES:
         try:
-            one = solution.solution_by(route, problem, grid, rtol)
-            other = solution.solution_by(witness, problem, finer, rtol)
+            one, other, grid = _on_a_grid(problem, (route, witness), grid, rtol, AIMED * tightest)
         except (ValueError, RuntimeError) as error:
             if reached is None:
                 raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error

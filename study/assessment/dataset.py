@@ -1,5 +1,6 @@
 """What an assessment found out, as a dataset, with the times of the recommended steps."""
 
+import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +35,7 @@ def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: set[int]) 
     """Median time of the steps of a run and its interquartile range, by number of steps.
 
     Short runs are timed over more steps of the same size, as many as a clock needs, and the time of a run of one step
-    is subtracted: it is that of the call.
+    is subtracted: it is that of the call. Where a run cannot be told from the call, its time has the call in it.
     """
     timed = Timed(problem, scheme, ())
     call = np.median([timed.run(duration / min(wanted), 1)[0] for _ in range(REPEATS)])
@@ -45,8 +46,25 @@ def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: set[int]) 
         runs = [timed.run(duration / steps, most) for _ in range(REPEATS)]
         if not all(completed for _, completed in runs):  # it fails beyond the time that is asked for
             most, runs = steps, [timed.run(duration / steps, steps) for _ in range(REPEATS)]
-        low, median, high = np.quantile([taken - call for taken, _ in runs], [0.25, 0.5, 0.75]) * (steps / most)
-        times[steps] = float(max(median, 0.0)), float(high - low)
+        low, median, high = np.quantile([taken for taken, _ in runs], [0.25, 0.5, 0.75])
+        less = call if median > 2 * call else 0.0
+        times[steps] = float((median - less) * steps / most), float((high - low) * steps / most)
+    return times
+
+
+def _times(
+    problem: Problem, schemes: dict[str, Scheme], found: dict[str, Assessed], duration: float
+) -> dict[str, dict]:
+    """Times by scheme, taken one after the other; after Ctrl-C, of those that are done."""
+    times = {}
+    for name, one in found.items():
+        wanted = {v.steps for v in one.verdicts.values() if v.steps > 0}
+        try:
+            times[name] = _timed(problem, schemes[name], duration, wanted) if wanted else {}
+        except KeyboardInterrupt:
+            left = [other for other in found if other not in times]
+            warnings.warn(f"interrupted: {', '.join(left)} have no times.", RuntimeWarning, stacklevel=4)
+            break
     return times
 
 
@@ -58,7 +76,8 @@ def dataset_of(
     allowed: list[float],
     duration: float,
 ) -> xr.Dataset:
-    """Everything that was found out, with times, which are taken one scheme after the other."""
+    """Everything that was found out, with times."""
+    of_scheme = _times(problem, schemes, found, duration)
     steps = sorted({n for one in found.values() for n in one.rungs.steps_of()}, reverse=True)[::-1]
     place = {n: i for i, n in enumerate(steps)}
     shape = (len(found), len(steps))
@@ -78,8 +97,7 @@ def dataset_of(
             error[s, i] = [run.errors[q] for q in names]
             status[s, i], imbalance[s, i], iterations[s, i] = run.status, run.imbalance, run.iterations
         on_ladder[s, [place[n] for n in one.rungs.rungs]] = 1
-        wanted = {v.steps for v in one.verdicts.values() if v.steps > 0}
-        times = _timed(problem, scheme, duration, wanted) if wanted else {}
+        times = of_scheme.get(name, {})
         if times:
             longest = max(times)
             time_per_step[s] = times[longest][0] / longest
@@ -90,7 +108,7 @@ def dataset_of(
                 run = one.rungs.run(verdict.steps)
                 marched = scheme if problem.history is None else Remembering(scheme)
                 per_step = marched.evaluations + marched.evaluations_per_iteration * run.iterations
-                dt[at], (time[at], spread[at]) = duration / verdict.steps, times[verdict.steps]
+                dt[at], (time[at], spread[at]) = duration / verdict.steps, times.get(verdict.steps, (np.nan,) * 2)
                 forces[at], reached[at] = verdict.steps * per_step, run.errors[quantity]
     runs, verdicts = ("scheme", "dt"), ("scheme", "quantity", "allowed_error")
     ds = xr.Dataset(
@@ -107,7 +125,11 @@ def dataset_of(
             "recommended_dt": (verdicts, dt, {"long_name": "largest step that keeps the error", "units": "s"}),
             "recommended_error": (verdicts, reached, {"long_name": "error at that step", "units": "1"}),
             "verdict": (verdicts, how, flags("how the search for the step ended", ladder.VERDICTS, np.int8)),
-            "accidents": (verdicts, accidents, {"long_name": "steps that kept the error by accident", "units": "1"}),
+            "accidents": (
+                verdicts,
+                accidents,
+                {"long_name": "steps that kept the error, unlike a finer one or another start", "units": "1"},
+            ),
             "time": (verdicts, time, {"long_name": "time of the steps of a run, median", "units": "s"}),
             "time_spread": (verdicts, spread, {"long_name": "its interquartile range", "units": "s"}),
             "force_evaluations": (verdicts, forces, {"long_name": "forces evaluated in that run", "units": "1"}),

@@ -1,6 +1,6 @@
 """Runs of one scheme at ever finer steps, and the largest step that keeps an error, found and confirmed by runs."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +17,12 @@ from study.scheme.base import Scheme
 #: Steps in which a ladder begins in a period of the slowest small motion.
 COARSEST = 4
 
-#: Steps up to which a ladder climbs, in a period of the slowest and of the fastest small motion, and in a run.
-FINEST, FINEST_OF_FASTEST, MOST_STEPS = 2048, 64, 4_000_000
+#: Steps up to which a ladder climbs, in a period of the slowest small motion and in a run.
+FINEST, MOST_STEPS = 2048, 4_000_000
+
+#: Part of the intervals of the reference that are shorter than those in which motion is fast, and the finest step over
+#: these.
+CLOSEST, STEPS_TO_CLOSEST = 0.05, 1 / 6
 
 #: Rungs beyond the first that keeps every error, to see whether finer steps keep it too.
 BEYOND = 2
@@ -26,15 +30,16 @@ BEYOND = 2
 #: Most samples of a run along time, for which a compiled march has room at once.
 SAMPLES = 4000
 
-#: Runs between two rungs that look for the largest step.
-HALVINGS = 4
+#: Ratio of a number of steps that keeps an error to the next smaller one, which does not, at which a search ends.
+CLOSE = 2 ** (1 / 16)
 
 #: Finer steps, as multiples of the number of steps, and starts, as multiples of u₀, u̇₀ and load, that must keep the
-#: error too; from another start the error may be a tenth larger.
-AROUND, STARTS, ALLOWANCE = (1.03, 1.06, 1.1), (0.99, 1.01), 1.1
+#: error too.
+AROUND, STARTS = (1.03, 1.06, 1.1), (0.99, 1.01)
 
-#: Steps that are tried after one that kept the error by accident.
-ATTEMPTS = 12
+#: Steps that are tried after one that kept the error by accident, and searches until none makes a run that another
+#: would have to heed.
+ATTEMPTS, SEARCHES = 12, 10
 
 #: Least ratio of an error to the uncertainty of the reference.
 CERTAIN = 10
@@ -61,6 +66,10 @@ class Try(NamedTuple):
     failed_at_step: int
     imbalance: float
     iterations: float
+
+
+#: A quantity, and the error that it is allowed.
+Limit = tuple[str, float]
 
 
 class Verdict(NamedTuple):
@@ -153,50 +162,69 @@ class Ladder:
         """Numbers of steps of all runs so far, from coarse to fine."""
         return sorted(steps for steps, of in self.tries if of == start)
 
-    def _fewest(self, keeps: Callable[[int], bool]) -> int | None:
+    def _keeps(self, steps: int, name: str, allowed: float) -> bool:
+        """Whether the runs of that many steps so far keep the error, from all starts that were tried."""
+        tried = (self.tries[steps, start] for start in (1.0, *STARTS) if (steps, start) in self.tries)
+        return all(one.errors[name] <= allowed for one in tried)
+
+    def _keeps_from_all_starts(self, steps: int, name: str, allowed: float) -> bool:
+        starts = (1.0, *(start for start in STARTS if start in self._cases))
+        return all(self.run(steps, start).errors[name] <= allowed for start in starts)
+
+    def _fewest(self, name: str, allowed: float) -> int | None:
         """Fewest steps of all runs so far from which on every finer run keeps the error; None if the finest fails."""
         fewest = None
         for steps in reversed(self.steps_of()):
-            if not keeps(steps):
+            if not self._keeps(steps, name, allowed):
                 break
             fewest = steps
         return fewest
 
-    def _confirmed(self, steps: int, name: str, allowed: float) -> bool:
-        """Whether steps a little finer, and starts next to the given one, keep the error too."""
-        finer = (self.rounded(steps * more) for more in AROUND)
-        if any(self.run(one).errors[name] > allowed for one in finer if steps < one <= MOST_STEPS):
-            return False
-        return all(
-            self.run(steps, start).errors[name] <= ALLOWANCE * allowed for start in STARTS if start in self._cases
-        )
+    def _a_little_finer(self, steps: int) -> list[int]:
+        """Three numbers of steps that are a little larger."""
+        finer = [steps]
+        for more in AROUND:
+            finer.append(max(self.rounded(steps * more), finer[-1] + self._every(steps)))
+        return [one for one in finer[1:] if one <= MOST_STEPS]
 
-    def verdict(self, name: str, allowed: float, uncertainty: float) -> Verdict:
-        """The fewest steps that keep an error of a quantity.
-
-        Parameters
-        ----------
-        uncertainty
-            That of the reference; an error of less than ten times it cannot be told.
-        """
-        refused: set[int] = set()
-
-        def keeps(steps: int) -> bool:
-            return steps not in refused and self.run(steps).errors[name] <= allowed
-
+    def _verdict(self, name: str, allowed: float, uncertainty: float) -> Verdict:
         if allowed < CERTAIN * uncertainty:
             return Verdict(-1, UNCERTAIN, 0)
         for accidents in range(ATTEMPTS):
-            fewest = self._fewest(keeps)
+            fewest = self._fewest(name, allowed)
             if fewest is None:
-                return Verdict(-1, FINEST_FAILS, accidents)
+                finest = self.run(self.steps_of()[-1]).errors[name]
+                return Verdict(-1, BY_ACCIDENT if finest <= allowed else FINEST_FAILS, accidents)
+            if not self._keeps_from_all_starts(fewest, name, allowed):
+                continue
             coarser = max((steps for steps in self.steps_of() if steps < fewest), default=0)
-            for _ in range(HALVINGS if coarser else 0):
+            while coarser and fewest > CLOSE * coarser:
                 between = self.rounded(np.sqrt(coarser * fewest))
                 if not coarser < between < fewest:
                     break
-                coarser, fewest = (coarser, between) if keeps(between) else (between, fewest)
-            if self._confirmed(fewest, name, allowed):
+                kept = self._keeps_from_all_starts(between, name, allowed)
+                coarser, fewest = (coarser, between) if kept else (between, fewest)
+            if all(self.run(one).errors[name] <= allowed for one in self._a_little_finer(fewest)):
                 return Verdict(fewest, FOUND if coarser else COARSEST_KEEPS, accidents)
-            refused.add(fewest)
         return Verdict(-1, BY_ACCIDENT, ATTEMPTS)
+
+    def verdicts(self, limits: Sequence[tuple[str, float]], uncertainty: dict[str, float]) -> dict[Limit, Verdict]:
+        """The fewest steps that keep each error of a quantity, on which no run made for another one casts doubt.
+
+        Parameters
+        ----------
+        limits
+            Quantities with the errors that are allowed.
+        uncertainty
+            That of the reference by quantity; an error of less than ten times it cannot be told.
+        """
+        for _ in range(SEARCHES):
+            before = len(self.tries)
+            found = {limit: self._verdict(*limit, uncertainty[limit[0]]) for limit in limits}
+            if len(self.tries) == before:
+                return found
+        doubted = Verdict(-1, BY_ACCIDENT, ATTEMPTS)
+        return {
+            limit: doubted if verdict.steps > 0 and self._fewest(*limit) != verdict.steps else verdict
+            for limit, verdict in found.items()
+        }

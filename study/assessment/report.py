@@ -69,11 +69,23 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
     sentence = (
         f"For {_percent(error)} of {quantity}: {titles[best.Index]} with Δt = {best.dt:.4g} s "
-        f"({best.steps:.0f} steps, {_time(best.time)})."
+        f"({best.steps:.0f} steps{f', {_time(best.time)}' if best.time > 0 else ''})."
     )
     if best.verdict == "already the coarsest step":
         sentence += " This is already the coarsest step that was tried."
     return sentence + (f" As fast within the spread of times: {', '.join(ties)}." if ties else "")
+
+
+def limits_of_reference(assessed: xr.Dataset) -> str:
+    """A sentence on a reference that holds for a part of the time only; empty if it holds to the end."""
+    held, asked = assessed.attrs["duration"], assessed.attrs["duration_asked_for"]
+    if held >= asked:
+        return ""
+    return (
+        f"Beyond t = {held:.4g} s of the {asked:.4g} s asked for, {assessed.attrs['reference']} and "
+        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do where neighbouring "
+        "motions part; all errors are measured up to there."
+    )
 
 
 def svg_of(figure) -> str:
@@ -151,7 +163,7 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
             "–" if np.isnan(row.dt) else f"{row.dt:.4g}",
             "–" if np.isnan(row.dt) else f"{row.steps:.0f}",
             "–" if np.isnan(row.dt) else _percent(row.error),
-            "–" if np.isnan(row.dt) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
+            "–" if np.isnan(row.time) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
             "–" if np.isnan(row.dt) else f"{row.force_evaluations:.0f}",
             row.verdict,
         )
@@ -168,15 +180,12 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     parts = ['<div class="answer">']
     parts += [f"<p>{_text(answer(assessed, q, limit))}</p>" for q in quantities for limit in limits]
     parts.append("</div>")
-    held, asked = attributes["duration"], attributes["duration_asked_for"]
-    if held < asked:
-        parts.append(
-            f"<p>Neighbouring motions part so fast that no reference holds beyond t = {held:.4g} s of the {asked:.4g} "
-            "s asked for; all errors are measured up to there.</p>"
-        )
+    held = attributes["duration"]
+    if limits_of_reference(assessed):
+        parts.append(f"<p>{_text(limits_of_reference(assessed))}</p>")
     parts.append(
-        f"<p>All of these steps were run, over {held:.4g} s. Three finer steps, and two starts one percent apart, keep "
-        "the error too; steps that kept it by accident were passed over.</p>"
+        f"<p>All of these steps were run, over {held:.4g} s. Every finer step that was run, among them three within a "
+        "tenth, and two starts one percent apart keep the error too.</p>"
     )
     for quantity in quantities:
         parts.append(f"<h2>Error of {_text(quantity)}</h2>")

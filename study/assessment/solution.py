@@ -22,11 +22,18 @@ from study.scheme.remembering import Remembering
 #: Relative tolerances of the routes, from the first try to the last.
 TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
 
-#: Points in the shortest period of small motions, or of the coarsest step, between which the solution is interpolated.
-POINTS = 40
+#: Points in the shortest period of small motions, or of the coarsest step, with which a grid begins.
+POINTS = 12
 
 #: Points between two kinks of the force, at the least: a contact may be far shorter than a period.
 POINTS_BETWEEN_KINKS = 10
+
+#: Places in an interval at which its interpolant is compared. Its errors are about s³(1 − s)³ in u and the slope of that
+#: in u̇; a single place may lie where the slope is zero.
+BETWEEN = (0.25, 0.6)
+
+#: Most parts into which an interval is divided at once, and most grids that are tried.
+MOST_PARTS, GRIDS = 16, 6
 
 #: Most points of a solution.
 MOST_POINTS = 200_000
@@ -125,7 +132,7 @@ def kinks_of(problem: Problem, duration: float) -> Kinks:
 
 
 def grid_of(problem: Problem, duration: float, coarsest: float, kinks: Kinks) -> Times:
-    """Times between which the solution is interpolated, with all kinks of load and force."""
+    """First times between which the solution is interpolated, with all kinks of load and force."""
     found = frequencies(problem)
     shortest = coarsest
     if found is not None and 0 < found[-1] < np.inf:
@@ -141,6 +148,36 @@ def grid_of(problem: Problem, duration: float, coarsest: float, kinks: Kinks) ->
     stretches = np.linspace(kinks.of_force[:-1], kinks.of_force[1:], POINTS_BETWEEN_KINKS + 1)
     short = np.diff(kinks.of_force) < POINTS_BETWEEN_KINKS * duration / points
     return np.union1d(grid, stretches[:, short])
+
+
+def with_points_between(grid: Times) -> Times:
+    """The grid with points in each of its intervals, where the interpolant is far off."""
+    return np.append((grid[:-1, None] + np.diff(grid)[:, None] * (0.0, *BETWEEN)).ravel(), grid[-1])
+
+
+def refined(one: Solution, other: Solution, goal: float) -> Times:
+    """The grid of a solution, finer where its interpolant is off by more than a goal, relative to the largest value.
+
+    Parameters
+    ----------
+    other
+        The solution of another route, with points between.
+    """
+    off = np.zeros(len(one.t) - 1)
+    for mine, theirs in zip(one.at(other.t), (other.u, other.v), strict=True):
+        apart = np.abs(mine - theirs).reshape(len(other.t), -1).max(axis=1) / (np.abs(theirs).max() or 1.0)
+        at, between = np.split(apart[:-1].reshape(len(off), -1), [1], axis=1)
+        # what the routes differ by at the points is no fault of the interpolant
+        at_ends = np.maximum(at[:, 0], np.append(at[1:, 0], apart[-1]))
+        np.maximum(off, between.max(axis=1) - at_ends, out=off)
+    # the interpolant of u̇ is of fifth order
+    parts = np.ceil(np.clip(off / goal, 1.0, None) ** 0.2).astype(int)
+    parts = np.minimum(parts, MOST_PARTS)
+    if parts.sum() > MOST_POINTS:
+        return one.t
+    places = np.repeat(np.arange(len(parts)), parts)
+    inside = np.arange(len(places)) - np.repeat(np.cumsum(parts) - parts, parts)
+    return np.append(one.t[places] + inside * (np.diff(one.t) / parts)[places], one.t[-1])
 
 
 class Route(NamedTuple):

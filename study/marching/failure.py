@@ -20,7 +20,8 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
     """One sentence on why such a run fails, and what helps."""
     found = frequencies(problem)
     highest = None if found is None else found[-1]
-    at_start = "" if highest is None else f" (it is {highest * dt:.3g} at the start)"
+    beyond = ", and may be larger beyond the kinks of the force" if problem.kinked else ""
+    at_start = "" if highest is None else f" (it is {highest * dt:.3g} at the start{beyond})"
     if status == NEWTON_FAILED:
         return (
             "Newton's iteration found no balance: the force changes too much over a step, or the effective equation "

@@ -11,10 +11,10 @@ import numpy as np
 from jax import lax
 
 from study.algebra.matrices import SMALL
-from study.equilibrium.state import Effort
 from study.observer.base import Observer, Record, Reduction
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
+from study.scheme.contract import started, stepped
 from study.scheme.linearised import Linearised
 from study.scheme.remembering import Remembering
 
@@ -96,7 +96,7 @@ class March(eqx.Module):
         """
 
         def one(u0, v0, dt):
-            state, effort = _checked(self.scheme, "start", self.scheme.start(self.problem, u0, v0, dt), u0)
+            state, effort = started(self.scheme, self.problem, u0, v0, dt)
             carried = tuple(reduction.start(self.problem.at(state), state) for reduction in self.reductions)
             return (
                 state,
@@ -114,8 +114,7 @@ class March(eqx.Module):
 
         def one(step, state, carried, dt):
             # the round-off of a running sum would grow with the number of steps; that of a product does not
-            after = self.scheme.step(self.problem, state, step.astype(dt.dtype) * dt, dt)
-            state, effort = _checked(self.scheme, "step", after, state.u, like=state)
+            state, effort = stepped(self.scheme, self.problem, state, step.astype(dt.dtype) * dt, dt)
             now = (step + 1).astype(dt.dtype) * dt
             problem = self.problem.at(state)
             carried = tuple(
@@ -233,23 +232,6 @@ class March(eqx.Module):
             }
 
         return progress.failure, self._each(one)(progress.state, progress.carried)
-
-
-def _checked(scheme: Scheme, method: str, returned, u, like=None):
-    """What a method of a scheme returned, after a check that it is a state and an effort as the march needs them."""
-    of = f"{method} of {type(scheme).__name__}"
-    if not (isinstance(returned, tuple) and len(returned) == 2 and isinstance(returned[1], Effort)):
-        raise TypeError(f"{of} must return a state and a study.Effort, not {type(returned).__name__}.")
-    state = returned[0]
-    for name in ("u", "v"):
-        if not hasattr(state, name) or jnp.shape(getattr(state, name)) != u.shape:
-            raise TypeError(f"{of} must return a state with '{name}' of shape {u.shape}.")
-    if like is not None:
-        new, old = (jax.tree.flatten(one) for one in (state, like))
-        shapes, wanted = ([(jnp.shape(x), jnp.result_type(x)) for x in leaves] for leaves, _ in (new, old))
-        if str(new[1]) != str(old[1]) or shapes != wanted:
-            raise TypeError(f"{of} must return a state like that of start, with the same fields, shapes and types.")
-    return returned
 
 
 def _where(condition, value, other):

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 
 from study.equilibrium.balance import acceleration
 from study.observer.base import Observer, Record, Reduction
+from study.problem.function_checks import NOT_TRACEABLE
 
 #: Arguments that the function of a quantity may have.
 ARGUMENTS = {
@@ -146,9 +147,11 @@ class Quantity(Record):
             value = eqx.filter_eval_shape(self.value, problem, 0.0, problem.u0, problem.v0)
         except Exception as error:  # a user's function may raise anything
             reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
-            return f"the quantity '{self.name}' cannot be computed for '{problem.title}': {reason}"
-        if not isinstance(value, jax.ShapeDtypeStruct) or value.ndim > 1:
-            return f"the quantity '{self.name}' must return a number or a vector, not {value}."
+            hint = "must be written with jax.numpy" if isinstance(error, NOT_TRACEABLE) else "cannot be computed"
+            return f"the quantity '{self.name}' {hint} for '{problem.title}': {reason}"
+        fits = isinstance(value, jax.ShapeDtypeStruct) and value.ndim <= 1 and value.size
+        if not fits or jnp.issubdtype(value.dtype, jnp.complexfloating):
+            return f"the quantity '{self.name}' must return a real number or a vector of them, not {value}."
         return None
 
     def value(self, problem, t, u, v):

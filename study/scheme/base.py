@@ -11,6 +11,7 @@ from study.algebra.arrays import ScalarLike, Vector
 from study.equilibrium.balance import initial_acceleration
 from study.equilibrium.state import Effort, Motion
 from study.problem.definition import Problem
+from study.scheme.contract import incremented
 
 
 class Scheme(eqx.Module):
@@ -100,7 +101,7 @@ class OneStep(Scheme):
         """State at t + Δt with the increments of u and v in place of u and v, and the effort of the step."""
 
     def step(self, problem, state, t, dt):
-        new, effort = self.increment(problem, state, t, dt)
+        new, effort = incremented(self, problem, state, t, dt)
         return new._replace(u=state.u + new.u, v=state.v + new.v), effort
 
 

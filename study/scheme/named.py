@@ -34,7 +34,9 @@ ALIASES = {
     "velocity_verlet": "central_difference",
     "verlet": "central_difference",
     "leapfrog": "central_difference",
+    "cd": "central_difference",
     "newmark": "average_acceleration",
+    "newmark_beta": "average_acceleration",
     "constant_average_acceleration": "average_acceleration",
     "trapezoidal": "average_acceleration",
     "trapezoidal_rule": "average_acceleration",
@@ -43,11 +45,17 @@ ALIASES = {
     "runge_kutta": "rk4",
 }
 
+#: Words for both of these forms.
+AMBIGUOUS = dict.fromkeys(
+    ("hht_alpha", "hht_α", "alpha", "alpha_method", "α_method"), ("hht_alpha", "hht_alpha_one_force")
+)
+
 #: The schemes of 1996 first, then the others, module by module.
 schemes: Registry[Scheme] = Registry(
     "scheme",
     _of_families(variables_of_modules(scheme, Scheme, first=OF_1996)),  # type: ignore[type-abstract]
     aliases=ALIASES,
+    ambiguous=AMBIGUOUS,
 )
 
 

@@ -75,9 +75,33 @@ class _OtherShape(_Plain):
         return study.Phase(u0, np.zeros(2)), study.Effort()
 
 
+class _IncrementWithoutEffort(_Plain):
+    def increment(self, problem, state, t, dt):
+        return study.Phase(dt * state.v, -dt * state.u)
+
+
+class _NoIncrement(_Plain):
+    def increment(self, problem, state, t, dt):
+        pass
+
+
+class _ArrayIncrement(_Plain):
+    def increment(self, problem, state, t, dt):
+        return dt * state.v, study.Effort()
+
+
+class _Branching(_Plain):
+    def increment(self, problem, state, t, dt):
+        return study.Phase(dt * state.v if state.v > 0 else state.v, -dt * state.u), study.Effort()
+
+
 @pytest.mark.parametrize(
     "scheme, sentence",
     [
+        (_IncrementWithoutEffort(), "increment of _IncrementWithoutEffort must return a state and a study.Effort, not"),
+        (_NoIncrement(), "increment of _NoIncrement must return a state and a study.Effort, not NoneType."),
+        (_ArrayIncrement(), "increment of _ArrayIncrement must return a named tuple with u and v, not"),
+        (_Branching(), "increment of _Branching branches on a number that JAX traces"),
         (_NoEffort(), "step of _NoEffort must return a state and a study.Effort, not Phase."),
         (_OtherState(), "step of _OtherState must return a state like that of start"),
         (_OtherShape(), r"start of _OtherShape must return a state with 'v' of shape \(\)."),
@@ -86,6 +110,15 @@ class _OtherShape(_Plain):
 def test_a_scheme_that_breaks_the_contract_gets_a_sentence(scheme, sentence):
     with pytest.raises(TypeError, match=sentence):
         study.run("hardening", scheme, dt=0.01, steps=3)
+    with pytest.raises(TypeError, match=sentence):
+        study.LinearTheory(scheme, [0.01, 0.02])
+
+
+@pytest.mark.parametrize("word", ["HHT-α", "hht alpha", "HHT-Alpha", "alpha method", "alpha"])
+def test_words_for_both_alpha_methods_are_answered_by_a_question(word):
+    with pytest.raises(KeyError, match=f"the scheme '{word}' may be 'hht_alpha' or 'hht_alpha_one_force'; name one"):
+        study.run("hardening", word, dt=0.01, steps=3)
+    assert study.schemes["hht_alpha"] is not study.schemes["hht"]
 
 
 def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys):

@@ -1,0 +1,77 @@
+"""What a scheme promises: states with u and v and the effort to find them, from functions that JAX can trace."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from study.equilibrium.state import Effort
+from study.problem.function_checks import NOT_TRACEABLE
+
+
+def _returned(scheme: Any, method: str, *arguments: Any) -> tuple[Any, Effort]:
+    """What a method of a scheme returns, a pair of a state and an effort."""
+    of = f"{method} of {type(scheme).__name__}"
+    try:
+        returned = getattr(scheme, method)(*arguments)
+    except NOT_TRACEABLE as error:
+        raise TypeError(
+            f"{of} branches on a number that JAX traces, or hands it to NumPy or to Python: write it with jax.numpy, a "
+            "choice as jnp.where."
+        ) from error
+    if not (isinstance(returned, tuple) and len(returned) == 2 and isinstance(returned[1], Effort)):
+        raise TypeError(f"{of} must return a state and a study.Effort, not {type(returned).__name__}.")
+    return returned
+
+
+def _check_motion(of: str, state: Any, u: Any) -> None:
+    for name in ("u", "v"):
+        if not hasattr(state, name) or jnp.shape(getattr(state, name)) != u.shape:
+            raise TypeError(f"{of} must return a state with '{name}' of shape {u.shape}.")
+
+
+def started(scheme: Any, problem: Any, u0: Any, v0: Any, dt: Any) -> tuple[Any, Effort]:
+    """The first state of a scheme.
+
+    Raises
+    ------
+    TypeError
+        If ``start`` returns something else than a state and an effort.
+    """
+    returned = _returned(scheme, "start", problem, u0, v0, dt)
+    _check_motion(f"start of {type(scheme).__name__}", returned[0], u0)
+    return returned
+
+
+def stepped(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple[Any, Effort]:
+    """The state of a scheme after a step.
+
+    Raises
+    ------
+    TypeError
+        If ``step`` returns something else than a state like the one before and an effort.
+    """
+    returned = _returned(scheme, "step", problem, state, t, dt)
+    of = f"step of {type(scheme).__name__}"
+    _check_motion(of, returned[0], state.u)
+    new, old = (jax.tree.flatten(one) for one in (returned[0], state))
+    shapes, wanted = ([(jnp.shape(x), jnp.result_type(x)) for x in leaves] for leaves, _ in (new, old))
+    if str(new[1]) != str(old[1]) or shapes != wanted:
+        raise TypeError(f"{of} must return a state like that of start, with the same fields, shapes and types.")
+    return returned
+
+
+def incremented(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple[Any, Effort]:
+    """The state of a one-step scheme after a step, with increments in place of u and v.
+
+    Raises
+    ------
+    TypeError
+        If ``increment`` returns something else than a named tuple with u and v, and an effort.
+    """
+    returned = _returned(scheme, "increment", problem, state, t, dt)
+    of = f"increment of {type(scheme).__name__}"
+    if not hasattr(returned[0], "_replace"):
+        raise TypeError(f"{of} must return a named tuple with u and v, not {type(returned[0]).__name__}.")
+    _check_motion(of, returned[0], state.u)
+    return returned
