@@ -8,15 +8,20 @@ CONFIG ?= config/study.yaml
 BIN := .venv/bin
 # `make CLUSTER=slurm` sends the jobs to the cluster that profiles/slurm describes
 CLUSTER ?=
-OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER))
+OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER) $(WITHOUT_ACCOUNTING))
+# where Slurm keeps no account of jobs, their state is that in its queue
+WITHOUT_ACCOUNTING = $(shell sacct > /dev/null 2>&1 || echo --slurm-status-command squeue --slurm-no-account)
 
 .PHONY: study site test benchmark check lock torture archive latex citation clean
 
-# a product that could not be used is put aside, and the next call makes it again
+# a product that could not be used is put aside, and the next call makes it again; who ends make ends Snakemake too
 # the pages of the site, results/site/index.html, are made on request, with what is missing of the study
 study site: .venv/ready
-	@rm -f .snakemake/again
-	@until $(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG); do test -e .snakemake/again || exit 1; rm .snakemake/again; done
+	@rm -f .snakemake/again; \
+	trap 'kill $$run 2> /dev/null; wait $$run; exit 143' INT TERM; \
+	while $(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG) & run=$$!; ! wait $$run; do \
+	  test -e .snakemake/again || exit 1; rm .snakemake/again; \
+	done
 
 # pyproject.toml states the least coverage
 test: .venv/ready

@@ -62,34 +62,47 @@ def planned():
     key = hashlib.sha256("\0".join([sys.version, PROJECT, ROOT, text]).encode())
     for path in sources:
         key.update(str(path).encode() + path.read_bytes())
-    kept = Path(".snakemake", "plans", f"{key.hexdigest()}.json")
+    kept = Path(".snakemake", "plans", f"{key.hexdigest()}.json")  # the archive takes the configuration from it
     if not kept.exists():
         data = printed_by("study.pipeline.plan", ROOT, text)
         paper = printed_by("paper.plan", ROOT, given=data)
         site = printed_by("docs.plan", ROOT, given=data)
         kept.parent.mkdir(parents=True, exist_ok=True)
         unfinished = kept.with_suffix(f".{os.getpid()}")
-        unfinished.write_text(json.dumps(list(map(json.loads, (data, paper, site)))))
+        parts = dict(zip(("data", "paper", "site"), map(json.loads, (data, paper, site))))
+        unfinished.write_text(json.dumps(parts | {"configuration": config}))
         unfinished.replace(kept)
-    return json.loads(kept.read_text())
+    parts = json.loads(kept.read_text())
+    return parts["data"], parts["paper"], parts["site"]
 
 
-try:
-    Path("results").mkdir(exist_ok=True)
-    writable = os.access("results", os.W_OK)
-except OSError:
-    writable = False
-if not writable:
-    raise WorkflowError(f"the folder '{Path('results').absolute()}' cannot be made or written; run where it can.")
+for folder in ("results", ".snakemake"):
+    try:
+        Path(folder).mkdir(exist_ok=True)
+        writable = os.access(folder, os.W_OK)
+    except OSError:
+        writable = False
+    if not writable:
+        raise WorkflowError(f"the folder '{Path(folder).absolute()}' cannot be made or written; run where it can.")
 free = shutil.disk_usage(".").free
 if free < 2**24:  # Snakemake keeps records for every job, and cannot tell well that it lacks room for them
     raise WorkflowError(f"only {free:,} bytes are free in '{Path.cwd()}': make room, and call again.")
-if workflow.is_main_process:
-    # a script, as importing the study takes a second
-    entered = subprocess.run(
-        [sys.executable, f"{PROJECT}/study/pipeline/runs.py", str(os.getpid())], capture_output=True, text=True, check=True
-    )
-    run, told = json.loads(entered.stdout)
+
+
+def script(name, *arguments, given=None):
+    """What a script of the pipeline prints; it imports nothing of the study, which takes a second."""
+    command = [sys.executable, f"{PROJECT}/study/pipeline/{name}.py", *map(str, arguments)]
+    return subprocess.run(command, input=given, stdout=subprocess.PIPE, text=True, check=True).stdout
+
+
+# calls that make nothing, so that they may look while another run is at work
+LOOKS = ("-n", "--dry-run", "--dryrun", "--dag", "--rulegraph", "--report", "--list", "--summary", "--lint", "--unlock")
+enters = workflow.is_main_process and not any(one.split("=")[0] in LOOKS for one in sys.argv)
+if enters:
+    run, told, since = json.loads(script("runs", os.getpid()))
+    if run is None:
+        raise WorkflowError(" ".join(told))
+    told += script("products", "changed", since).splitlines()
     os.environ |= {"STUDY_RUN": run}
     for sentence in told:
         print(sentence, file=sys.stderr)
@@ -98,6 +111,15 @@ if workflow.is_main_process:
 
 
 DATA, PAPER, SITE = planned()
+OUTPUTS = [
+    output.replace("{job}", job)
+    for step in (*DATA["steps"], *PAPER["steps"])
+    if not step.get("temporary")
+    for output in step["outputs"]
+    for job in step["jobs"]
+]
+if enters:
+    atexit.register(script, "products", "note", given="\n".join(OUTPUTS))
 
 
 def end_jobs():

@@ -14,7 +14,7 @@ def write(path: Path, content: str | bytes) -> None:
     SystemExit
         If the disk is full, or the file cannot be written for another reason. What was there before stays.
     """
-    unfinished = path.with_name(f".{path.name}.{secrets.token_hex(8)}.unfinished")
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
     try:
         with unfinished.open("xb") as file:
             file.write(content.encode() if isinstance(content, str) else content)

@@ -33,8 +33,8 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("run", help="march a scheme on a problem and print what was observed")
     command.set_defaults(function=_run)
-    command.add_argument("problem", metavar="PROBLEM", help="name of a problem")
-    command.add_argument("scheme", metavar="SCHEME", help="name of a scheme")
+    command.add_argument("problem", metavar="PROBLEM", help="name of a problem, or FILE.py:NAME")
+    command.add_argument("scheme", metavar="SCHEME", help="name of a scheme, or FILE.py:NAME")
     command.add_argument("--dt", type=float, required=True, help="step size")
     command.add_argument("--steps", type=int, required=True, help="number of steps")
     command.add_argument(
@@ -86,12 +86,17 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _given(place: str, kind: type) -> Any:
+    """A name, or what stands in a file of the user under one."""
+    return load(place, (kind,)) if ".py" in place else place
+
+
 def _run(arguments: argparse.Namespace) -> None:
     if arguments.output:
         check_writable(arguments.output)
     dataset = run(
-        arguments.problem,
-        arguments.scheme,
+        _given(arguments.problem, Problem),
+        _given(arguments.scheme, Scheme),
         dt=arguments.dt,
         steps=arguments.steps,
         observe=arguments.observe,
@@ -111,14 +116,11 @@ def _assess(arguments: argparse.Namespace) -> None:
     for output in outputs:
         check_writable(output)
 
-    def given(place: str, kind: type) -> Any:
-        return load(place, (kind,)) if ".py" in place else place
-
     schemes = None
     if arguments.schemes:
-        schemes = {place.rpartition(":")[2]: given(place, Scheme) for place in arguments.schemes}
+        schemes = {place.rpartition(":")[2]: _given(place, Scheme) for place in arguments.schemes}
     dataset = assess(
-        given(arguments.problem, Problem),
+        _given(arguments.problem, Problem),
         schemes,
         duration=arguments.duration,
         quantities=load(arguments.quantities, (dict,)) if arguments.quantities else None,
@@ -139,7 +141,7 @@ def _assess(arguments: argparse.Namespace) -> None:
 
 def _assess_scheme(arguments: argparse.Namespace) -> None:
     output = check_writable(arguments.output)
-    scheme = load(arguments.scheme, (Scheme,)) if ".py" in arguments.scheme else arguments.scheme
+    scheme = _given(arguments.scheme, Scheme)
     wanted = dict.fromkeys(arguments.problems) if arguments.problems else None
     assessed = assess_scheme(scheme, beside=arguments.beside, problems=wanted)
     assessed.linear.attrs["command"] = shlex.join(["study", *arguments.words])

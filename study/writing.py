@@ -40,8 +40,8 @@ def check_writable(path: str | Path) -> Path:
 def whole(path: str | Path) -> Iterator[Path]:
     """A new file beside ``path`` to write to, which takes its place when it is complete and on the disk.
 
-    Each writer has a file of its own, whose name nobody can guess, and removes that file alone: of several writers the
-    last one wins, and readers see one of the complete files.
+    Each writer has a file of its own, whose name holds its process and cannot be guessed, and removes that file alone:
+    of several writers the last one wins, and readers see one of the complete files.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def whole(path: str | Path) -> Iterator[Path]:
         If the disk is full, or the file cannot be written for another reason. What was there before stays.
     """
     path = check_writable(path)
-    unfinished = path.with_name(f".{path.name}.{secrets.token_hex(8)}.unfinished")
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
     try:
         unfinished.open("x").close()
         yield unfinished
@@ -64,14 +64,15 @@ def whole(path: str | Path) -> Iterator[Path]:
 
 
 def _reason(error: OSError | RuntimeError, unfinished: Path) -> str:
-    """Why the file could not be written, in the words of the system."""
-    if isinstance(error, OSError) and error.errno in errno.errorcode:
-        return str(error.strerror)
+    """Why the file could not be written, in the words of the system.
+
+    Libraries tell of a full disk in other words, or of a lack of permission, so some bytes more are tried first.
+    """
     try:
-        with unfinished.open("wb") as probe:
+        with unfinished.open("ab") as probe:  # what is written keeps its place
             probe.write(bytes(_PROBE))
             probe.flush()
             os.fsync(probe.fileno())
     except OSError as found:
         return str(found.strerror)
-    return str(error)
+    return str(error.strerror) if isinstance(error, OSError) and error.errno in errno.errorcode else str(error)

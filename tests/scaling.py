@@ -40,7 +40,7 @@ def measured() -> dict[str, Job]:
     if not plans:
         raise SystemExit("there is no finished study in this folder; `make` makes it.")
     parts = json.loads(plans[-1].read_text())
-    steps = [step for part in parts for step in part["steps"] if step["name"] != "site"]  # made on request only
+    steps = [step for part in ("data", "paper") for step in parts[part]["steps"]]  # the site is made on request only
     each = [(step, job, f"{step['name']}_{job}" if job else step["name"]) for step in steps for job in step["jobs"]]
     maker = {output.replace("{job}", job): name for step, job, name in each for output in step["outputs"]}
     jobs = {}

@@ -40,27 +40,36 @@ REMOVED = 3
 LATEST = 8.0
 
 
-def _everything(run: subprocess.Popen) -> None:
+def _everything(run: subprocess.Popen, moment: float) -> bool:
+    time.sleep(moment)
+    at_work = run.poll() is None
     os.killpg(run.pid, signal.SIGKILL)
+    return at_work
 
 
-def _snakemake_alone(run: subprocess.Popen) -> None:
+def _snakemake_alone(run: subprocess.Popen, moment: float) -> bool:
+    time.sleep(moment)
+    at_work = run.poll() is None
     run.kill()
+    return at_work
 
 
-def _one_job(run: subprocess.Popen) -> None:
+def _one_job(run: subprocess.Popen, moment: float) -> bool:
+    time.sleep(moment)
     jobs = [job for job in _descendants(run) if "python" in job.name()]
     (random.choice(jobs) if jobs else psutil.Process(run.pid)).kill()
+    return bool(jobs)
 
 
-def _a_writer(run: subprocess.Popen) -> None:
-    """Kill all jobs at the first moment at which a file is unfinished."""
-    end = time.monotonic() + LATEST
-    while time.monotonic() < end and run.poll() is None:
-        if any(Path(psutil.Process(run.pid).cwd(), "results").rglob(".*.unfinished")):
-            break
+def _a_writer(run: subprocess.Popen, moment: float) -> bool:
+    """Kill all jobs at the first moment at which a file is unfinished; whether there was one."""
+    folders = {Path(psutil.Process(run.pid).cwd(), "results", name).parent for name in PRODUCTS}
+    seen = False
+    while not seen and run.poll() is None:
+        seen = any(name.endswith(".unfinished") for one in folders if one.is_dir() for name in os.listdir(one))
     for job in _descendants(run):
         job.kill()
+    return seen
 
 
 def _descendants(run: subprocess.Popen) -> list[psutil.Process]:
@@ -89,11 +98,7 @@ def _killed(folder: Path, mode: str, moment: float) -> bool:
     with (folder / "torture.log").open("a") as log:
         run = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment, start_new_session=True)
         try:
-            if mode != "jobs while a file is written":
-                time.sleep(moment)
-            at_work = run.poll() is None
-            if at_work:
-                MODES[mode](run)
+            at_work = MODES[mode](run, moment)
         except (ProcessLookupError, psutil.NoSuchProcess):  # it ended in that moment
             at_work = False
         run.wait()

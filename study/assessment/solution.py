@@ -28,8 +28,8 @@ POINTS = 12
 #: Points between two kinks of the force, at the least: a contact may be far shorter than a period.
 POINTS_BETWEEN_KINKS = 10
 
-#: Places in an interval at which its interpolant is compared. Its errors are about s³(1 − s)³ in u and the slope of that
-#: in u̇; a single place may lie where the slope is zero.
+#: Places in an interval at which its interpolant is compared. Its errors are about s³(1 − s)³ in u and the slope of
+#: that in u̇; a single place may lie where the slope is zero.
 BETWEEN = (0.25, 0.6)
 
 #: Most parts into which an interval is divided at once, and most grids that are tried.

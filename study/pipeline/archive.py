@@ -1,10 +1,12 @@
 """Pack a finished study for others: ``python -m study.pipeline.archive PROJECT OUTPUT``, where its results lie.
 
-The archive is a Workflow Run RO-Crate: the sources, the configuration, the results, and a description of the run in
-``ro-crate-metadata.json``: what was made of what, by which versions, on which machine, and when. Datasets themselves
-stay free of clocks and machines. See https://w3id.org/ro/wfrun/workflow.
+The archive is a Workflow Run RO-Crate: the sources, the configuration that was used, with the files that it names, the
+results, and a description of the run in ``ro-crate-metadata.json``: what was made of what, by which versions, on which
+machine, and when. Datasets themselves stay free of clocks and machines. See https://w3id.org/ro/wfrun/workflow.
 """
 
+import io
+import json
 import os
 import platform
 import subprocess
@@ -13,6 +15,7 @@ import tempfile
 from datetime import UTC, datetime
 from importlib.metadata import distributions
 from pathlib import Path
+from typing import Any
 
 import yaml
 from rocrate.model import ContextEntity, SoftwareApplication
@@ -51,6 +54,21 @@ def products() -> list[Path]:
     return [file for file in files if not file.name.startswith(".") and file.suffix not in (".unusable", ".zip")]
 
 
+def configuration() -> dict:
+    """The whole configuration of the newest plan, with which the study was made."""
+    plans = sorted(Path(".snakemake", "plans").glob("*.json"), key=lambda file: file.stat().st_mtime)
+    return json.loads(plans[-1].read_text())["configuration"] if plans else {}
+
+
+def _files_of(part: Any) -> set[Path]:
+    """The files of problems, schemes and quantities that a configuration names."""
+    if isinstance(part, str):
+        file = part.rpartition(":")[0]
+        return {Path(file)} if file.endswith(".py") and Path(file).is_file() else set()
+    parts = part.values() if isinstance(part, dict) else part if isinstance(part, list) else ()
+    return set().union(*map(_files_of, parts))
+
+
 def _time(seconds: float) -> str:
     return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="seconds")
 
@@ -77,6 +95,18 @@ def described(project: Path) -> ROCrate:
         crate.add_file(project / file, file.as_posix(), properties={"name": file.name})
         for file in sources(project)
         if file.name != "snakefile"
+    ]
+    used = configuration()
+    if used:
+        text = io.StringIO(yaml.safe_dump(used, sort_keys=False, allow_unicode=True))
+        about = {"name": "configuration that was used", "encodingFormat": "application/yaml"}
+        given.append(crate.add_file(text, "configuration.yaml", properties=about))
+    packed = {one.id for one in given}
+    own = [file for file in sorted(_files_of(used)) if not file.is_absolute() and ".." not in file.parts]
+    given += [
+        crate.add_file(file, file.as_posix(), properties={"name": file.name})
+        for file in own
+        if file.as_posix() not in packed
     ]
     results = [crate.add_file(file, file.as_posix(), properties={"name": file.name}) for file in made]
     packages = [
@@ -106,9 +136,14 @@ def described(project: Path) -> ROCrate:
         )
     )
     run["instrument"], run["result"] = workflow, results
-    run["object"] = [one for one in given if one.id.startswith(("config/", "study/problem/records/"))]
+    run["object"] = [one for one in given if _is_input(one.id, own)]
     crate.root_dataset["mentions"] = run
     return crate
+
+
+def _is_input(name: str, own: list[Path]) -> bool:
+    """Whether a file of the archive is an input of the run: configuration, record, or a file that it names."""
+    return name == "configuration.yaml" or name.startswith(("config/", "study/problem/records/")) or Path(name) in own
 
 
 def main(project: Path, output: Path) -> None:

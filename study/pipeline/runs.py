@@ -1,12 +1,13 @@
 """What a run of the pipeline finds in its folder: runs that live, and what runs that died have left there.
 
-``python study/pipeline/runs.py PID`` enters the process PID of Snakemake as a run of the current folder, and prints the
-name of the run and sentences for the reader as JSON. It is a script that imports nothing of the study, and so starts in
-a tenth of a second. Runs are known by files in ``.snakemake/runs``, and their jobs by the environment variable
-``STUDY_RUN``. While no run lives, it ends jobs that have survived theirs, removes their unfinished files, and lifts the
-lock.
+``python study/pipeline/runs.py PID`` enters the process PID of Snakemake as a run of the current folder. It prints as
+JSON the name of the run, sentences for the reader, and the start of the first run that has died. It is a script that
+imports nothing of the study, and so starts in a tenth of a second. Runs are known by files in ``.snakemake/runs``, and
+their jobs by the environment variable ``STUDY_RUN``. While no run lives, it ends jobs that have survived theirs,
+removes their unfinished files, and lifts the lock. While one lives, the process is not entered.
 """
 
+import fcntl
 import json
 import os
 import platform
@@ -142,6 +143,12 @@ def _is_whole(program: bytes) -> bool:
         return False
 
 
+def _writer_lives(unfinished: Path) -> bool:
+    """Whether the process that writes a file, whose number its name holds, is there."""
+    number = unfinished.name.split(".")[-3]
+    return number.isdecimal() and psutil.pid_exists(int(number))
+
+
 def cleared(dead: list[Run]) -> Iterator[str]:
     """Put away what dead runs have left, with a sentence for each kind of it."""
     surviving = list(jobs_of({run.name for run in dead}))
@@ -152,7 +159,7 @@ def cleared(dead: list[Run]) -> Iterator[str]:
     if queued:
         subprocess.run(["scancel", *queued], check=False)
         yield f"{len(queued)} jobs in Slurm's queue had survived a run that died; they are cancelled, and start anew."
-    unfinished = list(Path("results").rglob(".*.unfinished"))
+    unfinished = [file for file in Path("results").rglob(".*.unfinished") if not _writer_lives(file)]
     for file in unfinished:
         file.unlink(missing_ok=True)
     if unfinished:
@@ -187,8 +194,26 @@ def redated(now: float) -> Iterator[str]:
         yield f"the dates of {len(ahead)} files lay in the future, such as that of '{ahead[0]}'; they are set to now."
 
 
-def entered(pid: int) -> tuple[str, list[str]]:
-    """The name of the run of a process, and sentences on what was found, after everything dead is put away."""
+class Entered(NamedTuple):
+    """The name of a run if no other one lives, what was found in sentences, the start of the first run that died."""
+
+    name: str | None
+    told: list[str]
+    since: float
+
+
+def entered(pid: int) -> Entered:
+    """Enter a process as a run of this folder, after everything dead is put away.
+
+    Of two processes that enter at once, one waits for the other.
+    """
+    RUNS.mkdir(parents=True, exist_ok=True)
+    with (RUNS / "entrance").open("w") as entrance:
+        fcntl.flock(entrance, fcntl.LOCK_EX)
+        return _entered(pid)
+
+
+def _entered(pid: int) -> Entered:
     runs = [run for run in known() if run.pid != pid or not run.is_here]
     living = [run for run in runs if run.lives()]
     dead = [run for run in runs if run not in living]
@@ -197,14 +222,15 @@ def entered(pid: int) -> tuple[str, list[str]]:
         + ("end it." if run.is_here else "if it is dead, remove '" + str(RUNS / f"{run.name}.json") + "'.")
         for run in living
     ]
-    if not living:
-        told += [*cleared(dead), *redated(time.time())]
+    since = min((run.started for run in dead), default=time.time())
+    if living:
+        return Entered(None, told, since)
+    told += [*cleared(dead), *redated(time.time())]
     new = of_process(pid)
-    RUNS.mkdir(parents=True, exist_ok=True)
     file = RUNS / f"{new.name}.json"
     file.with_suffix(".new").write_text(json.dumps(new))
     file.with_suffix(".new").replace(file)
-    return new.name, told
+    return Entered(new.name, told, since)
 
 
 if __name__ == "__main__":
