@@ -133,8 +133,8 @@ def assess(
 
     Two independent solvers give the reference and its uncertainty. Every scheme runs at ever finer steps, each half of
     the one before, until it keeps the smallest error. Runs between them find the largest step that keeps each error and
-    from which on every finer step keeps it. Three finer steps and two starts, one percent apart from the given one,
-    must keep it too; otherwise the step kept the error by accident, and the search goes on. No number is interpolated.
+    from which on every finer step keeps it. Three steps a little finer and two starts, one percent apart from the given
+    one, must keep it too; otherwise the search goes on to finer steps. No number is interpolated.
 
     Parameters
     ----------
