@@ -2,7 +2,10 @@
 
 ``python tests/scaling.py OUTPUT``, in the folder of a finished study, reads the plan of the pipeline and
 ``results/benchmarks``, hands ready jobs to free cores, those first that most depends on, and writes a table OUTPUT.csv
-and a figure OUTPUT.png of time against cores. Waiting in a queue is not counted.
+and a figure OUTPUT.png of time against cores. The time of a job is that of its processor, as on one quiet core. Figures
+and pages are drawn one after the other. Waiting in a queue is not counted, nor the node that timed jobs have alone.
+
+It prints too what ``profiles/slurm`` asks for: memory and run time of the rules that need more than its defaults.
 """
 
 import heapq
@@ -17,15 +20,20 @@ import pandas as pd
 
 #: Numbers of cores, the first of which is that of one machine.
 CORES = (1, 2, 4, 8, 16, 32, 64, 100, 128)
+#: Memory in MB and run time in minutes that ``profiles/slurm`` gives every job.
+DEFAULT_MEMORY, DEFAULT_MINUTES = 1500, 15
 PLANS, BENCHMARKS = Path(".snakemake", "plans"), Path("results", "benchmarks")
 
 
 class Job(NamedTuple):
-    """A job: how long it takes, and the jobs that make what it reads."""
+    """A job: how long it takes, the jobs that make what it reads, and the group of which one runs at a time, if any."""
 
     name: str
     seconds: float
     after: tuple[str, ...]
+    group: str = ""
+    rule: str = ""
+    memory: float = 0.0
 
 
 def measured() -> dict[str, Job]:
@@ -50,7 +58,10 @@ def measured() -> dict[str, Job]:
             raise SystemExit(f"the job '{name}' has no measured time in '{BENCHMARKS}'; make the whole study first.")
         inputs = step["jobs"][job]["inputs"]
         after = tuple(dict.fromkeys(maker[one] for one in inputs if one in maker))
-        jobs[name] = Job(name, float(pd.read_csv(file, sep="\t").s.iloc[0]), after)
+        taken = pd.read_csv(file, sep="\t").iloc[0]
+        # of the shortest jobs the time of the processor is not measured
+        seconds = taken.s if pd.isna(taken.cpu_time) else taken.cpu_time
+        jobs[name] = Job(name, float(seconds), after, step.get("group", ""), step["name"], float(taken.max_rss))
     return jobs
 
 
@@ -85,9 +96,18 @@ def makespan(jobs: dict[str, Job], cores: int) -> float:
     running: list[tuple[float, str]] = []
     now = 0.0
     while ready or running:
+        busy = {jobs[name].group for _, name in running} - {""}
+        waiting = []
         while ready and len(running) < cores:
-            _, name = heapq.heappop(ready)
-            heapq.heappush(running, (now + jobs[name].seconds, name))
+            first = heapq.heappop(ready)
+            job = jobs[first[1]]
+            if job.group in busy:
+                waiting.append(first)
+                continue
+            busy |= {job.group} - {""}
+            heapq.heappush(running, (now + job.seconds, job.name))
+        for one in waiting:
+            heapq.heappush(ready, one)
         now, done = heapq.heappop(running)
         for name, after in waits.items():
             if done in after:
@@ -95,6 +115,21 @@ def makespan(jobs: dict[str, Job], cores: int) -> float:
                 if not after:
                     heapq.heappush(ready, (-length[name], name))
     return now
+
+
+def resources(jobs: dict[str, Job]) -> str:
+    """What a profile sets for rules beyond its defaults: half as much memory again, and three times the run time."""
+    rules: dict[str, list[Job]] = {}
+    for job in jobs.values():
+        rules.setdefault(job.rule, []).append(job)
+    lines = ["set-resources:"]
+    for rule, ones in sorted(rules.items()):
+        memory = 500 * -(-1.5 * max(job.memory for job in ones) // 500)
+        minutes = 5 * -(-3 * max(job.seconds for job in ones) / 60 // 5)
+        wanted = [f"mem_mb: {memory:.0f} * attempt"] if memory > DEFAULT_MEMORY else []
+        wanted += [f"runtime: {minutes:.0f} * attempt"] if minutes > DEFAULT_MINUTES else []
+        lines += [f"  {rule}: {{{', '.join(wanted)}}}"] if wanted else []
+    return "\n".join(lines)
 
 
 def table(jobs: dict[str, Job]) -> pd.DataFrame:
@@ -137,3 +172,4 @@ if __name__ == "__main__":
     longest = sorted(found.values(), key=lambda job: -job.seconds)[:5]
     print("longest jobs:", ", ".join(f"{job.name} {job.seconds:.0f} s" for job in longest))
     print("critical path:", " → ".join(critical_path(found)))
+    print(resources(found))

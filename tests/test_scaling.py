@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.scaling import Job, critical_path, makespan
+from tests.scaling import Job, critical_path, makespan, resources
 
 
 def _graph(**jobs: tuple[float, tuple[str, ...]]) -> dict[str, Job]:
@@ -19,6 +19,19 @@ def test_a_diamond_of_jobs(cores, seconds):
 
 def test_its_critical_path():
     assert critical_path(DIAMOND) == ["a", "b", "d"]
+
+
+@pytest.mark.parametrize("cores, seconds", [(1, 9.0), (2, 6.0), (9, 6.0)])
+def test_of_a_group_one_runs_at_a_time(cores, seconds):
+    figures = {f"figure{i}": Job(f"figure{i}", 2.0, (), "paper") for i in range(3)}
+    assert makespan(figures | _graph(other=(3.0, ())), cores) == seconds
+
+
+def test_a_profile_asks_for_more_than_was_measured():
+    jobs = [Job("a", 400.0, (), rule="long", memory=900.0), Job("b", 20.0, (), rule="long", memory=1400.0)]
+    jobs.append(Job("c", 10.0, (), rule="short", memory=500.0))
+    text = resources({job.name: job for job in jobs})
+    assert text.splitlines() == ["set-resources:", "  long: {mem_mb: 2500 * attempt, runtime: 20 * attempt}"]
 
 
 @pytest.mark.parametrize("cores", [1, 3, 7, 100])
