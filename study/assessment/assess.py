@@ -108,8 +108,14 @@ def _period(problem: Problem) -> float | None:
     return float(np.diff(ds.t.values[crossed]).mean()) if len(crossed) > 1 else None
 
 
-def _duration(problem: Problem, duration: float | None) -> float:
-    """Length of the runs: as given, or ten periods of a free oscillator."""
+def length_of(problem: Problem, duration: float | None) -> float:
+    """Length of the runs: as given, or ten periods of a free oscillator.
+
+    Raises
+    ------
+    ValueError
+        If it is no positive time, or the problem has no period to count in.
+    """
     if duration is not None:
         if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
             raise ValueError(f"duration must be a time in seconds greater than zero, not {duration!r}.")
@@ -181,7 +187,7 @@ def assess(
     chosen, allowed = _chosen_schemes(schemes), _checked_errors(errors)
     asked = _asked_for(quantities)
     of_energy = quantities is None and equation.potential is not None and not equation.dissipative
-    length = asked_for = _duration(equation, duration)
+    length = asked_for = length_of(equation, duration)
     for name, quantity in asked.items():
         if reason := replace(quantity, name=name).refusal(equation):
             raise ValueError(reason)

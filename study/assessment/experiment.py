@@ -7,11 +7,13 @@ from typing import NotRequired
 import xarray as xr
 from typing_extensions import TypedDict
 
-from study.assessment.assess import assess
+from study.assessment.assess import assess, length_of
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import Name, Schemes, Size, Tolerances, section
 from study.problem.definition import Problem
+from study.problem.named import problems
+from study.registry import UnknownName
 from study.user_files import load
 
 
@@ -40,7 +42,17 @@ def _check(options: Options, configuration: Mapping) -> str | None:
             return f"{key} must name a file and a name in it, such as model.py:frame, not {place!r}."
         if not Path(file).is_file():
             return f"{key} names the file '{file}', which is not there."
+    try:
+        length_of(_problem(options["problem"]), options.get("duration"))
+        if "quantities" in options:
+            load(options["quantities"], (dict,))
+    except (UnknownName, ValueError) as error:
+        return str(error)
     return None
+
+
+def _problem(place: str) -> Problem:
+    return load(place, (Problem,)) if ".py" in place else problems[place]
 
 
 @experiment(
@@ -67,7 +79,7 @@ def assessment(
     """
     progress(f"assessment of {problem}")
     return assess(
-        load(problem, (Problem,)) if ".py" in problem else problem,
+        _problem(problem),
         schemes,
         duration=duration,
         quantities=load(quantities, (dict,)) if quantities else None,

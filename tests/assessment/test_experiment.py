@@ -2,11 +2,26 @@
 
 from pathlib import Path
 
+import pytest
 import yaml
 
 import study
+from study.assessment.experiment import _check
 from study.scheme.named import OF_1996
 from tests.pipeline.pipeline import SMALL, call_snakemake, copied, make
+
+
+@pytest.mark.parametrize(
+    "asked, sentence",
+    [
+        ({"problem": "examples/driven.py:drive", "duration": 20.0}, "has no 'drive'; did you mean 'driven'?"),
+        ({"problem": "examples/driven.py:driven"}, "has no period to count in: give duration="),
+        ({"problem": "hardnening"}, "there is no problem 'hardnening'; did you mean 'hardening'?"),
+        ({"problem": "hardening", "quantities": "examples/driven.py:driven"}, "must be a dict, not Problem."),
+    ],
+)
+def test_what_cannot_be_assessed_is_refused_before_any_work(asked, sentence):
+    assert sentence in str(_check(asked, {}))
 
 
 def _edited(path: Path, old: str, new: str) -> None:
