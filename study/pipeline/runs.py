@@ -146,7 +146,14 @@ def _is_whole(program: bytes) -> bool:
 def _writer_lives(unfinished: Path) -> bool:
     """Whether the process that writes a file, whose number its name holds, is there."""
     number = unfinished.name.split(".")[-3]
-    return number.isdecimal() and psutil.pid_exists(int(number))
+    return number.isdecimal() and _status(int(number)) not in (None, psutil.STATUS_ZOMBIE)
+
+
+def _status(pid: int) -> str | None:
+    try:
+        return psutil.Process(pid).status()
+    except psutil.NoSuchProcess:
+        return None
 
 
 def cleared(dead: list[Run]) -> Iterator[str]:

@@ -177,6 +177,9 @@ def test_killed_runs_are_followed_by_plain_ones_with_the_same_products(project, 
 
 def test_products_that_cannot_be_used_are_put_aside_and_made_again(project, copy):
     results = copy / "results"
+    (results / "figures/energy_drift.pdf").write_bytes(b"")  # nothing reads it, but the run has noted what it made
+    make(copy, "figures/energy_drift.pdf")
+    (copy / ".snakemake" / "products.json").unlink()  # from here on what reads a product must find out
     (results / "reference" / "hardening.nc").write_bytes((results / "manuscript.pdf").read_bytes())
     with (results / "energy_drift.nc").open("r+b") as truncated:
         truncated.truncate(3000)
@@ -189,7 +192,7 @@ def test_products_that_cannot_be_used_are_put_aside_and_made_again(project, copy
     for name in ("reference/hardening.nc", "energy_drift.nc"):
         assert f"'results/{name}' is kept as 'results/{name}.unusable', and the next call makes it again." in said
     hashes, expected = hashes_of(copy), hashes_of(project)
-    assert all(hashes[name] == expected[name] for name in ("energy_drift.nc", "energy_error.nc"))
+    assert all(hashes[name] == expected[name] for name in (t.removeprefix("results/") for t in targets))
 
 
 def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
