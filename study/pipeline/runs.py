@@ -42,7 +42,7 @@ PATIENCE = 3.0
 AHEAD = 60.0
 
 #: Folders of sources, whose dates tell, beside those of the results, what must be made again.
-SOURCES = ("config", "study", "reference", "paper")
+SOURCES = ("config", "study", "reference", "paper", "docs", "examples")
 
 
 class Run(NamedTuple):

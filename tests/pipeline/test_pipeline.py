@@ -245,7 +245,7 @@ def test_an_archive_alone_makes_a_figure_again(project, tmp_path):
     crate = {one["@id"]: one for one in json.loads((unpacked / "ro-crate-metadata.json").read_text())["@graph"]}
     run = crate["#run"]
     assert run["@type"] == "CreateAction" and run["instrument"] == {"@id": "snakefile"}
-    assert {"@id": "results/energy_error.nc"} in run["result"] and {"@id": "config/study.yaml"} in run["object"]
+    assert {"@id": "results/energy_error.nc"} in run["result"] and {"@id": "configuration.yaml"} in run["object"]
     assert run["startTime"] <= run["endTime"] and crate["#package-jax"]["version"]
     figure = unpacked / "results" / "figures" / "instability.svg"
     for suffix in (".svg", ".pdf", ".png"):
