@@ -203,7 +203,7 @@ def assess(
     coarsest = slowest / ladder.COARSEST
     reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
-    cases = cases_of(equation, reference, asked, coarsest)
+    cases = cases_of(equation, reference, asked)
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
     names = [*asked, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
     first = max(ladder.COARSEST, int(np.ceil(length / coarsest)))

@@ -121,16 +121,15 @@ def _until(whole: Solution, end: float) -> Solution:
     return Solution(*(part[:count] for part in whole))
 
 
-def cases_of(
-    problem: Problem, reference: Reference, quantities: dict[str, Quantity], coarsest: float
-) -> dict[float, Case]:
+def cases_of(problem: Problem, reference: Reference, quantities: dict[str, Quantity]) -> dict[float, Case]:
     """The problem and its neighbours, each with its own reference."""
     cases = {1.0: Case(problem, reference.solution, reference.targets, reference.oscillation)}
     for factor in ladder.STARTS:
         neighbour = excited(problem, factor, displaced=True)
         kinks = solution.kinks_of(neighbour, reference.horizon)
         route, _ = solution.routes_of(neighbour, reference.horizon, kinks)
-        grid = solution.grid_of(neighbour, reference.horizon, coarsest, kinks)
+        # it moves as fast as the problem, but its kinks have times of their own
+        grid = solution.with_kinks(reference.solution.t, kinks) if problem.kinked else reference.solution.t
         one = solution.solution_by(route, neighbour, grid, reference.rtol)
         targets = {name: errors.target(quantity, neighbour, one) for name, quantity in quantities.items()}
         swing = oscillation.oscillation(neighbour, one) if reference.oscillation else None

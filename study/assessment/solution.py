@@ -138,16 +138,24 @@ def grid_of(problem: Problem, duration: float, coarsest: float, kinks: Kinks) ->
     if found is not None and 0 < found[-1] < np.inf:
         shortest = min(coarsest, 2 * np.pi / found[-1])
     points = int(np.clip(np.ceil(POINTS * duration / shortest), 200, MOST_POINTS))
-    even = np.linspace(0.0, duration, points + 1)
+    return with_kinks(np.linspace(0.0, duration, points + 1), kinks)
+
+
+def with_kinks(grid: Times, kinks: Kinks) -> Times:
+    """The grid with all kinks, and some points between any two of the force.
+
+    A point next to a kink would only make a short step, and is left out.
+    """
     all_kinks = np.union1d(*kinks)
-    # a point next to a kink would only make a short step
     ends = np.concatenate([[-np.inf], all_kinks, [np.inf]])
-    after = np.searchsorted(ends, even)
-    beside = np.minimum(even - ends[after - 1], ends[after] - even)
-    grid = np.union1d(even[(beside > 0.1 * duration / points) | (even == 0) | (even == duration)], all_kinks)
+    after = np.searchsorted(ends, grid)
+    beside = np.minimum(grid - ends[after - 1], ends[after] - grid)
+    kept = beside > 0.1 * np.minimum(np.diff(grid, prepend=-np.inf), np.diff(grid, append=np.inf))
+    kept[[0, -1]] = True
+    merged = np.union1d(grid[kept], all_kinks)
+    few = np.diff(np.searchsorted(merged, kinks.of_force)) < POINTS_BETWEEN_KINKS
     stretches = np.linspace(kinks.of_force[:-1], kinks.of_force[1:], POINTS_BETWEEN_KINKS + 1)
-    short = np.diff(kinks.of_force) < POINTS_BETWEEN_KINKS * duration / points
-    return np.union1d(grid, stretches[:, short])
+    return np.union1d(merged, stretches[:, few])
 
 
 def with_points_between(grid: Times) -> Times:
