@@ -14,11 +14,26 @@ from paper.tables.structures import STEPS_PER_PERIOD
 
 #: Schemes of structures without numerical damping, apart from the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
+#: Part by which an error may change between the two finest steps that no longer reduce it.
+LEVEL = 0.3
 
 
 def _in_a_sentence(title: str) -> str:
     """The title of a structure with its article: the stiff bar; Duffing's oscillator, chaotic."""
     return f"the {title}".replace("the Duffing,", "Duffing's oscillator,")
+
+
+def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
+    """Errors on the stiff and soft spring, in percent, that no finer step reduces; none if they still fall."""
+    names = "gauss4", "bathe"
+    nothing: dict[str, str | None] = {f"plateau_{name}": None for name in names}
+    if "stiff_soft" not in structures.problem or not set(names) <= set(structures.scheme.values):
+        return nothing
+    error = structures.displacement_error.sel(problem="stiff_soft", scheme=list(names))
+    *_, before, last = error.transpose("steps_per_period", "scheme").values
+    if not (abs(before / last - 1) < LEVEL).all():
+        return nothing
+    return {f"plateau_{name}": f"{100 * value:.1g}" for name, value in zip(names, last, strict=True)}
 
 
 @numbers(
@@ -67,6 +82,7 @@ def of_structures(
         "long_time": f"{long_times.t.max().item():,.0f}",
         "long_sample": f"{long_times.t[1].item():.0f}",
         "long_step": f"{long_times.dt.item():.2f}",
+        **_plateaus(structures),
         "structures_steps": STEPS_PER_PERIOD,
         "stiff_soft_steps": stiff_soft.steps_per_period.item(),
         "stiff_bar_steps": stiff_bar.steps_per_period.item(),
