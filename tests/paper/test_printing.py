@@ -8,6 +8,7 @@ from paper.printing import printed
 @pytest.mark.parametrize(
     "text, expected",
     [
+        ("6e4523684f94, 1e5023684512", "6e4523684f94, 1e5023684512"),
         ("5e-05", "5\u00a0×\u00a010⁻⁵"),
         ("1e-15", "10⁻¹⁵"),
         ("2.3e+05", "2.3\u00a0×\u00a010⁵"),
