@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 import pandas as pd
+from matplotlib.ticker import LogLocator
 
 #: Numbers of cores, the first of which is that of one machine.
 CORES = (1, 2, 4, 8, 16, 32, 64, 100, 128)
@@ -157,12 +158,14 @@ def draw(jobs: dict[str, Job], times: pd.DataFrame, output: Path) -> None:
     ax.loglog(times.cores, times.seconds, "ko-", label="simulated")
     ax.loglog(times.cores, work / times.cores, "k:", label="nothing lost")
     ax.axhline(length, color="0.5", ls="--", label="critical path")
-    ax.annotate(" → ".join(path), (times.cores.iloc[0], length), (0, -9), textcoords="offset points", fontsize=6)
+    named = " →\n".join(path)
+    ax.annotate(named, (times.cores.iloc[0], length), (0, -4), textcoords="offset points", fontsize=6, va="top")
     ax.set(xlabel="cores", ylabel="time in s", ylim=(length / 3, None))
     ax.set_xticks(times.cores, map(str, times.cores), fontsize=7)
     ax.tick_params(axis="x", which="minor", bottom=False)
-    for formatted in (ax.yaxis.set_major_formatter, ax.yaxis.set_minor_formatter):
-        formatted("{x:g}")
+    ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.yaxis.set_major_formatter("{x:g}")
+    ax.tick_params(axis="y", which="minor", left=False, labelleft=False)
     ax.legend(frameon=False)
     figure.savefig(output, dpi=150)
 
