@@ -3,6 +3,7 @@
 import json
 import shlex
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -44,9 +45,10 @@ def test_a_name_that_becomes_a_file_is_plain(name):
 def test_a_string_reaches_the_experiment_as_it_is(tmp_path, monkeypatch, hostile):
     """A file of a problem may be called anything; the shell hands its name over and does nothing else."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
     file = Path("problems", f"{hostile.replace('/', '_')}.py")
     file.parent.mkdir()
-    file.write_text("problem = None\n")
+    file.write_text("import study\nproblem = study.Problem(lambda u: u, 1.0)\n")
     whole = _whole({"assess": {"own": {"problem": f"{file}:problem", "duration": 1.0}}})
     steps = steps_of(discover(), whole, Sources(Path(), "study", "reference"))
     (step,) = (one for one in steps if one.name == "assessment")
