@@ -178,6 +178,8 @@ def refined(one: Solution, other: Solution, goal: float) -> Times:
         # what the routes differ by at the points is no fault of the interpolant
         at_ends = np.maximum(at[:, 0], np.append(at[1:, 0], apart[-1]))
         np.maximum(off, between.max(axis=1) - at_ends, out=off)
+    if not np.isfinite(off).all():  # a motion without bound, of which others tell
+        return one.t
     # the interpolant of u̇ is of fifth order
     parts = np.ceil(np.clip(off / goal, 1.0, None) ** 0.2).astype(int)
     parts = np.minimum(parts, MOST_PARTS)
