@@ -1,7 +1,8 @@
 """Pages with numbers: their lines of code run on the datasets, and what the text says follows from them.
 
 In the text of such a page ``{{expression}}`` is an expression of Python in the names that its lines of code define, and
-an image ``figure:NAME`` is a figure of the study.
+an image ``figure:NAME`` is a figure of the study. A page that begins with its lines, as those of the gallery do, is
+written with the answer first and the lines at its end.
 """
 
 import contextlib
@@ -16,6 +17,7 @@ from docs.text import listed, number, percent
 FOLDER = Path(__file__).parent / "pages"
 
 _CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+_LINES_FIRST = re.compile(r"\A(# [^\n]*\n\n)(```python\n.*?^```\n)\n(.*)\Z", re.DOTALL | re.MULTILINE)
 _EXPRESSION = re.compile(r"\{\{(.+?)\}\}", re.DOTALL)
 _FIGURE = re.compile(r"!\[([^]]*)\]\(figure:(\w+)\)")
 _DATASET = re.compile(r'study\.open\("([\w/]+)"\)')
@@ -75,6 +77,7 @@ def filled(text: str, results: Path, images: str = "/figures") -> str:
             f"{label}. `.venv/bin/snakemake results/figures/{name}.svg` makes it.\n```"
         )
 
+    text = _LINES_FIRST.sub(r"\1\3\n## The lines of code\n\n\2", text)
     parts = re.split(r"(^```python\n.*?^```$)", text, flags=re.DOTALL | re.MULTILINE)
     written = [
         part if part.startswith("```python") else _EXPRESSION.sub(lambda one: str(eval(one[1], names)), part)

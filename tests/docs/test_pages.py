@@ -76,6 +76,9 @@ def test_a_page_says_what_its_code_gives(tmp_path):
     assert filled.reads(page) == ["own/data.nc", "figures/curve.svg", "numbers.json"]
     text = filled.filled(page, results)
     assert text.startswith("Of 56:") and "\n2.5.\n" in text and "```{figure} /figures/curve.svg" in text
+    lines_first = "# A question?\n\n" + page[page.index("```python") :]
+    question, answer, lines = (filled.filled(lines_first, results).index(one) for one in ("?", "2.5", "study.open"))
+    assert question < answer < lines
     with pytest.raises(NameError):
         filled.filled(page.replace("number(top)", "number(bottom)"), results)
     with pytest.raises(SystemExit, match="must be named 'results'"):
