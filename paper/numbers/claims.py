@@ -29,4 +29,4 @@ def of_claims(claims: pd.DataFrame) -> dict:
             f"{prefix}_undecided": int(count.get(Verdict.UNDECIDED, 0)),
         }
     verdicts = claims.set_index("claim")["verdict"]
-    return counts | {"verdicts_confirmed": bool((verdicts[JUDGED] != Verdict.NOT_REPRODUCED).all())}
+    return counts | {"verdicts_confirmed": bool((verdicts[JUDGED] == Verdict.REPRODUCED).all())}

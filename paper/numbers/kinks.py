@@ -35,11 +35,11 @@ def of_kinks(kinks: xr.Dataset) -> dict:
     of_two = [name for name in kinks.scheme.values if kinks.order.sel(scheme=name) >= 2]
     of_rk4 = kinks.observed_order.sel(scheme="rk4", problem=KINKED)
     average, rk4 = (coarsest.error.sel(scheme=name) for name in ("average_acceleration", "rk4"))
-    gain = {p: float(average.sel(problem=p) / rk4.sel(problem=p)) for p in ("hardening", "bouncing", *KINKED)}
+    gain = {p: float(average.sel(problem=p) / rk4.sel(problem=p)) for p in ("hardening", *KINKED)}
     # a step of the Runge-Kutta method takes four forces, one of central difference takes one
     at_equal_forces = kinks.error.sel(scheme="central_difference", steps_per_period=4 * coarsest.steps_per_period)
     equal = {p: float(at_equal_forces.sel(problem=p) / rk4.sel(problem=p)) for p in KINKED}
-    highest = kinks.observed_order.sel(problem=[*KINKED, "bouncing"]).max()
+    highest = kinks.observed_order.sel(problem=KINKED).max()
     balance = coarsest.max_energy_imbalance.sel(problem=REMEMBER, scheme="average_acceleration")
     return {
         "order_lost_on_kinks": bool((of_rk4 < LOST).all()),
@@ -61,7 +61,6 @@ def of_kinks(kinks: xr.Dataset) -> dict:
         "kinks_gain_yielding": f"{gain['yielding']:.0f}",
         "kinks_gain_hysteretic": f"{gain['hysteretic']:.0f}",
         "kinks_gain_shaken": f"{gain['shaken']:.1f}",
-        "kinks_gain_bouncing": f"{gain['bouncing']:.1f}",
         "kinks_error": f"{100 * average.sel(problem='yielding').item():.2g}",
         "kinks_balance": f"{float(balance.max()):.0e}",
     }

@@ -48,9 +48,10 @@ def of_long_times(runs: xr.Dataset) -> dict:
 
 
 def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str, float]:
-    """Part of the runs of explicit schemes below the linear limit at the stiffest point that fail or go astray."""
-    explicit = atlas.isel(scheme=np.flatnonzero(atlas.explicit.values == 1))
-    limit = spectral.stability_limit.sel(damping_ratio=0.0, scheme=explicit.scheme)
+    """Part of the runs of explicit schemes below their linear limit at the stiffest point that fail or go astray."""
+    limits = spectral.stability_limit.sel(damping_ratio=0.0, scheme=atlas.scheme)
+    explicit = atlas.isel(scheme=np.flatnonzero((atlas.explicit.values == 1) & np.isfinite(limits.values)))
+    limit = limits.sel(scheme=explicit.scheme)
     left = explicit.dt_over_period * explicit.period * explicit.highest_frequency < limit
     lost = sum(is_outcome(explicit, name) for name in FAILURES) > 0
     dims = ["scheme", "amplitude", "dt_over_period"]

@@ -83,9 +83,18 @@ def of_all_measures(recommendation: xr.Dataset) -> dict:
     names = recommendation.cheapest_scheme.values.ravel()
     tied_by_implicit = [bool(tie) and explicit[name] for name, tie in zip(names, ties, strict=True) if name]
     won = sum(explicit[name] for name in fastest)
+    by_measure = {
+        measure: [name for name in recommendation.cheapest_scheme.sel(measure=measure).values.ravel() if name]
+        for measure in recommendation.measure.values
+    }
+    *shorter, longest = (f"{length:,}" for length in recommendation.periods.values)
     close = recommendation.cheapest_scheme.sel(measure="max_energy_error", error=recommendation.error.min()).values
     tied = (recommendation.ties_with_fastest.sum("scheme") > 1).sum()
     return {
+        **{
+            f"work_explicit_{measure}": f"{sum(explicit[name] for name in cells)} of {len(cells)}"
+            for measure, cells in by_measure.items()
+        },
         "work_of_all": fastest.size,
         "work_explicit_of_all": won,
         "work_explicit_tied": sum(tied_by_implicit),
@@ -93,7 +102,7 @@ def of_all_measures(recommendation: xr.Dataset) -> dict:
         "work_ranking_of_all": _counted(fastest, titles),
         "work_ties": int(tied),
         "energy_won_by_conserving": bool((close == "energy_momentum").all()),
-        "recommended_periods": " or ".join(f"{length:,}" for length in recommendation.periods.values),
+        "recommended_periods": " and ".join(filter(None, (", ".join(shorter), longest))),
     }
 
 
