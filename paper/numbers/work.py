@@ -96,7 +96,6 @@ def of_all_measures(recommendation: xr.Dataset) -> dict:
             for measure, cells in by_measure.items()
         },
         "work_of_all": fastest.size,
-        "work_explicit_of_all": won,
         "work_explicit_tied": sum(tied_by_implicit),
         "explicit_wins_most": won > fastest.size / 2,
         "work_ranking_of_all": _counted(fastest, titles),
