@@ -47,12 +47,14 @@ def _holds(one: Solution, other: Solution, quantities: dict[str, Quantity], prob
 
 
 def _on_a_grid(
-    problem: Problem, routes: tuple[Route, Route], grid: solution.Times, rtol: float, goal: float
+    problem: Problem, routes: tuple[Route, Route], grid: solution.Times, rtol: float, tightest: float
 ) -> tuple[Solution, Solution, solution.Times]:
     """Solutions of both routes, and a grid fine enough for the interpolant of the first one.
 
-    The second solution has a point between any two of the first, so that their difference tells of the interpolant.
+    The second solution has points between any two of the first, so that their difference tells of the interpolant.
     """
+    free = not np.ndim(problem.u0) and problem.conservative
+    goal = min(AIMED * tightest, OF_FREE_OSCILLATOR) if free else AIMED * tightest
     for _ in range(solution.GRIDS):
         one = solution.solution_by(routes[0], problem, grid, rtol)
         other = solution.solution_by(routes[1], problem, solution.with_points_between(grid), rtol)
@@ -83,12 +85,10 @@ def certified(
     kinks = solution.kinks_of(problem, duration)
     route, witness = solution.routes_of(problem, duration, kinks)
     grid = solution.grid_of(problem, duration, coarsest, kinks)
-    free = not np.ndim(problem.u0) and problem.conservative
-    goal = min(AIMED * tightest, OF_FREE_OSCILLATOR) if free else AIMED * tightest
     reached: tuple | None = None
     for rtol in solution.TOLERANCES:
         try:
-            one, other, grid = _on_a_grid(problem, (route, witness), grid, rtol, goal)
+            one, other, grid = _on_a_grid(problem, (route, witness), grid, rtol, tightest)
         except (ValueError, RuntimeError) as error:
             if reached is None:
                 raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
@@ -126,16 +126,29 @@ def _until(whole: Solution, end: float) -> Solution:
     return Solution(*(part[:count] for part in whole))
 
 
-def cases_of(problem: Problem, reference: Reference, quantities: dict[str, Quantity]) -> dict[float, Case]:
-    """The problem and its neighbours, each with its own reference."""
+def cases_of(
+    problem: Problem, reference: Reference, quantities: dict[str, Quantity], tightest: float
+) -> dict[float, Case]:
+    """The problem and its neighbours, each with its own reference.
+
+    Raises
+    ------
+    NoReference
+        If the routes fail for a neighbour.
+    """
     cases = {1.0: Case(problem, reference.solution, reference.targets, reference.oscillation)}
     for factor in ladder.STARTS:
         neighbour = excited(problem, factor, displaced=True)
         kinks = solution.kinks_of(neighbour, reference.horizon)
-        route, _ = solution.routes_of(neighbour, reference.horizon, kinks)
-        # it moves as fast as the problem, but its kinks have times of their own
+        routes = solution.routes_of(neighbour, reference.horizon, kinks)
+        # its kinks have times of their own, and so has what is fast in its motion
         grid = solution.with_kinks(reference.solution.t, kinks) if problem.kinked else reference.solution.t
-        one = solution.solution_by(route, neighbour, grid, reference.rtol)
+        try:
+            one, *_ = _on_a_grid(neighbour, routes, grid, reference.rtol, tightest)
+        except (ValueError, RuntimeError) as error:
+            raise NoReference(
+                f"no reference of a start one percent from that of '{problem.title}' was found: {error}"
+            ) from error
         targets = {name: errors.target(quantity, neighbour, one) for name, quantity in quantities.items()}
         swing = oscillation.oscillation(neighbour, one) if reference.oscillation else None
         cases[factor] = Case(neighbour, one, targets, swing)

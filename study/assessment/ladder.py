@@ -17,12 +17,9 @@ from study.scheme.base import Scheme
 #: Steps in which a ladder begins in a period of the slowest small motion.
 COARSEST = 4
 
-#: Steps up to which a ladder climbs, in a period of the slowest small motion and in a run.
+#: Steps up to which a ladder climbs: in a period of the slowest small motion, or, if that is more, in a run of one
+#: unknown; of several, that over their number.
 FINEST, MOST_STEPS = 2048, 4_000_000
-
-#: Part of the intervals of the reference that are shorter than those in which motion is fast, and the finest step over
-#: these.
-CLOSEST, STEPS_TO_CLOSEST = 0.05, 1 / 6
 
 #: Rungs beyond the first that keeps every error, to see whether finer steps keep it too.
 BEYOND = 2
@@ -34,8 +31,8 @@ SAMPLES = 4000
 CLOSE = 2 ** (1 / 16)
 
 #: Finer steps, as multiples of the number of steps, and starts, as multiples of u₀, u̇₀ and load, that must keep the
-#: error too.
-AROUND, STARTS = (1.03, 1.06, 1.1), (0.99, 1.01)
+#: error too. The steps reach almost to the next rung, since errors follow no law where a load is faster than the step.
+AROUND, STARTS = (1.03, 1.06, 1.1, 1.2, 1.35, 1.6), (0.99, 1.01)
 
 #: Steps that are tried after one that kept the error by accident, and searches until none makes a run that another
 #: would have to heed.
@@ -73,7 +70,7 @@ Limit = tuple[str, float]
 
 
 class Verdict(NamedTuple):
-    """The fewest steps that keep an error, how the search ended, and how many steps kept it by accident only."""
+    """The fewest steps that keep an error, how the search ended, and how many fewer kept it by accident."""
 
     steps: int
     how: int
@@ -102,10 +99,12 @@ class Ladder:
         Length of the runs.
     of_energy
         Whether the balance of energies is one of the quantities.
+    finest
+        Most steps of a rung.
     """
 
-    def __init__(self, scheme: Scheme, cases: dict[float, Case], duration: float, of_energy: bool):
-        self.scheme, self.duration = scheme, duration
+    def __init__(self, scheme: Scheme, cases: dict[float, Case], duration: float, of_energy: bool, finest: int):
+        self.scheme, self.duration, self.finest = scheme, duration, finest
         self._cases, self._of_energy = cases, of_energy
         self.tries: dict[tuple[int, float], Try] = {}
         self.rungs: list[int] = []
@@ -149,10 +148,10 @@ class Ladder:
             )
         return self.tries[steps, start]
 
-    def climb(self, coarsest: int, finest: int, tightest: float) -> None:
+    def climb(self, coarsest: int, tightest: float) -> None:
         """Run at ever finer steps until every quantity keeps the tightest error, and a few rungs more."""
         kept, steps = 0, coarsest
-        while steps <= finest and kept <= BEYOND:
+        while (steps <= self.finest or not self.rungs) and kept <= BEYOND:
             self.rungs.append(self.rounded(steps))
             found = self.run(self.rungs[-1]).errors.values()
             kept = kept + 1 if all(error <= tightest for error in found) else 0
@@ -181,7 +180,7 @@ class Ladder:
         return fewest
 
     def _a_little_finer(self, steps: int) -> list[int]:
-        """Three numbers of steps that are a little larger."""
+        """Numbers of steps that are larger, up to almost twice."""
         finer = [steps]
         for more in AROUND:
             finer.append(max(self.rounded(steps * more), finer[-1] + self._every(steps)))
@@ -190,11 +189,14 @@ class Ladder:
     def _verdict(self, name: str, allowed: float, uncertainty: float) -> Verdict:
         if allowed < CERTAIN * uncertainty:
             return Verdict(-1, UNCERTAIN, 0)
-        for accidents in range(ATTEMPTS):
+        for _ in range(ATTEMPTS):
             fewest = self._fewest(name, allowed)
+            if fewest is None and 2 * self.steps_of()[-1] <= self.finest:  # another start needs finer steps
+                self.rungs.append(self.rounded(2 * self.steps_of()[-1]))
+                self.run(self.rungs[-1])
+                continue
             if fewest is None:
-                finest = self.run(self.steps_of()[-1]).errors[name]
-                return Verdict(-1, BY_ACCIDENT if finest <= allowed else FINEST_FAILS, accidents)
+                return Verdict(-1, FINEST_FAILS, 0)
             if not self._keeps_from_all_starts(fewest, name, allowed):
                 continue
             coarser = max((steps for steps in self.steps_of() if steps < fewest), default=0)
@@ -205,6 +207,8 @@ class Ladder:
                 kept = self._keeps_from_all_starts(between, name, allowed)
                 coarser, fewest = (coarser, between) if kept else (between, fewest)
             if all(self.run(one).errors[name] <= allowed for one in self._a_little_finer(fewest)):
+                coarser_ones = [steps for steps in self.steps_of() if steps < fewest]
+                accidents = sum(self.run(steps).errors[name] <= allowed for steps in coarser_ones)
                 return Verdict(fewest, FOUND if coarser else COARSEST_KEEPS, accidents)
         return Verdict(-1, BY_ACCIDENT, ATTEMPTS)
 

@@ -122,7 +122,7 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     grid = solution.grid_of(problem, duration, exact / 4, kinks)
     exactly = solution.solution_by(solution.routes_of(problem, duration, kinks)[0], problem, grid, 1e-12)
     targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}
-    one = Ladder(study.schemes["rk4"], {1.0: Case(problem, exactly, targets, None)}, duration, True).run(steps)
+    one = Ladder(study.schemes["rk4"], {1.0: Case(problem, exactly, targets, None)}, duration, True, 10_000).run(steps)
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, observe=["trajectory", MaxEnergyError()])
     once = taylor.trajectory(problem, np.arange(1, 33) * exact / 32).u
     wanted = np.concatenate([[1.5], np.tile(once, 20)])

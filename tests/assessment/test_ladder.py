@@ -6,14 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from study.assessment import ladder
-from study.assessment.ladder import BY_ACCIDENT, COARSEST_KEEPS, FINEST_FAILS, FOUND, UNCERTAIN, Ladder, Try
+from study.assessment.ladder import COARSEST_KEEPS, FINEST_FAILS, FOUND, UNCERTAIN, Ladder, Try
 
 
 class MadeUp(Ladder):
     """A ladder whose runs have the error that a function of steps and start gives."""
 
     def __init__(self, error):
-        self._error, self.tries, self.rungs, self._records = error, {}, [], False
+        self._error, self.tries, self.rungs, self._records, self.finest = error, {}, [], False, 4096
         self._cases = dict.fromkeys((1.0, *ladder.STARTS))  # type: ignore[assignment]
 
     def run(self, steps, start=1.0):
@@ -24,7 +24,7 @@ class MadeUp(Ladder):
 
 def searched(error, allowed=0.01, uncertainty=0.0):
     made_up = MadeUp(error)
-    made_up.climb(16, 4096, allowed)
+    made_up.climb(16, allowed)
     return made_up, made_up.verdicts([("u", allowed)], {"u": uncertainty})["u", allowed]
 
 
@@ -58,7 +58,7 @@ def test_the_ends_of_a_ladder_are_said_as_such():
     assert searched(lambda steps, start: 0.5)[1][:2] == (-1, FINEST_FAILS)
     assert searched(lambda steps, start: np.nan)[1][:2] == (-1, FINEST_FAILS)
     assert searched(lambda steps, start: 1e-5, uncertainty=0.002)[1] == (-1, UNCERTAIN, 0)
-    assert searched(lambda steps, start: 1e-5 if start == 1.0 else 1.0)[1][:2] == (-1, BY_ACCIDENT)
+    assert searched(lambda steps, start: 1e-5 if start == 1.0 else 1.0)[1][:2] == (-1, FINEST_FAILS)
 
 
 @settings(max_examples=200, deadline=None)
@@ -95,7 +95,7 @@ def test_no_verdict_is_contradicted_by_the_runs_of_another(seed, order, allowed)
         return jump * start * (20 / steps) ** order
 
     made_up = MadeUp(error)
-    made_up.climb(16, 4096, min(allowed))
+    made_up.climb(16, min(allowed))
     found = made_up.verdicts([("u", limit) for limit in allowed], {"u": 0.0})
     for (_, limit), verdict in found.items():
         finer = [steps for steps in made_up.steps_of() if steps >= verdict.steps > 0]
@@ -108,6 +108,17 @@ def test_a_start_that_needs_more_steps_sets_the_step():
     assert verdict.how == FOUND and 1 <= verdict.steps / (100 * np.sqrt(1.2)) <= 1.1
 
 
-def test_three_finer_steps_are_tried_where_steps_are_few():
-    made_up = MadeUp(lambda steps, start: 1e-5 if steps == 9 or steps > 12 else 1.0)
-    assert made_up._a_little_finer(9) == [10, 11, 12]
+def test_finer_steps_are_tried_where_steps_are_few():
+    assert MadeUp(lambda steps, start: 1.0)._a_little_finer(9) == [10, 11, 12, 13, 14, 15]
+
+
+def test_a_start_that_needs_finer_steps_than_the_ladder_has_makes_it_climb():
+    """The finest rung of the ladder keeps the error from the given start only."""
+    made_up, verdict = searched(lambda steps, start: (30.0 if start < 1 else 1.0) * (10 / steps) ** 2)
+    assert verdict.how == FOUND and 1 <= verdict.steps / (100 * np.sqrt(30.0)) <= 1.1
+    assert made_up.rungs[-1] > 400
+
+
+def test_coarser_steps_that_keep_the_error_by_accident_are_counted():
+    _, verdict = searched(lambda steps, start: 1e-6 if steps in (32, 64) else (40 / steps) ** 2)
+    assert verdict.how == FOUND and verdict.accidents == 2
