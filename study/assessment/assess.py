@@ -231,6 +231,8 @@ def assess(
         "duration": length,
         "duration_asked_for": asked_for,
         "problem": equation.title,
+        "command": f"study.assess(problem, {list(chosen)}, duration={asked_for:.17g}, errors={allowed}, maps={maps}"
+        + (", quantities=quantities)" if quantities else ")"),
         "processor": processor(),
         "not_fit": "; ".join(str(chosen[name].refusal(equation)) for name in chosen if name not in fit),
     }
