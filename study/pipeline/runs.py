@@ -38,6 +38,9 @@ ZLIB = b"\x78"
 #: Seconds that a job has to end before it is killed.
 PATIENCE = 3.0
 
+#: Seconds in which Slurm's queue answers.
+ANSWER = 5.0
+
 #: A date this many seconds ahead lies in the future, and is not a clock that ticks a little faster elsewhere.
 AHEAD = 60.0
 
@@ -101,10 +104,15 @@ def jobs_of(names: set[str]) -> Iterator[psutil.Process]:
 
 
 def queued_jobs() -> list[str]:
-    """Numbers of the jobs in Slurm's queue that Snakemake has sent from this folder, if there is a Slurm."""
+    """Numbers of the jobs in Slurm's queue that Snakemake has sent from this folder; none if no Slurm answers."""
     if shutil.which("squeue") is None:
         return []
-    listed = subprocess.run(["squeue", "--me", "--noheader", "--format=%i|%k|%Z"], capture_output=True, text=True)
+    command = ["squeue", "--me", "--noheader", "--format=%i|%k|%Z"]
+    try:
+        listed = subprocess.run(command, capture_output=True, text=True, timeout=ANSWER)
+    except subprocess.TimeoutExpired:
+        print("Slurm's queue does not answer; jobs of a run that died may still be in it.", file=sys.stderr)
+        return []
     jobs = [line.split("|", 2) for line in listed.stdout.splitlines() if line.count("|") >= 2]
     ours = ("rule_", "group_")  # as Snakemake comments its jobs; another job may have started Snakemake itself
     return [number for number, comment, folder in jobs if comment.startswith(ours) and Path(folder) == Path.cwd()]
@@ -162,7 +170,7 @@ def cleared(dead: list[Run]) -> Iterator[str]:
     if surviving:
         end(surviving)
         yield f"{len(surviving)} processes had survived a run that died; they are ended, and their jobs start anew."
-    queued = queued_jobs()
+    queued = queued_jobs() if dead else []
     if queued:
         subprocess.run(["scancel", *queued], check=False)
         yield f"{len(queued)} jobs in Slurm's queue had survived a run that died; they are cancelled, and start anew."
