@@ -189,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return
     except KeyboardInterrupt:
-        parser.exit(130, "study: interrupted; nothing was written.\n")
+        parser.exit(130, "study: interrupted.\n")
     except (UnknownName, TypeError, ValueError, OSError) as error:
         mistake = str(error)
     else:

@@ -179,7 +179,7 @@ class Ladder:
             fewest = steps
         return fewest
 
-    def _a_little_finer(self, steps: int) -> list[int]:
+    def _finer_ones(self, steps: int) -> list[int]:
         """Numbers of steps that are larger, up to almost twice."""
         finer = [steps]
         for more in AROUND:
@@ -206,7 +206,7 @@ class Ladder:
                     break
                 kept = self._keeps_from_all_starts(between, name, allowed)
                 coarser, fewest = (coarser, between) if kept else (between, fewest)
-            if all(self.run(one).errors[name] <= allowed for one in self._a_little_finer(fewest)):
+            if all(self.run(one).errors[name] <= allowed for one in self._finer_ones(fewest)):
                 coarser_ones = [steps for steps in self.steps_of() if steps < fewest]
                 accidents = sum(self.run(steps).errors[name] <= allowed for steps in coarser_ones)
                 return Verdict(fewest, FOUND if coarser else COARSEST_KEEPS, accidents)

@@ -183,10 +183,11 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     held = attributes["duration"]
     if limits_of_reference(assessed):
         parts.append(f"<p>{_text(limits_of_reference(assessed))}</p>")
-    parts.append(
-        f"<p>Every step that is recommended was run, over {held:.4g} s. Every finer step that was run, among them six "
-        "up to 1.6 times as fine, and two starts one percent apart keep the error too.</p>"
-    )
+    if assessed.recommended_dt.notnull().any():
+        parts.append(
+            f"<p>Every step that is recommended was run, over {held:.4g} s. Every finer step that was run, among them "
+            "six up to 1.6 times as fine, and two starts one percent apart keep the error too.</p>"
+        )
     for quantity in quantities:
         parts.append(f"<h2>Error of {_text(quantity)}</h2>")
         values = assessed.error.sel(quantity=quantity)

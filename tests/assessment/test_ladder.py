@@ -109,7 +109,7 @@ def test_a_start_that_needs_more_steps_sets_the_step():
 
 
 def test_finer_steps_are_tried_where_steps_are_few():
-    assert MadeUp(lambda steps, start: 1.0)._a_little_finer(9) == [10, 11, 12, 13, 14, 15]
+    assert MadeUp(lambda steps, start: 1.0)._finer_ones(9) == [10, 11, 12, 13, 14, 15]
 
 
 def test_a_start_that_needs_finer_steps_than_the_ladder_has_makes_it_climb():
