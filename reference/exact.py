@@ -285,6 +285,7 @@ def reference(problem: str, steps_per_period: Sequence[int]) -> xr.Dataset:
         attrs={
             "title": f"Exact solution of the {definition.title} over one period",
             "problem": problem,
+            "problem_title": definition.title,
             "period_30_digits": mpmath.nstr(_mpf(exact_period), 30, strip_zeros=False),
         },
     )

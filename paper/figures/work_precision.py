@@ -31,7 +31,7 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
     losses = loss_of_amplitude(data, SHORTER, PERIODS)
     data = data.sel(periods=PERIODS)
     rows = data.sizes["problem"]
-    figure, axes = panels(rows, len(MEASURES), PAGE, max(2.4 * rows + 2, 8), sharex="row", sharey="col")
+    figure, axes = panels(rows, len(MEASURES), PAGE, max(2.8 * rows + 2, 8), sharex="row", sharey="col")
     for place, (row, problem) in enumerate(zip(axes, data.problem.values, strict=True)):
         one = data.sel(problem=problem)
         for column, (ax, (measure, title)) in enumerate(zip(row, MEASURES.items(), strict=True)):

@@ -58,7 +58,7 @@ def of_accuracy(accuracy: xr.Dataset) -> dict:
         "misled_trajectory": f"{100 * run.max_trajectory_error.item():.0f}",
         "flagged_trajectories": flagged.sel(measure="max_trajectory_error").item(),
         "flagged_decays": flagged.sel(measure="amplitude_decay").item(),
-        "accuracy_runs": accuracy.status.size,
+        "accuracy_runs": f"{accuracy.status.size:,}",
     }
 
 

@@ -3,6 +3,7 @@
 import xarray as xr
 
 from paper.asks import fourfold
+from paper.printing import span
 from paper.products import numbers
 
 #: Problems with a history, and those with any kink but contact.
@@ -16,9 +17,7 @@ KEPT = 0.01
 
 def _orders(kinks: xr.Dataset, problem: str, *schemes: str) -> str:
     """Observed orders, from the smallest to the largest."""
-    found = kinks.observed_order.sel(problem=problem, scheme=list(schemes))
-    low, high = float(found.min()), float(found.max())
-    return f"{low:.1f}" if f"{low:.1f}" == f"{high:.1f}" else f"{low:.1f} to {high:.1f}"
+    return span(kinks.observed_order.sel(problem=problem, scheme=list(schemes)), ".1f")
 
 
 @numbers(

@@ -2,21 +2,16 @@
 
 import xarray as xr
 
+from paper.printing import span
 from paper.products import numbers
 
 #: Periods in s from which on the record, not the oscillator, is what a step has to resolve.
 LONG = 0.5
 
 
-def _span(values: xr.DataArray, digits: str) -> str:
-    """The smallest and the largest value."""
-    low, high = format(float(values.min()), digits), format(float(values.max()), digits)
-    return low if low == high else f"{low} to {high}"
-
-
 def _multiples(steps: xr.DataArray) -> str:
     """Steps in words, from multiples of the spacing of the record."""
-    multiples = _span(steps, "g")
+    multiples = span(steps, "g")
     return "the spacing of the record" if multiples == "1" else f"{multiples} times the spacing of the record"
 
 
@@ -44,8 +39,8 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
         else f"the step of average acceleration varies by a factor of {varies}, and the period by one of {lasts}",
         "spectrum_average": _multiples(steps / spectrum.spacing),
         "spectrum_rk4": _multiples(rk4.where(long, drop=True) / spectrum.spacing),
-        "spectrum_average_elastic": _span((0.2 / average.sel(period=0.2)).where(~yields, drop=True), ".0f"),
-        "spectrum_average_yielding": _span((0.2 / average.sel(period=0.2)).where(yields, drop=True), ".0f"),
-        "spectrum_rk4_elastic": _span((0.2 / rk4.sel(period=0.2)).where(~yields, drop=True), ".0f"),
-        "spectrum_rk4_yielding": _span((0.2 / rk4.sel(period=0.2)).where(yields, drop=True), ".0f"),
+        "spectrum_average_elastic": span((0.2 / average.sel(period=0.2)).where(~yields, drop=True), ".0f"),
+        "spectrum_average_yielding": span((0.2 / average.sel(period=0.2)).where(yields, drop=True), ".0f"),
+        "spectrum_rk4_elastic": span((0.2 / rk4.sel(period=0.2)).where(~yields, drop=True), ".0f"),
+        "spectrum_rk4_yielding": span((0.2 / rk4.sel(period=0.2)).where(yields, drop=True), ".0f"),
     }

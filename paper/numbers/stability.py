@@ -6,6 +6,7 @@ import xarray as xr
 from paper.asks import contained, rising
 from paper.claims.ledger import by_name
 from paper.claims.terms import CHAOTIC, DAMPED, DISSIPATIVE, FAITHFUL
+from paper.printing import span
 from paper.products import numbers
 from paper.published import PROBLEMS
 from paper.tables.outcomes_near_1996 import FAILURES, SPAN, is_outcome, near_1996
@@ -26,12 +27,10 @@ def of_long_times(runs: xr.Dataset) -> dict:
         "lasting_steps": runs.steps_per_period.item(),
         "lasting_runs": runs.runs.item(),
         "lasting_spread": f"{100 * runs.spread_of_steps.item():.1f}",
-        "lasting_double_from": f"{law.sel(arithmetic='float64').min().item():.2f}",
-        "lasting_double_to": f"{law.sel(arithmetic='float64').max().item():.2f}",
+        "lasting_double": span(law.sel(arithmetic="float64")),
         "lasting_double_energy": f"{double.energy_round_off.max().item():.0e}",
         "lasting_double_phase": f"{double.phase_round_off.max().item():.0e}",
-        "lasting_phase_more_from": f"{more.min().item():.2f}",
-        "lasting_phase_more_to": f"{more.max().item():.2f}",
+        "lasting_phase_more": span(more),
         "lasting_drift": f"{drift.item():.0f}",
         "lasting_bought": f"{bought.item():.1f}",
     }
@@ -141,15 +140,13 @@ def of_stability(
         "chaos_from": f"{bifurcation.dt.values[chaotic.values.argmax()]:.2f}",
         "newton_fails_from": f"{bifurcation.dt.values[failed.values.argmax()]:.2f}",
         "together": f"{in_chaos.median().item():.0f}",
-        "together_from": f"{in_chaos.min().item():.0f}",
-        "together_to": f"{in_chaos.max().item():.0f}",
+        "together_span": span(in_chaos, ".0f"),
         "exponent_at_paper": f"{a_step:.2f}",
         "apart_from_exponent": f"{np.log(bifurcation.order_one / bifurcation.perturbation).item() / a_step:.0f}",
         "apart_of_two_runs": at.steps_until_apart.item(),
         **{f"unique_{name}": f"{roots.unique_up_to.sel(scheme=name).item():.2f}" for name in roots.scheme.values},
         "foretold": f"{foretold.median().item():.1f}",
-        "foretold_from": f"{foretold.quantile(0.05).item():.1f}",
-        "foretold_to": f"{foretold.quantile(0.95).item():.1f}",
+        "foretold_span": span(foretold.quantile([0.05, 0.95]), ".1f"),
         **{f"lost_left_{name}": f"{100 * part:.0f}" for name, part in lost_left.items()},
         "softening_needs_more": bool(
             at_all_amplitudes.sel(problem="softening") > at_all_amplitudes.sel(problem="hardening")
@@ -163,8 +160,7 @@ def of_stability(
             for name, value in by_name(of_average).items()
         },
         "needed_twenty": ", ".join(robustness.scheme_title.values[twenty.values]) or "none",
-        "duffing_exponent_from": f"{finest.sel(problem='duffing_chaotic').min().item():.2f}",
-        "duffing_exponent_to": f"{finest.sel(problem='duffing_chaotic').max().item():.2f}",
+        "duffing_exponent": span(finest.sel(problem="duffing_chaotic")),
         "duffing_tamed": f"{tamed.min().item():.1f}",
         "duffing_tamed_steps": f"{tamed.idxmin().item():.0f}",
         "pendulum_exponent": f"{pendulum.max().item():.1f}",

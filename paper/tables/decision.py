@@ -26,18 +26,19 @@ PERIODS, LEVEL = 100, 10
 #: Most schemes that a cell names.
 NAMED = 2
 
-_AT_MOST = "≤\u00a0"  # with a no-break space
+#: Before the coarsest step that was tried, with a no-break space.
+AT_MOST = "≤\u00a0"
 
 Choice = tuple[str, float]
 
 
 def _listed(choices: Iterable[Choice], coarsest: float, finest: float) -> str:
     """Schemes with their steps; ``≤`` marks the coarsest step that was tried, and ``†`` the finest."""
-    marks = {coarsest: (_AT_MOST, ""), finest: ("", " †")}
+    marks = {coarsest: (AT_MOST, ""), finest: ("", " †")}
     named = []
     for title, steps in choices:
         before, after = marks.get(steps, ("", ""))
-        named.append(f"{title}: {before}{steps:.0f}{after}")
+        named.append(f"{title}: {before}{steps:,.0f}{after}")
     return _first(named)
 
 
@@ -145,16 +146,19 @@ def _structures(structures: xr.Dataset) -> Iterator[dict]:
     tried = structures.steps_per_period.values[[0, -1]]
     for problem in structures.problem.values:
         one = structures.sel(problem=problem)
-        cells = {
-            _column(error): _listed(_fewest_forces(one, one.displacement_error, error), *tried) for error in ERRORS
-        }
         failed = ((one.status != 0) | ~(one.max_energy_imbalance <= LEVEL)).any("steps_per_period").sum().item()
-        yield {
+        first = {
             "Problem": _sentence(one.problem_title.item()),
-            "Right in": "displacement",
-            **cells,
-            "Beware of": f"{failed} of {one.sizes['scheme']} schemes lose the balance" if failed else "",
+            "Beware of": f"balance lost by {failed} of {one.sizes['scheme']}" if failed else "",
         }
+        for what, size in {"displacement": one.displacement_error, "energy": one.max_energy_imbalance / 100}.items():
+            cells = {_column(error): _listed(_fewest_forces(one, size, error), *tried) for error in ERRORS}
+            yield {
+                "Problem": first.pop("Problem", ""),
+                "Right in": what,
+                **cells,
+                "Beware of": first.pop("Beware of", ""),
+            }
 
 
 def _largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:

@@ -31,6 +31,6 @@ def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
                 steps, time = one.steps_per_period.item(), one.time.item()
                 title = f"{100 * error:g} %" if error > 1e-5 else f"{error:g}"
                 at_most = "≤ " if steps == needs.coarsest else ""
-                row[title] = f"{at_most}{steps:.0f}, {1e3 * time:.2g} ms" if steps == steps else "–"
+                row[title] = f"{at_most}{steps:,.0f}, {1e3 * time:.2g} ms" if steps == steps else "–"
             rows.append(row)
     return pd.DataFrame(rows)

@@ -4,7 +4,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.products import table
-from paper.tables.decision import MEASURES
+from paper.tables.decision import AT_MOST, MEASURES
 
 
 def _cell(needs: xr.Dataset) -> str:
@@ -13,9 +13,9 @@ def _cell(needs: xr.Dataset) -> str:
     if not name:
         return "–"
     best = needs.sel(scheme=name)
-    at_most = "≤ " if best.steps_per_period == needs.coarsest else ""
+    at_most = AT_MOST if best.steps_per_period == needs.coarsest else ""
     tied = (needs.ties_with_fastest == 1).sum() > 1
-    return f"{best.scheme_title.item()}: {at_most}{best.steps_per_period.item():.0f}{' *' if tied else ''}"
+    return f"{best.scheme_title.item()}: {at_most}{best.steps_per_period.item():,.0f}{' *' if tied else ''}"
 
 
 @table(recommendation="recommendation", asks={"recommendation.measures": list(MEASURES)})
@@ -30,7 +30,7 @@ def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
                 needs = recommendation.sel({"problem": problem, "error": error, "periods": periods})
                 row = {
                     "Problem": title[0].upper() + title[1:],
-                    "Periods": f"{periods}",
+                    "Periods": f"{periods:,}",
                     "Error": f"{100 * error:g} %" if error > 1e-5 else f"{error:g}",
                 }
                 rows.append(

@@ -27,7 +27,7 @@ def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFram
     rows = []
     for reference in references:
         row = {
-            "Problem": reference.problem.replace("_", " "),
+            "Problem": reference.problem_title,
             "Period": reference.period_30_digits[: DIGITS + 2],
             "Uncertainty": f"{reference.period_certified.item():.0e}",
             "of the motion": f"{(reference.u_certified / abs(reference.u).max()).item():.0e}",

@@ -144,11 +144,14 @@ def test_what_other_amplitudes_take_is_told(rows):
 
 
 def test_elsewhere_the_fewest_forces_decide(rows):
-    structure, kinked, record = rows()[4:]
+    structure, energy, kinked, record = rows()[4:]
     # 20 steps of five forces against 80 of two
     assert structure["Problem"] == "Swinging thing" and structure["10 %"] == "Dear: ≤\u00a020"
     assert structure["1 %"] == "Cheap: 80 †" and structure["0.1 %"] == "Dear: 80 †"
-    assert structure["Beware of"] == "1 of 3 schemes lose the balance"
+    assert structure["Beware of"] == "balance lost by 1 of 3"
+    assert (energy["Problem"], energy["Right in"], energy["Beware of"]) == ("", "energy", "")
+    # a balance that is off by one percent
+    assert energy["10 %"] == energy["1 %"] == "Cheap: ≤\u00a020" and energy["0.1 %"] == "–"
     assert kinked["Beware of"] == "Dear shows order 1.2"
     assert rows(imbalance=11.0)[4]["10 %"] == "–"
     # a finer step of the dear scheme loses what a coarse one had by accident
