@@ -40,22 +40,32 @@ def _with_ties(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def candidates(
-    accuracy: xr.Dataset, work: xr.Dataset, problem: str, error: float, measure: str, periods: int
+    accuracy: xr.Dataset,
+    neighbours: xr.Dataset,
+    work: xr.Dataset,
+    problem: str,
+    error: float,
+    measure: str,
+    periods: int,
 ) -> pd.DataFrame:
     """The table that :func:`recommend` returns, without rows if no scheme keeps the error.
 
     Parameters
     ----------
-    accuracy, work
-        Datasets ``accuracy``, with the errors at every step that was tried, and ``work_precision``, with the times.
+    accuracy, neighbours, work
+        Datasets ``accuracy``, with the errors at every step that was tried, ``neighbours``, with those from starts
+        beside it, and ``work_precision``, with the times.
     """
     runs = accuracy.sel({"problem": problem, "periods": periods})
     allowed, scale = error * _scale(accuracy[measure]), _scale(accuracy[measure])
     sizes = _sizes(runs, measure).transpose("scheme", "steps_per_period")
+    beside = _sizes(neighbours.sel({"problem": problem, "periods": periods}), measure)
+    # a failed run, NaN, is the worst
+    worst = xr.concat([sizes, beside.max("start", skipna=False)], "start", join="inner").max("start", skipna=False)
     tried = runs.steps_per_period.values
     rows = {}
     for name in work.scheme.values:
-        place = _fewest_steps(tried, sizes.sel(scheme=name).values, allowed)
+        place = _fewest_steps(tried, worst.sel(scheme=name).values, allowed)
         if place is None:
             continue
         steps = int(tried[place])
@@ -111,17 +121,17 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
 
 def of_the_study(problem: str, error: float, measure: str, periods: float, folder: str | Path) -> pd.DataFrame:
     """The table that :func:`recommend` returns for a problem of the study."""
-    work, accuracy = datasets.open("work_precision", folder), datasets.open("accuracy", folder)
-    for name, known in ((problem, work.problem.values), (measure, accuracy.measure.values)):
+    accuracy, neighbours, work = (datasets.open(name, folder) for name in ("accuracy", "neighbours", "work_precision"))
+    for name, known in ((problem, neighbours.problem.values), (measure, accuracy.measure.values)):
         if name not in known:
             kind = "problem" if name == problem else "measure of error"
             raise UnknownName(f"the work-precision data have no {kind} {name!r}; {did_you_mean(str(name), known)}")
-    lengths = accuracy.periods.values.tolist()
+    lengths = neighbours.periods.values.tolist()
     if periods not in lengths:
         raise ValueError(f"periods must be one of those that were run, {', '.join(map(str, lengths))}, not {periods}.")
     if not error > 0:
         raise ValueError(f"error must be greater than zero, not {error}.")
-    table = candidates(accuracy, work, problem, error, measure, int(periods))
+    table = candidates(accuracy, neighbours, work, problem, error, measure, int(periods))
     if table.empty:
         finest = _sizes(accuracy.sel(problem=problem, periods=periods).isel(steps_per_period=-1), measure).values
         if np.isnan(finest).all():
@@ -146,9 +156,10 @@ def recommend(
     """List the schemes that keep an error within a bound, the cheapest first.
 
     No number is interpolated: steps, errors and forces are those of runs. The step is the largest from which on every
-    finer one that was tried keeps the error. A time is that of a step, measured at the nearest step size that was
-    timed, times the number of steps. For the name of a problem of the study the runs are those of the datasets
-    ``accuracy`` and ``work_precision``, and a scheme that misses the bound at the finest step is left out.
+    finer one that was tried keeps the error, also from starts one percent below and above. A time is that of a step,
+    measured at the nearest step size that was timed, times the number of steps. For the name of a problem of the study
+    the runs are those of the datasets ``accuracy``, ``neighbours`` and ``work_precision``, and a scheme that misses the
+    bound at the finest step is left out.
 
     Parameters
     ----------
@@ -161,7 +172,7 @@ def recommend(
     measure
         Measure of error, a variable of the dataset ``accuracy``.
     periods
-        Length of the run in periods, one of those of the dataset ``accuracy``.
+        Length of the run in periods, one of those of the dataset ``neighbours``.
     folder
         Folder of the results.
 

@@ -12,6 +12,7 @@ from study.assessment.solution import Solution
 from study.marching.run import run
 from study.observer.base import Observer
 from study.problem.definition import Problem
+from study.problem.named import neighbouring_starts
 from study.scheme.base import Scheme
 
 #: Steps in which a ladder begins in a period of the slowest small motion.
@@ -32,7 +33,7 @@ CLOSE = 2 ** (1 / 16)
 
 #: Finer steps, as multiples of the number of steps, and starts, as multiples of u₀, u̇₀ and load, that must keep the
 #: error too. The steps reach almost to the next rung, since errors follow no law where a load is faster than the step.
-AROUND, STARTS = (1.03, 1.06, 1.1, 1.2, 1.35, 1.6), (0.99, 1.01)
+AROUND, STARTS = (1.03, 1.06, 1.1, 1.2, 1.35, 1.6), tuple(neighbouring_starts.values())
 
 #: Steps that are tried after one that kept the error by accident, and searches until none makes a run that another
 #: would have to heed.

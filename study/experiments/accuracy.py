@@ -1,6 +1,6 @@
 """Accuracy of the schemes: errors of trajectory, phase, period, amplitude and energy against exact solutions."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -16,6 +16,8 @@ from study.pipeline.checks import unlisted
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
 from study.pipeline.options import RisingCounts, Schemes, Springs
+from study.problem.definition import Problem
+from study.problem.named import problems as problems_by_name
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
@@ -50,15 +52,32 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
     ValueError
         If a reference lacks the phases of a step size.
     """
-    dims = ("problem", "scheme", "steps_per_period", "periods")
-    shape = (len(problems), len(schemes), len(steps_per_period), len(periods))
-    references = {problem: datasets.open(f"reference/{problem}") for problem in problems}
+    motions = [(problems_by_name[problem], datasets.open(f"reference/{problem}")) for problem in problems]
+    errors = errors_of("problem", motions, schemes, steps_per_period, periods)
+    return errors.assign_coords(coordinates.problem_coordinates(problems)).assign_attrs(
+        title="Accuracy of the schemes against the exact solution"
+    )
+
+
+def errors_of(
+    along: str,
+    motions: Sequence[tuple[Problem, xr.Dataset]],
+    schemes: Sequence[str],
+    steps_per_period: Sequence[int],
+    periods: Sequence[int],
+) -> xr.Dataset:
+    """Errors of every scheme on every motion, each of which is a free oscillator and its reference over one period.
+
+    Each variable has the shape (``along``, scheme, steps_per_period, periods), with the motions along the first.
+    """
+    dims = (along, "scheme", "steps_per_period", "periods")
+    shape = (len(motions), len(schemes), len(steps_per_period), len(periods))
     measured: dict[str, np.ndarray] = {}
     attributes: dict[str, dict] = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
-    for p, (problem, reference) in enumerate(references.items()):
+    for p, (problem, reference) in enumerate(motions):
         compared = [against(reference, steps, max(steps_per_period)) for steps in steps_per_period]
         for s, scheme in enumerate(schemes):
-            progress(f"accuracy of {scheme} on {problem}")
+            progress(f"accuracy of {scheme} on {problem.title}")
             for k, (steps, (dt, observers)) in enumerate(zip(steps_per_period, compared, strict=True)):
                 observe = [*observers, MaxEnergyError(), EnergyDrift(), NewtonIterations()]
                 for n, length in enumerate(periods):
@@ -66,7 +85,7 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
                     for name, value in ds.data_vars.items():
                         measured.setdefault(str(name), np.empty(shape, value.dtype))[p, s, k, n] = value
                         attributes[str(name)] = value.attrs
-    known = [[uncertainties(reference, length) for length in periods] for reference in references.values()]
+    known = [[uncertainties(reference, length) for length in periods] for _, reference in motions]
     measures = list(known[0][0])
     uncertainty = np.array([[[of_run[measure] for of_run in row] for row in known] for measure in measures])
     values = np.array([measured[measure] for measure in measures])
@@ -74,18 +93,16 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
         {name: (dims, values, attributes[name]) for name, values in measured.items()}
         | {
             "uncertainty": (
-                ("measure", "problem", "periods"),
+                ("measure", along, "periods"),
                 uncertainty,
                 {"long_name": "uncertainty of the reference in the units of the measure", "units": "1"},
             ),
             "flagged": flagged(values, uncertainty[:, :, None, None, :], ("measure", *dims)),
         },
         coords={
-            **coordinates.problem_coordinates(problems),
             **coordinates.scheme_coordinates(schemes),
             **coordinates.steps_per_period_coordinate(steps_per_period),
             "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
             "measure": ("measure", measures, {"long_name": "measure of error, a variable of this dataset"}),
         },
-        attrs={"title": "Accuracy of the schemes against the exact solution"},
     )

@@ -35,11 +35,12 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     )
 
 
-@experiment("recommendation", reads=lambda options: ["accuracy", "work_precision"], check=_check)
+@experiment("recommendation", reads=lambda options: ["accuracy", "neighbours", "work_precision"], check=_check)
 def recommendation(problems: Springs, measures: Names, errors: Tolerances, periods: Counts) -> xr.Dataset:
     """Find the steps, time and forces that every scheme needs to keep each error, and the cheapest scheme.
 
-    The steps are the fewest of those tried in the dataset ``accuracy`` from which on every finer one keeps the error.
+    The steps are the fewest of those tried in the dataset ``accuracy`` from which on every finer one keeps the error,
+    from the start of the problem and, in the dataset ``neighbours``, from starts one percent beside it.
     The needs have the shape (problem, measure, error, periods, scheme) and are NaN for a scheme that does not keep the
     error. ``cheapest_scheme``, of shape (problem, measure, error, periods), is empty if no scheme keeps it.
 
@@ -52,7 +53,7 @@ def recommendation(problems: Springs, measures: Names, errors: Tolerances, perio
     periods
         Lengths of the runs in exact periods.
     """
-    accuracy, work = datasets.open("accuracy"), datasets.open("work_precision")
+    accuracy, neighbours, work = map(datasets.open, ("accuracy", "neighbours", "work_precision"))
     schemes = work.scheme.values.tolist()
     dims = ("problem", "measure", "error", "periods")
     shape = (len(problems), len(measures), len(errors), len(periods))
@@ -60,7 +61,7 @@ def recommendation(problems: Springs, measures: Names, errors: Tolerances, perio
     needs = {name: np.full((*shape, len(schemes)), np.nan) for name in _NEEDS}
     for at in np.ndindex(shape):
         p, m, e, n = at
-        table = candidates(accuracy, work, problems[p], errors[e], measures[m], periods[n])
+        table = candidates(accuracy, neighbours, work, problems[p], errors[e], measures[m], periods[n])
         if not table.empty:
             cheapest[at] = table.index[0]
         for name, values in needs.items():

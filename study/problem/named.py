@@ -19,5 +19,8 @@ problems: Registry[Problem] = Registry("problem", {}, made_by=_ENTRIES)
 #: Time that measures the step sizes of each structure.
 time_scales = {name: entry.time_scale for name, entry in _ENTRIES.items() if entry.time_scale is not None}
 
+#: Starts one percent beside that of a problem, as multiples of it, which show what holds by accident.
+neighbouring_starts = {"below": 0.99, "above": 1.01}
+
 #: Periods that Xie (1996) prints (sections 3.1, 3.2 and 4).
 printed_periods = {name: entry.printed_period for name, entry in _ENTRIES.items() if entry.printed_period is not None}

@@ -11,6 +11,11 @@ from study.analysis.recommendation import candidates
 STEPS = np.array([8, 16, 32, 64, 128])
 
 
+def _beside(ds):
+    """The errors from starts beside that of the data, which are the same."""
+    return ds.expand_dims(start=["below", "above"])
+
+
 @pytest.fixture
 def data(monkeypatch):
     """A cheap scheme of order two and an expensive one of order four; errors grow with the length of the run."""
@@ -39,7 +44,7 @@ def data(monkeypatch):
             "evaluations_per_iteration": ("scheme", [2, 0]),
         },
     )
-    monkeypatch.setattr(datasets, "open", lambda name, folder: ds)
+    monkeypatch.setattr(datasets, "open", lambda name, folder: _beside(ds) if name == "neighbours" else ds)
     return ds
 
 
@@ -58,7 +63,7 @@ def test_the_steps_are_the_fewest_that_were_run_and_kept_the_error(data):
 def test_the_time_of_a_step_that_was_not_timed_is_that_of_the_nearest(data):
     timed = data.sel(steps_per_period=[8, 128]).copy(deep=True)
     timed.median_time_per_step.loc[{"steps_per_period": 128}] = 1e6
-    table = candidates(data, timed, "spring", 0.01, "max_trajectory_error", 10)
+    table = candidates(data, _beside(data), timed, "spring", 0.01, "max_trajectory_error", 10)
     assert table.time["high"] == pytest.approx(40e-9 * 10 * 16)
 
 
@@ -84,7 +89,7 @@ def test_nothing_is_interpolated_or_extrapolated(data):
         ValueError, match=r"no scheme keeps max_trajectory_error to 1e-09 over 10 .* the smallest error is 3.7e-07"
     ):
         study.recommend("spring", error=1e-9, periods=10)
-    assert candidates(data, data, "spring", 1e-9, "max_trajectory_error", 10).empty
+    assert candidates(data, _beside(data), data, "spring", 1e-9, "max_trajectory_error", 10).empty
     with pytest.raises(ValueError, match="periods must be one of those that were run, 1, 10, 100, not 3"):
         study.recommend("spring", error=0.01, periods=3)
 
@@ -107,6 +112,15 @@ def test_an_error_that_falls_and_rises_again_counts_by_its_finer_steps(data):
     data.max_trajectory_error.loc[{"scheme": "high", "steps_per_period": 16}] = np.nan  # a failure
     table = study.recommend("spring", error=0.01, periods=10)
     assert table.steps_per_period.to_dict() == {"low": 32, "high": 32}
+
+
+@pytest.mark.parametrize("error", [1.0, np.nan])
+def test_a_step_must_keep_the_error_from_starts_beside_it_too(data, error):
+    beside = _beside(data).copy(deep=True)
+    beside.max_trajectory_error.loc[{"start": "above", "scheme": "low", "steps_per_period": 32}] = error
+    table = candidates(data, beside, data, "spring", 0.01, "max_trajectory_error", 10)
+    assert table.steps_per_period.to_dict() == {"low": 64, "high": 16}
+    assert table.error["low"] == pytest.approx(10 / 64**2)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import study
-from reference import closed_form, exact, taylor
+from reference import closed_form, exact, springs, taylor
 from reference.solution import RouteFailed
 from study.problem.named import printed_periods
 from study.problem.springs import CubicSpring
@@ -83,6 +83,6 @@ def test_digits_on_which_the_integrations_differ_are_refused():
 
 
 def test_phases_hold_every_step_of_every_step_size():
-    parts = exact.phases([8, 11])
+    parts = springs.phases([8, 11])
     assert len(parts) == 8 + 11 - 1 + 1
     assert Fraction(3, 8) in parts and Fraction(10, 11) in parts and parts[0] == 0 and parts[-1] == 1

@@ -1,0 +1,73 @@
+"""Accuracy of the schemes from starts one percent beside those of the springs."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import xarray as xr
+
+from study import datasets
+from study.experiments.accuracy import errors_of
+from study.pipeline import coordinates
+from study.pipeline.experiment import Options, experiment
+from study.problem.named import neighbouring_starts
+from study.problem.named import problems as problems_by_name
+
+
+def _options(configuration: Mapping) -> Options:
+    """Runs of the schemes that are timed, which alone can be recommended."""
+    return {
+        "problems": configuration["recommendation"]["problems"],
+        "schemes": configuration["work_precision"]["schemes"]["schemes"],
+        "steps_per_period": configuration["accuracy"]["steps_per_period"],
+        "periods": configuration["recommendation"]["periods"],
+    }
+
+
+def _references(options: Options) -> list[str]:
+    return [
+        f"reference/neighbour/{problem}_{start}" for problem in options["problems"] for start in neighbouring_starts
+    ]
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    runs = len(neighbouring_starts) * len(options["problems"]) * len(options["schemes"])
+    return runs * sum(options["steps_per_period"]) * sum(options["periods"])
+
+
+@experiment(
+    "neighbours",
+    section="recommendation",
+    options=_options,
+    split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
+    along="problem",
+    reads=_references,
+    steps=_number_of_steps,
+)
+def neighbours(
+    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], periods: Sequence[int]
+) -> xr.Dataset:
+    """Measure what the dataset ``accuracy`` holds, from starts one percent below and above that of each spring.
+
+    An error that a step keeps by accident, it does not keep from both. Each variable has the shape
+    (problem, start, scheme, steps_per_period, periods).
+
+    Raises
+    ------
+    FileNotFoundError
+        If a reference has not been made.
+    """
+    found = []
+    for problem in problems:
+        definition = problems_by_name[problem]
+        motions = [
+            (replace(definition, u0=multiple * definition.u0), datasets.open(f"reference/neighbour/{problem}_{start}"))
+            for start, multiple in neighbouring_starts.items()
+        ]
+        found.append(errors_of("start", motions, schemes, steps_per_period, periods))
+    start = ("start", list(neighbouring_starts), {"long_name": "start beside that of the problem"})
+    multiple = ("start", list(neighbouring_starts.values()), {"long_name": "displacement over its own", "units": "1"})
+    return (
+        xr.concat(found, "problem")
+        .assign_coords(coordinates.problem_coordinates(problems), start=start, multiple=multiple)
+        .assign_attrs(title="Accuracy of the schemes from starts beside those of the springs")
+    )
