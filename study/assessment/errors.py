@@ -18,6 +18,9 @@ from study.problem.definition import Problem
 #: Points between two of the reference at which a quantity is evaluated.
 FINER = 8
 
+#: Samples of a closer look at a peak, between those beside it, and looks, of which each is closer.
+CLOSER, LOOKS = 65, 2
+
 #: Times at which a quantity is evaluated at once.
 AT_ONCE = 4096
 
@@ -70,22 +73,26 @@ def values_along(quantity: Quantity, problem: Problem, solution: Solution, times
     return np.concatenate(parts)[: len(times)]
 
 
-def _peak(t: Times, values: Values) -> np.ndarray:
-    """Largest size of each component, by the parabola through the largest sample and its neighbours."""
-    sizes = np.abs(values)
-    top = np.clip(sizes.argmax(axis=0), 1, len(t) - 2)
-    component = np.arange(values.shape[1])
-    before, at, after = (sizes[top + shift, component] for shift in (-1, 0, 1))
-    h0, h1 = t[top] - t[top - 1], t[top + 1] - t[top]
-    slope, bend = (
-        ((after - at) / h1 * h0 + (at - before) / h0 * h1) / (h0 + h1),
-        ((after - at) / h1 - (at - before) / h0) / (h0 + h1),
-    )
-    inside = bend < 0
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rise = np.where(inside, np.clip(-(slope**2) / (4 * bend), 0, None), 0.0)
-    # the parabola must not leave what a smooth peak can have between its samples
-    return np.maximum(at + np.minimum(rise, np.abs(at - np.minimum(before, after))), sizes.max(axis=0))
+def _peak(quantity: Quantity, problem: Problem, solution: Solution, times: Times, values: Values) -> np.ndarray:
+    """Largest size of each component: that of its samples, and of closer ones about the largest.
+
+    The solution is smooth between its points only, so no curve through samples tells the height of a peak.
+    """
+    peak = np.abs(values).max(axis=0)
+    together = AT_ONCE // CLOSER
+    for first in range(0, len(peak), together):
+        component = np.arange(first, min(first + together, len(peak)))
+        top = np.abs(values[:, component]).argmax(axis=0)
+        near, place = np.broadcast_to(times[:, None], (len(times), len(component))), np.arange(len(component))
+        for _ in range(LOOKS):
+            near = np.linspace(
+                near[np.maximum(top - 1, 0), place], near[np.minimum(top + 1, len(near) - 1), place], CLOSER
+            )
+            all_values = values_along(quantity, problem, solution, near.ravel())
+            sizes = np.abs(all_values.reshape(*near.shape, -1)[:, place, component])
+            top = sizes.argmax(axis=0)
+        peak[component] = np.maximum(peak[component], sizes.max(axis=0))
+    return peak
 
 
 def _check_finite(values: Values, times: Times, quantity: Quantity, problem: Problem) -> None:
@@ -133,7 +140,7 @@ def target(quantity: Quantity, problem: Problem, solution: Solution) -> Target:
             "to it has no meaning."
         )
     if quantity.reduce == "peak":
-        value = _peak(times, values)
+        value = _peak(quantity, problem, solution, times, values)
         return Target(quantity, value, float(value.max()))
     if quantity.reduce == "rms":
         value = np.sqrt(np.trapezoid(values**2, times, axis=0) / times[-1])

@@ -215,7 +215,12 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         legend = "; ".join(
             f"{LETTERS[i] or 'white'}: {OUTCOMES[i].replace('_', ' ')}" for i in range(len(OUTCOMES)) if i in used
         )
-        parts += ["<h2>How it fails</h2>", figure_of(_maps(assessed), f"Outcome of runs. {legend}.")]
+        parts += [
+            "<h2>How it fails</h2>",
+            figure_of(_maps(assessed), f"Outcome of runs. {legend}."),
+            "<p>At a safe step, and at all finer ones, no run ends, grows or turns chaotic. That says nothing of its "
+            "error: a step that passes over a fast load may be safe.</p>",
+        ]
         rows = [
             (
                 titles[n],

@@ -64,10 +64,12 @@ def neighbours(
             for start, multiple in neighbouring_starts.items()
         ]
         found.append(errors_of("start", motions, schemes, steps_per_period, periods))
-    start = ("start", list(neighbouring_starts), {"long_name": "start beside that of the problem"})
-    multiple = ("start", list(neighbouring_starts.values()), {"long_name": "displacement over its own", "units": "1"})
+    starts = {
+        "start": ("start", list(neighbouring_starts), {"long_name": "start beside that of the problem"}),
+        "multiple": ("start", list(neighbouring_starts.values()), {"long_name": "over its displacement", "units": "1"}),
+    }
     return (
         xr.concat(found, "problem")
-        .assign_coords(coordinates.problem_coordinates(problems), start=start, multiple=multiple)
+        .assign_coords(coordinates.problem_coordinates(problems) | starts)
         .assign_attrs(title="Accuracy of the schemes from starts beside those of the springs")
     )
