@@ -21,6 +21,8 @@ _LINES_FIRST = re.compile(r"\A(# [^\n]*\n\n)(```python\n.*?^```\n)\n(.*)\Z", re.
 _EXPRESSION = re.compile(r"\{\{(.+?)\}\}", re.DOTALL)
 _FIGURE = re.compile(r"!\[([^]]*)\]\(figure:(\w+)\)")
 _DATASET = re.compile(r'study\.open\("([\w/]+)"\)')
+#: Datasets that ``study.recommend`` opens for a problem of the study; the study itself is slow to import.
+OF_RECOMMEND = ("work_precision", "accuracy", "neighbours")
 #: Numbers of the manuscript, which a page has as ``n``.
 NUMBERS = "numbers.json"
 
@@ -37,7 +39,8 @@ def reads_of_pages() -> list[str]:
 
 def reads(text: str) -> list[str]:
     """The files of the results that a page needs: datasets that it opens, figures that it shows, and the numbers."""
-    datasets = [f"{name}.nc" for name in _DATASET.findall(text)]
+    opened = [*_DATASET.findall(text), *(OF_RECOMMEND if 'study.recommend("' in text else ())]
+    datasets = [f"{name}.nc" for name in opened]
     return list(dict.fromkeys([*datasets, *(f"figures/{name}.svg" for _, name in _FIGURE.findall(text)), NUMBERS]))
 
 

@@ -41,6 +41,11 @@ def work_precision() -> xr.Dataset:
     ).assign_coords(evaluations=("scheme", [1, 1]), evaluations_per_iteration=("scheme", [0, 0]))
 
 
+def neighbours() -> xr.Dataset:
+    """The same errors from starts beside."""
+    return accuracy().expand_dims(start=["below", "above"])
+
+
 def energy_error() -> xr.Dataset:
     """Energy errors of Houbolt's method on the hardening spring that halve with the step size."""
     error = np.array([[[[80.0], [40.0]]]])
@@ -52,6 +57,6 @@ def energy_error() -> xr.Dataset:
 
 def write_to(results: Path) -> Path:
     """Write the datasets to a folder of results, and return the folder."""
-    for make in (accuracy, work_precision, energy_error):
+    for make in (accuracy, neighbours, work_precision, energy_error):
         datasets.write(make().assign_attrs(source=datasets.SOURCE), results / f"{make.__name__}.nc")
     return results

@@ -9,6 +9,9 @@ import xarray as xr
 from study import datasets
 from study.registry import UnknownName, did_you_mean
 
+#: Datasets that tell what the schemes need on a problem of the study.
+READS = ("work_precision", "accuracy", "neighbours")
+
 
 def _fewest_steps(steps: np.ndarray, error: np.ndarray, allowed: float) -> int | None:
     """Place of the fewest steps per period from which on every run keeps the error; None if the finest does not."""
@@ -121,7 +124,7 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
 
 def of_the_study(problem: str, error: float, measure: str, periods: float, folder: str | Path) -> pd.DataFrame:
     """The table that :func:`recommend` returns for a problem of the study."""
-    accuracy, neighbours, work = (datasets.open(name, folder) for name in ("accuracy", "neighbours", "work_precision"))
+    work, accuracy, neighbours = (datasets.open(name, folder) for name in READS)
     for name, known in ((problem, neighbours.problem.values), (measure, accuracy.measure.values)):
         if name not in known:
             kind = "problem" if name == problem else "measure of error"

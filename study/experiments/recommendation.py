@@ -7,7 +7,7 @@ import xarray as xr
 
 from study import datasets
 from study.analysis.comparison import MEASURES
-from study.analysis.recommendation import candidates
+from study.analysis.recommendation import READS, candidates
 from study.pipeline import coordinates
 from study.pipeline.checks import unlisted
 from study.pipeline.experiment import Options, experiment
@@ -35,7 +35,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     )
 
 
-@experiment("recommendation", reads=lambda options: ["accuracy", "neighbours", "work_precision"], check=_check)
+@experiment("recommendation", reads=lambda options: READS, check=_check)
 def recommendation(problems: Springs, measures: Names, errors: Tolerances, periods: Counts) -> xr.Dataset:
     """Find the steps, time and forces that every scheme needs to keep each error, and the cheapest scheme.
 
@@ -53,7 +53,7 @@ def recommendation(problems: Springs, measures: Names, errors: Tolerances, perio
     periods
         Lengths of the runs in exact periods.
     """
-    accuracy, neighbours, work = map(datasets.open, ("accuracy", "neighbours", "work_precision"))
+    work, accuracy, neighbours = map(datasets.open, READS)
     schemes = work.scheme.values.tolist()
     dims = ("problem", "measure", "error", "periods")
     shape = (len(problems), len(measures), len(errors), len(periods))

@@ -15,6 +15,7 @@ import study
 from docs import filled, interface, plan
 from paper import products
 from study import datasets
+from study.analysis.recommendation import READS
 from study.pipeline import configuration
 from study.pipeline.experiment import discover
 from tests.pipeline.pipeline import call_snakemake, copied
@@ -83,6 +84,11 @@ def test_a_page_says_what_its_code_gives(tmp_path):
         filled.filled(page.replace("number(top)", "number(bottom)"), results)
     with pytest.raises(SystemExit, match="must be named 'results'"):
         filled.filled(page, tmp_path)
+
+
+def test_a_page_that_recommends_needs_what_that_reads():
+    needed = filled.reads('```python\nstudy.recommend("softening", error=0.01)\n```')
+    assert needed == [*(f"{name}.nc" for name in READS), "numbers.json"]
 
 
 @pytest.mark.parametrize("page", GALLERY, ids=_relative)
