@@ -53,14 +53,13 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
         If a reference lacks the phases of a step size.
     """
     motions = [(problems_by_name[problem], datasets.open(f"reference/{problem}")) for problem in problems]
-    errors = errors_of("problem", motions, schemes, steps_per_period, periods)
+    errors = errors_of(motions, schemes, steps_per_period, periods)
     return errors.assign_coords(coordinates.problem_coordinates(problems)).assign_attrs(
         title="Accuracy of the schemes against the exact solution"
     )
 
 
 def errors_of(
-    along: str,
     motions: Sequence[tuple[Problem, xr.Dataset]],
     schemes: Sequence[str],
     steps_per_period: Sequence[int],
@@ -68,9 +67,9 @@ def errors_of(
 ) -> xr.Dataset:
     """Errors of every scheme on every motion, each of which is a free oscillator and its reference over one period.
 
-    Each variable has the shape (``along``, scheme, steps_per_period, periods), with the motions along the first.
+    Each variable has the shape (problem, scheme, steps_per_period, periods), with the motions along the first.
     """
-    dims = (along, "scheme", "steps_per_period", "periods")
+    dims = ("problem", "scheme", "steps_per_period", "periods")
     shape = (len(motions), len(schemes), len(steps_per_period), len(periods))
     measured: dict[str, np.ndarray] = {}
     attributes: dict[str, dict] = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
@@ -93,7 +92,7 @@ def errors_of(
         {name: (dims, values, attributes[name]) for name, values in measured.items()}
         | {
             "uncertainty": (
-                ("measure", along, "periods"),
+                ("measure", "problem", "periods"),
                 uncertainty,
                 {"long_name": "uncertainty of the reference in the units of the measure", "units": "1"},
             ),

@@ -9,8 +9,7 @@ from study import datasets
 from study.experiments.accuracy import errors_of
 from study.pipeline import coordinates
 from study.pipeline.experiment import Options, experiment
-from study.problem.named import neighbouring_starts
-from study.problem.named import problems as problems_by_name
+from study.problem.named import neighbouring_starts, problems
 
 
 def _options(configuration: Mapping) -> Options:
@@ -23,30 +22,33 @@ def _options(configuration: Mapping) -> Options:
     }
 
 
-def _references(options: Options) -> list[str]:
-    return [
-        f"reference/neighbour/{problem}_{start}" for problem in options["problems"] for start in neighbouring_starts
-    ]
+def _jobs(options: Options) -> dict[str, Options]:
+    """The options of one job for each problem and start."""
+    shared = {key: options[key] for key in ("schemes", "steps_per_period", "periods")}
+    return {
+        f"{problem}_{start}": {"problem": problem, "start": start, **shared}
+        for problem in options["problems"]
+        for start in neighbouring_starts
+    }
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = len(neighbouring_starts) * len(options["problems"]) * len(options["schemes"])
-    return runs * sum(options["steps_per_period"]) * sum(options["periods"])
+    return len(options["schemes"]) * sum(options["steps_per_period"]) * sum(options["periods"])
 
 
 @experiment(
     "neighbours",
     section="recommendation",
     options=_options,
-    split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
-    along="problem",
-    reads=_references,
+    split=_jobs,
+    along="problem,start",
+    reads=lambda options: [f"reference/neighbour/{options['problem']}_{options['start']}"],
     steps=_number_of_steps,
 )
 def neighbours(
-    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], periods: Sequence[int]
+    problem: str, start: str, schemes: Sequence[str], steps_per_period: Sequence[int], periods: Sequence[int]
 ) -> xr.Dataset:
-    """Measure what the dataset ``accuracy`` holds, from starts one percent below and above that of each spring.
+    """Measure what the dataset ``accuracy`` holds, from a start one percent below or above that of a spring.
 
     An error that a step keeps by accident, it does not keep from both. Each variable has the shape
     (problem, start, scheme, steps_per_period, periods).
@@ -54,22 +56,20 @@ def neighbours(
     Raises
     ------
     FileNotFoundError
-        If a reference has not been made.
+        If the reference has not been made.
     """
-    found = []
-    for problem in problems:
-        definition = problems_by_name[problem]
-        motions = [
-            (replace(definition, u0=multiple * definition.u0), datasets.open(f"reference/neighbour/{problem}_{start}"))
-            for start, multiple in neighbouring_starts.items()
-        ]
-        found.append(errors_of("start", motions, schemes, steps_per_period, periods))
-    starts = {
-        "start": ("start", list(neighbouring_starts), {"long_name": "start beside that of the problem"}),
-        "multiple": ("start", list(neighbouring_starts.values()), {"long_name": "over its displacement", "units": "1"}),
-    }
+    multiple, own = neighbouring_starts[start], problems[problem]
+    motion = replace(own, u0=multiple * own.u0), datasets.open(f"reference/neighbour/{problem}_{start}")
+    about = {"long_name": "displacement at the start over that of the problem", "units": "1"}
     return (
-        xr.concat(found, "problem")
-        .assign_coords(coordinates.problem_coordinates(problems) | starts)
+        errors_of([motion], schemes, steps_per_period, periods)
+        .expand_dims("start", axis=1)
+        .assign_coords(
+            coordinates.problem_coordinates([problem])
+            | {
+                "start": ("start", [start], {"long_name": "start beside that of the problem"}),
+                "multiple": ("start", [multiple], about),
+            }
+        )
         .assign_attrs(title="Accuracy of the schemes from starts beside those of the springs")
     )
