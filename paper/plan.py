@@ -129,6 +129,22 @@ def check_datasets(products: Iterable[Product], datasets: Iterable[str]) -> None
                 raise ValueError(f"{one.label} reads '{name}', a dataset that this configuration does not make.")
 
 
+def check_places(products: Iterable[Product]) -> None:
+    """Refuse a table, claim or number outside of the folder in which its kind is looked for.
+
+    Raises
+    ------
+    ValueError
+        With one sentence that names the folder.
+    """
+    for one in products:
+        folder, *_ = WHOLES.get(one.kind, ("",))
+        if not one.module.startswith(f"paper.{folder}"):
+            raise ValueError(
+                f"{one.label} is declared in {one.module} and looked for in paper/{folder}: move it there."
+            )
+
+
 def main(root: str) -> None:
     """Print the steps, or end with one sentence that says what the paper lacks.
 
@@ -140,6 +156,7 @@ def main(root: str) -> None:
     plan = json.load(sys.stdin)
     try:
         products = discover()
+        check_places(products)
         check_datasets(products, plan["datasets"])
         check(products, plan["configuration"])
     except ValueError as error:

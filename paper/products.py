@@ -86,6 +86,9 @@ def declare(product: Product) -> None:
 
 
 def _declared(kind: str, name: str, caption: str, asks: Asks | None, reads: dict) -> Callable:
+    if kind in ("figure", "page") and not isinstance(caption, str):
+        raise ValueError(f"A {kind} is declared with a caption and the datasets that it reads, not with {caption!r}.")
+
     def enter(function: Callable) -> Callable:
         module = function.__module__
         if name and kind != "numbers" and not re.fullmatch(r"[a-z0-9_]+", name):
@@ -157,6 +160,8 @@ def check(products: Iterable[Product], config: dict) -> None:
                 sentence = asked(value)
                 if sentence:
                     raise ValueError(sentence)
+            elif isinstance(asked, list) and not isinstance(value, list):
+                raise ValueError(f"{key} must be a list for {product.label}, not {value!r}.")
             elif isinstance(asked, list):
                 missing = [one for one in asked if one not in value]
                 if missing:
@@ -208,6 +213,8 @@ def main(module: str, name: str, results: str, output: str, width: float | None 
     # imported by name, so that only figures, whose modules import the style, depend on its source
     style = importlib.import_module("paper.figures.style")
     picture = made(product, reader(Path(results)))
+    if not hasattr(picture, "savefig"):
+        raise SystemExit(f"{product.label} must return a figure, not {picture!r}.")
     style.save(picture if width is None else style.at_width(picture, width), Path(output))
 
 

@@ -12,7 +12,7 @@ from study import datasets
 from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
 from study.assessment.report import answer, limits_of_reference, report, write_page
-from study.assessment.scheme import BESIDE, assess_scheme, scheme_page
+from study.assessment.scheme import BESIDE, ON, assess_scheme, scheme_page
 from study.marching.run import run
 from study.observer.named import observers
 from study.problem.definition import Problem
@@ -142,8 +142,7 @@ def _assess(arguments: argparse.Namespace) -> None:
 def _assess_scheme(arguments: argparse.Namespace) -> None:
     output = check_writable(arguments.output)
     scheme = _given(arguments.scheme, Scheme)
-    wanted = dict.fromkeys(arguments.problems) if arguments.problems else None
-    assessed = assess_scheme(scheme, beside=arguments.beside, problems=wanted)
+    assessed = assess_scheme(scheme, beside=arguments.beside, problems=arguments.problems or ON)
     assessed.linear.attrs["command"] = shlex.join(["study", *arguments.words])
     print(f"written: {write_page(scheme_page(assessed), output)}")
 

@@ -172,9 +172,13 @@ def open(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
     ------
     FileNotFoundError
         If there is no such dataset; the message gives the nearest name and the command that makes the dataset.
+    TypeError
+        If it is no name.
     ValueError
         If a path is given in place of a name, or if the file is damaged or was not written by this study.
     """
+    if not isinstance(name, str):
+        raise TypeError(f"study.open takes the name of a dataset, not {name!r}.")
     if Path(name).suffix == ".nc":
         raise ValueError(
             f"study.open takes the name of a dataset, not its file: {_call_for(Path(name), Path(folder))}."
@@ -187,7 +191,10 @@ def open(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
         present = sorted(p.relative_to(folder).with_suffix("").as_posix() for p in Path(folder).rglob("*.nc"))
         near = nearest(name, present)
         question = f"did you mean {' or '.join(map(repr, near))}? If not, " if near else ""
-        raise FileNotFoundError(f"there is no dataset '{path}'; {question}`snakemake {path}` makes those of the study.")
+        raise FileNotFoundError(
+            f"there is no dataset '{path}'; {question}`snakemake {path}` makes those of the study, in the folder of "
+            "its sources, and `folder` names results elsewhere."
+        )
     return read(path)
 
 

@@ -62,7 +62,8 @@ def test_a_recommendation_is_printed(capsys, monkeypatch):
         (
             ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
             "there is no dataset '{folder}/work_precision.nc'; "
-            "`snakemake {folder}/work_precision.nc` makes those of the study.",
+            "`snakemake {folder}/work_precision.nc` makes those of the study, in the folder of its sources, and "
+            "`folder` names results elsewhere.",
         ),
     ],
 )

@@ -52,12 +52,15 @@ def test_two_writers_and_three_readers_never_meet_half_a_file(tmp_path):
     people += [spawn.Process(target=_read, args=(path, failures, reads)) for _ in range(3)]
     for one in people:
         one.start()
-    seen = set()
+    # a process ends once its queues are read
+    seen: set[int] = set()
+    failed: set[str] = set()
     while any(one.is_alive() for one in people):
-        while not reads.empty():
-            seen.add(reads.get())
+        for queue, told in ((reads, seen), (failures, failed)):
+            while not queue.empty():
+                told.add(queue.get())
         time.sleep(0.01)
-    assert failures.empty(), failures.get()
+    assert not failed
     assert seen == {1, 2}
     assert [one.name for one in tmp_path.iterdir()] == ["one.nc"]
 

@@ -24,14 +24,14 @@ def _some_below_a_twentieth(dt_over_period: list[float]) -> str | None:
     """A sentence if no step is smaller than T/20."""
     if min(dt_over_period) < 0.05:
         return None
-    return "large_steps.dt_over_period has none below 0.05, of which the ledger decides a claim."
+    return "large_steps.dt_over_period needs a step below 0.05: the ledger has a claim on such steps."
 
 
 def _some_above_a_fifth(dt_over_period: list[float]) -> str | None:
     """A sentence if no step is larger than T/5."""
     if max(dt_over_period) > 0.2:
         return None
-    return "large_steps.dt_over_period has none above 0.2, of which the ledger decides a claim."
+    return "large_steps.dt_over_period needs a step above 0.2: the ledger has a claim on such steps."
 
 
 def _cells(data: Data) -> xr.DataArray:

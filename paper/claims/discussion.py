@@ -24,7 +24,7 @@ _OF_TWO_SPRINGS = ["hardening", "softening", "softening_large"]
 def runge_kutta_is_best(data):
     at = errors(data, "softening").sel(steps_per_period=20)
     resonance = data["energy_drift"].steps_per_oscillation.sel(steps_per_period=20, method="nearest").item()
-    held = abs(resonance - round(resonance)) < RESONANT
+    held = abs(resonance - np.round(resonance)) < RESONANT
     return Finding(
         f"{listed(by_name(at), data)} %",
         at.idxmin("scheme").item() == "rk4",

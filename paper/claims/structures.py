@@ -12,7 +12,7 @@ from paper.published import SCHEMES
 
 #: Structures with modes far too fast for the steps.
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
-#: Samples of a history after its start of which the last half has the three that an alternation takes.
+#: Samples that a history needs after its start: its last half then has three, the fewest that can alternate.
 SAMPLES_OF_SAWTOOTH = 4
 
 

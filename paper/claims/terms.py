@@ -32,7 +32,7 @@ MUCH_LESS, SLIGHTLY_MORE = 0.75, 1.5
 MOST = 0.5
 #: Share of cases above which something is "not uncommon".
 NOT_UNCOMMON = 0.05
-#: Distance of two runs, started as good as equal, at which both are "chaotic": they are no longer one motion.
+#: Distance at which two runs with almost equal starts are "chaotic": they are no longer one motion.
 APART = 0.1
 #: Lyapunov exponent per step above which a map is chaotic; a regular map has less than 0.01 after a thousand steps.
 CHAOTIC = 0.05

@@ -15,7 +15,7 @@ from matplotlib.patheffects import withStroke
 from paper.figures.style import OUTCOME_STYLES, legend_below
 
 
-class Case(NamedTuple):
+class RunOf1996(NamedTuple):
     """A run of the paper: its place on a map, and its scheme, or None for all schemes."""
 
     title: str
@@ -33,8 +33,8 @@ class Case(NamedTuple):
 
 #: Figure 3 of the paper is the softening spring at its large amplitude, Figure 4 the double well.
 PAPER_CASES = (
-    Case("Figure 3 of 1996", "softening", 10.0, 0.225, None, "v"),
-    Case("Figure 4 of 1996", "double_well", 0.5, 2.5, None, "o"),
+    RunOf1996("Figure 3 of 1996", "softening", 10.0, 0.225, None, "v"),
+    RunOf1996("Figure 4 of 1996", "double_well", 0.5, 2.5, None, "o"),
 )
 
 

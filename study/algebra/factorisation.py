@@ -57,7 +57,7 @@ class Method(abc.ABC):
         """The solution (n,) for a right side (n,)."""
 
 
-class Banded(Method):
+class BandCholesky(Method):
     """LAPACK's Cholesky factorisation of a band, with the unknowns in another order."""
 
     def __init__(self, pattern: Pattern, order: np.ndarray, half_bandwidth: int):
@@ -138,7 +138,7 @@ def _best(pattern: Pattern) -> Method:
     place = np.argsort(order)
     half_bandwidth = int(np.abs(place[pattern.rows] - place[pattern.columns]).max())
     if half_bandwidth <= WIDEST_BAND:
-        return Banded(pattern, order, half_bandwidth)
+        return BandCholesky(pattern, order, half_bandwidth)
     return Cholmod(pattern) if find_spec("cvxopt") else SuperLU(pattern)
 
 

@@ -20,6 +20,8 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Complex, Float
 
+from study.marching.arguments import resolve
+from study.marching.program import unlabelled
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
 from study.scheme.contract import started, stepped
@@ -163,7 +165,7 @@ class LinearTheory:
     spectral_radius: Points
 
     def __init__(self, scheme: str | Scheme, dt_over_period: PointsLike, damping_ratio: float = 0.0):
-        scheme = schemes[scheme] if isinstance(scheme, str) else scheme
+        scheme = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
         parts = np.asarray(dt_over_period)
         if (
             parts.dtype.kind not in "fiu"
@@ -190,7 +192,7 @@ class LinearTheory:
         damping = jnp.asarray(float(self._damping_ratio))
         points = len(dt_over_period)
         tiles = np.pad(np.asarray(dt_over_period, float), (0, -points % TILE), mode="edge").reshape(-1, TILE)
-        return np.concatenate([_at_each(function, self._scheme, tile, damping) for tile in tiles])[:points]
+        return np.concatenate([_at_each(function, unlabelled(self._scheme), tile, damping) for tile in tiles])[:points]
 
     def _radius(self, dt_over_period: Points) -> Points:
         return np.abs(_eigenvalues(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)

@@ -68,9 +68,13 @@ def outcomes(runs: xr.Dataset) -> tuple[Places, Times]:
 
     Raises
     ------
+    TypeError
+        If it is no dataset.
     ValueError
         If the dataset is no ensemble or lacks these observers.
     """
+    if not isinstance(runs, xr.Dataset):
+        raise TypeError(f"outcomes takes a dataset of study.run, not {runs!r}.")
     if "lane" not in runs.dims:
         raise ValueError("outcomes need an ensemble: give study.run an array of u0 or of dt.")
     for name in _EVENTS.values():

@@ -34,7 +34,7 @@ def _sizes(data: xr.Dataset, measure: str) -> xr.DataArray:
 
 
 def _with_ties(table: pd.DataFrame) -> pd.DataFrame:
-    """The table by time, with a column that tells whose interquartile range, about the median, meets the fastest's."""
+    """The table by time, with a column that tells which times tie with the least: their interquartile ranges meet."""
     table = table.sort_values("time")
     slower_by = table["time"] - table["time"].iloc[:1].squeeze()
     ties = slower_by <= (table["time_spread"] + table["time_spread"].iloc[:1].squeeze()) / 2
@@ -197,7 +197,8 @@ def recommend(
     TypeError
         If an argument is no name or no number.
     ValueError
-        If no scheme keeps the error, or no run has the length; the message states what was measured.
+        If no scheme keeps the error, or no run has the length; the message states what was measured. If a quantity is
+        named for a problem of the study.
 
     Examples
     --------
@@ -215,6 +216,8 @@ def recommend(
     if not isinstance(what, str):
         raise TypeError(
             "recommend takes the name of a problem of the study, or the dataset that study.assess returns for a "
-            f"problem of your own, not {what!r}."
+            f"problem of your own, not a {type(what).__name__}."
         )
+    if quantity is not None:
+        raise ValueError("quantity names one of an assessment; for a problem of the study give measure=.")
     return of_the_study(what, error, measure, periods, folder)

@@ -8,7 +8,7 @@ from study.assessment import errors, ladder, oscillation, solution
 from study.assessment.errors import Target
 from study.assessment.ladder import Case
 from study.assessment.oscillation import Oscillation
-from study.assessment.solution import NoReference, Route, Solution
+from study.assessment.solution import DenseSolution, NoReference, Route
 from study.observer.motion import Quantity
 from study.problem.definition import Problem
 from study.problem.loads import excited
@@ -26,7 +26,7 @@ SHORTEST = 0.05
 class Reference(NamedTuple):
     """The solution, what it says, how far it is to be trusted, and until when."""
 
-    solution: Solution
+    solution: DenseSolution
     targets: dict[str, Target]
     oscillation: Oscillation | None
     uncertainty: dict[str, float]
@@ -36,7 +36,9 @@ class Reference(NamedTuple):
     horizon: float
 
 
-def _holds(one: Solution, other: Solution, quantities: dict[str, Quantity], problem: Problem, most: float) -> float:
+def _holds(
+    one: DenseSolution, other: DenseSolution, quantities: dict[str, Quantity], problem: Problem, most: float
+) -> float:
     """Time of the first solution up to which two agree in every quantity."""
     ends = [one.t[-1]]
     for quantity in quantities.values():
@@ -48,7 +50,7 @@ def _holds(one: Solution, other: Solution, quantities: dict[str, Quantity], prob
 
 def _on_a_grid(
     problem: Problem, routes: tuple[Route, Route], grid: solution.Times, rtol: float, tightest: float
-) -> tuple[Solution, Solution, solution.Times]:
+) -> tuple[DenseSolution, DenseSolution, solution.Times]:
     """Solutions of both routes, and a grid fine enough for the interpolant of the first one.
 
     The second solution has points between any two of the first, so that their difference tells of the interpolant.
@@ -120,10 +122,10 @@ def certified(
     return Reference(one, targets, swing, apart, route, witness, rtol, horizon)
 
 
-def _until(whole: Solution, end: float) -> Solution:
+def _until(whole: DenseSolution, end: float) -> DenseSolution:
     """A solution up to a time of its grid."""
     count = int(np.searchsorted(whole.t, end, side="right"))
-    return Solution(*(part[:count] for part in whole))
+    return DenseSolution(*(part[:count] for part in whole))
 
 
 def cases_of(

@@ -8,7 +8,7 @@ import xarray as xr
 
 from study import datasets
 from study.assessment import ladder
-from study.assessment.ladder import Ladder, Verdict
+from study.assessment.ladder import Ladder, Recommendation
 from study.datasets import flags
 from study.marching.timing import Timed
 from study.problem.definition import Problem
@@ -27,7 +27,7 @@ class Assessed(NamedTuple):
     """What was found out about one scheme."""
 
     rungs: Ladder
-    verdicts: dict[tuple[str, float], Verdict]
+    verdicts: dict[tuple[str, float], Recommendation]
     map: xr.Dataset | None
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
-from study.assessment.solution import Solution, Times
+from study.assessment.solution import DenseSolution, Times
 from study.observer.motion import Quantity
 from study.problem.definition import Problem
 
@@ -60,7 +60,7 @@ def _evaluated(quantity, problem, t, u, v):
     return jax.vmap(lambda *at: jnp.atleast_1d(quantity.value(problem, *at)).astype(float))(t, u, v)
 
 
-def values_along(quantity: Quantity, problem: Problem, solution: Solution, times: Times) -> Values:
+def values_along(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times) -> Values:
     """Values of a quantity at some times of a solution."""
     # in parts of one size, so that the number of times is no part of what is compiled
     padded = np.append(times, np.full(-len(times) % AT_ONCE, times[-1]))
@@ -73,7 +73,7 @@ def values_along(quantity: Quantity, problem: Problem, solution: Solution, times
     return np.concatenate(parts)[: len(times)]
 
 
-def _peak(quantity: Quantity, problem: Problem, solution: Solution, times: Times, values: Values) -> np.ndarray:
+def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times, values: Values) -> np.ndarray:
     """Largest size of each component: that of its samples, and of closer ones about the largest.
 
     The solution is smooth between its points only, so no curve through samples tells the height of a peak.
@@ -121,7 +121,7 @@ class Target(NamedTuple):
     scale: float
 
 
-def target(quantity: Quantity, problem: Problem, solution: Solution) -> Target:
+def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Target:
     """What the reference says about a quantity.
 
     Raises
@@ -148,7 +148,7 @@ def target(quantity: Quantity, problem: Problem, solution: Solution) -> Target:
     return Target(quantity, values[-1] if quantity.reduce == "final" else None, float(largest))
 
 
-def error(target: Target, problem: Problem, solution: Solution, run: xr.Dataset) -> float:
+def error(target: Target, problem: Problem, solution: DenseSolution, run: xr.Dataset) -> float:
     """Error of a run in a quantity, relative to its size; NaN if the run failed.
 
     Along time it is the largest difference at any sample.
@@ -163,7 +163,7 @@ def error(target: Target, problem: Problem, solution: Solution, run: xr.Dataset)
     return float(np.abs(got.reshape(len(times), -1) - wanted).max() / target.scale)
 
 
-def difference(quantity: Quantity, problem: Problem, one: Solution, other: Solution) -> tuple[float, Times]:
+def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: DenseSolution) -> tuple[float, Times]:
     """Difference of a quantity between two solutions, and along time up to each point, relative to its size.
 
     They are compared at the times of the second one.

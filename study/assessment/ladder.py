@@ -8,7 +8,7 @@ import numpy as np
 from study.assessment import errors, oscillation
 from study.assessment.errors import Target
 from study.assessment.oscillation import Oscillation
-from study.assessment.solution import Solution
+from study.assessment.solution import DenseSolution
 from study.marching.run import run
 from study.observer.base import Observer
 from study.problem.definition import Problem
@@ -70,7 +70,7 @@ class Try(NamedTuple):
 Limit = tuple[str, float]
 
 
-class Verdict(NamedTuple):
+class Recommendation(NamedTuple):
     """The fewest steps that keep an error, how the search ended, and how many fewer kept it by accident."""
 
     steps: int
@@ -82,7 +82,7 @@ class Case(NamedTuple):
     """A start of the problem, as a multiple of u₀, u̇₀ and load, with its reference and what that says."""
 
     problem: Problem
-    solution: Solution
+    solution: DenseSolution
     targets: dict[str, Target]
     oscillation: Oscillation | None
 
@@ -187,9 +187,9 @@ class Ladder:
             finer.append(max(self.rounded(steps * more), finer[-1] + self._every(steps)))
         return [one for one in finer[1:] if one <= MOST_STEPS]
 
-    def _verdict(self, name: str, allowed: float, uncertainty: float) -> Verdict:
+    def _verdict(self, name: str, allowed: float, uncertainty: float) -> Recommendation:
         if allowed < CERTAIN * uncertainty:
-            return Verdict(-1, UNCERTAIN, 0)
+            return Recommendation(-1, UNCERTAIN, 0)
         for _ in range(ATTEMPTS):
             fewest = self._fewest(name, allowed)
             if fewest is None and 2 * self.steps_of()[-1] <= self.finest:  # another start needs finer steps
@@ -197,7 +197,7 @@ class Ladder:
                 self.run(self.rungs[-1])
                 continue
             if fewest is None:
-                return Verdict(-1, FINEST_FAILS, 0)
+                return Recommendation(-1, FINEST_FAILS, 0)
             if not self._keeps_from_all_starts(fewest, name, allowed):
                 continue
             coarser = max((steps for steps in self.steps_of() if steps < fewest), default=0)
@@ -210,10 +210,12 @@ class Ladder:
             if all(self.run(one).errors[name] <= allowed for one in self._finer_ones(fewest)):
                 coarser_ones = [steps for steps in self.steps_of() if steps < fewest]
                 accidents = sum(self.run(steps).errors[name] <= allowed for steps in coarser_ones)
-                return Verdict(fewest, FOUND if coarser else COARSEST_KEEPS, accidents)
-        return Verdict(-1, BY_ACCIDENT, ATTEMPTS)
+                return Recommendation(fewest, FOUND if coarser else COARSEST_KEEPS, accidents)
+        return Recommendation(-1, BY_ACCIDENT, ATTEMPTS)
 
-    def verdicts(self, limits: Sequence[tuple[str, float]], uncertainty: dict[str, float]) -> dict[Limit, Verdict]:
+    def verdicts(
+        self, limits: Sequence[tuple[str, float]], uncertainty: dict[str, float]
+    ) -> dict[Limit, Recommendation]:
         """The fewest steps that keep each error of a quantity, on which no run made for another one casts doubt.
 
         Parameters
@@ -228,7 +230,7 @@ class Ladder:
             found = {limit: self._verdict(*limit, uncertainty[limit[0]]) for limit in limits}
             if len(self.tries) == before:
                 return found
-        doubted = Verdict(-1, BY_ACCIDENT, ATTEMPTS)
+        doubted = Recommendation(-1, BY_ACCIDENT, ATTEMPTS)
         return {
             limit: doubted if verdict.steps > 0 and self._fewest(*limit) != verdict.steps else verdict
             for limit, verdict in found.items()

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
-from study.assessment.solution import Solution
+from study.assessment.solution import DenseSolution
 from study.observer.errors import AmplitudeDecay, PeriodError
 from study.problem.definition import Problem
 
@@ -47,7 +47,7 @@ class Oscillation(NamedTuple):
         return PeriodError(level, crossing, steps, jnp.asarray(dt)), AmplitudeDecay(rest, jnp.asarray(dt))
 
 
-def _upward_crossings(solution: Solution, level: float) -> np.ndarray:
+def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
     """Times at which the displacement crosses a level upwards, on the interpolant."""
     from scipy.optimize import brentq  # here, because importing it takes as long as the rest of the study
 
@@ -61,7 +61,7 @@ def _upward_crossings(solution: Solution, level: float) -> np.ndarray:
     )
 
 
-def oscillation(problem: Problem, solution: Solution) -> Oscillation | None:
+def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None:
     """The oscillation of a solution; None if the problem is driven, damped or no oscillator."""
     if np.ndim(problem.u0) or not problem.conservative:
         return None

@@ -264,7 +264,7 @@ def document(title: str, parts: Iterable[str]) -> str:
 
 def page(assessed: xr.Dataset) -> str:
     """The page of an assessment as HTML."""
-    if "recommended_dt" not in assessed:
+    if not isinstance(assessed, xr.Dataset) or "recommended_dt" not in assessed:
         raise ValueError("report takes a dataset of study.assess.")
     return document(assessed.attrs["title"], [*judgement(assessed), *made_by(assessed.attrs)])
 

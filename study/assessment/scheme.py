@@ -1,6 +1,6 @@
 """``study.assess_scheme``: a scheme of one's own beside those of the study."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -65,8 +65,8 @@ def _linear(chosen: dict[str, Scheme]) -> xr.Dataset:
 def assess_scheme(
     scheme: str | Scheme,
     *,
-    beside: Sequence[str] = BESIDE,
-    problems: dict[str, float | None] | None = None,
+    beside: str | Sequence[str] = BESIDE,
+    problems: Sequence[str] | Mapping[str, float | None] = ON,  # type: ignore[assignment]
     errors: Sequence[float] = (0.1, 0.01),
 ) -> SchemeAssessment:
     """Put a scheme through linear theory, the springs and stiff systems, beside schemes of the study.
@@ -78,7 +78,7 @@ def assess_scheme(
     beside
         Names of schemes to compare with.
     problems
-        Names of problems with the time to run, None for ten periods; three springs and two stiff systems by default.
+        Names of problems, or a mapping from them to the time to run, which is None for ten periods.
     errors
         Errors that may be allowed.
 
@@ -94,13 +94,14 @@ def assess_scheme(
     """
     own = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     name = schemes.resolve(scheme) if isinstance(scheme, str) else own.title
-    chosen = {name: own} | {other: schemes[other] for other in beside if schemes[other] is not own}
+    others = [beside] if isinstance(beside, str) else beside
+    chosen = {name: own} | {other: schemes[other] for other in others if schemes[other] is not own}
+    durations = problems if isinstance(problems, Mapping) else dict.fromkeys(problems)
     linear = _linear(chosen)
     linear.attrs = datasets.provenance(f"{own.title} beside other schemes", "study.assess_scheme")
     linear.attrs["processor"] = processor()
     found = {
-        problem: assess(problem, chosen, duration=duration, errors=errors)
-        for problem, duration in (ON if problems is None else problems).items()
+        problem: assess(problem, chosen, duration=duration, errors=errors) for problem, duration in durations.items()
     }
     return SchemeAssessment(linear, found)
 

@@ -51,10 +51,10 @@ MAX_STEPS = 4_000_000
 Times = Float[np.ndarray, "t"]
 
 #: Displacements or velocities at these times.
-Motion = Float[np.ndarray, "t *n"]
+History = Float[np.ndarray, "t *n"]
 
 
-class Solution(NamedTuple):
+class DenseSolution(NamedTuple):
     """Displacement and velocity on a grid, interpolated between its points by the quintic through u, u̇ and ü.
 
     Attributes
@@ -66,11 +66,11 @@ class Solution(NamedTuple):
     """
 
     t: Times
-    u: Motion
-    v: Motion
-    a: Motion
+    u: History
+    v: History
+    a: History
 
-    def at(self, times: Times) -> tuple[Motion, Motion]:
+    def at(self, times: Times) -> tuple[History, History]:
         """Displacement and velocity at any times of the run."""
         i = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.t) - 2)
         h = self.t[i + 1] - self.t[i]
@@ -163,7 +163,7 @@ def with_points_between(grid: Times) -> Times:
     return np.append((grid[:-1, None] + np.diff(grid)[:, None] * (0.0, *BETWEEN)).ravel(), grid[-1])
 
 
-def refined(one: Solution, other: Solution, goal: float) -> Times:
+def refined(one: DenseSolution, other: DenseSolution, goal: float) -> Times:
     """The grid of a solution, finer where its interpolant is off by more than a goal, relative to the largest value.
 
     Parameters
@@ -197,7 +197,7 @@ class Route(NamedTuple):
     """
 
     name: str
-    trajectory: Callable[[Problem, Times, float], tuple[Motion, ...]]
+    trajectory: Callable[[Problem, Times, float], tuple[History, ...]]
 
 
 def routes_of(problem: Problem, duration: float, kinks: Kinks) -> tuple[Route, Route]:
@@ -241,14 +241,16 @@ def routes_of(problem: Problem, duration: float, kinks: Kinks) -> tuple[Route, R
     return Route("heyoka", by_taylor), of_diffrax
 
 
-def solution_by(route: Route, problem: Problem, t: Times, rtol: float) -> Solution:
+def solution_by(route: Route, problem: Problem, t: Times, rtol: float) -> DenseSolution:
     """The solution of a route on a grid that begins at zero."""
     u, v, *known = route.trajectory(problem, t[1:], rtol)
     u = np.concatenate([np.asarray(problem.u0, float)[None], u])
     v = np.concatenate([np.asarray(problem.v0, float)[None], v])
     if known:
-        return Solution(t, u, v, np.concatenate([np.asarray(acceleration(problem, 0.0, u[0], v[0]))[None], *known]))
-    return Solution(t, u, v, np.asarray(_accelerations(problem, jnp.asarray(t), jnp.asarray(u), jnp.asarray(v))))
+        return DenseSolution(
+            t, u, v, np.concatenate([np.asarray(acceleration(problem, 0.0, u[0], v[0]))[None], *known])
+        )
+    return DenseSolution(t, u, v, np.asarray(_accelerations(problem, jnp.asarray(t), jnp.asarray(u), jnp.asarray(v))))
 
 
 @eqx.filter_jit
@@ -268,7 +270,7 @@ def _marched(scheme: Remembering, problem: Problem, t, parts):
     return jax.lax.scan(between, state, jnp.stack([t[:-1], t[1:]], axis=1))[1]
 
 
-def _by_small_steps(scheme: Scheme, problem: Problem, t: Times, rtol: float) -> tuple[Motion, ...]:
+def _by_small_steps(scheme: Scheme, problem: Problem, t: Times, rtol: float) -> tuple[History, ...]:
     """The motion with steps whose number grows as the fourth root of the tolerance falls, from the grid's own on."""
     parts = jnp.asarray(round(STEPS_PER_POINT * (TOLERANCES[0] / rtol) ** 0.25))
     return tuple(map(np.asarray, _marched(Remembering(scheme), problem.untitled(), jnp.append(0.0, t), parts)))

@@ -111,9 +111,13 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def _numbers_held(options: Options, configuration: Mapping) -> float:
-    portraits = options["portraits"]
-    on_maps = _number_of_amplitudes(configuration) * options["dt_over_period"]["count"]
-    return len(options["problems"]) * (8 * on_maps + 5 * portraits["points"] ** 2 * portraits["samples"])
+    points, samples = options["portraits"]["points"], options["portraits"]["samples"]
+    amplitudes = _number_of_amplitudes(configuration)
+    on_maps = amplitudes * options["dt_over_period"]["count"]
+    # all amplitudes of a tile are run at once: three values at every sample, and two at every step of the beginning
+    early = max(1.0, EARLY / 10 ** options["dt_over_period"]["first"])
+    at_once = -(-amplitudes // options["tiles"]) * samples * (3 + 2 * early)
+    return at_once + len(options["problems"]) * (8 * on_maps + 5 * points**2 * samples)
 
 
 @experiment(

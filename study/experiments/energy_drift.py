@@ -49,7 +49,13 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
     return 3 * _number_of_steps(options, configuration)
 
 
-@experiment("energy_drift", steps=_number_of_steps, values=_numbers_held)
+def _check(options: Options, configuration: Mapping) -> str | None:
+    if options["oscillations"] >= options["periods"]:
+        return f"oscillations must be less than periods, {options['periods']}, not {options['oscillations']}."
+    return None
+
+
+@experiment("energy_drift", check=_check, steps=_number_of_steps, values=_numbers_held)
 def energy_drift(
     problem: Spring,
     scheme: SchemeName,

@@ -130,6 +130,9 @@ def _check(options: Options, configuration: Mapping) -> str | None:
         return f"periods: a run of {lengths[-1]:,} has more than the {MOST_STEPS:,} steps that single precision counts."
     if sum(length >= lengths[-1] / 100 for length in lengths) < 3:
         return "periods: a law of growth takes three lengths within the last two decades."
+    problem = problems_by_name[options["problem"]]
+    if not problem.stored_energy(0.0) < problem.stored_energy(problem.u0):
+        return f"problem: the motion of '{options['problem']}' does not cross zero, where oscillations are counted."
     return None
 
 

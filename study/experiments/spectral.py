@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from annotated_types import Ge, Le, Len, Lt
+from annotated_types import Ge, Le
 from typing_extensions import TypedDict
 
 from study.analysis.linear_theory import OVERSHOOT_STEPS, LinearTheory, oscillator
@@ -15,7 +15,7 @@ from study.equilibrium.state import Motion
 from study.pipeline import coordinates
 from study.pipeline.command import progress
 from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import IN_ORDER, Schemes, section
+from study.pipeline.options import IN_ORDER, DampingRatios, Schemes, section
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.rederived import Rederived
@@ -91,7 +91,7 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
 def spectral(
     schemes: Schemes,
     exponents: Annotated[_Exponents, IN_ORDER],
-    damping_ratios: Annotated[list[Annotated[float, Ge(0), Lt(1)]], Len(1, 100)],
+    damping_ratios: DampingRatios,
 ) -> xr.Dataset:
     """Compute the linear theory of every scheme, by step size and damping of the oscillator.
 

@@ -22,7 +22,8 @@ OBSERVED = ("lyapunov_exponent", "energy_balance", "newton_iterations")
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    periods = sum(length["periods"] for length in options["lengths"])
+    # a step of many unknowns counts as one of each
+    periods = sum(length["periods"] * np.size(problems_by_name[length["problem"]].u0) for length in options["lengths"])
     # every run is repeated over half its length
     runs = 1.5 * len(options["schemes"]) * len(options["excitations"])
     return runs * periods * sum(options["steps_per_period"])

@@ -101,7 +101,8 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return options["periods"] * len(options["schemes"]) * sum(options["steps_per_period"])
+    unknowns = np.size(problems_by_name[options["problem"]].u0)
+    return unknowns * options["periods"] * len(options["schemes"]) * sum(options["steps_per_period"])
 
 
 def _numbers_held(options: Options, configuration: Mapping) -> float:

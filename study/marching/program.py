@@ -17,8 +17,8 @@ from study.marching.shapes import CountPerRun, Displacements, PerRun
 from study.problem.definition import Problem
 from study.scheme.base import Scheme
 
-#: Samples for which a run of one call has room, and one of several calls, each of which takes a tenth of a millisecond
-#: besides its steps. So the number of samples is no part of what is compiled.
+#: Room for samples, so that their number is no part of what is compiled: of a run that one call marches, and of one
+#: that several calls march. A call takes a tenth of a millisecond besides its steps.
 AT_ONCE, IN_STRETCHES = 2**13, 2**17
 
 #: Numbers of one variable that these samples may hold.
@@ -31,14 +31,17 @@ PAUSE = 2**24
 LABELS = ("title", "source", "doi")
 
 
-def _unlabelled(part: Any) -> Any:
-    """A copy of a march, problem or scheme, and of those in it, without labels; anything else as it is."""
+def unlabelled(part: Any) -> Any:
+    """A copy of a march, problem or scheme, and of those in it, without labels; anything else as it is.
+
+    Labels would be part of what is compiled.
+    """
     if not isinstance(part, March | Problem | Scheme):
         return part
     copy = object.__new__(type(part))
     for name, value in vars(part).items():
         is_label = name in LABELS and isinstance(value, str)
-        object.__setattr__(copy, name, "" if is_label else _unlabelled(value))
+        object.__setattr__(copy, name, "" if is_label else unlabelled(value))
     return copy
 
 
@@ -132,7 +135,7 @@ class Program:
     """
 
     def __init__(self, march: March):
-        leaves, structure = jax.tree.flatten(_unlabelled(march))
+        leaves, structure = jax.tree.flatten(unlabelled(march))
         self.numbers = [leaf for leaf in leaves if eqx.is_array(leaf)]
         form = _Form(structure, tuple(None if eqx.is_array(leaf) else leaf for leaf in leaves))
         self.form = _forms.setdefault(form, form)

@@ -88,12 +88,16 @@ class Fate(Reduction):
         ------
         KeyError
             If there is no problem of that name.
+        TypeError
+            If it is neither a problem nor a name.
         ValueError
             If the problem has several unknowns, damping, a load or no potential, or if the potential has no minimum
             downhill of u₀.
         """
         from scipy import optimize  # here, because importing it takes a third of the time to import the study
 
+        if not isinstance(problem, str | Problem):
+            raise TypeError(f"Fate.of takes a problem or its name, not {problem!r}.")
         problem = problems[problem] if isinstance(problem, str) else problem
         if refusal := _refusal(problem):
             raise ValueError(refusal)

@@ -7,8 +7,10 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
+from study.algebra.arrays import ScalarLike, Vector
 from study.equilibrium.balance import acceleration
 from study.observer.base import Observer, Record, Reduction
+from study.problem.definition import Problem
 from study.problem.function_checks import NOT_TRACEABLE
 
 #: Arguments that the function of a quantity may have.
@@ -154,15 +156,15 @@ class Quantity(Record):
             return f"the quantity '{self.name}' must return a real number or a vector of them, not {value}."
         return None
 
-    def value(self, problem, t, u, v):
-        """The quantity at one time."""
+    def value(self, problem: Problem, t: ScalarLike, u: Vector, v: Vector) -> jax.Array:
+        """The quantity at one time: a number, or a vector (m,)."""
         t, u, v = jnp.asarray(t, float), jnp.asarray(u), jnp.asarray(v)
         names = _arguments_of(self.function)
         given = {"t": t, "u": u, "v": v}
         if "a" in names:
             given["a"] = acceleration(problem, t, u, v)
         if "ground" in names:
-            given["ground"] = problem.influence * problem.ground(t)
+            given["ground"] = problem.influence * problem.ground(t)  # type: ignore[misc]  # there is one, or it is refused
         return jnp.asarray(self.function(**{name: given[name] for name in names}))
 
     def sample(self, problem, initial, state, t):

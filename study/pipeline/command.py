@@ -77,7 +77,7 @@ def _make(arguments: list[str]) -> None:
     try:
         with datasets.reading_only(declared.reads(options)):
             made = declared.function(**options)
-    except (KeyError, ValueError, RuntimeError, FileNotFoundError) as error:
+    except (ArithmeticError, KeyError, ValueError, RuntimeError, FileNotFoundError) as error:
         raise SystemExit(f"{module}: {error}") from error
     results = (made,) if isinstance(made, xr.Dataset) else made
     if not isinstance(results, tuple) or not all(isinstance(one, xr.Dataset) for one in results):

@@ -9,7 +9,10 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
-from pydantic import BaseModel, ConfigDict, ValidationError, create_model
+try:
+    from pydantic import BaseModel, ConfigDict, PydanticSchemaGenerationError, ValidationError, create_model
+except ImportError as error:
+    raise ImportError(f"the configuration needs the extra 'pipeline' of this package: {error}.") from None
 
 from study.pipeline.experiment import Experiment, Merged, arguments_of, discover
 from study.pipeline.options import OwnSchemes
@@ -61,7 +64,13 @@ def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
             fields: dict[str, Any] = arguments_of(one.function)
             if last in place:
                 raise ValueError(f"{one.module} declares the section '{one.section}', which another experiment has.")
-            place[last] = one.model or create_model(last, __config__=_STRICT, **fields)
+            try:
+                place[last] = one.model or create_model(last, __config__=_STRICT, **fields)
+            except PydanticSchemaGenerationError as error:
+                raise ValueError(
+                    f"{one.module}: the type of an argument of '{one.function.__name__}' is none that a configuration "
+                    f"can hold: {str(error).splitlines()[0]}"
+                ) from None
     own: Any = (OwnSchemes, [])
     return create_model("configuration", __base__=_nested("sections", tree), own_schemes=own)
 

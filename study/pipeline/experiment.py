@@ -130,7 +130,15 @@ DECLARED: dict[tuple[str, str], Experiment | Merged] = {}
 
 
 def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Callable], Callable]:
-    """Declare the decorated function an experiment that makes datasets; see :class:`Experiment` for the rest."""
+    """Declare the decorated function an experiment that makes datasets; see :class:`Experiment` for the rest.
+
+    Raises
+    ------
+    ValueError
+        If the experiment makes no dataset, or one whose name cannot be that of a file, or one that its module declares.
+    """
+    if not makes or not all(isinstance(name, str) for name in makes):
+        raise ValueError('an experiment names the dataset that it makes: @experiment("name").')
 
     def declare(function: Callable) -> Callable:
         one = Experiment(makes, function, section or makes[0].replace("/", "."), **declared)
@@ -169,6 +177,12 @@ def discover() -> list[Experiment | Merged]:
 def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
     """Types and defaults of the arguments of a function, as pydantic takes fields; ``...`` is no default."""
     parameters = inspect.signature(function, eval_str=True).parameters
+    for name, one in parameters.items():
+        if one.annotation is one.empty or one.kind is one.VAR_KEYWORD:
+            raise ValueError(
+                f"{function.__module__}: the argument '{name}' of '{function.__name__}' needs a type, which bounds its "
+                "option in the configuration."
+            )
     return {
         name: (one.annotation, ... if one.default is one.empty else one.default) for name, one in parameters.items()
     }

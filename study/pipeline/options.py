@@ -56,13 +56,16 @@ def _distinct(values: list, registries: Mapping[str, Any]) -> list:
 
 
 def _listed(kind: str) -> Checked:
-    """A name of the registry of this kind."""
+    """A name of the registry of this kind, as the registry writes it: datasets and files are called by it."""
 
     def check(name: str, registries: Mapping[str, Any]) -> str:
         try:
-            return registries[kind].resolve(name)
+            own = registries[kind].resolve(name)
         except KeyError as error:
             raise ValueError(str(error.args[0]).rstrip(".")) from None
+        if name != own:
+            raise ValueError(f"write '{own}', the name that the datasets have, for '{name}'")
+        return name
 
     return Checked(check)
 
@@ -96,6 +99,8 @@ _DISTINCT = Checked(_distinct)
 #: ``first`` must be less than ``last``.
 IN_ORDER = Checked(_in_order)
 
+#: Relative damping of linear oscillators.
+DampingRatios = Annotated[list[Annotated[float, Ge(0), Lt(1)]], Len(1, 100), _DISTINCT]
 #: A number of steps, periods or repeats.
 Count = Annotated[int, Ge(1), Le(10_000_000)]
 #: Steps of a run whose every step is stored.
@@ -117,7 +122,8 @@ RecordDuration = Annotated[float, Ge(1), Le(100)]
 RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
 Sizes = Annotated[list[Size], _FEW, _DISTINCT]
 Tolerances = Annotated[list[Tolerance], _FEW, _DISTINCT]
-FallingTolerances = Annotated[list[Tolerance], _FEW, _DISTINCT, Checked(_falling)]
+#: Tolerances of solvers, which lose any motion with larger ones.
+FallingTolerances = Annotated[list[Annotated[float, Ge(1e-15), Le(0.1)]], _FEW, _DISTINCT, Checked(_falling)]
 
 #: A name that files can have, and several names.
 Name = Annotated[str, Checked(_plain)]

@@ -128,7 +128,7 @@ def _is_singular(mass: ScipySparse) -> bool:
     has = abs(mass).sum(axis=0) > 0
     singular = is_singular(has.astype(float))
     if not is_positive_definite(mass[has][:, has]):
-        raise ValueError("mass must be positive definite, but for unknowns without any mass; it is not.")
+        raise ValueError("mass must be positive definite among the unknowns that have mass; it is not.")
     return singular
 
 

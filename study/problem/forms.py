@@ -57,7 +57,7 @@ def form_of_tangent(
                 return _beside_sparse(force, u0, coupling, others, title)
             if declared is None:
                 return tangent.found(force, u0, massless, title)  # type: ignore[arg-type]
-            tangent.check_form(force, u0, declared, title)  # type: ignore[arg-type]
+            tangent.check_declared_form(force, u0, declared, title)  # type: ignore[arg-type]
     except NOT_TRACEABLE:  # the force has numbers that JAX traces, so that there is no value to look at
         if declared is None:
             forms = (

@@ -123,8 +123,8 @@ def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array)
 def switches(force: Callable, *arguments: Any) -> Float[Array, "switches"]:
     """Numbers whose sign changes where the slope of a force may jump.
 
-    They are the differences of what the force compares or of which it takes the larger or smaller, and what it takes
-    the size or the sign of. Those inside loops and branches are not found, nor the places of a table.
+    Where the force compares two numbers, or takes the larger or smaller of them, it is their difference. Where the
+    force takes the size or the sign of a number, it is that number. Loops, branches and tables are not searched.
 
     Parameters
     ----------

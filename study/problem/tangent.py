@@ -145,7 +145,7 @@ def form_named(declared: int | str, n: int, title: str) -> int | str:
     return known
 
 
-def check_form(force: Callable, u0: np.ndarray, declared: int | str, title: str) -> None:
+def check_declared_form(force: Callable, u0: np.ndarray, declared: int | str, title: str) -> None:
     """Refuse a form, of those that are not dense, in which the tangent is not the derivative of the force.
 
     Raises

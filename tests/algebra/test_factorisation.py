@@ -8,7 +8,7 @@ import pytest
 from scipy import sparse
 
 from study.algebra import factorisation
-from study.algebra.factorisation import Banded, Cholmod, Factorisations, SuperLU, is_positive_definite
+from study.algebra.factorisation import BandCholesky, Cholmod, Factorisations, SuperLU, is_positive_definite
 from study.algebra.sparse import Pattern
 
 
@@ -29,7 +29,7 @@ def _chords(n):
     return sparse.csc_array(sparse.diags_array(springs.sum(axis=0) + 1.0) - springs)
 
 
-@pytest.mark.parametrize(("width", "expected"), [(3, Banded), (130, Cholmod)])
+@pytest.mark.parametrize(("width", "expected"), [(3, BandCholesky), (130, Cholmod)])
 def test_the_method_follows_the_pattern(width, expected):
     if expected is Cholmod:
         pytest.importorskip("cvxopt", reason="the extra 'sparse' is not installed")
@@ -47,7 +47,7 @@ def test_without_the_extra_a_wide_mesh_goes_to_superlu(monkeypatch):
     assert type(Factorisations(pattern)._methods[0]) is SuperLU
 
 
-@pytest.mark.parametrize(("stiffness", "expected"), [(_mesh(3, 140), Banded), (_chords(1000), Cholmod)])
+@pytest.mark.parametrize(("stiffness", "expected"), [(_mesh(3, 140), BandCholesky), (_chords(1000), Cholmod)])
 def test_a_matrix_that_is_not_positive_definite_is_solved_too(stiffness, expected):
     if expected is Cholmod:
         pytest.importorskip("cvxopt", reason="the extra 'sparse' is not installed")

@@ -25,7 +25,7 @@ def test_the_interpolant_is_exact_for_polynomials_of_fifth_degree():
     polynomial = np.polynomial.Polynomial([0.3, -1.0, 2.0, 0.5, -0.7, 0.2])
     values = [np.stack([p(t), -p(t)], axis=1) for p in (polynomial, polynomial.deriv(), polynomial.deriv(2))]
     at = np.linspace(0, 1.7, 50)
-    u, v = solution.Solution(t, *values).at(at)
+    u, v = solution.DenseSolution(t, *values).at(at)
     np.testing.assert_allclose(u[:, 0], polynomial(at), atol=1e-13)
     np.testing.assert_allclose(v[:, 1], -polynomial.deriv()(at), atol=1e-12)
 

@@ -52,6 +52,17 @@ def test_datasets_must_fit_the_arguments(empty):
     assert not products.PRODUCTS
 
 
+def test_a_figure_needs_its_caption(empty):
+    with pytest.raises(ValueError, match="A figure is declared with a caption and the datasets that it reads, not"):
+        figure(lambda data: None)  # type: ignore[arg-type]
+
+
+def test_a_key_that_must_be_a_list_is_told():
+    product = Product("table", "own", "here", lambda: None, {}, "", {"energy_error.periods": [100]})
+    with pytest.raises(ValueError, match="energy_error.periods must be a list for table 'own', not 100."):
+        check([product], {"energy_error": {"periods": 100}})
+
+
 def test_datasets_come_by_name():
     product = Product("table", "own", "here", lambda b, a: (a, b), {"a": "x", "b": ["y", "z.csv"]}, "", {})
     assert product.files == ["x.nc", "y.nc", "z.csv"]
@@ -103,8 +114,8 @@ def test_what_is_shipped_has_all_that_is_asked(config):
         ("recommendation", {"periods": [10]}, "recommendation.periods lacks 100"),
         ("accuracy", {"periods": [1, 100]}, "accuracy.periods lacks 3"),
         ("agreement", {"tolerances": [1e-4, 1e-15]}, "agreement.tolerances lacks 1e-09"),
-        ("large_steps", {"dt_over_period": [0.01, 0.1]}, "large_steps.dt_over_period has none above 0.2"),
-        ("large_steps", {"dt_over_period": [0.1, 0.3]}, "large_steps.dt_over_period has none below 0.05"),
+        ("large_steps", {"dt_over_period": [0.01, 0.1]}, "large_steps.dt_over_period needs a step above 0.2"),
+        ("large_steps", {"dt_over_period": [0.1, 0.3]}, "large_steps.dt_over_period needs a step below 0.05"),
         ("large_steps", {"dt_over_period": [0.3, 0.01]}, "large_steps.dt_over_period must rise"),
         ("energy_drift", {"steps_per_period": {"first": 10, "last": 24, "step": 1}}, "leaves out 25"),
         ("phase_portrait.hardening", {"duration": 0.1}, "less than"),

@@ -3,10 +3,13 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from study import datasets
 from study.pipeline import command
+from study.pipeline.configuration import model_of
+from study.pipeline.experiment import Experiment, experiment
 
 MODULE = "study.experiments.energy_error"
 OPTIONS = '{"problems": ["hardening"], "schemes": ["rk4"], "steps_per_period": [15], "periods": 1}'
@@ -47,3 +50,32 @@ def test_an_output_that_cannot_be_written_stops_before_any_work(tmp_path):
 def test_a_dataset_that_is_not_declared_is_not_read():
     with datasets.reading_only(["reference/hardening"]), pytest.raises(ValueError, match="'accuracy' is read without"):
         datasets.open("accuracy")
+
+
+def _untyped(steps):
+    """An experiment whose option has no bounds."""
+
+
+def _unbounded(samples: np.ndarray):
+    """An experiment whose option no configuration can hold."""
+
+
+@pytest.mark.parametrize(
+    "function, sentence",
+    [
+        (_untyped, "the argument 'steps' of '_untyped' needs a type, which bounds its option in the configuration."),
+        (_unbounded, "the type of an argument of '_unbounded' is none that a configuration can hold: "),
+    ],
+)
+def test_an_experiment_with_an_option_without_bounds_is_told(function, sentence):
+    one = Experiment(("own",), function, "own")
+    with pytest.raises(ValueError) as caught:
+        model_of((one,))
+    assert str(caught.value).startswith(f"{__name__}: {sentence}") and "\n" not in str(caught.value)
+
+
+def test_an_experiment_names_its_dataset():
+    with pytest.raises(ValueError, match="an experiment names the dataset that it makes"):
+        experiment()
+    with pytest.raises(ValueError, match="an experiment names the dataset that it makes"):
+        experiment(_untyped)  # type: ignore[arg-type]

@@ -3,6 +3,7 @@
 import copy
 import json
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from snakemake.utils import update_config
 
 import study
+from paper import products
 from study.pipeline import configuration
 from study.pipeline.experiment import discover
 from study.pipeline.sources import Sources
@@ -20,6 +22,7 @@ from study.pipeline.steps import steps_of
 PROJECT = Path(__file__).parents[2]
 SOURCES = Sources(PROJECT, "study", "reference", "paper")
 EXPERIMENTS = discover()
+PRODUCTS = products.discover()
 
 
 def _shipped(name: str) -> dict:
@@ -137,7 +140,7 @@ def test_what_is_no_configuration_is_told(whole):
         (lambda c: c["cpu_time"].update(repeats=10**7), "cpu_time.repeats must be less than or equal to 1000, not"),
         (lambda c: c["long_times"].update(runs=9000), "long_times.runs must be less than or equal to 1000, not 9000."),
         (lambda c: c["long_times"].update(steps_per_period=10**7, periods=[108, 109, 110]), "single precision counts."),
-        (lambda c: c["agreement"].update(tolerances=[1.0, 1e-9]), "agreement.tolerances.0 must be less than 1,"),
+        (lambda c: c["agreement"].update(tolerances=[0.9, 1e-9]), "tolerances.0 must be less than or equal to 0.1"),
         (lambda c: c["structure_history"].update({"": {}}), "structure_history.'': '' must be a name of small letters"),
         (lambda c: c["structure_history"].update({"\n": {}}), "structure_history.'\\n': "),
         (lambda c: c["accuracy"].update(schemes="most"), "accuracy.schemes must be a list, or the word all, not"),
@@ -147,6 +150,21 @@ def test_what_is_no_configuration_is_told(whole):
         (lambda c: c.update(own_schemes=["heun"]), "own_schemes: 'heun' must name a file and a study.Scheme in it,"),
         (lambda c: c.update(own_schemes=["no.py:heun"]), "own_schemes: there is no file 'no.py'."),
         (lambda c: c.update(own_schemes=["examples/scheme.py:hein"]), "has no 'hein'; did you mean 'heun'?"),
+        (lambda c: c["accuracy"].update(schemes=["newmark"]), "write 'average_acceleration', the name that the"),
+        (lambda c: c["large_steps"].update(problems=["Softening-Large"]), "write 'softening_large', the name that"),
+        (lambda c: c["structures"]["lengths"][0].update(problem="Pendulum"), "problem: write 'pendulum', the name"),
+        (lambda c: c["long_times"].update(problem="double_well"), "the motion of 'double_well' does not cross zero"),
+        (lambda c: c["spectral"].update(damping_ratios=[0.0, 0.0]), "damping_ratios: 0.0 is listed twice."),
+        (lambda c: c["energy_drift"].update(oscillations=101), "oscillations must be less than periods, 100, not 101."),
+        (lambda c: c["atlas"]["portraits"].update(samples=10**7), "numbers at once, and more than"),
+        (lambda c: c["atlas"]["dt_over_period"].update(first=-7), "numbers at once, and more than"),
+        (
+            lambda c: (
+                next(one for one in c["structures"]["lengths"] if one["problem"] == "fpu_chain").update(periods=10**4),
+                c["structures"].update(steps_per_period=[9 * 10**6, 10**7]),
+            ),
+            "steps in all, and more than",
+        ),
         (lambda c: c["sensitivity"]["schemes"].append("heum"), "there is no scheme 'heum'"),
         (lambda c: c["phase_portrait"].update(soft=c["phase_portrait"]["softening"]), "there is no spring 'soft';"),
     ],
@@ -214,6 +232,11 @@ def test_any_configuration_is_accepted_or_refused_in_one_sentence(config, chance
         return
     finally:
         assert repr(config) == repr(before)
+    try:
+        products.check(PRODUCTS, whole)
+    except ValueError as error:
+        assert re.fullmatch(r"\S[^\n]*[.?]", str(error)), error
+        return
     # what is accepted names no file outside of the results, and can be planned, which takes long and is seen at times
     names = configuration.datasets_of(EXPERIMENTS, whole)
     assert len(names) == len(set(names)) and not any(".." in name or name.startswith("/") for name in names)
