@@ -19,6 +19,7 @@ from study.pipeline.steps import steps_of
 from tests.browser import needs_browser
 from tests.paper.figures.printing import faults_of_all
 from tests.pipeline.additions import ADDED
+from tests.pipeline.mutations import mutated
 from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied, hashes_of, make
 from tests.pipeline.report import check_contents, check_explorer
 from tests.pipeline.texts import check_latex, check_ledger, check_pages
@@ -301,20 +302,17 @@ def test_an_undeclared_read_fails_before_any_run(copy):
     assert "the dataset 'spectral' is read without being declared" in log
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {
-            "phase_portrait": {"hardening": {"dt": 0.011, "duration": 0.5}},
-            "sensitivity": {"duration": 5.0},
-            "spectral": {"damping_ratios": [0.0, 0.3], "exponents": {"first": -2, "per_decade": 15}},
-        },
-        {
-            "stability": {"bifurcation": {"shown": 7, "steps": 40}, "numerical_map": {"dt": [2]}},
-            "cpu_time": {"repeats": 1},
-        },
-    ],
-)
+#: Short runs, coarse and other values: what some product once could not bear.
+UNUSUAL = {
+    "phase_portrait": {"hardening": {"dt": 0.011, "duration": 0.5}},
+    "sensitivity": {"duration": 5.0},
+    "spectral": {"damping_ratios": [0.0, 0.3], "exponents": {"first": -2, "per_decade": 15}},
+    "stability": {"bifurcation": {"shown": 7, "steps": 40}, "numerical_map": {"dt": [2]}},
+    "cpu_time": {"repeats": 1},
+}
+
+
+@pytest.mark.parametrize("changes", [UNUSUAL, mutated(1)], ids=["unusual", "mutated"])
 def test_what_is_accepted_runs_to_the_end(copy, changes):
     (copy / "changes.yaml").write_text(yaml.safe_dump(changes))
     make(copy, overlays=[SMALL, "changes.yaml"])
