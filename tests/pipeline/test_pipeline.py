@@ -312,7 +312,7 @@ UNUSUAL = {
 }
 
 
-@pytest.mark.parametrize("changes", [UNUSUAL, mutated(1)], ids=["unusual", "mutated"])
+@pytest.mark.parametrize("changes", [UNUSUAL, mutated(2)], ids=["unusual", "mutated"])
 def test_what_is_accepted_runs_to_the_end(copy, changes):
     (copy / "changes.yaml").write_text(yaml.safe_dump(changes))
     make(copy, overlays=[SMALL, "changes.yaml"])
