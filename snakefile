@@ -45,13 +45,18 @@ os.environ |= {
 }
 
 
-def printed_by(*module, given=None):
-    """What a module prints; the workflow ends with its sentence if it refuses something."""
-    done = subprocess.run([sys.executable, "-m", *module], input=given, capture_output=True, text=True)
+def printed_by(*command, given=None):
+    """What a command of this Python prints; the workflow ends with its sentence if it refuses something."""
+    done = subprocess.run([sys.executable, *map(str, command)], input=given, capture_output=True, text=True)
     if done.returncode:
         lines = done.stderr.strip().splitlines()
         raise WorkflowError("\n".join(lines) if "Traceback" in done.stderr else lines[-1])
     return done.stdout
+
+
+def script(name, *arguments):
+    """What a script of the pipeline prints; it imports nothing of the study, which takes a second."""
+    return printed_by(f"{PROJECT}/study/pipeline/{name}.py", *arguments)
 
 
 def planned():
@@ -64,9 +69,9 @@ def planned():
         key.update(str(path).encode() + path.read_bytes())
     kept = Path(".snakemake", "plans", f"{key.hexdigest()}.json")  # the archive takes the configuration from it
     if not kept.exists():
-        data = printed_by("study.pipeline.plan", ROOT, text)
-        paper = printed_by("paper.plan", ROOT, given=data)
-        site = printed_by("docs.plan", ROOT, given=data)
+        data = printed_by("-m", "study.pipeline.plan", ROOT, text)
+        paper = printed_by("-m", "paper.plan", ROOT, given=data)
+        site = printed_by("-m", "docs.plan", ROOT, given=data)
         kept.parent.mkdir(parents=True, exist_ok=True)
         unfinished = kept.with_suffix(f".{os.getpid()}")
         parts = dict(zip(("data", "paper", "site"), map(json.loads, (data, paper, site))))
@@ -76,7 +81,7 @@ def planned():
     return parts["data"], parts["paper"], parts["site"]
 
 
-for folder in ("results", ".snakemake"):
+for folder in ("results", "results/logs", "results/benchmarks", ".snakemake", ".snakemake/products"):
     try:
         Path(folder).mkdir(exist_ok=True)
         writable = os.access(folder, os.W_OK)
@@ -89,37 +94,21 @@ if free < 2**24:  # Snakemake keeps records for every job, and cannot tell well 
     raise WorkflowError(f"only {free:,} bytes are free in '{Path.cwd()}': make room, and call again.")
 
 
-def script(name, *arguments, given=None):
-    """What a script of the pipeline prints; it imports nothing of the study, which takes a second."""
-    command = [sys.executable, f"{PROJECT}/study/pipeline/{name}.py", *map(str, arguments)]
-    return subprocess.run(command, input=given, stdout=subprocess.PIPE, text=True, check=True).stdout
-
-
 # calls that make nothing, so that they may look while another run is at work
 LOOKS = ("-n", "--dry-run", "--dryrun", "--dag", "--rulegraph", "--report", "--list", "--summary", "--lint", "--unlock")
 enters = workflow.is_main_process and not any(one.split("=")[0] in LOOKS for one in sys.argv)
 if enters:
-    run, told, since = json.loads(script("runs", os.getpid()))
+    run, told = json.loads(script("runs", os.getpid()))
     if run is None:
         raise WorkflowError(" ".join(told))
-    told += script("products", "changed", since).splitlines()
-    os.environ |= {"STUDY_RUN": run}
-    for sentence in told:
-        print(sentence, file=sys.stderr)
     # what is left of a run that died tells the next one of it
     atexit.register(Path(".snakemake", "runs", f"{run}.json").unlink, missing_ok=True)
+    os.environ |= {"STUDY_RUN": run}
+    for sentence in (*told, *script("products", "changed").splitlines()):
+        print(sentence, file=sys.stderr)
 
 
 DATA, PAPER, SITE = planned()
-OUTPUTS = [
-    output.replace("{job}", job)
-    for step in (*DATA["steps"], *PAPER["steps"])
-    if not step.get("temporary")
-    for output in step["outputs"]
-    for job in step["jobs"]
-]
-if enters:
-    atexit.register(script, "products", "note", given="\n".join(OUTPUTS))
 
 
 def end_jobs():
@@ -154,22 +143,22 @@ onstart:
 def put_aside(job):
     """Rename the products that a failed job could not use, so that the next call makes them again."""
     said = Path(job.log[0]).read_text(errors="replace") if job.log and Path(job.log[0]).exists() else ""
-    for product in map(Path, job.input):
-        if f"'{product}' cannot be used" in said and product.exists():
-            product.replace(f"{product}.unusable")
-            Path(".snakemake", "again").touch()
-            print(f"'{product}' is kept as '{product}.unusable', and the next call makes it again.", file=sys.stderr)
+    unusable = [product for product in job.input if f"'{product}' cannot be used" in said and os.path.exists(product)]
+    if unusable:
+        print(script("products", "aside", *unusable), end="", file=sys.stderr)
+        Path(".snakemake", "again").touch()
 
 
 onerror:
-    # Snakemake puts back the files that a failed job was to replace, and they look new; with an old date and without a
-    # record of their making, the next call makes them again
-    for failed in workflow.scheduler.failed:
-        for job in getattr(failed, "jobs", [failed]):  # those of a group, or the job itself
-            put_aside(job)
-            for product in filter(os.path.exists, job.output):
-                os.utime(product, (1, 1))
-                workflow.persistence.cleanup_metadata(product)
+    jobs = [job for failed in workflow.scheduler.failed for job in getattr(failed, "jobs", [failed])]  # also of groups
+    for job in jobs:
+        # Snakemake puts back the files that a failed job was to replace, and they look new; with an old date and without
+        # a record of their making, the next call makes them again
+        for product in filter(os.path.exists, job.output):
+            os.utime(product, (1, 1))
+            workflow.persistence.cleanup_metadata(product)
+    for job in jobs:
+        put_aside(job)
 
 
 rule all:
@@ -210,6 +199,7 @@ for step in [*DATA["steps"], *PAPER["steps"], *SITE["steps"]]:
             *outputs,
         params:
             command=lambda wildcards, jobs=step["jobs"]: jobs[wildcards.get("job", "")]["command"],
+            note=f".snakemake/products/{name}",
         log:
             f"results/logs/{name}.log",
         benchmark:
@@ -226,4 +216,5 @@ for step in [*DATA["steps"], *PAPER["steps"], *SITE["steps"]]:
         message:
             step["message"] + (": {wildcards.job}" if several else "")
         shell:
-            "{params.command} > {log} 2>&1"
+            # a job that does not end well leaves no note of what it has made
+            "{{ rm -f {params.note}; {params.command} && cksum {output} > {params.note}; }} > {log} 2>&1"

@@ -1,78 +1,85 @@
-"""Whether finished products are still what a run of the pipeline has made.
+"""Whether finished products are still what the pipeline has made.
 
 Nothing reads a PDF or a page again, and a table or dataset that somebody else has written may look like one of ours. So
-a run notes size, date and SHA-256 of its products when it ends (``python study/pipeline/products.py note``, with the
-names on the standard input), and the next one puts aside what has changed since (``... changed SINCE``, which prints
-sentences). It is a script that imports nothing of the study, and so starts in a tenth of a second.
+every job notes the checksums of its products as soon as it has made them, as ``cksum`` prints them, and the next run
+puts aside the products that have changed since:
+
+``python study/pipeline/products.py changed``
+    puts them aside, with a sentence for each.
+``python study/pipeline/products.py aside NAME...``
+    puts aside products that a job could not use.
+
+It is a script that imports nothing of the study, and so starts in a tenth of a second.
 """
 
-import hashlib
-import json
 import os
+import subprocess
 import sys
+import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-#: The notes of the last run.
-NOTES = Path(".snakemake", "products.json")
-
-#: What is known of a product: size in bytes, date in nanoseconds, SHA-256.
-Known = tuple[int, int, str]
+#: Folder of the notes, one of each job.
+NOTES = Path(".snakemake", "products")
 
 
-def _sum(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+def _noted(note: Path) -> dict[Path, str]:
+    """The lines of a note by the product; that of a job that was killed as it wrote may be cut."""
+    parts = (line.split(" ", 2) for line in note.read_text(errors="replace").splitlines())
+    return {Path(part[2]): " ".join(part) for part in parts if len(part) == 3}
 
 
-def _noted() -> dict[str, Known]:
-    try:
-        return {name: (size, date, of) for name, (size, date, of) in json.loads(NOTES.read_text()).items()}
-    except (OSError, ValueError, AttributeError, TypeError):  # no run has ended yet, or one was killed as it wrote
-        return {}
+def _changed_since(path: Path, note: Path) -> bool:
+    """Whether a product was touched after its note was made, whatever date it bears."""
+    return path.exists() and not path.is_symlink() and path.stat().st_ctime_ns > note.stat().st_mtime_ns
 
 
-def _known(path: Path, noted: Known | None) -> Known:
-    """What there is to know of a file; it is read only if size or date are not those that were noted."""
-    state = path.stat()
-    if noted is not None and noted[:2] == (state.st_size, state.st_mtime_ns):
-        return noted
-    return state.st_size, state.st_mtime_ns, _sum(path)
+def _sums(paths: Iterable[Path]) -> set[str]:
+    """What ``cksum`` prints of the files that it can read."""
+    files = [str(path) for path in paths if path.is_file()]
+    return set(subprocess.run(["cksum", "--", *files], capture_output=True, text=True).stdout.splitlines())
 
 
-def note(products: Iterable[str]) -> None:
-    """Note the products that are there."""
-    noted = _noted()
-    found = {name: _known(Path(name), noted.get(name)) for name in products if Path(name).is_file()}
-    if found != noted:
-        NOTES.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = NOTES.with_suffix(f".{os.getpid()}")
-        unfinished.write_text(json.dumps(found))
-        unfinished.replace(NOTES)
+def put_aside(path: Path) -> Path:
+    """Rename a product to a free name.
 
-
-def changed(since: float) -> Iterator[str]:
-    """Put aside products that are not those of the last run, with a sentence for each.
-
-    Parameters
-    ----------
-    since
-        Time in seconds from which on a run that has died may have made what has changed.
+    Raises
+    ------
+    SystemExit
+        If it cannot be renamed.
     """
-    for name, noted in _noted().items():
-        path = Path(name)
-        if path.is_symlink() or not path.exists() or path.stat().st_mtime >= since:
-            continue
-        if path.is_dir() or _known(path, noted)[2] != noted[2]:
-            path.replace(f"{name}.unusable")
-            yield f"'{name}' is no longer what was made; it is kept as '{name}.unusable', and is made again."
+    kept, number = path.with_name(f"{path.name}.unusable"), 1
+    while os.path.lexists(kept):
+        number += 1
+        kept = path.with_name(f"{path.name}.{number}.unusable")
+    try:
+        return path.rename(kept)
+    except OSError as error:
+        raise SystemExit(
+            f"'{path}' cannot be used, nor be renamed to '{kept}': {error.strerror}; remove it, and call again."
+        ) from None
+
+
+def changed() -> Iterator[str]:
+    """Put aside products that are not those that were made, with a sentence for each."""
+    now = time.time_ns()
+    noted = {note: _noted(note) for note in NOTES.glob("*")}
+    touched = {note: [path for path in lines if _changed_since(path, note)] for note, lines in noted.items()}
+    found = _sums(path for paths in touched.values() for path in paths) if any(touched.values()) else set()
+    for note, paths in touched.items():
+        for path in paths:
+            if noted[note][path] not in found:
+                yield f"'{path}' is no longer what was made; it is kept as '{put_aside(path)}', and is made again."
+        if paths:
+            os.utime(note, ns=(now, now))  # what was found to be the same is not read again
 
 
 if __name__ == "__main__":
     match sys.argv[1:]:
-        case ["note"]:
-            note(sys.stdin.read().splitlines())
-        case ["changed", since]:
-            print(*changed(float(since)), sep="\n", end="")
+        case ["changed"]:
+            print(*changed(), sep="\n", end="")
+        case ["aside", *names]:
+            for name in names:
+                print(f"'{name}' is kept as '{put_aside(Path(name))}', and the next call makes it again.")
         case _:
-            raise SystemExit("usage: python study/pipeline/products.py note|changed SINCE")
+            raise SystemExit("usage: python study/pipeline/products.py changed|aside NAME...")

@@ -1,10 +1,10 @@
 """What a run of the pipeline finds in its folder: runs that live, and what runs that died have left there.
 
 ``python study/pipeline/runs.py PID`` enters the process PID of Snakemake as a run of the current folder. It prints as
-JSON the name of the run, sentences for the reader, and the start of the first run that has died. It is a script that
-imports nothing of the study, and so starts in a tenth of a second. Runs are known by files in ``.snakemake/runs``, and
-their jobs by the environment variable ``STUDY_RUN``. While no run lives, it ends jobs that have survived theirs,
-removes their unfinished files, and lifts the lock. While one lives, the process is not entered.
+JSON the name of the run, and sentences for the reader. It is a script that imports nothing of the study, and so starts
+in a tenth of a second. Runs are known by files in ``.snakemake/runs``, and their jobs by the environment variable
+``STUDY_RUN``. While no run lives, it ends jobs that have survived theirs, removes their unfinished files, and lifts the
+lock. While one lives, the process is not entered.
 """
 
 import fcntl
@@ -104,15 +104,17 @@ def jobs_of(names: set[str]) -> Iterator[psutil.Process]:
 
 
 def queued_jobs() -> list[str]:
-    """Numbers of the jobs in Slurm's queue that Snakemake has sent from this folder; none if no Slurm answers."""
+    """Numbers of the jobs in Slurm's queue that Snakemake has sent from this folder; none if there is no Slurm.
+
+    Raises
+    ------
+    subprocess.TimeoutExpired
+        If the queue does not answer.
+    """
     if shutil.which("squeue") is None:
         return []
     command = ["squeue", "--me", "--noheader", "--format=%i|%k|%Z"]
-    try:
-        listed = subprocess.run(command, capture_output=True, text=True, timeout=ANSWER)
-    except subprocess.TimeoutExpired:
-        print("Slurm's queue does not answer; jobs of a run that died may still be in it.", file=sys.stderr)
-        return []
+    listed = subprocess.run(command, capture_output=True, text=True, timeout=ANSWER)
     jobs = [line.split("|", 2) for line in listed.stdout.splitlines() if line.count("|") >= 2]
     ours = ("rule_", "group_")  # as Snakemake comments its jobs; another job may have started Snakemake itself
     return [number for number, comment, folder in jobs if comment.startswith(ours) and Path(folder) == Path.cwd()]
@@ -170,7 +172,11 @@ def cleared(dead: list[Run]) -> Iterator[str]:
     if surviving:
         end(surviving)
         yield f"{len(surviving)} processes had survived a run that died; they are ended, and their jobs start anew."
-    queued = queued_jobs() if dead else []
+    try:
+        queued = queued_jobs() if dead else []
+    except subprocess.TimeoutExpired:
+        queued = []
+        yield "Slurm's queue does not answer; jobs of a run that died may still be in it."
     if queued:
         subprocess.run(["scancel", *queued], check=False)
         yield f"{len(queued)} jobs in Slurm's queue had survived a run that died; they are cancelled, and start anew."
@@ -210,11 +216,10 @@ def redated(now: float) -> Iterator[str]:
 
 
 class Entered(NamedTuple):
-    """The name of a run if no other one lives, what was found in sentences, the start of the first run that died."""
+    """The name of a run if no other one lives, and what was found in sentences."""
 
     name: str | None
     told: list[str]
-    since: float
 
 
 def entered(pid: int) -> Entered:
@@ -237,15 +242,14 @@ def _entered(pid: int) -> Entered:
         + ("end it." if run.is_here else "if it is dead, remove '" + str(RUNS / f"{run.name}.json") + "'.")
         for run in living
     ]
-    since = min((run.started for run in dead), default=time.time())
     if living:
-        return Entered(None, told, since)
+        return Entered(None, told)
     told += [*cleared(dead), *redated(time.time())]
     new = of_process(pid)
     file = RUNS / f"{new.name}.json"
     file.with_suffix(".new").write_text(json.dumps(new))
     file.with_suffix(".new").replace(file)
-    return Entered(new.name, told, since)
+    return Entered(new.name, told)
 
 
 if __name__ == "__main__":

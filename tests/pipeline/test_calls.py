@@ -1,0 +1,41 @@
+"""What single calls of the pipeline leave to the next one, on one dataset that takes seconds."""
+
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.pipeline.pipeline import call_snakemake, copied
+
+TARGET = "results/energy_drift.nc"
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """A copy of the project where the dataset is made, as every test leaves it."""
+    folder = copied(tmp_path_factory.mktemp("project"))
+    _call(folder)
+    return folder
+
+
+def _call(folder: Path, *arguments: str) -> str:
+    """What a call that ends well says."""
+    done = call_snakemake(folder, TARGET, *arguments)
+    assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
+    return done.stderr
+
+
+def test_a_damaged_product_is_made_again_whatever_its_date_and_whatever_run_has_died(folder):
+    product = folder / TARGET
+    before = product.read_bytes()
+    product.write_bytes(b"damaged")
+    later = time.time() + 2 * 86_400
+    os.utime(product, (later, later))
+    (folder / ".snakemake" / "runs" / "died.json").write_text(f'["{os.uname().nodename}", {2**22 - 3}, 1.0]')
+    said = _call(folder)
+    assert "is no longer what was made" in said and "the dates of 1 files lay in the future" in said
+    assert product.read_bytes() == before
+    assert "is no longer what was made" not in _call(folder)
