@@ -125,19 +125,26 @@ def end_jobs():
 def end(number, frame):
     """End this run; a second Ctrl-C ends it wherever it is."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    # not here, where the scheduler may hold its lock
-    threading.Thread(target=end_jobs, daemon=True).start()
+    if workflow.local_exec:
+        # not here, where the scheduler may hold its lock
+        threading.Thread(target=end_jobs, daemon=True).start()
+        return
+    for job in psutil.Process().children(recursive=True):  # the quick ones, which no node has
+        with suppress(psutil.NoSuchProcess):
+            job.terminate()
+    raise KeyboardInterrupt  # on which Snakemake cancels the jobs of a cluster
 
 
 onstart:
-    if workflow.local_exec:  # on a cluster Snakemake cancels its jobs itself
+    if workflow.local_exec:
         # to keep to a rate of jobs that is never reached here, Snakemake 9.27 weighs all waiting jobs again every second,
         # once for every job that has started
         workflow.scheduler.job_rate_limiter = None
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, end)
     else:
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        # before it ends, Snakemake would wait for its next look at the queue, up to 40 seconds
+        workflow.scheduler._executor.wait_thread.join = lambda: None
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, end)
 
 
 def put_aside(job):
@@ -181,6 +188,8 @@ def in_report(output, listed):
 
 
 for step in [*DATA["steps"], *PAPER["steps"], *SITE["steps"]]:
+    if not workflow.local_exec:
+        script("runs", "cancel")  # jobs that were on their way to the queue when this run was ended
     # an output is an update: when a job fails, what was there before stays
     kept = temp if step.get("temporary") else update
     listed = step.get("report", {})

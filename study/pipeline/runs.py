@@ -4,7 +4,8 @@
 JSON the name of the run, and sentences for the reader. It is a script that imports nothing of the study, and so starts
 in a tenth of a second. Runs are known by files in ``.snakemake/runs``, and their jobs by the environment variable
 ``STUDY_RUN``. While no run lives, it ends jobs that have survived theirs, removes their unfinished files, and lifts the
-lock. While one lives, the process is not entered.
+lock. While one lives, the process is not entered. ``python study/pipeline/runs.py cancel`` cancels the jobs of the
+folder in the queue of a cluster.
 """
 
 import fcntl
@@ -120,6 +121,14 @@ def queued_jobs() -> list[str]:
     return [number for number, comment, folder in jobs if comment.startswith(ours) and Path(folder) == Path.cwd()]
 
 
+def cancel_queued() -> int:
+    """Cancel the jobs in Slurm's queue that come from this folder; how many there were."""
+    queued = queued_jobs()
+    if queued:
+        subprocess.run(["scancel", *queued], check=False)
+    return len(queued)
+
+
 def end(processes: list[psutil.Process]) -> None:
     """End processes, by force where they do not end themselves."""
     for process in processes:
@@ -173,13 +182,10 @@ def cleared(dead: list[Run]) -> Iterator[str]:
         end(surviving)
         yield f"{len(surviving)} processes had survived a run that died; they are ended, and their jobs start anew."
     try:
-        queued = queued_jobs() if dead else []
+        if dead and (number := cancel_queued()):
+            yield f"{number} jobs in Slurm's queue had survived a run that died; they are cancelled, and start anew."
     except subprocess.TimeoutExpired:
-        queued = []
         yield "Slurm's queue does not answer; jobs of a run that died may still be in it."
-    if queued:
-        subprocess.run(["scancel", *queued], check=False)
-        yield f"{len(queued)} jobs in Slurm's queue had survived a run that died; they are cancelled, and start anew."
     unfinished = [file for file in Path("results").rglob(".*.unfinished") if not _writer_lives(file)]
     for file in unfinished:
         file.unlink(missing_ok=True)
@@ -253,4 +259,11 @@ def _entered(pid: int) -> Entered:
 
 
 if __name__ == "__main__":
-    print(json.dumps(entered(int(sys.argv[1]))))
+    match sys.argv[1:]:
+        case ["cancel"]:
+            try:
+                cancel_queued()
+            except subprocess.TimeoutExpired:
+                raise SystemExit("Slurm's queue does not answer; jobs of this folder may still be in it.") from None
+        case [pid]:
+            print(json.dumps(entered(int(pid))))

@@ -3,6 +3,7 @@
 import os
 import platform
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -52,8 +53,8 @@ def _targets(products: list[str]) -> list[str]:
     return [f"results/{name}" for name in products]
 
 
-def _started(folder: Path, products: list[str]) -> subprocess.Popen:
-    command = [sys.executable, "-m", "snakemake", *_targets(products), *OPTIONS, "--configfile", str(SMALL)]
+def _started(folder: Path, products: list[str], *options: str) -> subprocess.Popen:
+    command = [sys.executable, "-m", "snakemake", *_targets(products), *OPTIONS, *options, "--configfile", str(SMALL)]
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     with (folder / "slurm.log").open("a") as log:
         return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment)
@@ -129,3 +130,13 @@ def test_jobs_of_a_killed_run_are_cancelled_by_the_next(folder, local):
     assert "had survived a run that died" in said and "the lock is lifted" in said
     assert not before & set(_queue(folder))
     _same(folder, local, UNTIMED[:2])
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_run_that_is_interrupted_ends_within_seconds_and_leaves_no_jobs(folder, number):
+    run = _started(folder, UNTIMED[:2], "--slurm-init-seconds-before-status-checks", "40")  # as without an option
+    _wait(lambda: _queue(folder, "RUNNING"))
+    run.send_signal(number)
+    run.wait(timeout=5)
+    assert run.returncode != 0
+    _wait(lambda: not _queue(folder), seconds=5)
