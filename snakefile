@@ -9,7 +9,7 @@ import atexit
 import hashlib
 import json
 import os
-import shutil
+import runpy
 import signal
 import subprocess
 import sys
@@ -59,26 +59,45 @@ def script(name, *arguments):
     return printed_by(f"{PROJECT}/study/pipeline/{name}.py", *arguments)
 
 
+writing = runpy.run_path(f"{PROJECT}/study/writing.py")  # by itself: the package takes a second
+whole, lack_of_room = writing["whole"], writing["lack_of_room"]
+
+
 def planned():
-    """The plans of datasets, paper and site, which are kept until a source or the configuration changes."""
+    """The plan of datasets, paper and site, which is kept until a source or the configuration changes."""
     text = yaml.safe_dump(config, sort_keys=False)
     sources = sorted(path for room in ("study", "reference", "paper", "docs") for path in Path(PROJECT, room).rglob("*.py"))
     sources += sorted(Path(PROJECT, "docs").rglob("*.md"))  # pages name what they read
     key = hashlib.sha256("\0".join([sys.version, PROJECT, ROOT, text]).encode())
     for path in sources:
         key.update(str(path).encode() + path.read_bytes())
-    kept = Path(".snakemake", "plans", f"{key.hexdigest()}.json")  # the archive takes the configuration from it
-    if not kept.exists():
-        data = printed_by("-m", "study.pipeline.plan", ROOT, text)
-        paper = printed_by("-m", "paper.plan", ROOT, given=data)
-        site = printed_by("-m", "docs.plan", ROOT, given=data)
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = kept.with_suffix(f".{os.getpid()}")
-        parts = dict(zip(("data", "paper", "site"), map(json.loads, (data, paper, site))))
-        unfinished.write_text(json.dumps(parts | {"configuration": config}))
-        unfinished.replace(kept)
-    parts = json.loads(kept.read_text())
-    return parts["data"], parts["paper"], parts["site"]
+    kept = Path(".snakemake", "plans", f"{key.hexdigest()}.json")
+    with suppress(OSError, ValueError):  # there is none yet, or it is damaged
+        return json.loads(kept.read_text())
+    data = printed_by("-m", "study.pipeline.plan", ROOT, text)
+    paper = printed_by("-m", "paper.plan", ROOT, given=data)
+    site = printed_by("-m", "docs.plan", ROOT, given=data)
+    plan = dict(zip(("data", "paper", "site"), map(json.loads, (data, paper, site)))) | {"configuration": config}
+    with whole(kept) as unfinished:
+        unfinished.write_text(json.dumps(plan))
+    return plan
+
+
+def keep_plan():
+    """Keep the plan of a run that could start, and was no dry one, as that of the results: the archive reads it."""
+    if workflow.scheduler is None or workflow.dryrun:
+        return
+    try:
+        with whole(".snakemake/plan.json") as unfinished:
+            unfinished.write_text(json.dumps(PLAN))
+    except OSError as error:
+        print(error, file=sys.stderr)
+
+
+def tell_of_room():
+    """Say that the disk is full as the last thing: Snakemake cannot tell well that it lacks room for its records."""
+    if lacking := lack_of_room("results", ".snakemake"):
+        print(lacking, file=sys.stderr)
 
 
 for folder in ("results", "results/logs", "results/benchmarks", ".snakemake", ".snakemake/products"):
@@ -89,15 +108,15 @@ for folder in ("results", "results/logs", "results/benchmarks", ".snakemake", ".
         writable = False
     if not writable:
         raise WorkflowError(f"the folder '{Path(folder).absolute()}' cannot be made or written; run where it can.")
-free = shutil.disk_usage(".").free
-if free < 2**24:  # Snakemake keeps records for every job, and cannot tell well that it lacks room for them
-    raise WorkflowError(f"only {free:,} bytes are free in '{Path.cwd()}': make room, and call again.")
+if lacking := lack_of_room("results", ".snakemake"):
+    raise WorkflowError(lacking)
 
 
 # calls that make nothing, so that they may look while another run is at work
 LOOKS = ("-n", "--dry-run", "--dryrun", "--dag", "--rulegraph", "--report", "--list", "--summary", "--lint", "--unlock")
 enters = workflow.is_main_process and not any(one.split("=")[0] in LOOKS for one in sys.argv)
 if enters:
+    atexit.register(tell_of_room)  # the first that is registered is the last that is called
     run, told = json.loads(script("runs", os.getpid()))
     if run is None:
         raise WorkflowError(" ".join(told))
@@ -108,7 +127,10 @@ if enters:
         print(sentence, file=sys.stderr)
 
 
-DATA, PAPER, SITE = planned()
+PLAN = planned()
+DATA, PAPER, SITE = (PLAN[part] for part in ("data", "paper", "site"))
+if enters:
+    atexit.register(keep_plan)
 
 
 def end_jobs():
@@ -166,6 +188,8 @@ onerror:
             workflow.persistence.cleanup_metadata(product)
     for job in jobs:
         put_aside(job)
+    if not workflow.local_exec:
+        script("runs", "cancel")  # jobs that were on their way to the queue when this run was ended
 
 
 rule all:
@@ -188,8 +212,6 @@ def in_report(output, listed):
 
 
 for step in [*DATA["steps"], *PAPER["steps"], *SITE["steps"]]:
-    if not workflow.local_exec:
-        script("runs", "cancel")  # jobs that were on their way to the queue when this run was ended
     # an output is an update: when a job fails, what was there before stays
     kept = temp if step.get("temporary") else update
     listed = step.get("report", {})

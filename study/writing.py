@@ -10,6 +10,8 @@ from pathlib import Path
 
 #: Bytes that are written to find out why a library failed to write.
 _PROBE = 1 << 16
+#: Bytes that a folder must have free for work in it.
+_ROOM = 1 << 24
 
 
 class NotWritten(OSError):
@@ -34,6 +36,15 @@ def check_writable(path: str | Path) -> Path:
     if path.is_dir():
         raise NotWritten(f"'{path}' is a folder, and the name of a file is needed.")
     return path
+
+
+def lack_of_room(*folders: str | Path) -> str:
+    """A sentence on the first folder with too little room to work in; none if all have more."""
+    for folder in map(Path, folders):
+        free = shutil.disk_usage(folder).free
+        if free < _ROOM:
+            return f"only {free:,} bytes are free in '{folder.absolute()}': make room, and call again."
+    return ""
 
 
 @contextmanager

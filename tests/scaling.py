@@ -26,7 +26,7 @@ CORES = (1, 2, 4, 8, 16, 32, 64, 100, 128)
 DEFAULT_MEMORY, DEFAULT_MINUTES = 1500, 15
 #: Seconds between two looks of Snakemake at the processor, in the first half minute of a job and after it.
 SAMPLED = 0.5, 30.0
-PLANS, BENCHMARKS = Path(".snakemake", "plans"), Path("results", "benchmarks")
+PLAN, BENCHMARKS = Path(".snakemake", "plan.json"), Path("results", "benchmarks")
 
 
 class Job(NamedTuple):
@@ -41,17 +41,16 @@ class Job(NamedTuple):
 
 
 def measured() -> dict[str, Job]:
-    """The jobs of the newest plan, with their measured times.
+    """The jobs of the last run's plan, with their measured times.
 
     Raises
     ------
     SystemExit
         If there is no plan, or a job has no measured time.
     """
-    plans = sorted(PLANS.glob("*.json"), key=lambda file: file.stat().st_mtime)
-    if not plans:
+    if not PLAN.exists():
         raise SystemExit("there is no finished study in this folder; `make` makes it.")
-    parts = json.loads(plans[-1].read_text())
+    parts = json.loads(PLAN.read_text())
     steps = [step for part in ("data", "paper") for step in parts[part]["steps"]]  # the site is made on request only
     each = [(step, job, f"{step['name']}_{job}" if job else step["name"]) for step in steps for job in step["jobs"]]
     maker = {output.replace("{job}", job): name for step, job, name in each for output in step["outputs"]}

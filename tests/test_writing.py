@@ -2,9 +2,11 @@
 
 import multiprocessing
 import resource
+import shutil
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ import xarray as xr
 
 from paper import writing as of_paper
 from study import datasets
-from study.writing import NotWritten, check_writable, whole
+from study.writing import NotWritten, check_writable, lack_of_room, whole
 
 #: Seconds for which writers and readers meet.
 MEETING = 3.0
@@ -115,3 +117,12 @@ def test_a_folder_that_cannot_be_is_refused_before_any_work(tmp_path):
         check_writable(tmp_path / "results" / "one.nc")
     with pytest.raises(NotWritten, match="is a folder, and the name of a file is needed"):
         check_writable(tmp_path)
+
+
+def test_a_lack_of_room_is_told_with_folder_and_bytes(tmp_path, monkeypatch):
+    (tmp_path / "full").mkdir()
+    usage = {tmp_path: 10**9, tmp_path / "full": 4096}
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=usage[folder]))
+    assert lack_of_room(tmp_path) == ""
+    said = f"only 4,096 bytes are free in '{tmp_path / 'full'}': make room, and call again."
+    assert lack_of_room(tmp_path, tmp_path / "full") == said

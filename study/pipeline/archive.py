@@ -30,6 +30,8 @@ PROFILES = {
     "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
 }
+#: The plan of the last run that was no dry one.
+PLAN = Path(".snakemake", "plan.json")
 #: Folders of the project that hold no sources.
 _NO_SOURCES = {"results", "build", "__pycache__"}
 
@@ -55,9 +57,8 @@ def products() -> list[Path]:
 
 
 def configuration() -> dict:
-    """The whole configuration of the newest plan, with which the study was made."""
-    plans = sorted(Path(".snakemake", "plans").glob("*.json"), key=lambda file: file.stat().st_mtime)
-    return json.loads(plans[-1].read_text())["configuration"] if plans else {}
+    """The whole configuration of the last run, with which the study was made."""
+    return json.loads(PLAN.read_text())["configuration"] if PLAN.exists() else {}
 
 
 def _files_of(part: Any) -> set[Path]:

@@ -1,5 +1,6 @@
 """What single calls of the pipeline leave to the next one, on one dataset that takes seconds."""
 
+import json
 import os
 import time
 from pathlib import Path
@@ -39,3 +40,21 @@ def test_a_damaged_product_is_made_again_whatever_its_date_and_whatever_run_has_
     assert "is no longer what was made" in said and "the dates of 1 files lay in the future" in said
     assert product.read_bytes() == before
     assert "is no longer what was made" not in _call(folder)
+
+
+def test_the_plan_of_the_results_is_that_of_the_last_run_and_not_of_a_dry_one(folder):
+    kept = folder / ".snakemake" / "plan.json"
+    before = kept.read_bytes()
+    assert json.loads(before)["configuration"]["long_times"]["runs"] == 4  # as the small study says
+    done = call_snakemake(folder, "-np", overlays=["config/full.yaml"])
+    assert done.returncode == 0 and kept.read_bytes() == before
+
+
+def test_a_damaged_plan_is_made_anew(folder):
+    kept = folder / ".snakemake" / "plan.json"
+    before = kept.read_bytes()
+    kept.unlink()
+    for plan in (folder / ".snakemake" / "plans").glob("*.json"):
+        plan.write_text("")
+    _call(folder)  # which has nothing to do
+    assert kept.read_bytes() == before
