@@ -88,7 +88,7 @@ def keep_plan():
     if workflow.scheduler is None or workflow.dryrun:
         return
     try:
-        with whole(".snakemake/plan.json") as unfinished:
+        with whole(".snakemake/plans/last.json") as unfinished:
             unfinished.write_text(json.dumps(PLAN))
     except OSError as error:
         print(error, file=sys.stderr)

@@ -26,7 +26,7 @@ CORES = (1, 2, 4, 8, 16, 32, 64, 100, 128)
 DEFAULT_MEMORY, DEFAULT_MINUTES = 1500, 15
 #: Seconds between two looks of Snakemake at the processor, in the first half minute of a job and after it.
 SAMPLED = 0.5, 30.0
-PLAN, BENCHMARKS = Path(".snakemake", "plan.json"), Path("results", "benchmarks")
+PLAN, BENCHMARKS = Path(".snakemake", "plans", "last.json"), Path("results", "benchmarks")
 
 
 class Job(NamedTuple):

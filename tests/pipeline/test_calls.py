@@ -43,7 +43,7 @@ def test_a_damaged_product_is_made_again_whatever_its_date_and_whatever_run_has_
 
 
 def test_the_plan_of_the_results_is_that_of_the_last_run_and_not_of_a_dry_one(folder):
-    kept = folder / ".snakemake" / "plan.json"
+    kept = folder / ".snakemake" / "plans" / "last.json"
     before = kept.read_bytes()
     assert json.loads(before)["configuration"]["long_times"]["runs"] == 4  # as the small study says
     done = call_snakemake(folder, "-np", overlays=["config/full.yaml"])
@@ -51,10 +51,9 @@ def test_the_plan_of_the_results_is_that_of_the_last_run_and_not_of_a_dry_one(fo
 
 
 def test_a_damaged_plan_is_made_anew(folder):
-    kept = folder / ".snakemake" / "plan.json"
+    kept = folder / ".snakemake" / "plans" / "last.json"
     before = kept.read_bytes()
-    kept.unlink()
-    for plan in (folder / ".snakemake" / "plans").glob("*.json"):
+    for plan in kept.parent.iterdir():
         plan.write_text("")
     _call(folder)  # which has nothing to do
     assert kept.read_bytes() == before
