@@ -77,7 +77,10 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
     results, output = results.absolute(), output.absolute()
     output.parent.mkdir(parents=True, exist_ok=True)
-    unfinished, before = (output.with_name(f".{output.name}.{secrets.token_hex(8)}.{end}") for end in ("new", "old"))
+    # of these names the pipeline removes what a process that was killed has left
+    unfinished, before = (
+        output.with_name(f".{output.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished") for _ in range(2)
+    )
     try:
         with tempfile.TemporaryDirectory() as folder:
             sources = Path(folder, "sources")

@@ -31,7 +31,7 @@ PROFILES = {
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
 }
 #: The plan of the last run that was no dry one.
-PLAN = Path(".snakemake", "plan.json")
+PLAN = Path(".snakemake", "plans", "last.json")
 #: Folders of the project that hold no sources.
 _NO_SOURCES = {"results", "build", "__pycache__"}
 
@@ -53,7 +53,11 @@ def sources(project: Path) -> list[Path]:
 def products() -> list[Path]:
     """The finished files of the results, with their logs and benchmarks."""
     files = sorted(file for file in RESULTS.rglob("*") if file.is_file())
-    return [file for file in files if not file.name.startswith(".") and file.suffix not in (".unusable", ".zip")]
+    return [file for file in files if not _is_hidden(file) and file.suffix not in (".unusable", ".zip")]
+
+
+def _is_hidden(file: Path) -> bool:
+    return any(part.startswith(".") for part in file.parts)
 
 
 def configuration() -> dict:

@@ -33,6 +33,9 @@ RUNS, LOCKS = Path(".snakemake", "runs"), Path(".snakemake", "locks")
 #: The start of a process is known to these seconds, since it is counted from the start of the machine.
 CLOCK = 5.0
 
+#: Folders in which a run writes.
+WRITTEN = ("results", ".snakemake/plans")
+
 #: First byte of what zlib has compressed.
 ZLIB = b"\x78"
 
@@ -68,14 +71,23 @@ class Run(NamedTuple):
 
     def lives(self) -> bool:
         """Whether its process is there; of another machine nobody knows, so that it counts as alive."""
-        if not self.is_here:
-            return True
+        return not self.is_here or self._process() is not None
+
+    def is_elsewhere(self) -> bool:
+        """Whether its process is at work in another folder, of which this one is a copy."""
+        process = self._process() if self.is_here else None
+        try:
+            return process is not None and not os.path.samefile(process.cwd(), Path.cwd())
+        except (psutil.Error, OSError):  # the process of somebody else, or one that ends
+            return False
+
+    def _process(self) -> psutil.Process | None:
         try:
             process = psutil.Process(self.pid)
             same = abs(process.create_time() - self.started) < CLOCK
-            return same and process.status() != psutil.STATUS_ZOMBIE
+            return process if same and process.status() != psutil.STATUS_ZOMBIE else None
         except psutil.NoSuchProcess:
-            return False
+            return None
 
 
 def of_process(pid: int) -> Run:
@@ -84,13 +96,18 @@ def of_process(pid: int) -> Run:
 
 
 def known() -> list[Run]:
-    """The runs that have files here."""
+    """The runs of this folder; other files of runs are removed."""
     found = []
     for file in sorted(RUNS.glob("*.json")):
         try:
-            found.append(Run(*json.loads(file.read_text())))
+            run = Run(*json.loads(file.read_text()))
         except (ValueError, TypeError):  # the file of a run that died while it wrote it
             file.unlink(missing_ok=True)
+            continue
+        if run.is_elsewhere():  # the file was copied with its folder
+            file.unlink(missing_ok=True)
+        else:
+            found.append(run)
     return found
 
 
@@ -142,14 +159,26 @@ def end(processes: list[psutil.Process]) -> None:
     psutil.wait_procs(alive, PATIENCE)
 
 
-def damaged_programs(since: float) -> list[Path]:
-    """Compiled programs in JAX's cache that were written since a time and are not whole.
+def removed_programs() -> Iterator[str]:
+    """Remove compiled programs that cannot be read from JAX's cache, with a sentence.
 
-    JAX does not replace them: each process would read them in vain, warn, and compile again.
+    JAX does not replace them: each process would read them in vain, warn, and compile again. Only files that were
+    written since the last check are read.
     """
     folder = platformdirs.user_cache_path("time-integration-study") / platform.node()
-    recent = (file for file in folder.glob("*-cache") if file.stat().st_mtime >= since)
-    return [file for file in recent if not _is_whole(file.read_bytes())]
+    checked = folder.with_name(f"{folder.name}.checked")
+    if not os.access(folder.parent, os.W_OK):  # there is no cache yet, or it is somebody else's
+        return
+    now, last = time.time_ns(), checked.stat().st_mtime_ns if checked.exists() else 0
+    recent = [file for file in folder.glob("*-cache") if file.stat().st_ctime_ns >= last]
+    damaged = [file for file in recent if not _is_whole(file.read_bytes())]
+    for file in damaged:
+        file.unlink(missing_ok=True)
+    if damaged:
+        yield f"{len(damaged)} compiled programs in JAX's cache could not be read; they are removed."
+    if recent:
+        checked.touch()
+        os.utime(checked, ns=(now, now))
 
 
 def _is_whole(program: bytes) -> bool:
@@ -186,21 +215,16 @@ def cleared(dead: list[Run]) -> Iterator[str]:
             yield f"{number} jobs in Slurm's queue had survived a run that died; they are cancelled, and start anew."
     except subprocess.TimeoutExpired:
         yield "Slurm's queue does not answer; jobs of a run that died may still be in it."
-    unfinished = [file for file in Path("results").rglob(".*.unfinished") if not _writer_lives(file)]
-    for file in unfinished:
-        file.unlink(missing_ok=True)
-    if unfinished:
-        yield f"{len(unfinished)} files that a dead run had begun to write are removed; no product was among them."
-    programs = damaged_programs(min((run.started for run in dead), default=time.time()))
-    for file in programs:
-        file.unlink(missing_ok=True)
-    if programs:
-        yield f"{len(programs)} compiled programs were half written when a run died; they are removed from the cache."
+    begun = [file for folder in WRITTEN for file in Path(folder).rglob(".*.unfinished") if not _writer_lives(file)]
+    for file in begun:
+        shutil.rmtree(file) if file.is_dir() else file.unlink(missing_ok=True)
+    if begun:
+        yield f"{len(begun)} files that a dead run had begun to write are removed; no product was among them."
     locks = list(LOCKS.glob("*")) if LOCKS.is_dir() else []
     for lock in locks:
         lock.unlink(missing_ok=True)
     if locks:
-        yield "a run had died and left the folder locked; the lock is lifted."
+        yield "the folder was locked, and no run is at work in it; the lock is lifted."
     for run in dead:
         RUNS.joinpath(f"{run.name}.json").unlink(missing_ok=True)
 
@@ -215,10 +239,22 @@ def redated(now: float) -> Iterator[str]:
         for file in folder.rglob("*")
         if file.is_file() and file.stat().st_mtime > now + AHEAD
     ]
+    mended = {file for file in ahead if _has_date(file, now)}
+    if mended:
+        first = min(mended)
+        yield f"the dates of {len(mended)} files lay in the future, such as that of '{first}'; they are set to now."
     for file in ahead:
-        os.utime(file, (now, now))
-    if ahead:
-        yield f"the dates of {len(ahead)} files lay in the future, such as that of '{ahead[0]}'; they are set to now."
+        if file not in mended:
+            yield f"the date of '{file}' lies in the future and cannot be set; every call makes anew what reads it."
+
+
+def _has_date(file: Path, date: float) -> bool:
+    """Give a file a date, and tell whether it has it."""
+    try:
+        os.utime(file, (date, date))
+    except OSError:
+        return False
+    return True
 
 
 class Entered(NamedTuple):
@@ -250,7 +286,7 @@ def _entered(pid: int) -> Entered:
     ]
     if living:
         return Entered(None, told)
-    told += [*cleared(dead), *redated(time.time())]
+    told += [*cleared(dead), *removed_programs(), *redated(time.time())]
     new = of_process(pid)
     file = RUNS / f"{new.name}.json"
     file.with_suffix(".new").write_text(json.dumps(new))

@@ -135,17 +135,46 @@ def test_jobs_that_survived_a_dead_run_are_ended_and_no_others(sleeper, deaf, mo
     assert sleeper.poll() is None
 
 
-def test_programs_that_a_dead_run_had_half_written_are_removed(tmp_path, monkeypatch):
+def test_programs_that_cannot_be_read_are_removed_from_the_cache(tmp_path, monkeypatch):
+    """Also without a run that died, and no matter when they were damaged."""
     folder = tmp_path / "cache" / "time-integration-study" / runs.platform.node()
     folder.mkdir(parents=True)
     program = zlib.compress(b"a program" * 100)
     contents = {"whole": program, "half": program[:20], "empty": b"", "other": b"\x28\xb5\x2f\xfd"}
     for name, content in contents.items():
         (folder / f"{name}-cache").write_bytes(content)
-    _died()
-    _, told = runs.entered(os.getpid())
-    assert "2 compiled programs were half written when a run died" in " ".join(told)
+    (sentence,) = runs.removed_programs()
+    assert sentence.startswith("2 compiled programs in JAX's cache could not be read; they are removed")
     assert {file.name for file in folder.iterdir()} == {"whole-cache", "other-cache"}
+    (folder / "whole-cache").write_bytes(program[:-1])
+    os.utime(folder / "whole-cache", (1.0, 1.0))
+    assert len(list(runs.removed_programs())) == 1
+    with monkeypatch.context() as patch:
+        patch.setattr(runs, "_is_whole", lambda program: pytest.fail("it was read again"))
+        assert list(runs.removed_programs()) == []
+
+
+def test_the_run_of_a_folder_that_was_copied_is_no_run_of_the_copy(folder, sleeper, monkeypatch):
+    """And neither it nor its jobs are ended."""
+    original = runs.of_process(sleeper.pid)
+    (folder / "copy").mkdir()
+    monkeypatch.chdir(folder / "copy")
+    RUNS.mkdir(parents=True)
+    (RUNS / f"{original.name}.json").write_text(json.dumps(original))
+    monkeypatch.setattr(runs, "end", lambda processes: pytest.fail("its jobs were ended"))
+    job = subprocess.Popen(["sleep", "60"], env=os.environ | {runs.VARIABLE: original.name})
+    name, told = runs.entered(os.getpid())
+    job.kill()
+    job.wait()
+    assert name == runs.of_process(os.getpid()).name and told == [] and original not in runs.known()
+
+
+def test_a_half_built_site_is_removed(sleeper):
+    for number in (sleeper.pid, 2**22 - 3):
+        Path(f"results/.site.{number}.0123.unfinished/pages").mkdir(parents=True)
+    _, told = runs.entered(os.getpid())
+    assert "1 files that a dead run had begun" in " ".join(told)
+    assert [file.name for file in Path("results").iterdir()] == [f".site.{sleeper.pid}.0123.unfinished"]
 
 
 def test_dates_in_the_future_are_set_to_now():
@@ -158,3 +187,12 @@ def test_dates_in_the_future_are_set_to_now():
     assert "the dates of 1 files lay in the future, such as that of 'results/a.nc'" in told[0]
     after = {file.name: file.stat().st_mtime for file in Path("results").iterdir()}
     assert abs(after["a.nc"] - time.time()) < 60 and {name for name in dates if dates[name] != after[name]} == {"a.nc"}
+
+
+def test_a_date_in_the_future_that_cannot_be_set_is_told_and_stops_nothing(monkeypatch):
+    Path("results").mkdir()
+    Path("results/a.nc").write_text("a")
+    os.utime("results/a.nc", (1e10, 1e10))
+    monkeypatch.setattr(os, "utime", lambda *_: os.mkdir("results"))  # an error of the system, also for root
+    name, told = runs.entered(os.getpid())
+    assert name is not None and told[0].startswith("the date of 'results/a.nc' lies in the future and cannot be set;")
