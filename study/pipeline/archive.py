@@ -37,10 +37,10 @@ _NO_SOURCES = {"results", "build", "__pycache__"}
 
 
 def sources(project: Path) -> list[Path]:
-    """The files of a checkout that Git tracks; without Git, all that are not hidden or made."""
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=project, capture_output=True, text=True)
-    if listed.returncode == 0 and listed.stdout:
-        return [Path(name) for name in listed.stdout.split("\0") if name and (project / name).is_file()]
+    """The files of a checkout that Git tracks, and those that are new; without Git, all that are not hidden or made."""
+    if tracked := _listed(project, "--cached"):
+        new = [file for file in _listed(project, "--others", "--exclude-standard") if not _is_hidden(file)]
+        return [*tracked, *new]
     files = (file.relative_to(project) for file in project.rglob("*") if file.is_file())
     return [
         file
@@ -48,6 +48,12 @@ def sources(project: Path) -> list[Path]:
         if not any(part in _NO_SOURCES or part.startswith(".venv") for part in file.parts)
         and not file.parts[0].startswith(".")
     ]
+
+
+def _listed(project: Path, *options: str) -> list[Path]:
+    """The files that Git lists; none without Git."""
+    listed = subprocess.run(["git", "ls-files", "-z", *options], cwd=project, capture_output=True, text=True)
+    return [Path(name) for name in listed.stdout.split("\0") if name and (project / name).is_file()]
 
 
 def products() -> list[Path]:
@@ -72,6 +78,24 @@ def _files_of(part: Any) -> set[Path]:
         return {Path(file)} if file.endswith(".py") and Path(file).is_file() else set()
     parts = part.values() if isinstance(part, dict) else part if isinstance(part, list) else ()
     return set().union(*map(_files_of, parts))
+
+
+def own_files(configuration: dict) -> list[Path]:
+    """The files of problems, schemes and quantities that a configuration names.
+
+    Raises
+    ------
+    SystemExit
+        If one lies outside of the project, where no archive can hold it.
+    """
+    files = sorted(_files_of(configuration))
+    for file in files:
+        if file.is_absolute() or ".." in file.parts:
+            raise SystemExit(
+                f"the configuration names '{file}', which an archive cannot hold: put the file into the project, "
+                "name it by its path there, and make the study again."
+            )
+    return files
 
 
 def _time(seconds: float) -> str:
@@ -107,7 +131,7 @@ def described(project: Path) -> ROCrate:
         about = {"name": "configuration that was used", "encodingFormat": "application/yaml"}
         given.append(crate.add_file(text, "configuration.yaml", properties=about))
     packed = {one.id for one in given}
-    own = [file for file in sorted(_files_of(used)) if not file.is_absolute() and ".." not in file.parts]
+    own = own_files(used)
     given += [
         crate.add_file(file, file.as_posix(), properties={"name": file.name})
         for file in own
