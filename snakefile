@@ -34,6 +34,7 @@ report: "paper/pages/workflow.rst"
 
 
 PROJECT = workflow.basedir
+HERE = Path.cwd()  # where the results are made; of a call with --directory, Snakemake leaves it before it ends
 ROOT = os.path.relpath(PROJECT)  # relative, so that a project that is moved stays made
 # the commands run with this Python and find the project wherever the results are made
 os.environ |= {
@@ -88,7 +89,7 @@ def keep_plan():
     if workflow.scheduler is None or workflow.dryrun:
         return
     try:
-        with whole(".snakemake/plans/last.json") as unfinished:
+        with whole(HERE / ".snakemake/plans/last.json") as unfinished:
             unfinished.write_text(json.dumps(PLAN))
     except OSError as error:
         print(error, file=sys.stderr)
@@ -96,7 +97,7 @@ def keep_plan():
 
 def tell_of_room():
     """Say that the disk is full as the last thing: Snakemake cannot tell well that it lacks room for its records."""
-    if lacking := lack_of_room("results", ".snakemake"):
+    if lacking := lack_of_room(HERE / "results", HERE / ".snakemake"):
         print(lacking, file=sys.stderr)
 
 
@@ -108,7 +109,7 @@ for folder in ("results", "results/logs", "results/benchmarks", ".snakemake", ".
         writable = False
     if not writable:
         raise WorkflowError(f"the folder '{Path(folder).absolute()}' cannot be made or written; run where it can.")
-if lacking := lack_of_room("results", ".snakemake"):
+if lacking := lack_of_room(HERE / "results", HERE / ".snakemake"):
     raise WorkflowError(lacking)
 
 
@@ -121,7 +122,7 @@ if enters:
     if run is None:
         raise WorkflowError(" ".join(told))
     # what is left of a run that died tells the next one of it
-    atexit.register(Path(".snakemake", "runs", f"{run}.json").unlink, missing_ok=True)
+    atexit.register((HERE / ".snakemake" / "runs" / f"{run}.json").unlink, missing_ok=True)
     os.environ |= {"STUDY_RUN": run}
     for sentence in (*told, *script("products", "changed").splitlines()):
         print(sentence, file=sys.stderr)

@@ -38,12 +38,12 @@ def check_writable(path: str | Path) -> Path:
     return path
 
 
-def lack_of_room(*folders: str | Path) -> str:
+def lack_of_room(*folders: Path) -> str:
     """A sentence on the first folder with too little room to work in; none if all have more."""
-    for folder in map(Path, folders):
+    for folder in folders:
         free = shutil.disk_usage(folder).free
         if free < _ROOM:
-            return f"only {free:,} bytes are free in '{folder.absolute()}': make room, and call again."
+            return f"only {free:,} bytes are free in '{folder}': make room, and call again."
     return ""
 
 

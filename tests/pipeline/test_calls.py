@@ -2,12 +2,14 @@
 
 import json
 import os
+import platform
 import time
 from pathlib import Path
 
 import pytest
 
-from tests.pipeline.pipeline import call_snakemake, copied
+from study.pipeline.runs import Run
+from tests.pipeline.pipeline import SMALL, call_snakemake, copied
 
 TARGET = "results/energy_drift.nc"
 
@@ -35,7 +37,8 @@ def test_a_damaged_product_is_made_again_whatever_its_date_and_whatever_run_has_
     product.write_bytes(b"damaged")
     later = time.time() + 2 * 86_400
     os.utime(product, (later, later))
-    (folder / ".snakemake" / "runs" / "died.json").write_text(f'["{os.uname().nodename}", {2**22 - 3}, 1.0]')
+    died = Run(platform.node(), 2**22 - 3, 1.0)
+    (folder / ".snakemake" / "runs" / f"{died.name}.json").write_text(json.dumps(died))
     said = _call(folder)
     assert "is no longer what was made" in said and "the dates of 1 files lay in the future" in said
     assert product.read_bytes() == before
@@ -50,10 +53,25 @@ def test_the_plan_of_the_results_is_that_of_the_last_run_and_not_of_a_dry_one(fo
     assert done.returncode == 0 and kept.read_bytes() == before
 
 
-def test_a_damaged_plan_is_made_anew(folder):
+def test_a_damaged_plan_is_made_anew(folder, tmp_path):
+    """Also by a call from elsewhere, which leaves nothing but the plan."""
     kept = folder / ".snakemake" / "plans" / "last.json"
     before = kept.read_bytes()
     for plan in kept.parent.iterdir():
         plan.write_text("")
-    _call(folder)  # which has nothing to do
+    options = "--directory", str(folder), "--snakefile", str(folder / "snakefile")
+    done = call_snakemake(tmp_path, TARGET, *options, overlays=[folder / SMALL])
+    assert done.returncode == 0, done.stderr[-4000:]
     assert kept.read_bytes() == before
+    assert not list(tmp_path.iterdir()) and not list((folder / ".snakemake" / "runs").glob("*.json"))
+
+
+def test_a_folder_of_logs_that_cannot_be_written_is_told_in_a_sentence(folder):
+    logs = folder / "results" / "logs"
+    kept = logs.rename(folder / "results" / "kept")
+    logs.write_text("a file where a folder should be")
+    done = call_snakemake(folder, TARGET)
+    logs.unlink()
+    kept.rename(logs)
+    assert done.returncode != 0
+    assert f"the folder '{logs}' cannot be made or written" in done.stderr and "Traceback" not in done.stderr
