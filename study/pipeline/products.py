@@ -56,7 +56,8 @@ def put_aside(path: Path) -> Path:
         return path.rename(kept)
     except OSError as error:
         raise SystemExit(
-            f"'{path}' cannot be used, nor be renamed to '{kept}': {error.strerror}; remove it, and call again."
+            f"'{path}' cannot be used, nor be renamed to '{kept}': {error.strerror}; "
+            "make its folder writable, and call again."
         ) from None
 
 
