@@ -147,17 +147,14 @@ def _structures(structures: xr.Dataset) -> Iterator[dict]:
     for problem in structures.problem.values:
         one = structures.sel(problem=problem)
         failed = ((one.status != 0) | ~(one.max_energy_imbalance <= LEVEL)).any("steps_per_period").sum().item()
-        first = {
-            "Problem": _sentence(one.problem_title.item()),
-            "Beware of": f"balance lost by {failed} of {one.sizes['scheme']}" if failed else "",
-        }
-        for what, size in {"displacement": one.displacement_error, "energy": one.max_energy_imbalance / 100}.items():
-            cells = {_column(error): _listed(_fewest_forces(one, size, error), *tried) for error in ERRORS}
+        lost = f"balance lost by {failed} of {one.sizes['scheme']}" if failed else ""
+        measures = {"displacement": one.displacement_error, "energy": one.max_energy_imbalance / 100}
+        for k, (what, size) in enumerate(measures.items()):
             yield {
-                "Problem": first.pop("Problem", ""),
+                "Problem": _sentence(one.problem_title.item()) if k == 0 else "",
                 "Right in": what,
-                **cells,
-                "Beware of": first.pop("Beware of", ""),
+                **{_column(error): _listed(_fewest_forces(one, size, error), *tried) for error in ERRORS},
+                "Beware of": lost if k == 0 else "",
             }
 
 
