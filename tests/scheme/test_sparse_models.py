@@ -170,7 +170,7 @@ def test_ensembles_and_derivatives_of_sparse_models():
             {"stiffness": STIFFNESS[:5, :5]},
             r"stiffness must have the shape \(24, 24\) for u0 of shape \(24,\); got \(5, 5\)",
         ),
-        ({"mass": MASS - sparse.eye_array(N)}, "mass must be positive definite, but for unknowns without any mass"),
+        ({"mass": MASS - sparse.eye_array(N)}, "mass must be positive definite among the unknowns that have mass"),
         ({"tangent": STIFFNESS[:5, :5]}, r"tangent of 'unnamed problem' must be a matrix of shape \(24, 24\)"),
         ({"stiffness": None, "force": None, "potential": None}, "force must be a function"),
     ],
