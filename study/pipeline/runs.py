@@ -175,7 +175,7 @@ def removed_programs() -> Iterator[str]:
     for file in damaged:
         file.unlink(missing_ok=True)
     if damaged:
-        yield f"{len(damaged)} compiled programs in JAX's cache could not be read; they are removed."
+        yield f"compiled programs in JAX's cache that cannot be read are removed: {len(damaged)}."
     if recent:
         checked.touch()
         os.utime(checked, ns=(now, now))
@@ -209,17 +209,17 @@ def cleared(dead: list[Run]) -> Iterator[str]:
     surviving = list(jobs_of({run.name for run in dead}))
     if surviving:
         end(surviving)
-        yield f"{len(surviving)} processes had survived a run that died; they are ended, and their jobs start anew."
+        yield f"processes that had survived a run that died are ended, and their jobs start anew: {len(surviving)}."
     try:
         if dead and (number := cancel_queued()):
-            yield f"{number} jobs in Slurm's queue had survived a run that died; they are cancelled, and start anew."
+            yield f"jobs in Slurm's queue that had survived a run that died are cancelled, and start anew: {number}."
     except subprocess.TimeoutExpired:
         yield "Slurm's queue does not answer; jobs of a run that died may still be in it."
     begun = [file for folder in WRITTEN for file in Path(folder).rglob(".*.unfinished") if not _writer_lives(file)]
     for file in begun:
         shutil.rmtree(file) if file.is_dir() else file.unlink(missing_ok=True)
     if begun:
-        yield f"{len(begun)} files that a dead run had begun to write are removed; no product was among them."
+        yield f"files that a dead run had begun to write are removed, and no product among them: {len(begun)}."
     locks = list(LOCKS.glob("*")) if LOCKS.is_dir() else []
     for lock in locks:
         lock.unlink(missing_ok=True)
@@ -242,7 +242,7 @@ def redated(now: float) -> Iterator[str]:
     mended = {file for file in ahead if _has_date(file, now)}
     if mended:
         first = min(mended)
-        yield f"the dates of {len(mended)} files lay in the future, such as that of '{first}'; they are set to now."
+        yield f"dates that lay in the future, such as that of '{first}', are set to now: {len(mended)}."
     for file in ahead:
         if file not in mended:
             yield f"the date of '{file}' lies in the future and cannot be set; every call makes anew what reads it."

@@ -62,7 +62,7 @@ def test_the_lock_of_a_dead_run_is_lifted_and_its_unfinished_files_go():
     unfinished.write_text("half")
     product.write_text("whole")
     _, told = runs.entered(os.getpid())
-    assert "the lock is lifted" in " ".join(told) and "1 files that a dead run had begun" in " ".join(told)
+    assert "the lock is lifted" in " ".join(told) and "no product among them: 1." in " ".join(told)
     assert not lock.exists() and not unfinished.exists() and product.read_text() == "whole"
     assert run not in runs.known()
 
@@ -130,7 +130,7 @@ def test_jobs_that_survived_a_dead_run_are_ended_and_no_others(sleeper, deaf, mo
     )
     assert job.stdout is not None and job.stdout.readline()
     _, told = runs.entered(os.getpid())
-    assert "1 processes had survived a run that died" in told[0]
+    assert "start anew: 1." in told[0]
     job.communicate(timeout=5)
     assert sleeper.poll() is None
 
@@ -144,7 +144,7 @@ def test_programs_that_cannot_be_read_are_removed_from_the_cache(tmp_path, monke
     for name, content in contents.items():
         (folder / f"{name}-cache").write_bytes(content)
     (sentence,) = runs.removed_programs()
-    assert sentence.startswith("2 compiled programs in JAX's cache could not be read; they are removed")
+    assert sentence == "compiled programs in JAX's cache that cannot be read are removed: 2."
     assert {file.name for file in folder.iterdir()} == {"whole-cache", "other-cache"}
     (folder / "whole-cache").write_bytes(program[:-1])
     os.utime(folder / "whole-cache", (1.0, 1.0))
@@ -173,7 +173,7 @@ def test_a_half_built_site_is_removed(sleeper):
     for number in (sleeper.pid, 2**22 - 3):
         Path(f"results/.site.{number}.0123.unfinished/pages").mkdir(parents=True)
     _, told = runs.entered(os.getpid())
-    assert "1 files that a dead run had begun" in " ".join(told)
+    assert "no product among them: 1." in " ".join(told)
     assert [file.name for file in Path("results").iterdir()] == [f".site.{sleeper.pid}.0123.unfinished"]
 
 
@@ -184,7 +184,7 @@ def test_dates_in_the_future_are_set_to_now():
         os.utime(Path("results", name), (time.time() + ahead,) * 2)
     dates = {file.name: file.stat().st_mtime for file in Path("results").iterdir()}
     _, told = runs.entered(os.getpid())
-    assert "the dates of 1 files lay in the future, such as that of 'results/a.nc'" in told[0]
+    assert told[0] == "dates that lay in the future, such as that of 'results/a.nc', are set to now: 1."
     after = {file.name: file.stat().st_mtime for file in Path("results").iterdir()}
     assert abs(after["a.nc"] - time.time()) < 60 and {name for name in dates if dates[name] != after[name]} == {"a.nc"}
 
