@@ -33,6 +33,11 @@ def tabulate(structures: xr.Dataset) -> pd.DataFrame:
     for problem in at.problem.values:
         one = at.sel(problem=problem)
         title = one.problem_title.item()
-        row = {"Structure": title[0].upper() + title[1:], "Unknowns": f"{one.unknowns.item():.0f}"}
+        row = {
+            "Structure": title[0].upper() + title[1:],
+            "Unknowns": f"{one.unknowns.item():.0f}",
+            "Scale": f"{one.period.item():.3g}",
+            "Length": f"{one.periods.item() * one.period.item():.3g}",
+        }
         rows.append(row | {one.scheme_title.sel(scheme=n).item(): _cell(one.sel(scheme=n)) for n in shown})
     return pd.DataFrame(rows)
