@@ -2,7 +2,7 @@
 
 import inspect
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from numpydoc.docscrape import NumpyDocString
@@ -63,8 +63,8 @@ def references_of(lines: Iterable[str]) -> list[str]:
     return [" ".join(work) for work in found if work]
 
 
-def explained(documented: type) -> Explained:
-    """The parts of the docstring of a class."""
+def explained(documented: Callable) -> Explained:
+    """The parts of the docstring of a class or a function."""
     parsed = NumpyDocString(inspect.getdoc(documented) or "")
     return Explained(
         " ".join(parsed["Summary"]),
@@ -72,6 +72,11 @@ def explained(documented: type) -> Explained:
         {one.name: " ".join(one.desc) for one in parsed["Parameters"]},
         references_of(parsed["References"]),
     )
+
+
+def plain(text: str) -> str:
+    """A line of a docstring with names in place of roles."""
+    return _ROLE.sub(r"\2", text)
 
 
 def markdown(text: str) -> str:
@@ -103,6 +108,6 @@ def restructured(lines: list[str]) -> list[str]:
 
 
 def escaped(line: str) -> str:
-    """Bars and stars outside of code, which reStructuredText would read as substitutions and emphasis."""
+    """Signs outside of code that reStructuredText would read as substitutions, emphasis and links, made plain."""
     parts = re.split(r"(``.*?``|:\w+:`.*?`)", line)
-    return "".join(part if part.startswith(("``", ":")) else re.sub(r"([|*])", r"\\\1", part) for part in parts)
+    return "".join(part if part.startswith(("``", ":")) else re.sub(r"([|*]|_\b)", r"\\\1", part) for part in parts)

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from types import ModuleType
 
 import study
-from docs.docstrings import escaped
+from docs.docstrings import escaped, explained, plain
+from study.problem.named import makers
 from study.registry import Registry
 
 #: Public names of the introduction, before the first group.
@@ -43,6 +44,13 @@ def file_of(title: str) -> str:
     return title.lower().replace(" ", "_")
 
 
+def _definition(problem: str) -> list[str]:
+    """Equations, parameters and sources of a problem, a paragraph each within its entry."""
+    known = explained(makers[problem])
+    said = [known.summary, *(" ".join(lines) for lines in known.paragraphs), *known.references]
+    return [part for text in said if text for part in ("", f"     {escaped(plain(text))}")] + [""]
+
+
 def _registry(name: str, entries: Mapping) -> str:
     lines = [f".. py:data:: study.{name}", "", f"   A mapping from names to {name}. It holds:", ""]
     for key in entries:
@@ -53,6 +61,7 @@ def _registry(name: str, entries: Mapping) -> str:
                 (inspect.getdoc(entries[key]) or "").splitlines()[:1] if name == "observers" else [entries[key].title]
             )
             lines.append(f"   - ``{key}``, {escaped(said[0]).rstrip('.') if said else ''}")
+            lines += _definition(key) if name == "problems" else []
     return "\n".join(lines)
 
 

@@ -14,7 +14,7 @@ def _percent(value: float) -> str:
         return "≫"
     if value < 0.001:
         return "<0.001"
-    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
+    return f"{value:.2g}" if value < 99.5 else f"{value:,.0f}"
 
 
 def _cell(run: xr.Dataset) -> str:

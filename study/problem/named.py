@@ -16,6 +16,9 @@ _ENTRIES = variables_of_modules(
 #: Problems are made and checked on first use.
 problems: Registry[Problem] = Registry("problem", {}, made_by=_ENTRIES)
 
+#: The functions that make the problems; their docstrings have equations, parameters and sources.
+makers = {name: getattr(entry.make, "func", entry.make) for name, entry in _ENTRIES.items()}
+
 #: Time that measures the step sizes of each structure.
 time_scales = {name: entry.time_scale for name, entry in _ENTRIES.items() if entry.time_scale is not None}
 
