@@ -13,6 +13,7 @@ from study.assessment import errors, failures, ladder, oscillation
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.ladder import ENERGY, Ladder
+from study.assessment.solution import DenseSolution
 from study.datasets import processor
 from study.equilibrium.balance import acceleration
 from study.marching.arguments import resolve
@@ -43,6 +44,9 @@ USUAL = (
 #: Least error that can be asked for.
 LEAST_ERROR = 1e-10
 
+#: Least energy at the start, over the largest kinetic energy, to which errors of its balance can be related.
+LEAST_ENERGY = 0.01
+
 #: Periods of a free oscillation that are run if no duration is given.
 PERIODS = 10
 
@@ -54,7 +58,7 @@ def _chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | 
     """Schemes by the name under which the dataset has them."""
     if given is None:
         return {name: schemes_by_name[name] for name in USUAL}
-    if isinstance(given, Mapping):
+    if isinstance(given, Mapping) and given:
         return {name: resolve(one, schemes_by_name, Scheme) for name, one in given.items()}  # type: ignore[type-abstract]
     if not isinstance(given, str | Scheme | Iterable):
         raise TypeError(f"schemes must be names, schemes, or a mapping from names to schemes, not {given!r}.")
@@ -201,9 +205,17 @@ def assess(
         raise ValueError(next(iter(chosen.values())).refusal(equation))
     slowest = _slowest_period(equation) or length / ladder.COARSEST
     coarsest = slowest / ladder.COARSEST
+    if length / coarsest > ladder.MOST_STEPS:
+        raise ValueError(
+            f"duration must be at most {ladder.MOST_STEPS * coarsest:g} s, {ladder.MOST_STEPS:,} steps of which "
+            f"{ladder.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
+        )
     reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
     cases = cases_of(equation, reference, asked, allowed[-1])
+    if of_energy and (lacking := _lack_of_energy(equation, reference.solution)):
+        warnings.warn(lacking, RuntimeWarning, stacklevel=2)
+        of_energy = False
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
     names = [*asked, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
     first = max(ladder.COARSEST, int(np.ceil(length / coarsest)))
@@ -228,6 +240,7 @@ def assess(
         "reference": reference.route.name,
         "witness": reference.witness.name,
         "reference_tolerance": reference.rtol,
+        "starts": ladder.told_of_starts(cases),
         "duration": length,
         "duration_asked_for": asked_for,
         "problem": equation.title,
@@ -237,6 +250,20 @@ def assess(
         "not_fit": "; ".join(str(chosen[name].refusal(equation)) for name in chosen if name not in fit),
     }
     return ds
+
+
+def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
+    """A sentence if the energy at the start is too small a measure for errors of the balance; none if it is not."""
+    if problem.load is not None:
+        return ""
+    at_start = abs(float(problem.energy(problem.u0, problem.v0)))
+    kinetic = max(float(np.vdot(v, problem.momentum(v))) / 2 for v in motion.v)
+    if at_start >= LEAST_ENERGY * kinetic:
+        return ""
+    return (
+        f"the balance of energies of '{problem.title}' is left out: errors would be told relative to the energy at the "
+        f"start, {at_start:g}, and the kinetic energy reaches {kinetic:g}; add a constant to the potential."
+    )
 
 
 def _asked_for(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:

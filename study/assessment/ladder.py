@@ -87,6 +87,15 @@ class Case(NamedTuple):
     oscillation: Oscillation | None
 
 
+def told_of_starts(cases: dict[float, Case]) -> str:
+    """A sentence on the starts beside that of the problem: a multiple of nothing is no other start."""
+    own = cases[1.0].problem
+    others = [case.problem for factor, case in cases.items() if factor != 1.0]
+    if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):
+        return "No other start was tried: u, u̇ and the load are zero at the start."
+    return "Two starts, one percent below and above, keep it too."
+
+
 class Ladder:
     """Runs of one scheme on one problem, each made once.
 

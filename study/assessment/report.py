@@ -165,7 +165,7 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
             "–" if np.isnan(row.dt) else _percent(row.error),
             "–" if np.isnan(row.time) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
             "–" if np.isnan(row.dt) else f"{row.force_evaluations:.0f}",
-            row.verdict + (f"; {row.accidents} coarser ones keep it, but not reliably" if row.accidents else ""),
+            row.verdict + (f"; coarser ones that keep it, but not reliably: {row.accidents}" if row.accidents else ""),
         )
         for row in table.itertuples()
     ]
@@ -186,7 +186,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     if assessed.recommended_dt.notnull().any():
         parts.append(
             f"<p>Every step that is recommended was run, over {held:.4g} s. Every finer step that was run, among them "
-            "six up to 1.6 times as fine, and two starts one percent apart keep the error too.</p>"
+            f"six up to 1.6 times as fine, keep the error too. {_text(attributes['starts'])}</p>"
         )
     for quantity in quantities:
         parts.append(f"<h2>Error of {_text(quantity)}</h2>")

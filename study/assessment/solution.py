@@ -14,6 +14,7 @@ from study.algebra.interpolation import quintic, value
 from study.equilibrium.balance import acceleration
 from study.problem.definition import Problem
 from study.problem.frequencies import frequencies
+from study.problem.internal_force import switches
 from study.scheme.base import Scheme
 from study.scheme.bathe import rho_bathe
 from study.scheme.newmark import average_acceleration
@@ -24,6 +25,9 @@ TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
 
 #: Points in the shortest period of small motions, or of the coarsest step, with which a grid begins.
 POINTS = 12
+
+#: Parts of a run in each of which a comparison in the load may get another answer.
+SWITCHES = 4096
 
 #: Points between two kinks of the force, at the least: a contact may be far shorter than a period.
 POINTS_BETWEEN_KINKS = 10
@@ -90,7 +94,10 @@ def _accelerations(problem, t, u, v):
 
 
 class Kinks(NamedTuple):
-    """Times within the run at which the slope of the load jumps, and those at which that of the internal force may."""
+    """Times within the run at which a record has a kink, and those at which a comparison in a force or load changes.
+
+    There the load may jump, and a solver starts anew.
+    """
 
     of_load: Times
     of_force: Times
@@ -112,6 +119,27 @@ def _methods(problem: Problem, duration: float) -> tuple[str, str]:
     return ("Kvaerno5", "BDF") if stiff else ("Dopri8", "Adams")
 
 
+def _switches_of_load(load: Callable | None, duration: float) -> Times:
+    """Times at which a comparison in the program of a load gets another answer; a record declares its kinks itself.
+
+    A solver would step over a load that acts for a moment, and so would its witness.
+    """
+    from scipy import optimize  # here, because importing it takes a third of the time to import the study
+
+    if load is None or hasattr(load, "kinks"):
+        return np.zeros(0)
+    at = jax.jit(lambda t: switches(load, t))
+    times = np.linspace(0.0, duration, SWITCHES + 1)
+    values = np.asarray(jax.lax.map(at, times))
+    places = np.argwhere(np.sign(values[1:]) != np.sign(values[:-1]))
+    roots = (
+        optimize.brentq(lambda t, k=k: float(at(t)[k]), times[i], times[i + 1], xtol=1e-300, rtol=1e-15)
+        for i, k in places
+        if values[i, k] * values[i + 1, k] <= 0
+    )
+    return np.unique(np.asarray(list(roots), float))
+
+
 def kinks_of(problem: Problem, duration: float) -> Kinks:
     """The kinks of load and force; those of the force are found along the motion.
 
@@ -124,10 +152,12 @@ def kinks_of(problem: Problem, duration: float) -> Kinks:
     """
     if problem.massless:
         raise NoReference(f"the mass of '{problem.title}' is singular, and no reference takes such a problem.")
-    of_load = np.asarray(getattr(problem.load, "kinks", []), float)
-    of_load, of_force = of_load[(of_load > 0) & (of_load < duration)], np.zeros(0)
+    declared, found = np.asarray(getattr(problem.load, "kinks", []), float), _switches_of_load(problem.load, duration)
+    of_load, of_force = (times[(times > 0) & (times < duration)] for times in (declared, found))
     if problem.kinked and problem.history is None:
-        of_force = _solvers()[1].kinks(problem, duration, of_load, _methods(problem, duration)[1])
+        stops = np.union1d(of_load, of_force)
+        along = _solvers()[1].kinks(problem, duration, stops, _methods(problem, duration)[1])
+        of_force = np.union1d(of_force, along)
     return Kinks(of_load, of_force)
 
 

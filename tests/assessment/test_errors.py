@@ -26,3 +26,19 @@ def test_a_peak_between_the_points_of_the_reference_is_found():
     # components u = cos(t) and 2 cos(t) of different phase: u₀ = (1, 0), u̇₀ = (0, 2)
     two = study.Problem(lambda u: u, np.array([0.5, 0.0]), v0=np.array([1.0, 2.0]))
     assert _peak(two, 6.0, lambda u: u) == pytest.approx([np.hypot(0.5, 1.0), 2.0], rel=1e-8)
+
+
+def test_a_balance_without_energy_to_compare_with_is_left_out_and_told():
+    # a mass that hangs on a spring, from rest at zero: E₀ = 0
+    hanging = study.Problem(lambda u: u - 1.0, 0.0, potential=lambda u: u**2 / 2 - u, damping=0.02, title="hanging")
+    with pytest.warns(RuntimeWarning, match="the balance of energies of 'hanging' is left out: .* add a constant to"):
+        ds = study.assess(hanging, "rk4", duration=5.0, errors=[0.1], maps=False)
+    assert ds.quantity.values.tolist() == ["displacement", "velocity"]
+    assert ds.starts == "No other start was tried: u, u̇ and the load are zero at the start."
+
+
+def test_a_duration_of_more_steps_than_a_ladder_has_is_refused_at_once():
+    with pytest.raises(ValueError, match="duration must be at most .* 4,000,000 steps .* not 1e.12 s"):
+        study.assess("pendulum", "rk4", duration=1e12)
+    with pytest.raises(ValueError, match="schemes is empty"):
+        study.assess("pendulum", {}, duration=5.0)

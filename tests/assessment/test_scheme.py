@@ -60,6 +60,16 @@ class _Plain(study.OneStep):
         return study.Phase(dt * state.v, dt * study.acceleration(problem, t, *state)), study.Effort()
 
 
+class _NoField(_Plain):
+    def increment(self, problem, state, t, dt):
+        return study.Phase(dt * state.w, dt * state.v), study.Effort()
+
+
+class _NoNumbers(_Plain):
+    def increment(self, problem, state, t, dt):
+        return study.Phase(dt * state.v, -dt * state.u), study.Effort(None, None)
+
+
 class _NoEffort(_Plain):
     def step(self, problem, state, t, dt):
         return state
@@ -102,6 +112,8 @@ class _Branching(_Plain):
         (_NoIncrement(), "increment of _NoIncrement must return a state and a study.Effort, not NoneType."),
         (_ArrayIncrement(), "increment of _ArrayIncrement must return a named tuple with u and v, not"),
         (_Branching(), "increment of _Branching branches on a number that JAX traces"),
+        (_NoField(), "increment of _NoField raises AttributeError: 'Phase' object has no attribute 'w'"),
+        (_NoNumbers(), "increment of _NoNumbers must return a study.Effort of iterations and convergence, not"),
         (_NoEffort(), "step of _NoEffort must return a state and a study.Effort, not Phase."),
         (_OtherState(), "step of _OtherState must return a state like that of start"),
         (_OtherShape(), r"start of _OtherShape must return a state with 'v' of shape \(\)."),

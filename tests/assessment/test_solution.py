@@ -30,6 +30,20 @@ def test_the_interpolant_is_exact_for_polynomials_of_fifth_degree():
     np.testing.assert_allclose(v[:, 1], -polynomial.deriv()(at), atol=1e-12)
 
 
+def test_a_load_that_acts_for_a_moment_is_not_stepped_over():
+    # a blow of one newton second in a millisecond on an oscillator in free motion
+    begins, lasts = 10.003, 1e-3
+    blow = study.Problem(
+        lambda u: u, 0.1, load=lambda t: jnp.where((t > begins) & (t < begins + lasts), 1 / lasts, 0.0), title="blow"
+    )
+    kinks = solution.kinks_of(blow, 20.0)
+    np.testing.assert_allclose(kinks.of_force, [begins, begins + lasts], rtol=1e-12)
+    grid = solution.grid_of(blow, 20.0, 1.0, kinks)
+    exact = 0.1 * np.cos(20.0) + (np.cos(20.0 - begins - lasts) - np.cos(20.0 - begins)) / lasts
+    for route in solution.routes_of(blow, 20.0, kinks):
+        assert solution.solution_by(route, blow, grid, 1e-10).u[-1] == pytest.approx(exact, abs=1e-7)
+
+
 def test_the_grid_holds_all_kinks_and_no_point_next_to_one(shaken):
     grid = solution.grid_of(shaken, 2.0, 0.5, solution.kinks_of(shaken, 2.0))
     assert np.isin([0.0, 0.3, 0.6, 0.9, 1.2, 2.0], np.round(grid, 12)).all()
