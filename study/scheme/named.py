@@ -40,9 +40,13 @@ ALIASES = {
     "constant_average_acceleration": "average_acceleration",
     "trapezoidal": "average_acceleration",
     "trapezoidal_rule": "average_acceleration",
+    "crank_nicolson": "average_acceleration",
     "wilson": "wilson_theta",
     "hht": "hht_alpha_one_force",
+    "hilber_hughes_taylor": "hht_alpha_one_force",
+    "chung_hulbert": "generalized_alpha",
     "runge_kutta": "rk4",
+    "runge_kutta_4": "rk4",
 }
 
 #: Words for both of these forms.
