@@ -31,7 +31,12 @@ def _integrator(problem: Problem, bits: int, formulation: Callable, **options) -
     return hy.taylor_adaptive(system, start, **kind, **options)
 
 
-def _check(problem: Problem, outcome) -> None:
+def _check(problem: Problem, outcome, time) -> None:
+    if outcome == hy.taylor_outcome.err_nf_state:
+        raise RouteFailed(
+            f"the motion of '{problem.title}' is no longer finite after t = {float(time):g}: force and potential must "
+            "be finite there, or the duration shorter."
+        )
     if outcome not in (hy.taylor_outcome.time_limit, hy.taylor_outcome.success):
         raise RouteFailed(f"heyoka did not finish '{problem.title}': {outcome}.")
 
@@ -69,7 +74,7 @@ def trajectory(
     start = time.perf_counter()
     outcome, *_, steps, _, states = integrator.propagate_grid(grid)
     seconds = time.perf_counter() - start
-    _check(problem, outcome)
+    _check(problem, outcome, integrator.time)
     return Solution(states[-len(t) :, 0], states[-len(t) :, 1], steps * integrator.order, seconds)
 
 
@@ -95,7 +100,7 @@ def period(
     options = {"tol": float(rtol)} if bits == DOUBLE else {}
     integrator = _integrator(problem, bits, formulation, nt_events=[turning], **options)
     outcome, *_ = integrator.propagate_until(_number(0.75 * estimate, bits))
-    _check(problem, outcome)
+    _check(problem, outcome, integrator.time)
     ends = [t for t, direction in met if direction > 0]
     if not ends:
         raise RouteFailed(f"heyoka met no turning point of '{problem.title}' up to t = {0.75 * estimate:g}.")

@@ -42,3 +42,10 @@ def test_a_duration_of_more_steps_than_a_ladder_has_is_refused_at_once():
         study.assess("pendulum", "rk4", duration=1e12)
     with pytest.raises(ValueError, match="schemes is empty"):
         study.assess("pendulum", {}, duration=5.0)
+
+
+def test_a_motion_that_ends_in_infinity_is_told_with_its_time():
+    # u̇² = (u⁴ − 1)/2 from rest at 1, which reaches infinity at t = 1.854
+    runaway = study.Problem(lambda u: -(u**3), 1.0, potential=lambda u: -(u**4) / 4, title="runaway")
+    with pytest.raises(ValueError, match="the motion of 'runaway' is no longer finite after t = 1.85"):
+        study.assess(runaway, "rk4", duration=50.0, maps=False)
