@@ -55,9 +55,13 @@ def _snakemake_alone(run: subprocess.Popen, moment: float) -> bool:
 
 
 def _one_job(run: subprocess.Popen, moment: float) -> bool:
+    """Kill a job; where Snakemake is slow to start, the first one that comes."""
     time.sleep(moment)
-    jobs = [job for job in _descendants(run) if "python" in job.name()]
-    (random.choice(jobs) if jobs else psutil.Process(run.pid)).kill()
+    jobs: list[psutil.Process] = []
+    while not jobs and run.poll() is None:
+        jobs = [job for job in _descendants(run) if "python" in job.name()]
+    if jobs:
+        random.choice(jobs).kill()
     return bool(jobs)
 
 
