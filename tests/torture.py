@@ -36,8 +36,6 @@ PRODUCTS = (
 )
 #: Products that are removed before a kill.
 REMOVED = 3
-#: Latest moment of a kill in seconds; a run takes about as long.
-LATEST = 8.0
 
 
 def _everything(run: subprocess.Popen, moment: float) -> bool:
@@ -55,7 +53,7 @@ def _snakemake_alone(run: subprocess.Popen, moment: float) -> bool:
 
 
 def _one_job(run: subprocess.Popen, moment: float) -> bool:
-    """Kill a job; where Snakemake is slow to start, the first one that comes."""
+    """Kill a job: the first one that comes, if none is at work at that moment."""
     time.sleep(moment)
     jobs: list[psutil.Process] = []
     while not jobs and run.poll() is None:
@@ -109,6 +107,11 @@ def _killed(folder: Path, mode: str, moment: float) -> bool:
     return at_work
 
 
+def _remove(folder: Path, choose: random.Random) -> None:
+    for name in choose.sample(PRODUCTS, REMOVED):
+        (folder / "results" / name).unlink()
+
+
 def _targets() -> list[str]:
     return [f"results/{name}" for name in PRODUCTS]
 
@@ -116,17 +119,22 @@ def _targets() -> list[str]:
 def torture(undisturbed: Path, tortured: Path, kills: int, seed: int = 0) -> pd.DataFrame:
     """Kill the pipeline in a copy of the project where everything is made; a row for each kind of kill.
 
+    The moments of the kills spread evenly over the time that an undisturbed call takes.
+
     Raises
     ------
     RuntimeError
         If a call after a kill does not end well.
     """
     choose, expected, rows = random.Random(seed), _hashes(undisturbed), []
+    _remove(tortured, choose)
+    start = time.monotonic()
+    restarted(tortured)
+    latest = time.monotonic() - start
     for number in range(kills):
         mode = list(MODES)[number % len(MODES)]
-        for name in choose.sample(PRODUCTS, REMOVED):
-            (tortured / "results" / name).unlink()
-        at_work = _killed(tortured, mode, choose.uniform(0.0, LATEST))
+        _remove(tortured, choose)
+        at_work = _killed(tortured, mode, choose.uniform(0.0, latest))
         restarted(tortured)
         found = _hashes(tortured)
         leftover = len(list((tortured / "results").rglob(".*.unfinished")))
