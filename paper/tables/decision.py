@@ -71,15 +71,17 @@ def _fastest(needs: xr.Dataset) -> list[Choice]:
     return list(zip(needs.scheme_title.values[tied], needs.steps_per_period.values[tied], strict=True))
 
 
-def _of_amplitudes(robustness: xr.Dataset, problem: str) -> str:
-    """What the steps of a spring become at all amplitudes of the maps."""
-    if problem not in robustness.problem.values:
+def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: list[Choice]) -> str:
+    """The steps that the first scheme of a choice needs at all amplitudes of the maps, if they are more."""
+    if not chosen or problem not in robustness.problem.values:
         return ""
+    title, steps = chosen[0]
     needed = robustness.steps_needed.sel(problem=problem, level=LEVEL).isel(periods=-1)
-    least = needed.min().item()
-    if not np.isfinite(least):
-        return f"at all amplitudes: more than {robustness.most_steps.item()}"
-    return f"at all amplitudes: {_first(needed.scheme_title.values[(needed == least).values].tolist())}: {least:.0f}"
+    at_all = needed.values[needed.scheme_title.values == title]
+    if not at_all.size or at_all.item() <= steps:
+        return ""
+    more = f"{at_all.item():.0f}" if np.isfinite(at_all.item()) else f"more than {robustness.most_steps.item()}"
+    return f"{title} needs {more} at all amplitudes"
 
 
 def _springs(recommendation: xr.Dataset, robustness: xr.Dataset) -> Iterator[dict]:
@@ -92,11 +94,12 @@ def _springs(recommendation: xr.Dataset, robustness: xr.Dataset) -> Iterator[dic
             limits = [error / PERIODS if measure in OF_A_PERIOD else error for error in ERRORS]
             needs = [_both(one.sel({"measure": measure, "error": limit}), sound) for limit in limits]
             cells = {_column(error): _listed(_fastest(each), *tried) for error, each in zip(ERRORS, needs, strict=True)}
+            chosen = _fastest(sound)
             yield {
                 "Problem": _sentence(title) if k == 0 else "",
                 "Right in": what,
                 **cells,
-                "Beware of": _of_amplitudes(robustness, problem) if k == 0 else "",
+                "Beware of": _of_amplitudes(robustness, problem, chosen) if k == 0 else "",
             }
 
 

@@ -8,9 +8,11 @@ import re
 import pytest
 import typst
 
+import study
 from paper.claims.ledger import OURS
 from paper.manuscript import LAYOUT, TEXTS, check_uses, uses
 from paper.products import discover
+from study.problem.named import printed_periods
 
 SOURCE = """
 // n.commented picture("commented")
@@ -65,6 +67,12 @@ def test_every_figure_and_table_is_cited_in_order(text):
 def test_no_semicolon_follows_a_number(text):
     # Typst takes it for the end of the number and does not print it
     assert not re.findall(r"#n\.[\w.]+;", text.read_text())
+
+
+def test_every_problem_that_is_not_one_of_1996_is_stated():
+    stated = re.findall(r'\(\s*"([^"]+)",\s*\[', TEXTS[1].read_text())
+    titles = [problem.title for name, problem in study.problems.items() if name not in printed_periods]
+    assert sorted(stated) == sorted(title[0].upper() + title[1:] for title in titles)
 
 
 def test_facts_are_what_holds_takes_and_numbers_are_not():

@@ -41,10 +41,10 @@ def _recommendation(spread: float, energy: float) -> xr.Dataset:
     )
 
 
-def _robustness(needed: float) -> xr.Dataset:
+def _robustness(*needed: float) -> xr.Dataset:
     return xr.Dataset(
         {
-            "steps_needed": (("problem", "scheme", "level", "periods"), np.full((1, 2, 1, 1), needed)),
+            "steps_needed": (("problem", "scheme", "level", "periods"), np.reshape(needed, (1, 2, 1, 1))),
             "most_steps": 128,
         },
         coords={
@@ -108,9 +108,9 @@ def _spectrum() -> xr.Dataset:
 
 @pytest.fixture
 def rows():
-    def of(spread=0.1, needed=32.0, energy=1.0, imbalance=1.0):
+    def of(spread=0.1, needed=(32.0, 64.0), energy=1.0, imbalance=1.0):
         datasets = (
-            _robustness(needed),
+            _robustness(*needed),
             _runs("error", "yielding"),
             _spectrum(),
             _runs("displacement_error", "pendulum", imbalance),
@@ -142,8 +142,13 @@ def test_the_energy_must_be_right_too(rows):
 
 
 def test_what_other_amplitudes_take_is_told(rows):
-    assert "at all amplitudes: Cheap; Dear: 32" in rows()[0]["Beware of"]
-    assert ": more than 128" in rows(needed=np.nan)[0]["Beware of"]
+    def told(*needed):
+        return rows(needed=needed)[0]["Beware of"]
+
+    # the cheap one is the first choice for the energy
+    assert told(32.0, 64.0) == "Cheap needs 32 at all amplitudes"
+    assert told(8.0, 64.0) == ""
+    assert told(np.nan, 64.0) == "Cheap needs more than 128 at all amplitudes"
 
 
 def test_elsewhere_the_fewest_forces_decide(rows):
