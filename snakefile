@@ -9,6 +9,7 @@ import atexit
 import hashlib
 import json
 import os
+import re
 import runpy
 import signal
 import subprocess
@@ -114,8 +115,10 @@ if lacking := lack_of_room(HERE / "results", HERE / ".snakemake"):
 
 
 # calls that make nothing, so that they may look while another run is at work
-LOOKS = ("-n", "--dry-run", "--dryrun", "--dag", "--rulegraph", "--report", "--list", "--summary", "--lint", "--unlock")
-enters = workflow.is_main_process and not any(one.split("=")[0] in LOOKS for one in sys.argv)
+LOOKS = re.compile(
+    "-[Fkpq]*n[Fkpq]*|-[SDl]|--(dry-?run|dag|rulegraph|filegraph|report|list.*|summary|detailed-summary|lint|unlock)(=.*)?"
+)
+enters = workflow.is_main_process and not any(map(LOOKS.fullmatch, sys.argv))
 if enters:
     atexit.register(tell_of_room)  # the first that is registered is the last that is called
     run, told = json.loads(script("runs", os.getpid()))

@@ -25,6 +25,7 @@ from study.problem.frequencies import frequencies
 from study.problem.loads import excited
 from study.problem.named import problems
 from study.scheme.base import Scheme
+from study.scheme.contract import check_told
 from study.scheme.named import schemes as schemes_by_name
 
 #: Schemes that are assessed if none are named: the ones that codes offer, and the best of each family.
@@ -200,6 +201,8 @@ def assess(
                 f"the quantity '{name}' takes ü, which does not follow from u and u̇ where the force of "
                 f"'{equation.title}' has a history; leave it out."
             )
+    for one in chosen.values():
+        check_told(one)
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))

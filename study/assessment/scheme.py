@@ -13,6 +13,7 @@ from study.assessment.report import COLOURS, MARKERS, document, figure_of, judge
 from study.datasets import processor
 from study.marching.arguments import resolve
 from study.scheme.base import Scheme
+from study.scheme.contract import check_told
 from study.scheme.named import schemes
 
 #: Schemes beside which one is put, and problems on which all of them run, with the time in seconds if it is needed.
@@ -93,6 +94,7 @@ def assess_scheme(
         As :func:`study.assess`; a scheme that breaks the contract of a step gets one sentence.
     """
     own = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
+    check_told(own)
     name = schemes.resolve(scheme) if isinstance(scheme, str) else own.title
     others = [beside] if isinstance(beside, str) else beside
     chosen = {name: own} | {other: schemes[other] for other in others if schemes[other] is not own}

@@ -4,9 +4,30 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from study.equilibrium.state import Effort
 from study.problem.function_checks import NOT_TRACEABLE
+
+#: What a scheme tells of itself in whole numbers, with the least of each.
+_TOLD = {"order": 1, "damped_order": 1, "evaluations": 0, "evaluations_per_iteration": 0}
+
+
+def check_told(scheme: Any) -> None:
+    """Refuse a scheme whose title is no text, or whose orders and numbers of forces are no such numbers.
+
+    Raises
+    ------
+    TypeError
+        In one sentence, which names the class.
+    """
+    of = type(scheme).__name__
+    if not isinstance(scheme.title, str) or not scheme.title:
+        raise TypeError(f"title of {of} must be a text, not {scheme.title!r}.")
+    for name, least in _TOLD.items():
+        value = getattr(scheme, name)
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+            raise TypeError(f"{name} of {of} must be a whole number of at least {least}, not {value!r}.")
 
 
 def _returned(scheme: Any, method: str, *arguments: Any) -> tuple[Any, Effort]:

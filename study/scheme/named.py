@@ -7,6 +7,7 @@ A scheme is named by a variable of a module of this package: ``bdf2 = BackwardDi
 from study import scheme
 from study.registry import Registry, variables_of_modules
 from study.scheme.base import Scheme
+from study.scheme.contract import check_told
 
 
 def _of_families(found: dict[str, Scheme]) -> dict[str, Scheme]:
@@ -69,11 +70,12 @@ def register(name: str, scheme: Scheme) -> None:
     Raises
     ------
     TypeError
-        If it is no :class:`study.Scheme`.
+        If it is no :class:`study.Scheme`, or tells an order or a number of forces that is none.
     ValueError
         If the name is taken or unfit, or the scheme has no class variable ``family``, by which figures group schemes.
     """
     if not isinstance(scheme, Scheme):
         raise TypeError(f"{scheme!r} is no scheme: give an instance of a study.Scheme.")
+    check_told(scheme)
     _of_families({name: scheme})
     schemes.add(name, scheme)

@@ -126,6 +126,36 @@ def test_a_scheme_that_breaks_the_contract_gets_a_sentence(scheme, sentence):
         study.LinearTheory(scheme, [0.01, 0.02])
 
 
+class _SecondOrder(_Plain):
+    order = "two"
+
+
+class _LessThanNoForce(_Plain):
+    evaluations = -1
+
+
+class _NoTitle(_Plain):
+    title: str = ""
+
+
+@pytest.mark.parametrize(
+    "scheme, sentence",
+    [
+        (_SecondOrder(), "order of _SecondOrder must be a whole number of at least 1, not 'two'."),
+        (_LessThanNoForce(), "evaluations of _LessThanNoForce must be a whole number of at least 0, not -1."),
+        (_NoTitle(), "title of _NoTitle must be a text, not ''."),
+    ],
+)
+def test_what_a_scheme_tells_of_itself_is_checked(scheme, sentence):
+    for called in (
+        study.assess_scheme,
+        lambda one: study.assess("hardening", one),
+        lambda one: study.register("a", one),
+    ):
+        with pytest.raises(TypeError, match=sentence):
+            called(scheme)
+
+
 @pytest.mark.parametrize("word", ["HHT-α", "hht alpha", "HHT-Alpha", "alpha method", "alpha"])
 def test_words_for_both_alpha_methods_are_answered_by_a_question(word):
     with pytest.raises(KeyError, match=f"the scheme '{word}' may be 'hht_alpha' or 'hht_alpha_one_force'; name one"):
