@@ -159,5 +159,5 @@ def test_the_torture_has_the_number_of_kills_and_differences_that_are_told():
     table, told = pd.read_csv(PROJECT / "docs" / "torture.csv"), TEXTS["docs/pages/how_to/pipeline.md"]
     told = " ".join(told.split())
     assert "kills a small study a hundred times" in told and "no difference" in told
-    assert table.kills.sum() == 100 and table["of runs at work"].sum() > 50
+    assert table.kills.sum() == 100 and (table["of runs at work"] > 0.8 * table.kills).all()
     assert table.differences.sum() == table["unfinished files left"].sum() == 0

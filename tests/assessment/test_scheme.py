@@ -127,7 +127,7 @@ def test_a_scheme_that_breaks_the_contract_gets_a_sentence(scheme, sentence):
 
 
 class _SecondOrder(_Plain):
-    order = "two"
+    order = "two"  # type: ignore[assignment]
 
 
 class _LessThanNoForce(_Plain):
