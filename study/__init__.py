@@ -61,63 +61,73 @@ A scheme of your own
 Importing ``study`` switches JAX to double precision, among other settings; see ``help(study.settings)``.
 """
 
+import gc as _gc
+
 # Each name is imported as itself, which marks it as public for type checkers. There is no ``__all__``: help(study)
 # prints every method of every class that it lists, four thousand lines.
 from study import settings as settings  # isort: skip  (first, because JAX reads its settings once)
-from study import datasets as datasets
-from study.analysis.linear_theory import LinearTheory as LinearTheory
-from study.analysis.outcomes import OUTCOMES as OUTCOMES
-from study.analysis.outcomes import outcomes as outcomes
-from study.analysis.recommendation import recommend as recommend
-from study.assessment.assess import assess as assess
-from study.assessment.report import report as report
-from study.assessment.scheme import assess_scheme as assess_scheme
-from study.datasets import open as open
-from study.equilibrium.balance import acceleration as acceleration
-from study.equilibrium.balance import balance as balance
-from study.equilibrium.balance import load as load
-from study.equilibrium.state import Effort as Effort
-from study.equilibrium.state import Motion as Motion
-from study.equilibrium.state import Phase as Phase
-from study.marching.failure import RunFailed as RunFailed
-from study.marching.pure import evolve as evolve
-from study.marching.run import run as run
-from study.observer.base import Observer as Observer
-from study.observer.base import Record as Record
-from study.observer.base import Reduction as Reduction
-from study.observer.fate import Fate as Fate
-from study.observer.motion import Quantity as Quantity
-from study.observer.named import observers as observers
-from study.problem import materials as materials
-from study.problem.damping import Rayleigh as Rayleigh
-from study.problem.definition import Problem as Problem
-from study.problem.ground import GroundMotion as GroundMotion
-from study.problem.named import problems as problems
-from study.problem.potential import StrainEnergy as StrainEnergy
-from study.scheme.alpha import GeneralizedAlpha as GeneralizedAlpha
-from study.scheme.alpha import HHTAlpha as HHTAlpha
-from study.scheme.backward_differences import BackwardDifferences as BackwardDifferences
-from study.scheme.base import OneStep as OneStep
-from study.scheme.base import Scheme as Scheme
-from study.scheme.bathe import Bathe as Bathe
-from study.scheme.compensated import Compensated as Compensated
-from study.scheme.conserving import AverageVectorField as AverageVectorField
-from study.scheme.conserving import EnergyMomentum as EnergyMomentum
-from study.scheme.conserving import ImplicitMidpoint as ImplicitMidpoint
-from study.scheme.explicit_alpha import ExplicitAlpha as ExplicitAlpha
-from study.scheme.extrapolation import Extrapolation as Extrapolation
-from study.scheme.houbolt import Houbolt as Houbolt
-from study.scheme.kolay_ricles import KolayRicles as KolayRicles
-from study.scheme.named import register as register
-from study.scheme.named import schemes as schemes
-from study.scheme.newmark import Newmark as Newmark
-from study.scheme.noh_bathe import NohBathe as NohBathe
-from study.scheme.runge_kutta import Gauss4 as Gauss4
-from study.scheme.runge_kutta import Nystrom4 as Nystrom4
-from study.scheme.runge_kutta import RungeKutta4 as RungeKutta4
-from study.scheme.splitting import Composition as Composition
-from study.scheme.splitting import Splitting as Splitting
-from study.scheme.tchamwa_wielgosz import TchamwaWielgosz as TchamwaWielgosz
-from study.scheme.wilson import WilsonTheta as WilsonTheta
+
+# a collection of garbage in the midst of this would look through all objects of JAX, for a third of the time
+_collects = _gc.isenabled()
+_gc.disable()
+try:
+    from study import datasets as datasets
+    from study.analysis.linear_theory import LinearTheory as LinearTheory
+    from study.analysis.outcomes import OUTCOMES as OUTCOMES
+    from study.analysis.outcomes import outcomes as outcomes
+    from study.analysis.recommendation import recommend as recommend
+    from study.assessment.assess import assess as assess
+    from study.assessment.report import report as report
+    from study.assessment.scheme import assess_scheme as assess_scheme
+    from study.datasets import open as open
+    from study.equilibrium.balance import acceleration as acceleration
+    from study.equilibrium.balance import balance as balance
+    from study.equilibrium.balance import load as load
+    from study.equilibrium.state import Effort as Effort
+    from study.equilibrium.state import Motion as Motion
+    from study.equilibrium.state import Phase as Phase
+    from study.marching.failure import RunFailed as RunFailed
+    from study.marching.pure import evolve as evolve
+    from study.marching.run import run as run
+    from study.observer.base import Observer as Observer
+    from study.observer.base import Record as Record
+    from study.observer.base import Reduction as Reduction
+    from study.observer.fate import Fate as Fate
+    from study.observer.motion import Quantity as Quantity
+    from study.observer.named import observers as observers
+    from study.problem import materials as materials
+    from study.problem.damping import Rayleigh as Rayleigh
+    from study.problem.definition import Problem as Problem
+    from study.problem.ground import GroundMotion as GroundMotion
+    from study.problem.named import problems as problems
+    from study.problem.potential import StrainEnergy as StrainEnergy
+    from study.scheme.alpha import GeneralizedAlpha as GeneralizedAlpha
+    from study.scheme.alpha import HHTAlpha as HHTAlpha
+    from study.scheme.backward_differences import BackwardDifferences as BackwardDifferences
+    from study.scheme.base import OneStep as OneStep
+    from study.scheme.base import Scheme as Scheme
+    from study.scheme.bathe import Bathe as Bathe
+    from study.scheme.compensated import Compensated as Compensated
+    from study.scheme.conserving import AverageVectorField as AverageVectorField
+    from study.scheme.conserving import EnergyMomentum as EnergyMomentum
+    from study.scheme.conserving import ImplicitMidpoint as ImplicitMidpoint
+    from study.scheme.explicit_alpha import ExplicitAlpha as ExplicitAlpha
+    from study.scheme.extrapolation import Extrapolation as Extrapolation
+    from study.scheme.houbolt import Houbolt as Houbolt
+    from study.scheme.kolay_ricles import KolayRicles as KolayRicles
+    from study.scheme.named import register as register
+    from study.scheme.named import schemes as schemes
+    from study.scheme.newmark import Newmark as Newmark
+    from study.scheme.noh_bathe import NohBathe as NohBathe
+    from study.scheme.runge_kutta import Gauss4 as Gauss4
+    from study.scheme.runge_kutta import Nystrom4 as Nystrom4
+    from study.scheme.runge_kutta import RungeKutta4 as RungeKutta4
+    from study.scheme.splitting import Composition as Composition
+    from study.scheme.splitting import Splitting as Splitting
+    from study.scheme.tchamwa_wielgosz import TchamwaWielgosz as TchamwaWielgosz
+    from study.scheme.wilson import WilsonTheta as WilsonTheta
+finally:
+    if _collects:
+        _gc.enable()
 
 __version__ = datasets.VERSION
