@@ -9,7 +9,8 @@ from study import datasets
 from study.experiments.accuracy import errors_of
 from study.pipeline import coordinates
 from study.pipeline.experiment import Options, experiment
-from study.problem.named import neighbouring_starts, problems
+from study.problem.named import neighbouring_starts
+from study.problem.named import problems as problems_by_name
 
 
 def _options(configuration: Mapping) -> Options:
@@ -22,31 +23,28 @@ def _options(configuration: Mapping) -> Options:
     }
 
 
-def _jobs(options: Options) -> dict[str, Options]:
-    """The options of one job for each problem and start."""
-    shared = {key: options[key] for key in ("schemes", "steps_per_period", "periods")}
-    return {
-        f"{problem}_{start}": {"problem": problem, "start": start, **shared}
-        for problem in options["problems"]
-        for start in neighbouring_starts
-    }
-
-
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return len(options["schemes"]) * sum(options["steps_per_period"]) * sum(options["periods"])
+    runs = len(neighbouring_starts) * len(options["problems"]) * len(options["schemes"])
+    return runs * sum(options["steps_per_period"]) * sum(options["periods"])
+
+
+def _reads(options: Options) -> list[str]:
+    return [
+        f"reference/neighbour/{problem}_{start}" for problem in options["problems"] for start in neighbouring_starts
+    ]
 
 
 @experiment(
     "neighbours",
     section="recommendation",
     options=_options,
-    split=_jobs,
-    along="problem,start",
-    reads=lambda options: [f"reference/neighbour/{options['problem']}_{options['start']}"],
+    split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
+    along="problem",
+    reads=_reads,
     steps=_number_of_steps,
 )
 def neighbours(
-    problem: str, start: str, schemes: Sequence[str], steps_per_period: Sequence[int], periods: Sequence[int]
+    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], periods: Sequence[int]
 ) -> xr.Dataset:
     """Measure what the dataset ``accuracy`` holds, from a start one percent below or above that of a spring.
 
@@ -58,18 +56,25 @@ def neighbours(
     FileNotFoundError
         If the reference has not been made.
     """
-    multiple, own = neighbouring_starts[start], problems[problem]
-    motion = replace(own, u0=multiple * own.u0), datasets.open(f"reference/neighbour/{problem}_{start}")
-    about = {"long_name": "displacement at the start over that of the problem", "units": "1"}
+    starts = {
+        "start": ("start", list(neighbouring_starts), {"long_name": "start beside that of the problem"}),
+        "multiple": (
+            "start",
+            list(neighbouring_starts.values()),
+            {"long_name": "displacement at the start over that of the problem", "units": "1"},
+        ),
+    }
+    found = []
+    for problem in problems:
+        own = problems_by_name[problem]
+        motions = [
+            (replace(own, u0=multiple * own.u0), datasets.open(f"reference/neighbour/{problem}_{start}"))
+            for start, multiple in neighbouring_starts.items()
+        ]
+        errors = errors_of(motions, schemes, steps_per_period, periods)
+        found.append(errors.rename(problem="start").expand_dims("problem").assign_coords(starts))
     return (
-        errors_of([motion], schemes, steps_per_period, periods)
-        .expand_dims("start", axis=1)
-        .assign_coords(
-            coordinates.problem_coordinates([problem])
-            | {
-                "start": ("start", [start], {"long_name": "start beside that of the problem"}),
-                "multiple": ("start", [multiple], about),
-            }
-        )
+        xr.concat(found, "problem", data_vars="all")
+        .assign_coords(coordinates.problem_coordinates(problems))
         .assign_attrs(title="Accuracy of the schemes from starts beside those of the springs")
     )
