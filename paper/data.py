@@ -102,12 +102,12 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
     """Size of the loss of amplitude per period of the longer runs, NaN where it is no loss.
 
     Schemes that keep the amplitude have a ripple, which depends on where steps fall and does not grow with the length
-    of the run. A loss per period is the same, within a factor of two, in runs of both lengths at three neighbouring
-    step sizes.
+    of the run. A loss per period is the same, within a factor of two, in runs of both lengths at five neighbouring step
+    sizes.
     """
     size = abs(errors.amplitude_decay)
     ratio = size.sel(periods=longer) / size.sel(periods=shorter)
-    neighbours = min(3, ratio.sizes["steps_per_period"])
+    neighbours = min(5, ratio.sizes["steps_per_period"])
     steady = ((ratio > 0.5) & (ratio < 2)).rolling(steps_per_period=neighbours).sum() == neighbours
     ends = [steady.shift(steps_per_period=-ahead, fill_value=False) for ahead in range(neighbours)]
     return size.sel(periods=longer).where(np.logical_or.reduce(ends))

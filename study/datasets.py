@@ -30,7 +30,7 @@ PAPER = (
 )
 
 #: Packages whose versions a dataset records. Some are needed for references only, and may be absent.
-_PACKAGES = ("numpy", "jax", "jaxlib", "diffrax", "scikit-sundae", "xarray", "netCDF4")
+_PACKAGES = ("numpy", "scipy", "jax", "jaxlib", "diffrax", "scikit-sundae", "heyoka", "xarray", "netCDF4")
 
 
 def _installed(package: str) -> str | None:

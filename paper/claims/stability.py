@@ -31,7 +31,7 @@ def a_twentieth_at_every_amplitude(data):
 @claim(
     "stability",
     "In the double well at Δt = 2.5 average acceleration is chaotic.",
-    "Lyapunov exponent of its map, per step; steps until a perturbation of 10⁻¹⁰ is of order one",
+    "Lyapunov exponent of its map, per step; steps until a perturbation of 10⁻¹⁰ is a tenth",
     whose=XIE_EXTENDED,
     reads=["stability/bifurcation"],
     asks={

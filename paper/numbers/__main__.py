@@ -35,10 +35,23 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
     return texts
 
 
+def commits(products: Iterable[Product], read: Callable[[str], Any]) -> str | None:
+    """The commits of all datasets that the numbers are read from; sources that had changed since are told."""
+    reads = [one for product in products for one in product.reads.values()]
+    names = {name for one in reads for name in ([one] if isinstance(one, str) else one)}
+    described = {read(name).attrs.get("commit", "unknown") for name in names if not Path(name).suffix} - {"unknown"}
+    told = sorted(
+        one.removesuffix("-dirty")[:12] + (" with changes" if one.endswith("-dirty") else "") for one in described
+    )
+    return " and ".join(told) or None
+
+
 def main(results: Path, output: Path) -> None:
     """Write the numbers of a folder of results."""
     products = [product for product in discover(["numbers"]) if product.kind == "numbers"]
-    write(output, json.dumps(gathered(products, reader(results)), indent=1, ensure_ascii=False) + "\n")
+    read = reader(results)
+    numbers = {**gathered(products, read), "commits": commits(products, read)}
+    write(output, json.dumps(numbers, indent=1, ensure_ascii=False) + "\n")
 
 
 if __name__ == "__main__":

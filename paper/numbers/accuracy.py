@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from paper.claims.terms import FAITHFUL
+from paper.claims.wording import joined
 from paper.products import numbers
 from paper.tables.stability import GAIN, PROBLEMS
 
@@ -117,6 +118,7 @@ def of_linear_theory(spectral: xr.Dataset, large_steps: xr.Dataset) -> dict:
         "rederived": f"{free.order_rederived.sel(scheme='generalized_alpha').item():.1f}",
         "rederived_damped": f"{damped.order_rederived.sel(scheme='generalized_alpha').item():.1f}",
         "unlimited": tried.scheme.size,
+        "unlimited_springs": joined(tried.problem_title.values, {}),
         "unlimited_gained": int(gained.sum()),
         "unlimited_only_failed": int((failed & ~gained).sum()),
         "unlimited_untouched": ", ".join(untouched) if untouched.size else "none",

@@ -47,7 +47,11 @@ def of_kinks(kinks: xr.Dataset) -> dict:
     highest = kinks.observed_order.sel(problem=KINKED).max()
     average_on_yielding = {"problem": "yielding", "scheme": "average_acceleration"}
     balance = coarsest.max_energy_imbalance.sel(problem=REMEMBER, scheme="average_acceleration")
+    dissipating = kinks.error.sel(problem=REMEMBER)
     return {
+        "momentum_method_needs_a_potential": bool(
+            "energy_momentum" in kinks.scheme and dissipating.sel(scheme="energy_momentum").isnull().all()
+        ),
         "order_lost_on_kinks": bool((of_rk4 < LOST).all()),
         "accuracy_kept_on_kinks": all(bool((gain[p] > GAINED).all()) for p in KINKED),
         **{f"kinks_equal_{p}": span(ratio, ".2g") for p, ratio in equal.items()},

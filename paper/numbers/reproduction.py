@@ -118,7 +118,7 @@ def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
     apart = sensitivity.separation.sel(scheme="average_acceleration").values > 0.1
     return {
         "jumps": int((np.diff(np.sign(u)) != 0).sum()),
-        "steps_to_diverge": int(np.argmax(apart)),
+        "steps_to_diverge": int(np.argmax(apart)) if apart.any() else None,
         "fails_central_difference": int(portrait.failed_at_step.sel(scheme="central_difference")),
         "fails_rk4": int(portrait.failed_at_step.sel(scheme="rk4")),
     }

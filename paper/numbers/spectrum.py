@@ -36,7 +36,7 @@ def of_spectrum(spectrum: xr.Dataset) -> dict:
         "record_sets_the_step": same,
         "spectrum_rule": "the record sets the step, not the period"
         if same
-        else f"the step of average acceleration varies by a factor of {varies}, and the period by one of {lasts}",
+        else f"the step of average acceleration changes by a factor of {varies} where the period does by {lasts}",
         "spectrum_average": _multiples(steps / spectrum.spacing),
         "spectrum_rk4": _multiples(rk4.where(long, drop=True) / spectrum.spacing),
         "spectrum_average_elastic": span((0.2 / average.sel(period=0.2)).where(~yields, drop=True), ".0f"),

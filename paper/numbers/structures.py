@@ -69,6 +69,7 @@ def of_structures(
     oscillatory = total(long_times)
     change = by_name(100 * abs(oscillatory / oscillatory.isel(t=0) - 1).max("t"))
     return {
+        "structure_schemes": structures.sizes["scheme"],
         "most_unknowns": int(structures.unknowns.max()),
         "structure_titles": joined(map(_in_a_sentence, structures.problem_title.values), {}),
         "turning_titles": joined(map(_in_a_sentence, runs.problem_title.values), {}),

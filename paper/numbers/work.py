@@ -105,13 +105,6 @@ def of_all_measures(recommendation: xr.Dataset) -> dict:
     }
 
 
-def _commit(described: str) -> str | None:
-    """A commit as the text names it; sources that had changed since are told."""
-    if described == "unknown":
-        return None
-    return described.removesuffix("-dirty")[:12] + (" with changes" if described.endswith("-dirty") else "")
-
-
 @numbers(
     cpu_time="cpu_time", asks={"cpu_time.schemes": ["average_acceleration", "rk4"], "cpu_time.problems": ["hardening"]}
 )
@@ -127,7 +120,6 @@ def of_times(cpu_time: xr.Dataset) -> dict:
         "cost_rk4": f"{rk4.ratio.item():.2f} ({rk4.ratio_low.item():.2f} to {rk4.ratio_high.item():.2f})",
         "processor": cpu_time.processor,
         "version": cpu_time.version,
-        "commit": _commit(cpu_time.commit),
         "python": cpu_time.python,
         "packages": cpu_time.packages,
     }

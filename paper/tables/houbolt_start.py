@@ -21,7 +21,7 @@ def tabulate(houbolt_start: xr.Dataset) -> pd.DataFrame:
         ours = error.sel(start=start)
         rows.append(
             {
-                "Start": start.replace("_", " "),
+                "Start": "Taylor polynomial" if start == "taylor" else start.replace("_", " "),
                 "Hardening, T/20 (printed 97.3)": f"{at.sel(start=start).item():.4f}",
                 "Digits met, rounded once": f"{int(same(once(ours), printed).sum())} of {ours.size}",
                 "Digits met, rounded twice": f"{int(same(twice(ours), printed).sum())} of {ours.size}",

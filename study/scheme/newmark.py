@@ -61,6 +61,12 @@ class Newmark(OneStep):
 
     @property
     def order(self) -> int:
+        if isinstance(self.beta, float) and self.beta == 1 / 12 and self.gamma == 0.5:
+            return 4
+        return self.damped_order
+
+    @property
+    def damped_order(self) -> int:
         return 2 if self.gamma == 0.5 else 1
 
     @property

@@ -50,9 +50,9 @@ def test_tables_are_read_as_texts(tmp_path):
 
 def test_a_ripple_of_the_amplitude_is_no_loss():
     """A loss per period does not depend on the length of the run; a ripple is divided by it."""
-    steps = np.array([8, 16, 32, 64, 128])
+    steps = np.array([8, 16, 32, 64, 128, 256, 512])
     loss = 1.0 / steps**3
-    ripple = np.array([3.0, -2.0, 1.0, -1.0, 0.5])
+    ripple = np.array([3.0, -2.0, 1.0, -1.0, 0.5, 0.3, 0.2])
     late = np.where(steps < 30, 0.1, 1.0) * loss  # saturated at large steps
     per_period = np.stack([np.outer(loss, [1, 1]), np.outer(ripple, [1 / 3, 1 / 100]), np.stack([loss, late], 1)])
     errors = xr.Dataset(

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from paper.numbers.__main__ import gathered
+from paper.numbers.__main__ import commits, gathered
 from paper.numbers.claims import JUDGED, of_claims
 from paper.numbers.reproduction import of_drift
 from paper.products import Product
@@ -23,6 +23,16 @@ def test_a_minus_stands_before_numbers_only():
 def test_one_key_of_two_functions_is_refused():
     with pytest.raises(ValueError, match="The number 'cells' is given by first and by second"):
         gathered([_product("first", cells=1), _product("second", cells=1)], str)
+
+
+def test_the_commits_of_all_datasets_are_told():
+    known = {"a": "1" * 40, "b": "2" * 40 + "-dirty", "c": "unknown", "d": "1" * 40}
+    reads = {"one": ["a", "b"], "another": "c", "third": "d", "table": "claims.csv"}
+    product = Product("numbers", "of", "here", dict, reads, "", {})
+    assert commits([product], lambda name: xr.Dataset(attrs={"commit": known[name]})) == (
+        "111111111111 and 222222222222 with changes"
+    )
+    assert commits([], str) is None
 
 
 def test_claims_are_counted_by_part():
