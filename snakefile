@@ -9,7 +9,6 @@ import atexit
 import hashlib
 import json
 import os
-import re
 import runpy
 import signal
 import subprocess
@@ -22,6 +21,7 @@ from pathlib import Path
 import psutil
 import yaml
 
+from snakemake.cli import get_argument_parser
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
@@ -115,10 +115,19 @@ if lacking := lack_of_room(HERE / "results", HERE / ".snakemake"):
 
 
 # calls that make nothing, so that they may look while another run is at work
-LOOKS = re.compile(
-    "-[Fkpq]*n[Fkpq]*|-[SDl]|--(dry-?run|dag|rulegraph|filegraph|report|list.*|summary|detailed-summary|lint|unlock)(=.*)?"
+LOOKS = (
+    "dryrun dag rulegraph filegraph d3dag report summary detailed_summary lint unlock print_compilation "
+    "list_rules list_target_rules list_changes list_input_changes list_params_changes list_untracked"
 )
-enters = workflow.is_main_process and not any(map(LOOKS.fullmatch, sys.argv))
+
+
+def makes_something():
+    """Whether this call makes products, by its options, which Snakemake does not tell a snakefile in time."""
+    asked, _ = get_argument_parser().parse_known_args(sys.argv[1:])
+    return not any(getattr(asked, option, None) for option in LOOKS.split())
+
+
+enters = workflow.is_main_process and makes_something()
 if enters:
     atexit.register(tell_of_room)  # the first that is registered is the last that is called
     run, told = json.loads(script("runs", os.getpid()))

@@ -67,7 +67,7 @@ import gc as _gc
 # prints every method of every class that it lists, four thousand lines.
 from study import settings as settings  # isort: skip  (first, because JAX reads its settings once)
 
-# a collection of garbage in the midst of this would look through all objects of JAX, for a third of the time
+# a collection of garbage during these imports would visit every object of JAX, and take a third of their time
 _collects = _gc.isenabled()
 _gc.disable()
 try:

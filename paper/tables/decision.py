@@ -81,9 +81,10 @@ def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: list[Choice]) -
     title, steps = chosen[0]
     needed = robustness.steps_needed.sel(problem=problem, level=LEVEL).isel(periods=-1)
     at_all = needed.values[needed.scheme_title.values == title]
-    if not at_all.size or at_all.item() <= steps:
+    most = robustness.most_steps.item()
+    if not at_all.size or (at_all.item() if np.isfinite(at_all.item()) else most) <= steps:
         return ""
-    more = f"{at_all.item():.0f}" if np.isfinite(at_all.item()) else f"more than {robustness.most_steps.item()}"
+    more = f"{at_all.item():.0f}" if np.isfinite(at_all.item()) else f"more than {most}"
     return f"at all amplitudes: {more}"
 
 

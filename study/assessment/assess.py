@@ -55,17 +55,23 @@ PERIODS = 10
 ESTIMATE = 100, 40
 
 
+def _checked(one: str | Scheme) -> Scheme:
+    scheme = resolve(one, schemes_by_name, Scheme)  # type: ignore[type-abstract]
+    check_told(scheme)
+    return scheme
+
+
 def _chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None) -> dict[str, Scheme]:
     """Schemes by the name under which the dataset has them."""
     if given is None:
         return {name: schemes_by_name[name] for name in USUAL}
     if isinstance(given, Mapping) and given:
-        return {name: resolve(one, schemes_by_name, Scheme) for name, one in given.items()}  # type: ignore[type-abstract]
+        return {name: _checked(one) for name, one in given.items()}
     if not isinstance(given, str | Scheme | Iterable):
         raise TypeError(f"schemes must be names, schemes, or a mapping from names to schemes, not {given!r}.")
     chosen: dict[str, Scheme] = {}
     for one in [given] if isinstance(given, str | Scheme) else given:
-        scheme = resolve(one, schemes_by_name, Scheme)  # type: ignore[type-abstract]
+        scheme = _checked(one)
         name = schemes_by_name.resolve(one) if isinstance(one, str) else scheme.title
         if name in chosen:
             raise ValueError(f"two schemes have the name '{name}'; give a mapping from names to schemes.")
@@ -201,8 +207,6 @@ def assess(
                 f"the quantity '{name}' takes ü, which does not follow from u and u̇ where the force of "
                 f"'{equation.title}' has a history; leave it out."
             )
-    for one in chosen.values():
-        check_told(one)
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))

@@ -48,7 +48,7 @@ def neighbours(
 ) -> xr.Dataset:
     """Measure what the dataset ``accuracy`` holds, from a start one percent below or above that of a spring.
 
-    An error that a step keeps by accident, it does not keep from both. Each variable has the shape
+    An error that a step keeps by accident, it does not keep from both. What a run yields has the shape
     (problem, start, scheme, steps_per_period, periods).
 
     Raises

@@ -18,11 +18,11 @@ from study.scheme.contract import started, stepped
 from study.scheme.linearised import Linearised
 from study.scheme.remembering import Remembering
 
-#: Steps per turn of the loop, for a single run with one unknown: of a scheme whose step is one force, and of another.
-#: Within a turn, values pass from step to step in registers; between turns they pass through memory. That matters at
-#: ten nanoseconds a step, and no longer with two unknowns. Longer turns take longer to compile, and with several forces
-#: a step they do not fit into registers.
-OF_ONE_FORCE, BLOCK = 6, 3
+#: Steps per turn of the loop, for a single run with one unknown. Within a turn, values pass from step to step in
+#: registers; between turns they pass through memory. That matters at ten nanoseconds a step, and no longer with two
+#: unknowns. Twice as many steps would save a twentieth where a step is one polynomial, and double the time of a step
+#: with several forces or sines, which no longer fits into registers.
+BLOCK = 3
 
 #: Steps of a tile between two checks whether any of its lanes goes on.
 PATIENCE = 64
@@ -144,10 +144,9 @@ class March(eqx.Module):
             return (p.step + ahead <= until) & jnp.any(p.failure == 0)
 
         step = jax.jit(step)  # traces the step once for all its uses below
-        turn = OF_ONE_FORCE if self.scheme.explicit and self.scheme.evaluations <= 1 else BLOCK
 
         def block(p):
-            for _ in range(turn):
+            for _ in range(BLOCK):
                 p = step(p)
             return p
 
@@ -158,7 +157,7 @@ class March(eqx.Module):
         if self.lanes:
             return lax.while_loop(goes_on, patiently, progress)
         if not np.ndim(self.problem.u0):
-            progress = lax.while_loop(partial(goes_on, ahead=turn), block, progress)
+            progress = lax.while_loop(partial(goes_on, ahead=BLOCK), block, progress)
         return lax.while_loop(goes_on, step, progress)
 
     def proceed(

@@ -34,9 +34,12 @@ def register_own(place: str) -> None:
     Raises
     ------
     ValueError
-        If there is no such scheme, or it cannot have that name.
+        If there is no such scheme, it cannot have that name, or what it tells of itself is unfit.
     """
-    register(name_of(place), load(place, (Scheme,)))
+    try:
+        register(name_of(place), load(place, (Scheme,)))
+    except TypeError as error:
+        raise ValueError(str(error)) from error
 
 
 def own_schemes_in(options: Any, configuration: Mapping) -> dict[str, str]:

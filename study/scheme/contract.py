@@ -14,7 +14,7 @@ _TOLD = {"order": 1, "damped_order": 1, "evaluations": 0, "evaluations_per_itera
 
 
 def check_told(scheme: Any) -> None:
-    """Refuse a scheme whose title is no text, or whose orders and numbers of forces are no such numbers.
+    """Refuse a scheme whose title is no text, or whose orders and numbers of forces are no whole numbers.
 
     Raises
     ------
@@ -22,10 +22,13 @@ def check_told(scheme: Any) -> None:
         In one sentence, which names the class.
     """
     of = type(scheme).__name__
-    if not isinstance(scheme.title, str) or not scheme.title:
+    if not isinstance(scheme.title, str) or not scheme.title.strip():
         raise TypeError(f"title of {of} must be a text, not {scheme.title!r}.")
     for name, least in _TOLD.items():
-        value = getattr(scheme, name)
+        try:
+            value = getattr(scheme, name)
+        except Exception as error:  # whatever a property of somebody else's scheme raises
+            raise TypeError(f"{name} of {of} raises {type(error).__name__}: {error}") from error
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
             raise TypeError(f"{name} of {of} must be a whole number of at least {least}, not {value!r}.")
 

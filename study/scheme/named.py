@@ -70,7 +70,7 @@ def register(name: str, scheme: Scheme) -> None:
     Raises
     ------
     TypeError
-        If it is no :class:`study.Scheme`, or tells an order or a number of forces that is none.
+        If it is no :class:`study.Scheme`, or its title, order or number of forces is unfit.
     ValueError
         If the name is taken or unfit, or the scheme has no class variable ``family``, by which figures group schemes.
     """

@@ -135,7 +135,13 @@ class _LessThanNoForce(_Plain):
 
 
 class _NoTitle(_Plain):
-    title: str = ""
+    title: str = " "
+
+
+class _RaisingOrder(_Plain):
+    @property
+    def order(self):  # type: ignore[override]
+        return 1 // 0
 
 
 @pytest.mark.parametrize(
@@ -143,7 +149,8 @@ class _NoTitle(_Plain):
     [
         (_SecondOrder(), "order of _SecondOrder must be a whole number of at least 1, not 'two'."),
         (_LessThanNoForce(), "evaluations of _LessThanNoForce must be a whole number of at least 0, not -1."),
-        (_NoTitle(), "title of _NoTitle must be a text, not ''."),
+        (_NoTitle(), "title of _NoTitle must be a text, not ' '."),
+        (_RaisingOrder(), "order of _RaisingOrder raises ZeroDivisionError: integer division or modulo by zero"),
     ],
 )
 def test_what_a_scheme_tells_of_itself_is_checked(scheme, sentence):

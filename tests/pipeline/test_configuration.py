@@ -49,6 +49,16 @@ def test_what_is_shipped_is_accepted(config):
     assert _check(config)["energy_error"] == config["energy_error"]
 
 
+def test_an_own_scheme_that_tells_an_unfit_order_is_refused(config, tmp_path):
+    heun = (PROJECT / "examples" / "scheme.py").read_text()
+    (tmp_path / "scheme.py").write_text(heun.replace("order = 2", 'order = "two"').replace("heun", "unfit"))
+    config["own_schemes"] = [f"{tmp_path}/scheme.py:unfit"]
+    with pytest.raises(
+        ValueError, match=r"own_schemes: order of Heun must be a whole number of at least 1, not 'two'\."
+    ):
+        _check(config)
+
+
 def test_all_schemes_are_written_out(config):
     config["accuracy"]["schemes"] = "all"
     assert _check(config)["accuracy"]["schemes"] == list(study.schemes)
