@@ -131,7 +131,7 @@ def test_jobs_that_survived_a_dead_run_are_ended_and_no_others(sleeper, deaf, mo
     assert job.stdout is not None and job.stdout.readline()
     _, told = runs.entered(os.getpid())
     assert "start anew: 1." in told[0]
-    job.communicate(timeout=5)
+    job.communicate(timeout=30)
     assert sleeper.poll() is None
 
 
