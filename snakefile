@@ -115,16 +115,16 @@ if lacking := lack_of_room(HERE / "results", HERE / ".snakemake"):
 
 
 # calls that make nothing, so that they may look while another run is at work
-LOOKS = (
-    "dryrun dag rulegraph filegraph d3dag report summary detailed_summary lint unlock print_compilation "
-    "list_rules list_target_rules list_changes list_input_changes list_params_changes list_untracked"
-)
+LOOKS = """
+    dryrun dag rulegraph filegraph d3dag report summary detailed_summary lint unlock print_compilation
+    list_rules list_target_rules list_changes list_input_changes list_params_changes list_untracked
+""".split()
 
 
 def makes_something():
     """Whether this call makes products, by its options, which Snakemake does not tell a snakefile in time."""
     asked, _ = get_argument_parser().parse_known_args(sys.argv[1:])
-    return not any(getattr(asked, option, None) for option in LOOKS.split())
+    return not any(getattr(asked, option, None) for option in LOOKS)
 
 
 enters = workflow.is_main_process and makes_something()

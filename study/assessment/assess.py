@@ -5,6 +5,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from tqdm import tqdm
@@ -264,7 +266,8 @@ def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
     if problem.load is not None:
         return ""
     at_start = abs(float(problem.energy(problem.u0, problem.v0)))
-    kinetic = max(float(np.vdot(v, problem.momentum(v))) / 2 for v in motion.v)
+    momenta = np.asarray(jax.lax.map(problem.momentum, jnp.asarray(motion.v)))
+    kinetic = np.sum((motion.v * momenta).reshape(len(momenta), -1), axis=1).max() / 2
     if at_start >= LEAST_ENERGY * kinetic:
         return ""
     return (

@@ -137,7 +137,7 @@ def test_a_run_that_is_interrupted_ends_within_seconds_and_leaves_no_jobs(folder
     run = _started(folder, UNTIMED[:2], "--slurm-init-seconds-before-status-checks", "40")  # as without an option
     _wait(lambda: _queue(folder, "RUNNING"))
     run.send_signal(number)
-    run.wait(timeout=20)  # seconds on an idle machine; without the signal's handling, the forty of the option
+    run.wait(timeout=5)
     assert run.returncode != 0
     assert not _queue(folder, "PENDING", "RUNNING")
     _wait(lambda: not _queue(folder))  # Slurm waits half a minute for a process that does not end by itself

@@ -12,7 +12,7 @@ import study
 from paper.claims.ledger import OURS
 from paper.manuscript import LAYOUT, TEXTS, check_uses, uses
 from paper.products import discover
-from study.problem.named import printed_periods
+from study.problem.named import makers, printed_periods
 
 SOURCE = """
 // n.commented picture("commented")
@@ -69,10 +69,15 @@ def test_no_semicolon_follows_a_number(text):
     assert not re.findall(r"#n\.[\w.]+;", text.read_text())
 
 
-def test_every_problem_that_is_not_one_of_1996_is_stated():
-    stated = re.findall(r'\(\s*"([^"]+)",\s*\[', TEXTS[1].read_text())
-    titles = [problem.title for name, problem in study.problems.items() if name not in printed_periods]
-    assert sorted(stated) == sorted(title[0].upper() + title[1:] for title in titles)
+def test_every_problem_that_is_not_one_of_1996_is_stated_with_the_numbers_of_its_source():
+    rows = re.findall(r'^  \(\s*"([^"]+)",\s*\[(.*?)\],?\s*\),$', TEXTS[1].read_text(), re.MULTILINE | re.DOTALL)
+    names = {study.problems[name].title: name for name in study.problems if name not in printed_periods}
+    titles = {title[0].upper() + title[1:]: name for title, name in names.items()}
+    assert sorted(title for title, _ in rows) == sorted(titles)
+    for title, stated in rows:
+        source = inspect.getsource(inspect.getmodule(makers[titles[title]]))
+        decimals = set(re.findall(r"\d+\.\d+", stated))
+        assert decimals <= set(re.findall(r"\d+\.\d+", source)), title
 
 
 def test_facts_are_what_holds_takes_and_numbers_are_not():
