@@ -1,6 +1,6 @@
 # `make` installs everything and makes the study; `make test` installs everything and runs the tests;
 # `make check` checks style and types; `make benchmark` measures speed; `make torture` kills the pipeline
-# again and again; `make archive` packs what it has made; `make latex` writes the LaTeX source of its texts; `make site`
+# again and again; `make cluster` runs it on a Slurm of this machine; `make archive` packs what it has made; `make latex` writes the LaTeX source of its texts; `make site`
 # makes the pages of the site from it; `make CLUSTER=slurm` makes the study on a cluster.
 
 PYTHON ?= python3
@@ -12,16 +12,13 @@ OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER) $(WITHOUT_ACCO
 # where Slurm keeps no account of jobs, their state is that in its queue
 WITHOUT_ACCOUNTING = $(shell sacct > /dev/null 2>&1 || echo --slurm-status-command squeue --slurm-no-account)
 
-.PHONY: study site test benchmark check lock torture archive latex citation clean
+KILLS ?= 100
 
-# a product that could not be used is put aside, and the next call makes it again; who ends make ends Snakemake too
+.PHONY: study site test benchmark check lock torture cluster archive latex citation clean
+
 # the pages of the site, results/site/index.html, are made on request, with what is missing of the study
 study site: .venv/ready
-	@rm -f .snakemake/again; \
-	trap 'kill $$run 2> /dev/null; wait $$run; exit 143' INT TERM; \
-	while $(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG) & run=$$!; ! wait $$run; do \
-	  test -e .snakemake/again || exit 1; rm .snakemake/again; \
-	done
+	$(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG)
 
 # pyproject.toml states the least coverage
 test: .venv/ready
@@ -35,7 +32,7 @@ check: .venv/ready
 
 # times beside C, OpenSees where it is installed, and other parts of the study
 benchmark: .venv/ready
-	$(BIN)/python tests/benchmarks/benchmark.py results/benchmark.nc
+	$(BIN)/python tools/benchmarks/benchmark.py results/benchmark.nc
 
 .venv/ready: requirements.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -51,13 +48,17 @@ lock: .venv/ready
 	$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-annotate $(UPGRADE) \
 	  --extra pipeline --extra test --python-version 3.11 pyproject.toml -o requirements.txt
 
-# kill the pipeline at a hundred random moments, and compare what is made in the end with an undisturbed run
+# kill the pipeline at random moments, and compare what is made in the end with an undisturbed run
 torture: .venv/ready
-	$(BIN)/python tests/torture.py 100 docs/torture.csv
+	$(BIN)/python tools/torture.py $(KILLS) results/torture.csv
+
+# the pipeline on a Slurm of one node, for which Debian's slurm-wlm and munge must be installed
+cluster: .venv/ready
+	$(BIN)/pytest -n 0 tools/cluster
 
 # the finished study for others: sources, configuration, results, and how they were made
 archive: study
-	$(BIN)/python -m study.pipeline.archive . results/archive.zip
+	$(BIN)/python -m pipeline.archive . results/archive.zip
 
 # article and supplement as LaTeX sources with figures and bibliography
 latex: study

@@ -1,13 +1,11 @@
 """Settings of Sphinx for the site."""
 
 import html
-import pkgutil
 import textwrap
 from pathlib import Path
 
 import yaml
 from docutils import nodes
-from sphinx.util.nodes import make_refnode
 
 import study
 from docs.docstrings import restructured
@@ -21,17 +19,28 @@ author = copyright = ", ".join(
 )
 version = release = study.__version__
 language = "en"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "docs.executed",
+    "docs.mathml",
+]
 exclude_patterns = ["included/*"]
 nitpicky = True
+# other packages, whose documentation is not looked up when the site is built, and modules that are not public
+nitpick_ignore_regex = [("py:.*", r"(jax|numpy|scipy|xarray|study\.(?!building|materials|settings)[a-z]\w*)\..*")]
 
-myst_enable_extensions = ["colon_fence", "deflist"]
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 numpydoc_show_class_members = False
+autodoc_default_options = {"members": True}
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 
 html_theme = "furo"
+html_math_renderer = "mathml"
 html_static_path = [str(Path(__file__).parent / "static")]
 html_css_files = ["site.css"]
 html_js_files = [("table.js", {"defer": "defer"})]
@@ -39,25 +48,6 @@ html_copy_source = html_show_sourcelink = False
 # the same pages on any day
 html_last_updated_fmt = None
 pygments_style, pygments_dark_style = "friendly", "monokai"
-
-
-def _resolve(app, env, node, contnode):
-    """A name of the code that the site does not document under this path: its public name, or plain text.
-
-    A name that does not exist stays a warning.
-    """
-    target = node.get("reftarget", "")
-    if node.get("refdomain") != "py" or target.endswith("."):
-        return None
-    name = target.rpartition(".")[2]
-    documented = env.domains["py"].objects.get(f"study.{name}")
-    if documented and target != f"study.{name}":
-        return make_refnode(app.builder, node["refdoc"], documented.docname, documented.node_id, contnode)
-    try:
-        pkgutil.resolve_name(target)
-    except (AttributeError, ImportError, ValueError):
-        return None
-    return contnode
 
 
 def _docstring(app, what, name, documented, options, lines):
@@ -73,7 +63,6 @@ def _describe(app, pagename, templatename, context, doctree):
 
 
 def setup(app):
-    """Change docstrings before numpydoc reads them, resolve names that are no page's own, and describe pages."""
+    """Change docstrings before numpydoc reads them, and describe pages."""
     app.connect("html-page-context", _describe)
-    app.connect("missing-reference", _resolve)
     app.connect("autodoc-process-docstring", _docstring, priority=400)

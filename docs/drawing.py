@@ -12,8 +12,8 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from docs.text import RAISED
 from paper.figures.style import OUTCOME_STYLES  # whose settings hold for these figures too
+from study.words import RAISED
 
 #: Colours that a page replaces by its own, see ``static/site.css``: of text and lines, of what stands out, of others.
 INK, ACCENT, OTHER = "#000000", "#0072b2", "#999999"

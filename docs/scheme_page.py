@@ -10,21 +10,20 @@ from typing import Any
 
 import study
 from docs import scheme_results
-from docs.data import Data
-from docs.docstrings import Explained, explained, is_equation, markdown
-from docs.names import names_in_codes
-from docs.printed import printed_limit
+from docs.confirmed import names_in_codes, printed_limit
+from docs.docstrings import parsed
 from docs.scheme_curves import linear_theory
-from docs.text import definitions, described, listed, number, table
+from docs.text import definitions, described
 from docs.theory import STEPS, Theory, theory_of
+from study.words import number
 
 #: Fields of a scheme that are labels and no parameters.
-_LABELS = {"title", "source", "doi"}
+_LABELS = {"title", "source", "doi", "stability_limit"}
 
 
 @dataclass
 class Subject:
-    """A scheme and the name of its page, with what follows from its code."""
+    """A scheme and the name of its page."""
 
     name: str
     scheme: study.Scheme
@@ -33,11 +32,6 @@ class Subject:
     def theory(self) -> Theory:
         """Linear theory."""
         return theory_of(self.scheme)
-
-    @cached_property
-    def text(self) -> Explained:
-        """What the docstring of its class says."""
-        return explained(type(self.scheme))
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -50,7 +44,7 @@ class Subject:
 class Library:
     """All schemes that have pages, by name, and the datasets that the pages show."""
 
-    data: Data
+    data: Mapping[str, Any]
     schemes: Mapping[str, study.Scheme]
     aliases: Mapping[str, list[str]]
     _known: dict[str, Subject] = field(default_factory=dict)
@@ -62,17 +56,16 @@ class Library:
         return self._known[name]
 
 
-def equations(lines: list[str]) -> str:
-    """Equations, line by line."""
-    return '<div class="equations">' + "\n".join(html.escape(line) for line in lines) + "</div>"
-
-
 def _value(value: Any) -> str:
     if isinstance(value, tuple):
         return "(" + ", ".join(map(_value, value)) + ")"
     if isinstance(value, study.Scheme):
         return value.title
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _values(subject: Subject) -> str:
+    return ", ".join(f"{name} = {_value(value)}" for name, value in subject.parameters.items())
 
 
 def stability(theory: Theory) -> str:
@@ -96,22 +89,24 @@ def high_frequencies(theory: Theory) -> str:
 
 def forces(scheme: study.Scheme) -> str:
     """Forces that a step evaluates, in a phrase."""
-    counted = [f"{scheme.evaluations} a step"] if scheme.evaluations else []
-    counted += [] if scheme.explicit else [f"{scheme.evaluations_per_iteration} a Newton iteration"]
+    counted = [f"{scheme.forces_per_step} a step"] if scheme.forces_per_step else []
+    counted += [] if scheme.explicit else [f"{scheme.forces_per_iteration} a Newton iteration"]
     return " and ".join(counted)
 
 
 def _facts(subject: Subject, aliases: list[str]) -> str:
     scheme, theory = subject.scheme, subject.theory
-    doi = f', <a href="https://doi.org/{scheme.doi}">doi:{scheme.doi}</a>' if scheme.doi else ""
-    damped = "" if scheme.damped_order == scheme.order else f", {scheme.damped_order} with damping or load"
-    measured = f"{number(theory.order)} on the linear oscillator, {number(theory.damped_order)} with damping"
+    name = html.escape(scheme.doi)
+    doi = f', <a href="https://doi.org/{name}">doi:{name}</a>' if name else ""
+    damped = "" if scheme.order_with_damping == scheme.order else f", {scheme.order_with_damping} with damping or load"
+    measured = f"{number(theory.order)} on the linear oscillator, {number(theory.order_with_damping)} with damping"
     if scheme.order < round(theory.order):
         measured += "; a motion has the order claimed, as its displacement and velocity err by more than the roots do"
     return definitions(
         {
             "names here": ", ".join(f"<code>{name}</code>" for name in [subject.name, *aliases]),
             "source": html.escape(scheme.source) + doi,
+            **({"parameters": html.escape(_values(subject))} if subject.parameters else {}),
             "kind": f"{'explicit' if scheme.explicit else 'implicit'}, family “{html.escape(scheme.family)}”",
             "order claimed": f"{scheme.order}{damped}",
             "order of its roots": measured,
@@ -125,36 +120,13 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
     )
 
 
-def _case(subject: Subject) -> str:
-    """That a scheme is a case of what its class describes, where numbers tell the cases apart."""
-    values = subject.parameters
-    if not values or not all(isinstance(value, float | int) for value in values.values()):
-        return ""
-    told = listed(f"{name} = {_value(value)}" for name, value in values.items())
-    return f"{subject.scheme.title} is the method below with {markdown(told)}. "
-
-
-def _method(subject: Subject) -> str:
-    return "\n\n".join(
-        equations(paragraph) if is_equation(paragraph) else "\n".join(map(markdown, paragraph))
-        for paragraph in subject.text.paragraphs
-    )
-
-
-def _parameters(subject: Subject) -> str:
-    if not subject.parameters:
-        return "The scheme has no parameters."
-    said = {name.strip(): text for names, text in subject.text.parameters.items() for name in names.split(",")}
-    rows = [
-        [f"`{name}`", markdown(_value(value)), markdown(said.get(name, ""))]
-        for name, value in subject.parameters.items()
-    ]
-    return table(["parameter", "here", "range or meaning"], rows, numbers_from=3)
+def _rst(text: str) -> str:
+    return f"```{{eval-rst}}\n{text.strip()}\n```"
 
 
 def _use(subject: Subject) -> str:
     if subject.name not in study.schemes:
-        return "`study.run` and `study.assess` take this scheme as an object, and `study.register` gives it a name."
+        return "`study.run` and `study.assess` take this scheme as an object; `study.register_scheme` gives it a name."
     kind = type(subject.scheme).__name__
     public = f"\n\nOther parameters: {{py:class}}`study.{kind}`." if hasattr(study, kind) else ""
     return (
@@ -171,9 +143,10 @@ def scheme_page(subject: Subject, library: Library) -> str:
         f"{title}: numerical damping, period elongation, stability limit, order, cost and failures of the time "
         "integration scheme; equations, parameters, names in other codes."
     )
+    docstring = parsed(type(subject.scheme))
+    summary, docstring["Summary"] = _rst("\n".join(docstring["Summary"])), []
     sections = {
-        "Equations": _method(subject),
-        "Parameters": _parameters(subject),
+        "Equations, parameters and references": _rst(str(docstring)),
         "Linear theory: stability, period elongation and numerical damping": linear_theory(subject, library),
         "Order on non-linear springs": scheme_results.orders(subject, library.data),
         "Energy error at the step sizes of 1996": scheme_results.energy(subject, library.data),
@@ -181,12 +154,10 @@ def scheme_page(subject: Subject, library: Library) -> str:
         "Work, precision and cost": scheme_results.work(subject, library.data),
         "Names in other codes": names_in_codes(subject.name),
         "Run it": _use(subject),
-        "References": "\n".join(f"- {markdown(work)}" for work in subject.text.references)
-        or "Its docstring names none.",
     }
     parts = [
         f"# {title}: numerical damping, stability, order and cost",
-        f"{_case(subject)}{markdown(subject.text.summary)}",
+        summary,
         _facts(subject, library.aliases.get(subject.name, [])),
         *(f"## {heading}\n\n{text}" for heading, text in sections.items()),
     ]

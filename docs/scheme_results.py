@@ -1,19 +1,20 @@
 """What the datasets hold on a scheme: orders, energy errors, maps, work and precision."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 import study
-from docs.data import Data
 from docs.drawing import ACCENT, OTHER, figure_of, map_legend, panel, svg
-from docs.text import listed, number, percent, table
+from docs.text import table
 from docs.theory import ROUND_OFF, Theory
 from paper.figures.outcome_map import outcome_map
 from paper.figures.style import OUTCOME_STYLES
 from paper.orders import PERIODS, observed_order
 from paper.published import printed_cpu_times, printed_energy_errors
+from study.words import listed, number, percent
 
 if TYPE_CHECKING:
     from docs.scheme_page import Subject
@@ -50,7 +51,7 @@ def _titles(one: xr.Dataset) -> dict[str, str]:
     return dict(zip(one.problem.values.tolist(), map(str, one.problem_title.values), strict=True))
 
 
-def orders(subject: "Subject", data: Data) -> str:
+def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
     """Observed orders on non-linear springs, and on forces with kinks."""
     parts = []
     one = _of(subject, data["accuracy"])
@@ -75,7 +76,7 @@ def orders(subject: "Subject", data: Data) -> str:
     return "\n\n".join(parts)
 
 
-def energy(subject: "Subject", data: Data) -> str:
+def energy(subject: "Subject", data: Mapping[str, Any]) -> str:
     """Largest energy errors as printed in 1996 and as found here, and the computing times of 1996."""
     one = _of(subject, data["energy_error"])
     if one is None:
@@ -114,7 +115,7 @@ def _times_of_1996(scheme: str, titles: dict[str, str]) -> str:
     return f"In 1996, 100,000 steps took {listed(told)} on a Pentium of 90 MHz."
 
 
-def maps(subject: "Subject", data: Data) -> str:
+def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
     """Outcome of runs over step size and amplitude, in words and as maps; steps for the energy at all amplitudes."""
     atlas = data["stability/atlas"]
     one = _of(subject, atlas)
@@ -164,7 +165,7 @@ def _steps(needed: float, robust: xr.Dataset) -> str:
     return f"more than {int(robust.most_steps)}" if np.isnan(needed) else f"{needed:.0f}"
 
 
-def _failures(subject: "Subject", data: Data) -> str:
+def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
     """From which step size on runs fail at the amplitudes of 1996."""
     one = _of(subject, data["large_steps"])
     if one is None:
@@ -184,7 +185,7 @@ def _failures(subject: "Subject", data: Data) -> str:
     return f"With ever larger steps, runs at the amplitudes of 1996 first fail {listed(found)}."
 
 
-def work(subject: "Subject", data: Data) -> str:
+def work(subject: "Subject", data: Mapping[str, Any]) -> str:
     """Error over forces evaluated, among the other schemes, and the cost of a step."""
     everything = data["work_precision"]
     one = _of(subject, everything)

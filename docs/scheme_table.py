@@ -5,8 +5,9 @@ import math
 from collections.abc import Iterable
 
 from docs.scheme_page import Library, Subject
-from docs.text import described, number
+from docs.text import described
 from docs.theory import ROUND_OFF, STEPS
+from study.words import number
 
 #: Heading of each column, and what it means where the heading alone does not say it.
 COLUMNS = {
@@ -41,12 +42,12 @@ def _cells(subject: Subject, library: Library) -> list[str | float]:
         scheme.family,
         "explicit" if scheme.explicit else "implicit",
         scheme.order,
-        scheme.damped_order,
+        scheme.order_with_damping,
         theory.limit,
         theory.at_infinity,
         100 * theory.elongation_of_rule,
         0.0 if abs(decay) < ROUND_OFF else 100 * decay,
-        scheme.evaluations if scheme.explicit else scheme.evaluations_per_iteration,
+        scheme.forces_per_step if scheme.explicit else scheme.forces_per_iteration,
         theory.memory,
         _time(subject, library),
     ]

@@ -25,7 +25,7 @@ class Theory(NamedTuple):
         Spectral radius; relative elongation of the period and damping ratio, which are NaN where nothing oscillates.
     elongation_of_rule, decay_of_rule
         Relative elongation of the period and loss of amplitude a period at :data:`STEPS` steps a period.
-    order, damped_order
+    order, order_with_damping
         Measured order without and with damping; NaN if the errors are round-off.
     limit
         ωΔt up to which the scheme is stable.
@@ -41,7 +41,7 @@ class Theory(NamedTuple):
     elongation_of_rule: float
     decay_of_rule: float
     order: float
-    damped_order: float
+    order_with_damping: float
     limit: float
     at_infinity: float
     memory: int
@@ -55,7 +55,9 @@ def theory_of(scheme: study.Scheme) -> Theory:
     """Linear theory of a scheme."""
     undamped = study.LinearTheory(scheme, PARTS)
     motion, rule = undamped.motion(), study.LinearTheory(scheme, [1 / STEPS]).motion()
-    limit, at_infinity = undamped.stability_limit(), undamped.infinite_frequency_radius()
+    limit, at_infinity = scheme.stability_limit, undamped.infinite_frequency_radius()
+    if limit is None:
+        limit = undamped.stability_limit()
     return Theory(
         undamped.spectral_radius,
         motion.period_elongation,

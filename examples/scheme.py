@@ -11,13 +11,17 @@ import equinox as eqx
 import numpy as np
 
 import study
+from study.building import Effort, Phase, acceleration
 
 
 class Heun(study.OneStep):
-    """Heun's method on u̇ = v, v̇ = F(t, u, v): a step by Euler's rule, then the mean of both slopes.
+    r"""Heun's method on u̇ = v, v̇ = F(t, u, v): a step by Euler's rule, then the mean of both slopes.
 
-    u₁ = u₀ + Δt/2 (u̇₀ + u̇*),    u̇₁ = u̇₀ + Δt/2 (F(t₀, u₀, u̇₀) + F(t₁, u*, u̇*))
-    u* = u₀ + Δt u̇₀,    u̇* = u̇₀ + Δt F(t₀, u₀, u̇₀)
+    .. math::
+
+        u_* &= u_0 + \Delta t\,\dot u_0, \quad \dot u_* = \dot u_0 + \Delta t\,F(t_0, u_0, \dot u_0) \\
+        u_1 &= u_0 + \tfrac12 \Delta t\,(\dot u_0 + \dot u_*) \\
+        \dot u_1 &= \dot u_0 + \tfrac12 \Delta t\,(F(t_0, u_0, \dot u_0) + F(t_1, u_*, \dot u_*))
     """
 
     title: str = eqx.field(default="Heun", kw_only=True, static=True)
@@ -27,16 +31,17 @@ class Heun(study.OneStep):
     doi: ClassVar[str] = ""
     order = 2
     explicit = True
-    evaluations = 2
+    stability_limit = 0.0
+    forces_per_step = 2
 
     def start(self, problem, u0, v0, dt):
-        return study.Phase(u0, v0), study.Effort()
+        return Phase(u0, v0), Effort()
 
     def increment(self, problem, state, t, dt):
         u, v = state
-        slope = study.acceleration(problem, t, u, v)
-        ahead = study.acceleration(problem, t + dt, u + dt * v, v + dt * slope)
-        return study.Phase(dt * v + dt**2 / 2 * slope, dt / 2 * (slope + ahead)), study.Effort()
+        slope = acceleration(problem, t, u, v)
+        ahead = acceleration(problem, t + dt, u + dt * v, v + dt * slope)
+        return Phase(dt * v + dt**2 / 2 * slope, dt / 2 * (slope + ahead)), Effort()
 
 
 heun = Heun()

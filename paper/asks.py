@@ -1,7 +1,7 @@
 """Requirements on the configuration that several products share.
 
-Each function returns a requirement as :data:`paper.products.Asks` takes it: a function that returns a sentence if the
-requirement is not met.
+A requirement is a function of the value at a key, as :data:`paper.products.Asks` takes it. It returns an empty text if
+the value fits, and otherwise what is wrong with it, as a sentence whose subject is the key.
 """
 
 from collections.abc import Callable, Sequence
@@ -9,7 +9,7 @@ from typing import Any
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
 
-Ask = Callable[[Any], str | None]
+Ask = Callable[[Any], str]
 
 
 def value_at(config: Any, key: str) -> Any:
@@ -28,55 +28,59 @@ def value_at(config: Any, key: str) -> Any:
 def contained(inner: str, outer: str) -> Ask:
     """Require of the whole configuration that everything at one key is also at another."""
 
-    def ask(config: dict) -> str | None:
+    def ask(config: dict) -> str:
         there = value_at(config, outer)
         missing = [one for one in value_at(config, inner) if one not in there]
-        return f"{outer} lacks {missing[0]!r}, which {inner} has." if missing else None
+        return f"{outer} lacks {missing[0]!r}, which {inner} has" if missing else ""
 
     return ask
 
 
-def rising(key: str) -> Ask:
+def rising(values: list[float]) -> str:
     """Require that the numbers of a list rise."""
-    return lambda values: None if values == sorted(values) else f"{key} must rise, not {values}."
+    return "" if values == sorted(values) else f"must rise, not {values}"
 
 
-def fourfold(key: str) -> Ask:
+def fourfold(values: list[float]) -> str:
     """Require that a list holds four times its first number."""
-    return lambda values: None if 4 * values[0] in values else f"{key} lacks {4 * values[0]}, four times the first."
+    return "" if 4 * values[0] in values else f"lacks {4 * values[0]}, four times the first"
 
 
-def spans(key: str, *values: float) -> Ask:
+def spans(*values: float) -> Ask:
     """Require that a range from ``first`` to ``last`` includes some values."""
 
-    def ask(span: dict) -> str | None:
+    def ask(span: dict) -> str:
         left_out = [value for value in values if not span["first"] <= value <= span["last"]]
-        return f"{key} leaves out {left_out[0]:g}, which the manuscript explains." if left_out else None
+        return f"leaves out {left_out[0]:g}, which the manuscript explains" if left_out else ""
 
     return ask
 
 
-def one_of(key: str, known: Sequence[str]) -> Ask:
+def as_many(number: int) -> Ask:
+    """Require a number of entries of a list, for which the text or a figure has room."""
+    return lambda values: "" if len(values) == number else f"must have {number} entries, not {len(values)}"
+
+
+def one_of(known: Sequence[str]) -> Ask:
     """Require one of some values."""
-    return lambda value: None if value in known else f"{key} must be one of {', '.join(known)}, not {value!r}."
+    return lambda value: "" if value in known else f"must be one of {', '.join(known)}, not {value!r}"
 
 
-def steps_of_portrait(key: str, least: int) -> Ask:
+def steps_of_portrait(least: int) -> Ask:
     """Require a number of steps of a phase portrait."""
+    return lambda portrait: (
+        f"has a duration of less than {least} steps, which a figure and the ledger need"
+        if portrait["duration"] / portrait["dt"] < least
+        else ""
+    )
 
-    def ask(portrait: dict) -> str | None:
-        short = portrait["duration"] / portrait["dt"] < least
-        return f"{key}: the duration is less than {least} steps, which a figure and the ledger need." if short else None
 
-    return ask
-
-
-def samples_of_history(key: str, least: int) -> Ask:
+def samples_of_history(least: int) -> Ask:
     """Require a number of samples of a history after its start."""
 
-    def ask(history: dict) -> str | None:
+    def ask(history: dict) -> str:
         samples = round(history["periods"] * history["steps_per_period"]) // history["every"]
-        return f"{key} has {samples} samples after the start; its products need {least}." if samples < least else None
+        return f"has {samples} samples after the start; its products need {least}" if samples < least else ""
 
     return ask
 
@@ -92,10 +96,8 @@ OF_THE_TABLES: dict[str, Any] = {
 OF_THE_DRIFT: dict[str, Any] = {
     "energy_drift.problem": "softening",
     "energy_drift.scheme": "rk4",
-    "energy_drift.steps_per_period": spans("energy_drift.steps_per_period", 20, 25),
+    "energy_drift.steps_per_period": spans(20, 25),
     "energy_drift.steps_per_period.step": lambda step: (
-        f"energy_drift.steps_per_period.step must be at most 0.5 to show windows of resonance, not {step}."
-        if step > 0.5
-        else None
+        f"must be at most 0.5 to show windows of resonance, not {step}" if step > 0.5 else ""
     ),
 }

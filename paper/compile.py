@@ -1,16 +1,15 @@
 """Compile the texts: ``python -m paper.compile RESULTS FOLDER`` writes manuscript.pdf and supplement.pdf."""
 
-import json
 import sys
 from pathlib import Path
 
 import typst
 
-from paper.data import check_included
-from paper.manuscript import TEXTS, check_uses, made_in
-from paper.writing import write
+from paper.manuscript import TEXTS, check_uses
+from study.io import one_sentence, read, write
 
 
+@one_sentence()
 def main(results: Path, folder: Path) -> None:
     """Compile article and supplement with the numbers, tables and figures of a folder of results.
 
@@ -24,17 +23,12 @@ def main(results: Path, folder: Path) -> None:
         If a text uses a number, figure or table that the results lack, in which case the message has the line of the
         text, or one of them is damaged.
     """
-    for file in (results / "numbers.json", *results.glob("figures/*.pdf"), *results.glob("tables/*.csv")):
-        check_included(file)
-    there = made_in(results)
-    try:
-        for text in TEXTS:
-            check_uses(text, there)
-    except ValueError as error:
-        raise SystemExit(str(error)) from None
-    contradicted = [
-        name for name, value in json.loads((results / "numbers.json").read_text()).items() if value is False
-    ]
+    numbers = read(results / "numbers.json")
+    for included in (*results.glob("figures/*.pdf"), *results.glob("tables/*.csv")):
+        read(included)
+    for text in TEXTS:
+        check_uses(text, results)
+    contradicted = [name for name, value in numbers.items() if value is False]
     if contradicted:
         print(f"The text leaves out what these results do not bear: {', '.join(contradicted)}.")
     for text in TEXTS:
@@ -45,7 +39,7 @@ def main(results: Path, folder: Path) -> None:
             ignore_system_fonts=True,
             timestamp=0,
         )
-        write(folder / f"{text.stem}.pdf", pdf)
+        write(pdf, folder / f"{text.stem}.pdf")
 
 
 if __name__ == "__main__":

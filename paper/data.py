@@ -1,79 +1,14 @@
-"""How the paper reads its datasets."""
+"""Parts of datasets that several products read."""
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
 
-#: The attribute ``source`` of every dataset of the study.
-SOURCE = "study: time integration schemes on non-linear dynamic equations"
-
 #: Structures that turn, so that their stiff modes are not linear.
 TURNING = ["elastic_pendulum", "spinning_truss"]
-
-
-def unusable(path: Path, reason: str) -> SystemExit:
-    """What ends the program because of a file; in the pipeline the words tell which one to make again."""
-    return SystemExit(f"'{path}' cannot be used, it is {reason}: move it away, and `snakemake {path}` makes it again.")
-
-
-def _check_there(path: Path) -> None:
-    """End the program with a sentence if a file is missing or empty."""
-    if not path.is_file():
-        raise SystemExit(f"There is no file '{path}'; make it with `snakemake {path}`.")
-    if path.stat().st_size == 0:
-        raise unusable(path, "empty")
-
-
-def load(path: str | Path) -> xr.Dataset:
-    """Read a whole dataset.
-
-    Raises
-    ------
-    SystemExit
-        If the file is missing, empty, damaged or no dataset of the study; the message is one sentence.
-    """
-    _check_there(Path(path))
-    try:
-        dataset = xr.load_dataset(path, engine="netcdf4")
-    except (OSError, RuntimeError, ValueError) as error:
-        raise unusable(Path(path), f"damaged or no netCDF file ({error})") from None
-    if dataset.attrs.get("source") != SOURCE:
-        raise unusable(Path(path), "not of this study")
-    return dataset
-
-
-def load_table(path: str | Path) -> pd.DataFrame:
-    """Read a CSV file as texts.
-
-    Raises
-    ------
-    SystemExit
-        If the file is missing, empty or damaged; the message is one sentence.
-    """
-    _check_there(Path(path))
-    try:
-        return pd.read_csv(path, dtype=str, keep_default_na=False)
-    except ValueError as error:
-        raise unusable(Path(path), f"damaged or no CSV file ({error})") from None
-
-
-def check_included(path: Path) -> None:
-    """End the program with a sentence if a file that the manuscript includes is missing, empty or not whole."""
-    _check_there(path)
-    content = path.read_bytes()
-    if path.suffix == ".pdf" and not (content.startswith(b"%PDF") and content.rstrip().endswith(b"%%EOF")):
-        raise unusable(path, "no whole PDF")
-    if path.suffix == ".json":
-        try:
-            json.loads(content)
-        except ValueError as error:
-            raise unusable(path, f"damaged or no JSON file ({error})") from None
 
 
 def of_the_paper(dataset: xr.Dataset) -> xr.Dataset:

@@ -2,11 +2,10 @@
 
 import json
 import re
-from collections.abc import Mapping
 from pathlib import Path
 
-from paper.asks import Ask
-from paper.products import Product, declare
+from paper.asks import as_many
+from paper.products import Product, enter
 
 #: What the texts share, and the texts, each of which becomes a PDF of its name.
 LAYOUT = Path(__file__).parent / "text" / "layout.typ"
@@ -32,41 +31,23 @@ def uses(text: str) -> dict[str, dict[str, int]]:
     return found
 
 
-def check_uses(path: Path, there: Mapping[str, set[str]]) -> None:
-    """Refuse a text that uses what is not there.
-
-    Parameters
-    ----------
-    path
-        Source of the article or of the supplement.
-    there
-        Names of the numbers, figures and tables, by kind.
+def check_uses(text: Path, results: Path) -> None:
+    """Refuse a text that uses what a folder of results lacks.
 
     Raises
     ------
-    ValueError
+    SystemExit
         If a number, figure or table is missing; the message has the line of the text.
     """
-    for kind, names in uses(path.read_text(encoding="utf-8")).items():
-        for name, line in names.items():
-            if name not in there[kind]:
-                raise ValueError(f"{path.name}, line {line}: there is no {kind} '{name}' in the results.")
-
-
-def made_in(results: Path) -> dict[str, set[str]]:
-    """Names of the numbers, figures and tables in a folder of results, by kind."""
-    return {
-        "number": set(json.loads((results / "numbers.json").read_text())),
+    there = {
+        "number": json.loads((results / "numbers.json").read_text()),
         "figure": {path.stem for path in (results / "figures").glob("*.pdf")},
         "table": {path.stem for path in (results / "tables").glob("*.csv")},
     }
-
-
-def _three(key: str) -> Ask:
-    """Require three springs, of which the text speaks and for which it has columns."""
-    return lambda names: (
-        None if len(names) == 3 else f"{key} must have three springs, as the text has, not {len(names)}."
-    )
+    for kind, names in uses(text.read_text(encoding="utf-8")).items():
+        for name, line in names.items():
+            if name not in there[kind]:
+                raise SystemExit(f"{text.name}, line {line}: there is no {kind} '{name}' in the results.")
 
 
 #: What the text says without a number from the datasets.
@@ -75,8 +56,8 @@ _ASKS = {
     "sensitivity.problem": "double_well",
     "stability.roots.paper_dt": 2.5,
     "stability.numerical_map.problem": "double_well",
-    "atlas.problems": _three("atlas.problems"),
-    "robustness.problems": _three("robustness.problems"),
+    "atlas.problems": as_many(3),
+    "robustness.problems": as_many(3),
 }
 
-declare(Product("text", "manuscript", __name__, uses, {}, "", _ASKS))
+enter(Product("text", "manuscript", __name__, uses, {}, "", _ASKS))

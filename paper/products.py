@@ -1,8 +1,9 @@
 """Figures, tables, numbers, claims and pages of the paper, each declared where it is made.
 
-A declaration names the datasets that the product reads, by the arguments that take them, its caption, and what it asks
-of the configuration. The pipeline finds all declarations with :func:`discover`. One figure or page is made with
-``python -m paper.products MODULE NAME RESULTS OUTPUT``, and a figure at the width of a journal with ``--width MM``.
+An argument of the function takes the dataset of its name, unless the declaration names another. A declaration may have
+a caption, and requirements on the configuration. The pipeline finds all declarations with :func:`discover`. One figure
+or page is made with ``python -m paper.products MODULE NAME RESULTS OUTPUT``, and a figure at another width with
+``--width MM``.
 """
 
 import argparse
@@ -10,7 +11,6 @@ import functools
 import importlib
 import inspect
 import pkgutil
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -18,13 +18,14 @@ from pathlib import Path
 from typing import Any
 
 from paper.asks import value_at
-from paper.data import load, load_table
-from paper.writing import write
+from study.io import one_sentence, read, write
 
-#: Requirements on the configuration by dotted key. A list must be contained in the value, and any other object must
-#: equal it. A function takes the value and returns a sentence if it is unfit, None otherwise. The key "" stands for
-#: the whole configuration. A key that leads into a list of mappings stands for the list of their values.
+#: Requirements on the configuration by dotted key. A list must be contained in the value, a function is one of
+#: :mod:`paper.asks`, and any other object must equal the value. The key "" stands for the whole configuration. A key
+#: that leads into a list of mappings stands for the list of their values.
 Asks = Mapping[str, Any]
+#: The dataset that each argument of a function takes, or a list of datasets.
+Reads = Mapping[str, str | Sequence[str]]
 #: Folders and modules of ``paper`` that hold declarations.
 PLACES = ("claims", "explorer", "figures", "manuscript", "numbers", "pages", "tables")
 
@@ -53,26 +54,30 @@ class Product:
     name: str
     module: str
     function: Callable
-    reads: Mapping[str, str | Sequence[str]]
+    reads: Reads
     caption: str
     asks: Asks
 
     @property
+    def datasets(self) -> list[str]:
+        """The names of all that the product reads."""
+        return [name for one in self.reads.values() for name in ([one] if isinstance(one, str) else one)]
+
+    @property
     def files(self) -> list[str]:
         """The files below the results that the product reads."""
-        names = [name for one in self.reads.values() for name in ([one] if isinstance(one, str) else one)]
-        return [name if Path(name).suffix else f"{name}.nc" for name in names]
+        return [name if Path(name).suffix else f"{name}.nc" for name in self.datasets]
 
     @property
     def label(self) -> str:
         """Kind and name, for messages."""
-        return f"{self.kind} '{self.name.rpartition(':')[2]}'"
+        return f"{self.kind} '{self.name}'"
 
 
 PRODUCTS: dict[tuple[str, str], Product] = {}
 
 
-def declare(product: Product) -> None:
+def enter(product: Product) -> None:
     """Enter a product.
 
     Raises
@@ -85,25 +90,31 @@ def declare(product: Product) -> None:
         raise ValueError(f"{product.label} is declared twice, in {known.module} and in {product.module}.")
 
 
-def _declared(kind: str, name: str, caption: str, asks: Asks | None, reads: dict) -> Callable:
-    if kind in ("figure", "page") and not isinstance(caption, str):
-        raise ValueError(f"A {kind} is declared with a caption and the datasets that it reads, not with {caption!r}.")
+def reads_of(function: Callable, given: Reads) -> Reads:
+    """The dataset that each argument of a function takes: the one that is given, or the one of the argument's name.
 
-    def enter(function: Callable) -> Callable:
+    Raises
+    ------
+    ValueError
+        If datasets are given for arguments that the function does not have.
+    """
+    signature = inspect.signature(function)
+    own = {name: name for name, argument in signature.parameters.items() if argument.kind is not argument.VAR_KEYWORD}
+    try:
+        signature.bind(**own | dict(given))
+    except TypeError as error:
+        raise ValueError(f"The datasets given do not fit {function.__module__}.{function.__name__}: {error}.") from None
+    return own | dict(given)
+
+
+def _declared(kind: str, name: str, caption: str, asks: Asks | None, given: Reads) -> Callable:
+    def declare(function: Callable) -> Callable:
         module = function.__module__
-        if name and kind != "numbers" and not re.fullmatch(r"[a-z0-9_]+", name):
-            raise ValueError(
-                f"{module} declares '{name}'; a {kind} has a name of small letters, digits and underscores."
-            )
-        product = Product(kind, name or module.rpartition(".")[-1], module, function, reads, caption, asks or {})
-        try:
-            inspect.signature(function).bind(**reads)
-        except TypeError as error:
-            raise ValueError(f"The datasets of {product.label} do not fit its function: {error}.") from None
-        declare(product)
+        named = name or (f"{module}.{function.__name__}" if kind == "numbers" else module.rpartition(".")[-1])
+        enter(Product(kind, named, module, function, reads_of(function, given), caption, asks or {}))
         return function
 
-    return enter
+    return declare
 
 
 def figure(caption: str, *, name: str = "", asks: Asks | None = None, **reads: str | Sequence[str]) -> Callable:
@@ -123,11 +134,7 @@ def page(caption: str, *, name: str = "", asks: Asks | None = None, **reads: str
 
 def numbers(*, asks: Asks | None = None, **reads: str | Sequence[str]) -> Callable:
     """Declare numbers of the text: a function of datasets that returns them by name."""
-
-    def enter(function: Callable) -> Callable:
-        return _declared("numbers", f"{function.__module__}:{function.__name__}", "", asks, reads)(function)
-
-    return enter
+    return _declared("numbers", "", "", asks, reads)
 
 
 def discover(places: Iterable[str] = PLACES) -> list[Product]:
@@ -157,9 +164,8 @@ def check(products: Iterable[Product], config: dict) -> None:
             except (KeyError, TypeError):
                 raise ValueError(f"{key} is missing, and {product.label} needs it.") from None
             if callable(asked):
-                sentence = asked(value)
-                if sentence:
-                    raise ValueError(sentence)
+                if wrong := asked(value):
+                    raise ValueError(f"{key} {wrong}.".lstrip())
             elif isinstance(asked, list) and not isinstance(value, list):
                 raise ValueError(f"{key} must be a list for {product.label}, not {value!r}.")
             elif isinstance(asked, list):
@@ -172,12 +178,7 @@ def check(products: Iterable[Product], config: dict) -> None:
 
 def reader(results: Path) -> Callable[[str], Any]:
     """A function that reads a dataset or table of the results by name, each once."""
-
-    @functools.cache
-    def read(name: str) -> Any:
-        return load_table(results / name) if Path(name).suffix else load(results / f"{name}.nc")
-
-    return read
+    return functools.cache(lambda name: read(results / (name if Path(name).suffix else f"{name}.nc")))
 
 
 def made(product: Product, read: Callable[[str], Any]) -> Any:
@@ -190,6 +191,7 @@ def made(product: Product, read: Callable[[str], Any]) -> Any:
     )
 
 
+@one_sentence()
 def main(module: str, name: str, results: str, output: str, width: float | None = None) -> None:
     """Make one figure, in all its formats next to ``output``, or one page.
 
@@ -208,7 +210,7 @@ def main(module: str, name: str, results: str, output: str, width: float | None 
     if product.kind != "figure":
         if width is not None:
             raise SystemExit(f"{product.label} has no width.")
-        write(Path(output), made(product, reader(Path(results))))
+        write(made(product, reader(Path(results))), output)
         return
     # imported by name, so that only figures, whose modules import the style, depend on its source
     style = importlib.import_module("paper.figures.style")

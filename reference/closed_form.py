@@ -12,8 +12,8 @@ import mpmath
 import numpy as np
 
 from reference.solution import History
-from study.problem.definition import Problem
-from study.problem.loads import HarmonicLoad
+from study.mechanics.definition import Problem
+from study.mechanics.loads import HarmonicLoad
 from study.problem.springs import CubicSpring, TanhSpring
 
 #: Decimal digits that are carried; 30 digits of a period are exact.
@@ -117,9 +117,14 @@ def has_trajectory(problem: Problem) -> bool:
 
 
 def trajectory(problem: Problem, t: Iterable) -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
-    """Exact displacement and velocity of a cubic spring at the times ``t``, carried with ``DIGITS`` digits.
+    r"""Exact displacement and velocity of a cubic spring at the times ``t``, carried with ``DIGITS`` digits.
 
-    With x = κt + φ, u = A cn(x) and u̇ = −Aκ sn(x) dn(x), or u = A dn(x) and u̇ = −Aκm sn(x) cn(x).
+    With x = κt + φ it is one of
+
+    .. math::
+
+        u &= A \operatorname{cn} x, \quad \dot u = -A\kappa \operatorname{sn} x \operatorname{dn} x \\
+        u &= A \operatorname{dn} x, \quad \dot u = -A\kappa m \operatorname{sn} x \operatorname{cn} x
 
     Parameters
     ----------
@@ -158,11 +163,14 @@ def _pendulum(problem: Problem, t: Iterable) -> tuple[list, list]:
 
 
 def _modes(problem: Problem, t: Iterable) -> tuple[list, list]:
-    """Motion Σ φ q(t) of a linear structure of unit masses from rest under the load f cos(Ωt − α).
+    r"""Motion Σ φ q(t) of a linear structure of unit masses from rest under the load f cos(Ωt − α).
 
     The modes are K φ = ω² φ with φᵀφ = 1. Each coordinate solves q̈ + ω² q = φᵀf cos(Ωt − α), so that
 
-        q = φᵀf / (ω² − Ω²) (cos(Ωt − α) − cos α cos ωt − Ω/ω sin α sin ωt)
+    .. math::
+
+        q = \frac{\varphi^T f}{\omega^2 - \Omega^2} (\cos(\Omega t - \alpha) - \cos\alpha \cos\omega t
+            - \frac{\Omega}{\omega} \sin\alpha \sin\omega t)
     """
     load = cast(HarmonicLoad, problem.load)
     stiffness = mpmath.matrix(np.asarray(jax.jit(jax.jacobian(problem.static_force))(problem.u0)).tolist())

@@ -1,9 +1,11 @@
 """Route through diffrax: explicit and implicit Runge-Kutta methods under step size control."""
 
 import time
+from functools import partial
 
 import diffrax
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import optimistix
@@ -19,7 +21,8 @@ from reference.solution import (
     release,
     right_side,
 )
-from study.problem.definition import Problem
+from study.algebra.jit import jit
+from study.mechanics.definition import Problem
 
 #: Smallest tolerance that is accepted.
 SMALLEST_RTOL = 1e-15
@@ -63,9 +66,10 @@ def _controller(rtol, stops=None):
     return controller if stops is None else diffrax.ClipStepSizeController(controller, step_ts=stops)
 
 
-@eqx.filter_jit
+@partial(jit, compiler=eqx.filter_jit)
 def _solve(problem: Problem, t, rtol, method: str, max_steps: int):
-    return diffrax.diffeqsolve(
+    """States at the times ``t``, number of steps and result."""
+    solution = diffrax.diffeqsolve(
         diffrax.ODETerm(right_side),
         _solver(method),
         t0=0.0,
@@ -78,12 +82,42 @@ def _solve(problem: Problem, t, rtol, method: str, max_steps: int):
         max_steps=max_steps,
         throw=False,
     )
+    return solution.ys, solution.stats["num_steps"], solution.result
 
 
-def _check(problem: Problem, method: str, solution) -> None:
-    if solution.result not in (diffrax.RESULTS.successful, diffrax.RESULTS.event_occurred):
-        reason = diffrax.RESULTS[solution.result].splitlines()[0]  # type: ignore[misc]
-        failure = StepLimit if solution.result == diffrax.RESULTS.max_steps_reached else RouteFailed
+@partial(jit, compiler=eqx.filter_jit)
+def _solve_with_history(problem: Problem, t, rtol, method: str, max_steps: int):
+    """States at the times ``t``, number of steps and result, with the history committed at each of these times."""
+
+    def stretch(carry, ends):
+        y, history, before = carry
+        committed = problem.remembering(history)
+        solution = diffrax.diffeqsolve(
+            diffrax.ODETerm(right_side),
+            _solver(method),
+            t0=ends[0],
+            t1=jnp.where(diffrax.is_okay(before), ends[1], ends[0]),  # no step after a failure
+            dt0=None,
+            y0=y,
+            args=committed,
+            stepsize_controller=_controller(rtol),
+            max_steps=max_steps,
+            throw=False,
+        )
+        y = solution.ys[-1]
+        result = diffrax.RESULTS.where(diffrax.is_okay(before), solution.result, before)
+        return (y, committed.committed(*y).history, result), (y, solution.stats["num_steps"])
+
+    start = jnp.stack([jnp.asarray(problem.u0), jnp.asarray(problem.v0)])
+    begin = start, problem.committed(*start).history, diffrax.RESULTS.successful
+    (*_, result), (states, steps) = jax.lax.scan(stretch, begin, (jnp.append(0.0, t[:-1]), t))
+    return states, steps.sum(), result
+
+
+def _check(problem: Problem, method: str, result) -> None:
+    if not diffrax.is_okay(result):
+        reason = diffrax.RESULTS[result].splitlines()[0]  # type: ignore[misc]
+        failure = StepLimit if result == diffrax.RESULTS.max_steps_reached else RouteFailed
         raise failure(f"diffrax {method} did not finish '{problem.title}': {reason}")
 
 
@@ -91,6 +125,10 @@ def trajectory(
     problem: Problem, t: Times, rtol: float = 1e-14, method: str = "Dopri8", max_steps: int = MAX_STEPS
 ) -> Solution:
     """Displacement and velocity at the increasing times ``t``. Steps end at these times; nothing is interpolated.
+
+    A force with a history is that of the straight motion from the last of these times, at which it is committed. That
+    is the force of the motion itself as long as no part of the history turns back between two of them; see
+    :func:`reference.sundials.kinks`.
 
     Parameters
     ----------
@@ -115,16 +153,17 @@ def trajectory(
     check_tolerance(f"diffrax {method}", rtol, SMALLEST_RTOL)
     check_trajectory(f"diffrax {method}", problem, t, unknowns=np.inf)
     times = jnp.asarray(t, float)
-    _solve(problem.untitled(), times, jnp.asarray(LOOSE_RTOL), method, max_steps).ys.block_until_ready()  # compiles
+    solve = _solve if problem.history is None else _solve_with_history
+    jax.block_until_ready(solve(problem.untitled(), times, jnp.asarray(LOOSE_RTOL), method, max_steps))  # compiles
     start = time.perf_counter()
-    solution = _solve(problem.untitled(), times, jnp.asarray(rtol), method, max_steps)
-    _check(problem, method, solution)
-    u, v = np.moveaxis(np.asarray(solution.ys), 1, 0)
+    states, steps, result = solve(problem.untitled(), times, jnp.asarray(rtol), method, max_steps)
+    _check(problem, method, result)
+    u, v = np.moveaxis(np.asarray(states), 1, 0)
     seconds = time.perf_counter() - start
-    return Solution(u, v, int(solution.stats["num_steps"]) * STAGES[method], seconds)
+    return Solution(u, v, int(steps) * STAGES[method], seconds)
 
 
-@eqx.filter_jit
+@partial(jit, compiler=eqx.filter_jit)
 def _fixed(problem: Problem, dt, t1):
     return diffrax.diffeqsolve(
         diffrax.ODETerm(right_side),
@@ -148,7 +187,7 @@ def classical_runge_kutta(problem: Problem, dt: float, steps: int) -> Solution:
     return Solution(y[:, 0], y[:, 1], 4 * steps, seconds)
 
 
-@eqx.filter_jit
+@partial(jit, compiler=eqx.filter_jit)
 def _until(problem: Problem, t1, turning, rtol, method: str):
     """Solution at ``t1``, or earlier where ``turning`` times v becomes positive; ``turning`` may be zero."""
     event = diffrax.Event(
@@ -189,7 +228,7 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str =
     # all numbers are arrays of one type; otherwise each call is compiled anew
     tolerance = np.float64(rtol)
     found = _until(untitled, np.float64(0.75 * estimate), np.float64(-sign), tolerance, method)
-    _check(problem, method, found)
+    _check(problem, method, found.result)
     if found.result != diffrax.RESULTS.event_occurred:
         raise RouteFailed(f"diffrax {method} met no turning point of '{problem.title}' up to t = {0.75 * estimate:g}.")
     t = float(found.ts[-1])

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from reference import closed_form, taylor
 from reference.solution import History, RouteFailed
 from reference.symbolic import first_order, with_force_as_state
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 
 #: Significands and formulations of the integrations; the first of each gives the solution.
 BITS = (192, 128)

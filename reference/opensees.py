@@ -16,9 +16,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from reference.solution import Solution
-from study.problem.definition import Problem
-from study.problem.ground import GroundMotion
-from study.problem.materials import BoucWen, Elastoplastic, ViscousDamper
+from study.materials import BoucWen, Elastoplastic, ViscousDamper
+from study.mechanics.definition import Problem
+from study.mechanics.ground import GroundMotion
 from study.problem.named import problems as problems_by_name
 from study.problem.springs import CubicSpring
 
@@ -29,10 +29,10 @@ INTEGRATORS = {
     "newmark_dissipative": (("Newmark", 0.6, 0.3025), "Newton"),
     "wilson_theta": (("WilsonTheta", 1.4), "Newton"),
     "houbolt": (("Houbolt",), "Newton"),
-    "hht_alpha": (("HHT", 0.9, 0.6, 0.3025), "Newton"),
+    "hht_alpha_1996": (("HHT", 0.9, 0.6, 0.3025), "Newton"),
     "linear_acceleration": (("Newmark", 0.5, 1 / 6), "Newton"),
     "fox_goodwin": (("Newmark", 0.5, 1 / 12), "Newton"),
-    "hht_alpha_one_force": (("HHT", 0.9, 0.6, 0.3025), "Newton"),
+    "hht_alpha": (("HHT", 0.9, 0.6, 0.3025), "Newton"),
     "bathe": (("TRBDF2",), "Newton"),
     "kr_alpha": (("KRAlphaExplicit", 0.8), "Linear"),
 }

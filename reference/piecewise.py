@@ -1,11 +1,13 @@
-"""Exact motion of one mass on a spring that is linear in pieces, from event to event.
+r"""Exact motion of one mass on a spring that is linear in pieces, from event to event.
 
 Between two events — a yield point, a reversal, a touch, a kink of the load — the motion obeys
 
-    m ü + c u̇ + k u = q,    q linear in time: the load less the offset of the piece,
+.. math::
 
-whose solution is a matrix exponential of (u, u̇, q, q̇). An event is bracketed on times much closer than the
-shortest period and then found by Brent's method on this solution.
+    m \ddot u + c \dot u + k u = q
+
+with q linear in time: the load less the offset of the piece. Its solution is a matrix exponential of (u, u̇, q, q̇). An
+event is bracketed on times much closer than the shortest period and then found by Brent's method on this solution.
 """
 
 import time
@@ -19,8 +21,8 @@ import scipy.linalg
 import scipy.optimize
 
 from reference.solution import RouteFailed, Solution, Times
-from study.problem.definition import Problem
-from study.problem.materials import Elastoplastic, Gap
+from study.materials import Elastoplastic, Gap
+from study.mechanics.definition import Problem
 
 #: Places in the shortest period of the spring at which an event is looked for, unless asked otherwise.
 PLACES = 200

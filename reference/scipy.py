@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, Times, check_tolerance, check_trajectory
 from reference.symbolic import as_python
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 
 #: Smallest tolerance; SciPy replaces smaller ones by it.
 SMALLEST_RTOL = 100 * np.finfo(float).eps

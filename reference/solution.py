@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from study.algebra.elimination import solve
 from study.algebra.matrices import Banded, dense, times
 from study.algebra.sparse import Sparse
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 
 #: Absolute over relative tolerance; displacements and velocities are of order one and more.
 ATOL_BELOW_RTOL = 1e-2
@@ -86,7 +86,7 @@ def check_trajectory(route: str, problem: Problem, t: Sequence | np.ndarray, unk
 
 
 def right_side(t, y: State, problem: Problem) -> State:
-    """Right side ẏ = (u̇, M⁻¹ (f(t) − C u̇ − p(u))) of the first order equations of y = (u, u̇)."""
+    """Right side of the first order equations of y = (u, u̇): ẏ = (u̇, M⁻¹ (f(t) − C u̇ − p(u)))."""
     u, v = y
     force = -problem.internal_force(u, v)
     if problem.damping is not None:

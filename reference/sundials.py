@@ -4,6 +4,7 @@ import time
 from contextlib import suppress
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from sksundae.cvode import CVODE
 
@@ -18,8 +19,8 @@ from reference.solution import (
     release,
     right_side,
 )
-from study.problem.definition import Problem
-from study.problem.internal_force import switches
+from study.mechanics.definition import Problem
+from study.mechanics.internal_force import switches
 
 #: Smallest tolerance that is accepted; below it round-off dominates CVODE's estimate of the error.
 SMALLEST_RTOL = 1e-15
@@ -28,44 +29,57 @@ MAX_NUM_STEPS = 1_000_000
 CV_ROOT_RETURN, CV_TOO_MUCH_WORK = 2, -1
 #: Relative tolerance of the motion along which kinks are found.
 KINK_RTOL = 1e-12
+#: Part of the duration by which kinks of a force with a history are sought ahead; of kinks as close, the first counts.
+AHEAD = 1e-10
 
 
-def _right_side_of(problem: Problem):
+class _Motion:
+    """A problem with the history that its motion has committed, which is None without a history."""
+
+    def __init__(self, problem: Problem):
+        shape = (2, *np.shape(problem.u0))
+        self.problem, self.start = problem, np.concatenate([np.ravel(problem.u0), np.ravel(problem.v0)])
+        self.rate = jax.jit(lambda t, y, h: right_side(t, y.reshape(shape), problem.remembering(h)).ravel())
+        self._committed = jax.jit(lambda y, h: problem.remembering(h).committed(*y.reshape(shape)).history)
+        self.history = problem.history
+        self.commit(self.start)
+
+    def commit(self, y: np.ndarray) -> None:
+        """Commit the history of the motion up to a state."""
+        if self.history is not None:
+            self.history = self._committed(y, self.history)
+
+
+def _right_side_of(motion: _Motion):
     """Function f(t, y, ẏ) that writes ẏ: plain Python for one unknown whose functions translate, otherwise compiled."""
-    if np.ndim(problem.u0) == 0:
+    if np.ndim(motion.problem.u0) == 0 and motion.history is None:
         from reference.symbolic import Untranslatable, as_python  # here, because importing SymPy takes a second
 
         with suppress(Untranslatable):
-            acceleration = as_python(problem)
+            acceleration = as_python(motion.problem)
 
             def fill(t, y, rate):
                 u, v = y.tolist()
                 rate[0], rate[1] = v, acceleration(t, u, v)
 
             return fill
-    shape = (2, *np.shape(problem.u0))
-    compiled = jax.jit(lambda t, y: right_side(t, y.reshape(shape), problem).ravel())
 
     def fill_all(t, y, rate):
-        rate[:] = compiled(t, y)
+        rate[:] = motion.rate(t, y, motion.history)
 
     return fill_all
 
 
-def _solver(problem: Problem, rtol: float, method: str, **options) -> CVODE:
+def _solver(motion: _Motion, rtol: float, method: str, **options) -> CVODE:
     check_tolerance(f"CVODE {method}", rtol, SMALLEST_RTOL)
     return CVODE(
-        _right_side_of(problem),
+        _right_side_of(motion),
         method=method,
         rtol=rtol,
         atol=rtol * ATOL_BELOW_RTOL,
         max_num_steps=options.pop("max_num_steps", MAX_NUM_STEPS),
         **options,
     )
-
-
-def _start(problem: Problem) -> np.ndarray:
-    return np.concatenate([np.ravel(problem.u0), np.ravel(problem.v0)])
 
 
 def _check(problem: Problem, method: str, solution) -> None:
@@ -87,6 +101,9 @@ def trajectory(
 
     Values come from CVODE's own polynomial of the step that contains each time, which is as accurate as the step.
     Stopping at each time instead doubles the measured error, because every stop interrupts the sequence of step sizes.
+    A force with a history is that of the straight motion from the last of the times ``t``, at which it is committed.
+    That is the force of the motion itself as long as no part of the history turns back between two of them, which is
+    why the times at which one does belong to ``restarts``.
 
     Parameters
     ----------
@@ -113,30 +130,43 @@ def trajectory(
         If CVODE stops early for another reason.
     """
     check_trajectory(f"CVODE {method}", problem, t, unknowns=np.inf)
-    solver = _solver(problem, rtol, method, max_num_steps=max_num_steps)
+    motion = _Motion(problem)
+    solver = _solver(motion, rtol, method, max_num_steps=max_num_steps)
     y = np.empty((len(t), 2, *np.shape(problem.u0)))
     stops = np.concatenate([[] if kinks is None else kinks, [np.inf]])
     anew = np.isin(t, [] if restarts is None else restarts)
     stops = np.union1d(stops, t[anew])
     start, evaluations = time.perf_counter(), 0
-    solution = solver.init_step(0.0, _start(problem))
+    solution = solver.init_step(0.0, motion.start)
     for i, until in enumerate(map(float, t)):
         if until > 0:
             stop = stops[np.searchsorted(stops, until)]
             solution = solver.step(until, tstop=float(stop) if np.isfinite(stop) else None)
             _check(problem, method, solution)
         y[i] = solution.y.reshape(y[i].shape)
+        motion.commit(solution.y)
         if anew[i]:
             evaluations += solution.nfev
             solution = solver.init_step(until, solution.y)
     return Solution(y[:, 0], y[:, 1], int(evaluations + solution.nfev), time.perf_counter() - start)
 
 
-def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adams") -> Times:
-    """Times at which a switch of the internal force changes its sign, by CVODE's root finding.
+def _events_of_history(problem: Problem, ahead: float, u, v):
+    """Numbers whose sign changes where the force has a kink, or where a number of its history turns back."""
+    # right after a commit a yield point is reached up to round-off only
+    u = u + ahead * v
+    rates = jax.tree.leaves(jax.jvp(lambda u: problem.committed(u, v).history, (u,), (v,))[1])
+    events = jnp.concatenate([switches(problem.varying_force, u, v), *map(jnp.ravel, rates)])
+    # CVODE ignores an event function that begins with zero, such as the rate of a history at rest
+    return jnp.where(events == 0, 1.0, events)
 
-    There the force may have a kink; see :func:`study.problem.internal_force.switches`. A touch without a change of sign
-    is not found, and nothing after the time at which CVODE stops, as it does where a force switches without end.
+
+def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adams") -> Times:
+    """Times at which a switch of the internal force changes its sign or its history turns back, by CVODE's roots.
+
+    There the force may have a kink; see :func:`study.mechanics.internal_force.switches`. A history turns back where
+    the rate of one of its numbers changes its sign, and is committed there. A touch without a change of sign is not
+    found, and nothing after the time at which CVODE stops, as it does where a force switches without end.
 
     Parameters
     ----------
@@ -148,24 +178,36 @@ def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adam
     ValueError
         If the mass is singular.
     """
-    shape = (2, *np.shape(problem.u0))
-    compiled = jax.jit(lambda y: switches(problem.varying_force, *y.reshape(shape)))
-    number = len(compiled(_start(problem)))
+    motion, shape, ahead = (
+        _Motion(problem),
+        (2, *np.shape(problem.u0)),
+        AHEAD * duration if problem.history is not None else 0.0,
+    )
+
+    @jax.jit
+    def events(y, history):
+        if history is None:
+            return switches(problem.varying_force, *y.reshape(shape))
+        return _events_of_history(problem.remembering(history), ahead, *y.reshape(shape))
+
+    def fill(t, y, values):
+        values[:] = events(y, motion.history)
+
+    number = len(events(motion.start, motion.history))
     if not number:
         return np.zeros(0)
-
-    def fill(t, y, events):
-        events[:] = compiled(y)
-
     fill.terminal = [False] * number  # type: ignore[attr-defined]
-    solver, found = _solver(problem, KINK_RTOL, method, eventsfn=fill, num_events=number), []
-    solution = solver.init_step(0.0, _start(problem))
+    solver, found = _solver(motion, KINK_RTOL, method, eventsfn=fill, num_events=number), [-np.inf]
+    solution = solver.init_step(0.0, motion.start)
     for end in map(float, [*of_load, duration]):
         while solution.success and solution.t < end:
             solution = solver.step(end, tstop=end)
-            if solution.status == CV_ROOT_RETURN:
+            if solution.status == CV_ROOT_RETURN and solution.t > found[-1] + ahead:
                 found.append(float(solution.t))
-    return np.unique(np.asarray(found, float))
+                if motion.history is not None:
+                    motion.commit(solution.y)
+                    solution = solver.init_step(solution.t, solution.y)
+    return np.array(found[1:])
 
 
 def period(problem: Problem, estimate: float, rtol: float = 1e-15, method: str = "Adams") -> float:
@@ -185,8 +227,9 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-15, method: str =
 
     velocity.terminal = [True]  # type: ignore[attr-defined]
     velocity.direction = [-int(sign)]  # type: ignore[attr-defined]
-    solver = _solver(problem, rtol, method, eventsfn=velocity, num_events=1)
-    solution = solver.solve([0.0, 0.75 * estimate], _start(problem))
+    motion = _Motion(problem)
+    solver = _solver(motion, rtol, method, eventsfn=velocity, num_events=1)
+    solution = solver.solve([0.0, 0.75 * estimate], motion.start)
     _check(problem, method, solution)
     if solution.t_events is None:
         raise RouteFailed(f"CVODE {method} met no turning point of '{problem.title}' up to t = {0.75 * estimate:g}.")

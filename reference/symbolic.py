@@ -12,7 +12,7 @@ import numpy as np
 import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 
 
 def _whole_power(a, exponent: int):
@@ -115,7 +115,11 @@ def _check_depends_on_displacement(problem: Problem) -> None:
 
 
 def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
-    """The system u̇ = v, v̇ = (f(t) − C v − p(u)) / M of a problem with one unknown.
+    r"""The equation of motion of a problem with one unknown as a system of first order.
+
+    .. math::
+
+        \dot u = v, \quad \dot v = (f(t) - C v - p(u))/M
 
     Raises
     ------
@@ -151,7 +155,11 @@ def as_python(problem: Problem) -> Callable[[float, float, float], float]:
 
 
 def with_force_as_state(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
-    """The system u̇ = v, v̇ = (f(t) − C v − w) / M, ẇ = p′(u) v, in which the internal force w = p(u) is a state.
+    r"""The equation of motion as a system of first order in which the internal force w = p(u) is a state.
+
+    .. math::
+
+        \dot u = v, \quad \dot v = (f(t) - C v - w)/M, \quad \dot w = p'(u)\,v
 
     Its Taylor coefficients follow from other recurrences than those of :func:`first_order`, so an error in one of the
     two does not repeat in the other.

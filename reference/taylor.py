@@ -8,7 +8,7 @@ import numpy as np
 
 from reference.solution import RouteFailed, Solution, check_tolerance, check_trajectory, release
 from reference.symbolic import expression, first_order
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 
 #: Bits of the significand of a double.
 DOUBLE = 53

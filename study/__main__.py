@@ -8,27 +8,26 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from study import datasets
+from study import io
 from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
-from study.assessment.report import answer, limits_of_reference, report, write_page
+from study.assessment.report import answer, limits_of_reference, report
 from study.assessment.scheme import BESIDE, ON, assess_scheme, scheme_page
 from study.marching.run import run
+from study.mechanics.definition import Problem
 from study.observer.named import observers
-from study.problem.definition import Problem
 from study.problem.named import problems
 from study.registry import Registry, UnknownName
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
 from study.user_files import load
-from study.writing import check_writable
 
 _REGISTRIES: dict[str, Registry[Any]] = {"problems": problems, "schemes": schemes, "observers": observers}
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="study", description="Time integration schemes on non-linear dynamics.")
-    parser.add_argument("--version", action="version", version=f"study {datasets.VERSION}")
+    parser.add_argument("--version", action="version", version=f"study {io.__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     command = commands.add_parser("run", help="march a scheme on a problem and print what was observed")
@@ -71,14 +70,12 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("problem", metavar="PROBLEM", help="name of a problem")
     command.add_argument("--error", type=float, required=True, help="largest allowed error as a fraction")
     command.add_argument(
-        "--measure",
+        "--quantity",
         default="max_trajectory_error",
-        help="measure of error; default: max_trajectory_error",
+        help="error that must be kept; default: max_trajectory_error",
     )
     command.add_argument("--periods", type=float, default=100, help="length of the run in periods; default: 100")
-    command.add_argument(
-        "--folder", type=Path, default=datasets.RESULTS, help="folder of the results; default: results"
-    )
+    command.add_argument("--folder", type=Path, default=io.RESULTS, help="folder of the results; default: results")
 
     command = commands.add_parser("list", help="list the names of problems, schemes and observers")
     command.set_defaults(function=_list)
@@ -93,7 +90,7 @@ def _given(place: str, kind: type) -> Any:
 
 def _run(arguments: argparse.Namespace) -> None:
     if arguments.output:
-        check_writable(arguments.output)
+        io.check_writable(arguments.output)
     dataset = run(
         _given(arguments.problem, Problem),
         _given(arguments.scheme, Scheme),
@@ -103,8 +100,8 @@ def _run(arguments: argparse.Namespace) -> None:
         every=arguments.every,
     )
     if arguments.output:
-        dataset.attrs |= datasets.provenance(dataset.title, "study run")
-        datasets.write(dataset, arguments.output)
+        dataset.attrs |= io.provenance(dataset.title, "study run")
+        io.write(dataset, arguments.output)
     else:
         print(dataset)
 
@@ -114,7 +111,7 @@ def _assess(arguments: argparse.Namespace) -> None:
     stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
     outputs = [arguments.output.with_name(stem + suffix) for suffix in (".nc", ".html")]
     for output in outputs:
-        check_writable(output)
+        io.check_writable(output)
 
     schemes = None
     if arguments.schemes:
@@ -128,7 +125,7 @@ def _assess(arguments: argparse.Namespace) -> None:
         maps=arguments.maps,
     )
     dataset.attrs["command"] = shlex.join(["study", *arguments.words])
-    datasets.write(dataset, outputs[0])
+    io.write(dataset, outputs[0])
     report(dataset, outputs[1])
     for quantity in dataset.quantity.values:
         for error in dataset.allowed_error.values:
@@ -140,18 +137,19 @@ def _assess(arguments: argparse.Namespace) -> None:
 
 
 def _assess_scheme(arguments: argparse.Namespace) -> None:
-    output = check_writable(arguments.output)
+    output = io.check_writable(arguments.output)
     scheme = _given(arguments.scheme, Scheme)
     assessed = assess_scheme(scheme, beside=arguments.beside, problems=arguments.problems or ON)
     assessed.linear.attrs["command"] = shlex.join(["study", *arguments.words])
-    print(f"written: {write_page(scheme_page(assessed), output)}")
+    io.write(scheme_page(assessed), output)
+    print(f"written: {output}")
 
 
 def _recommend(arguments: argparse.Namespace) -> None:
     table = recommend(
         arguments.problem,
         error=arguments.error,
-        measure=arguments.measure,
+        quantity=arguments.quantity,
         periods=arguments.periods,
         folder=arguments.folder,
     )

@@ -60,9 +60,8 @@ class Registry(Mapping[str, T], Generic[T]):
         The entries by name.
     aliases
         Further names of entries, which can be looked up and are not listed. Case and separators do not matter.
-    ambiguous
-        Words that stand for several entries, with these; a message asks for one of them. An entry's own name, letter by
-        letter, is none of them.
+    renamed
+        Names of earlier versions, each with its name today, which the message for an unknown name suggests.
     made_by
         Functions that make entries, by name, for entries that take a while to make. Each is called when its entry is
         asked for first.
@@ -74,12 +73,12 @@ class Registry(Mapping[str, T], Generic[T]):
         entries: Mapping[str, T],
         aliases: Mapping[str, str] | None = None,
         made_by: Mapping[str, Callable[[], T]] | None = None,
-        ambiguous: Mapping[str, Iterable[str]] | None = None,
+        renamed: Mapping[str, str] | None = None,
     ):
         self.kind = kind
         self._entries, self._aliases = dict(entries), dict(aliases or {})
         self._made_by = dict(made_by or {})
-        self._ambiguous = {_plain(word): list(names) for word, names in (ambiguous or {}).items()}
+        self._renamed = dict(renamed or {})
         self._names = [*self._entries, *self._made_by]
         for alias in self._aliases:
             if alias in self._names:
@@ -98,8 +97,8 @@ class Registry(Mapping[str, T], Generic[T]):
         entry = self._aliases.get(name, name)
         if entry in self._entries or entry in self._made_by:
             return entry
-        if possible := self._ambiguous.get(_plain(str(name))):
-            raise UnknownName(f"the {self.kind} {name!r} may be {' or '.join(map(repr, possible))}; name one of them.")
+        if name in self._renamed:
+            raise UnknownName(f"the {self.kind} {name!r} is now called {self._renamed[name]!r}.")
         for known in (*self._names, *self._aliases):  # in other letters, or with other separators
             if _plain(known) == _plain(str(name)):
                 return self._aliases.get(known, known)

@@ -3,12 +3,10 @@
 ``precision``
     JAX computes in double precision (``jax_enable_x64``).
 ``compiler``
-    Three options are added to ``XLA_FLAGS``, each unless the user has set it. XLA compiles a loop natively only if its
-    body is small, and otherwise walks it operation by operation, up to ten times slower; the first option raises the
-    threshold, so that a whole march is one native loop. A call of LAPACK, as for several unknowns, is no part of such a
-    loop. The second uses the full width of vector registers, which speeds up ensembles. The third selects XLA's older
-    generator of loops: the newer one takes one and a half to two times as long to compile a march, for the same numbers
-    at a speed within a sixth. XLA reads ``XLA_FLAGS`` when JAX first computes; if that is over, a warning says so.
+    An option is added to ``XLA_FLAGS``, unless the user has set it. XLA compiles a loop natively only if its body is
+    small, and otherwise walks it operation by operation, up to ten times slower. The option raises the threshold, so
+    that a whole march is one native loop. A call of LAPACK, as for several unknowns, is no part of such a loop. XLA
+    reads ``XLA_FLAGS`` when JAX first computes; if that is over, a warning says so.
 ``cache``
     Compiled programs are kept for the next process, unless the user has set a cache for JAX. They lie in the user's
     cache folder, in a folder named after this machine, since another processor may lack instructions. When the folder
@@ -17,29 +15,38 @@
 The environment variable ``STUDY_SETTINGS`` names the wanted ones, for instance ``precision,cache``; ``none`` changes
 nothing, and without the variable all three are made. JAX's own switches keep working: ``with jax.enable_x64(False):
 study.run(...)`` computes in single precision.
+
+This module does not import JAX, which takes half a second. Where JAX is not imported yet, its settings are made as
+environment variables, which JAX reads when it is imported, and which child processes inherit.
 """
 
 import os
 import platform
+import sys
 import time
 import warnings
 from contextlib import suppress
 from pathlib import Path
 
-import jax
 import platformdirs
 
 _OPTION = "xla_cpu_small_while_loop_byte_threshold"
 
 _THRESHOLD = 1 << 20
 
-_FLAGS = ("--xla_cpu_prefer_vector_width=512", "--xla_cpu_use_fusion_emitters=false")
-
 #: Largest size of the cache in bytes when a process starts.
 _CACHE_SIZE = 1 << 30
 
 #: Seconds between two checks of its size, which look at every file.
 _DAY = 86_400
+
+
+def _set(option: str, value: bool | float | str) -> None:
+    """Set an option of JAX, by its environment variable if JAX is not imported yet."""
+    if "jax" in sys.modules:
+        sys.modules["jax"].config.update(option, value)
+    else:
+        os.environ[option.upper()] = str(value)
 
 
 def _wanted(variable: str | None) -> tuple[str, ...]:
@@ -57,9 +64,8 @@ def _wanted(variable: str | None) -> tuple[str, ...]:
     return names
 
 
-def _with_options(flags: str) -> str:
-    """A value of ``XLA_FLAGS`` with our options added; backend options share one flag, which is extended."""
-    flags = " ".join([flags, *(flag for flag in _FLAGS if flag.partition("=")[0] not in flags)])
+def _with_option(flags: str) -> str:
+    """A value of ``XLA_FLAGS`` with our option added; backend options share one flag, which is extended."""
     if _OPTION in flags:
         return flags
     option, extra = f"{_OPTION}={_THRESHOLD}", "--xla_backend_extra_options="
@@ -71,22 +77,26 @@ def _with_options(flags: str) -> str:
 def _has_computed() -> bool:
     """Whether JAX has computed something in this process.
 
-    JAX refuses to change the number of its processors from its first computation on; no other public call tells.
+    After its first computation JAX refuses to change the number of CPU devices. No public function reports this
+    directly.
     """
-    before = jax.config.jax_num_cpu_devices  # type: ignore[attr-defined]
+    if "jax" not in sys.modules:
+        return False
+    config = sys.modules["jax"].config
+    before = config.jax_num_cpu_devices
     try:
-        jax.config.update("jax_num_cpu_devices", 2 if before == 1 else 1)
+        config.update("jax_num_cpu_devices", 2 if before == 1 else 1)
     except RuntimeError:
         return True
-    jax.config.update("jax_num_cpu_devices", before)
+    config.update("jax_num_cpu_devices", before)
     return False
 
 
 def _set_compiler() -> None:
-    flags = _with_options(os.environ.get("XLA_FLAGS", ""))
+    flags = _with_option(os.environ.get("XLA_FLAGS", ""))
     if flags != os.environ.get("XLA_FLAGS") and _has_computed():
         warnings.warn(
-            "JAX has computed something before study was imported, and ignores the options that make a march one "
+            "JAX has computed something before study was imported, and ignores the option that makes a march one "
             f"native loop: runs take up to seven times longer. Import study first, or set XLA_FLAGS='{flags}'.",
             RuntimeWarning,
             stacklevel=4,  # where study is imported
@@ -112,21 +122,22 @@ def _prune(cache: Path) -> None:
 
 
 def _set_cache() -> None:
-    if jax.config.jax_compilation_cache_dir is not None:  # type: ignore[attr-defined]
+    option = "jax_compilation_cache_dir"
+    if getattr(sys.modules["jax"].config, option) if "jax" in sys.modules else os.environ.get(option.upper()):
         return
     cache = platformdirs.user_cache_path("time-integration-study") / platform.node()
     # the folder may not exist yet, be pruned by another process too, or belong to somebody else; JAX reports a folder
     # that it cannot use
     with suppress(OSError):
         _prune(cache)
-    jax.config.update("jax_compilation_cache_dir", str(cache))
+    _set(option, str(cache))
     # keep every program: even the smallest takes a tenth of a second to compile
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
-    jax.config.update("jax_persistent_cache_min_entry_size_bytes", 0)
+    _set("jax_persistent_cache_min_compile_time_secs", 0.0)
+    _set("jax_persistent_cache_min_entry_size_bytes", 0)
 
 
 _SETTINGS = {
-    "precision": lambda: jax.config.update("jax_enable_x64", True),
+    "precision": lambda: _set("jax_enable_x64", True),
     "compiler": _set_compiler,
     "cache": _set_cache,
 }

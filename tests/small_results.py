@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
 
 
 def accuracy() -> xr.Dataset:
@@ -38,7 +38,7 @@ def work_precision() -> xr.Dataset:
     return errors.assign(
         median_time_per_step=(along, per_step, {"units": "ns"}),
         spread_of_time_per_step=(along, per_step / 10, {"units": "ns"}),
-    ).assign_coords(evaluations=("scheme", [1, 1]), evaluations_per_iteration=("scheme", [0, 0]))
+    ).assign_coords(forces_per_step=("scheme", [1, 1]), forces_per_iteration=("scheme", [0, 0]))
 
 
 def neighbours() -> xr.Dataset:
@@ -58,5 +58,5 @@ def energy_error() -> xr.Dataset:
 def write_to(results: Path) -> Path:
     """Write the datasets to a folder of results, and return the folder."""
     for make in (accuracy, neighbours, work_precision, energy_error):
-        datasets.write(make().assign_attrs(source=datasets.SOURCE), results / f"{make.__name__}.nc")
+        io.write(make().assign_attrs(source=io.SOURCE), results / f"{make.__name__}.nc")
     return results

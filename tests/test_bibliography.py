@@ -8,7 +8,7 @@ import pytest
 
 import study
 from paper.manuscript import TEXTS
-from study import datasets
+from study import io
 from study.scheme.base import Wrapper
 from tests import bibliography
 from tests.bibliography import PROJECT
@@ -20,7 +20,7 @@ SOURCES = [path for folder in ("study", "reference", "paper") for path in sorted
 LABELS = {key: (bibliography.label(work), work.get("doi", "")) for key, work in WORKS.items()}
 SCHEMES = {name: (type(scheme), scheme.source, scheme.doi) for name, scheme in study.schemes.items()}
 SCHEMES |= {one.__name__: (one, one.source, one.doi) for one in Wrapper.__subclasses__()}
-_DOI = r"10\.\d{4,9}/[-.;()/:\w]*\w"
+_DOI = r"10\.\d{4,9}/[^\s\"\]]*\w"
 #: Fields that a work of each kind needs.
 NEEDED = {
     "article": {"journal", "shortjournal", "volume", "pages"},
@@ -95,7 +95,7 @@ def test_every_doi_in_the_files_is_that_of_a_work():
 
 def test_datasets_name_the_paper_as_the_bibliography_does():
     paper = bibliography.reference(WORKS["xie1996"] | {"shortjournal": WORKS["xie1996"]["journal"]})
-    assert f"{paper}, doi:{WORKS['xie1996']['doi']}" == datasets.PAPER
+    assert f"{paper}, doi:{WORKS['xie1996']['doi']}" == io.PAPER
 
 
 @pytest.mark.parametrize(
@@ -115,3 +115,10 @@ def test_a_docstring_may_name_a_place_in_a_work():
     section = f"{REFERENCES['hairer2006']}, sections I.5.1 and XIII. {REFERENCES['simo1992exact']} (a body that spins)."
     cited = bibliography.cited_in(f"A scheme.\n\nReferences\n----------\n{section}", REFERENCES)
     assert cited == ["hairer2006", "simo1992exact"]
+
+
+@pytest.mark.parametrize(
+    "doi", ["10.1002/(SICI)1097-0207(19961230)39:24<4199::AID-NME39>3.0.CO;2-Y", "10.1115/1.2900803"]
+)
+def test_a_doi_is_found_whole(doi):
+    assert re.findall(_DOI, f'doi = "{doi}"\n{doi}. See {doi}, or https://doi.org/{doi}') == [doi] * 4

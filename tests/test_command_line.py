@@ -22,7 +22,7 @@ def test_a_run_is_printed(capsys):
 def test_a_run_is_written(tmp_path, capsys):
     main([*RUN, "--every", "5", "--output", str(tmp_path / "made" / "one.nc")])
     assert capsys.readouterr().out == ""
-    back = study.open("one", tmp_path / "made")
+    back = study.open_dataset("one", tmp_path / "made")
     assert back.sizes["t"] == 5 and back.attrs["history"].endswith("made by study run")
     xr.testing.assert_equal(back, study.run("hardening", "rk4", dt=0.0075, steps=20, every=5))
 
@@ -48,7 +48,7 @@ def test_a_recommendation_is_printed(capsys, monkeypatch):
     main(["recommend", "softening", "--error", "0.01", "--periods", "30", "--folder", "elsewhere"])
     assert "1.500000" in capsys.readouterr().out
     assert asked["problem"] == "softening" and asked["error"] == 0.01 and asked["periods"] == 30
-    assert asked["measure"] == "max_trajectory_error" and str(asked["folder"]) == "elsewhere"
+    assert asked["quantity"] == "max_trajectory_error" and str(asked["folder"]) == "elsewhere"
 
 
 @pytest.mark.parametrize(
@@ -57,8 +57,8 @@ def test_a_recommendation_is_printed(capsys, monkeypatch):
         ([*RUN[:2], "newmark_d", *RUN[3:]], "there is no scheme 'newmark_d'; did you mean 'newmark_dissipative'?"),
         ([*RUN[:4], "-1", *RUN[5:]], "dt must be finite and greater than zero, not -1.0."),
         ([*RUN, "--every", "3"], "every must divide the number of steps; 3 does not divide 20."),
-        ([*RUN, "--output", "{folder}"], "'{folder}' is a folder, and the name of a file is needed."),
-        ([*RUN, "--output", "{folder}/file/one.nc"], "the results folder '{folder}/file' cannot be made: File exists."),
+        ([*RUN, "--output", "{folder}"], "'{folder}' cannot be written: it is a folder."),
+        ([*RUN, "--output", "{folder}/file/one.nc"], "'{folder}/file/one.nc' cannot be written: File exists."),
         (
             ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
             "there is no dataset '{folder}/work_precision.nc'; "

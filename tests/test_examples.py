@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import study
-from study.problem.frequencies import frequencies
+from study.mechanics.frequencies import frequencies
 from study.user_files import load
 
 FOLDER = Path(__file__).parent.parent / "examples"

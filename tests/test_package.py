@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from operator import attrgetter
 from pathlib import Path
 from typing import ClassVar
 
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 
 import study
-from study import datasets
+from study import building, io
 
 PROJECT = Path(__file__).parent.parent
 
@@ -27,9 +28,9 @@ def test_the_help_is_short_and_starts_with_run():
 
 
 def test_the_help_names_all_that_is_public():
-    public = {n for n, value in vars(study).items() if not n.startswith("_") and not inspect.ismodule(value)}
+    public = {n for n in dir(study) if not n.startswith("_") and not inspect.ismodule(getattr(study, n))}
     named = set(re.findall(r"``(\w+)``", study.__doc__))
-    assert named - public == {"study", "materials", "dt", "u0", "v0", "steps", "over", "u", "v"}
+    assert named - public == {"study", "building", "materials", "dt", "u0", "v0", "steps", "over"}
     assert public <= named
 
 
@@ -45,12 +46,12 @@ def test_a_scheme_of_ones_own_needs_no_other_import():
         explicit: ClassVar[bool] = False
 
         def start(self, problem, u0, v0, dt):
-            return study.Motion(u0, v0, study.acceleration(problem, 0.0, u0, v0)), study.Effort()
+            return building.Motion(u0, v0, building.acceleration(problem, 0.0, u0, v0)), building.Effort()
 
         def step(self, problem, state, t, dt):
             u, v = state.u + dt * state.v, state.v
-            a, effort = study.balance(problem, study.load(problem, t + dt), u, v, dt**2, dt, guess=state.a)
-            return study.Motion(u + dt**2 * a, v + dt * a, a), effort
+            a, effort = building.balance(problem, building.load(problem, t + dt), u, v, dt**2, dt, guess=state.a)
+            return building.Motion(u + dt**2 * a, v + dt * a, a), effort
 
     ds = study.run("hardening", ImplicitEuler(), dt=1e-4, steps=1000, observe=["energy_drift", "newton_iterations"])
     assert ds.status == 0 and ds.energy_drift < 0 and ds.newton_iterations > 1000
@@ -78,14 +79,14 @@ def test_the_version_is_that_of_the_project(monkeypatch):
     written = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]["version"]
     assert study.__version__ == written
     assert study.run("hardening", "rk4", dt=0.01, steps=1).version == written
-    monkeypatch.setattr(datasets, "_PACKAGES", ("numpy", "no-such-package"))
-    provenance = datasets.provenance("a title", "a test")
+    monkeypatch.setattr(io, "_PACKAGES", ("numpy", "no-such-package"))
+    provenance = io.provenance("a title", "a test")
     assert provenance["version"] == written
     assert re.fullmatch(r"numpy [\d.]+", provenance["packages"])
 
 
 def _in_a_process(code: str, **environment: str) -> str:
-    inherited = {name: v for name, v in os.environ.items() if name not in ("XLA_FLAGS", "STUDY_SETTINGS")}
+    inherited = {name: v for name, v in os.environ.items() if not name.startswith(("XLA_FLAGS", "STUDY_", "JAX_"))}
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", code],
         env=inherited | environment,
@@ -105,12 +106,21 @@ def _in_a_process(code: str, **environment: str) -> str:
         ({"STUDY_SETTINGS": "compiler, cache"}, "False True True"),
     ],
 )
-def test_what_the_import_changes_can_be_declined(environment, left):
+@pytest.mark.parametrize("imports", ["jax, study", "study, jax", "study.scheme.newmark, jax"])
+def test_what_the_import_changes_can_be_declined(environment, left, imports):
     code = (
-        "import os, jax, study; c = jax.config; "
+        f"import os, {imports}; c = jax.config; "
         "print(c.jax_enable_x64, 'XLA_FLAGS' in os.environ, c.jax_compilation_cache_dir is not None)"
     )
     assert _in_a_process(code, **environment).strip() == left
+
+
+def test_the_import_is_light_and_names_are_there_at_once():
+    code = "import sys, study; print({'jax', 'numpy'} & set(sys.modules), {'run', 'marching'} & set(dir(study)))"
+    assert _in_a_process(code).strip() == "set() {'run'}"
+    code = "import sys, study; study.open_dataset; print('jax' in sys.modules, study.run.__name__)"
+    assert _in_a_process(code).strip() == "False run"
+    assert "no attribute 'nonsense'" in _in_a_process("import study; study.nonsense")
 
 
 def test_a_setting_that_does_not_exist_is_refused():
@@ -121,3 +131,10 @@ def test_a_setting_that_does_not_exist_is_refused():
 def test_jax_that_has_computed_nothing_is_no_reason_to_warn():
     code = "import jax, study; print(jax.config.jax_num_cpu_devices, len(jax.devices()))"
     assert _in_a_process(code) == "-1 1\n"
+
+
+def test_a_name_of_the_version_before_is_answered_by_its_name_today():
+    for old, new in vars(study)["_RENAMED"].items():
+        assert attrgetter(new)(study) is not None
+        with pytest.raises(AttributeError, match=rf"study\.{old} is now called study\.{new}\."):
+            getattr(study, old)

@@ -47,8 +47,8 @@ for path, source in files.items():
 import study
 from paper.products import PRODUCTS, reader
 from paper import products
-from study.pipeline import configuration
-from study.pipeline.experiment import DECLARED
+from pipeline import configuration
+from study.declaration.experiment import DECLARED
 
 scheme, cubic = modules["study/scheme/implicit_euler.py"].implicit_euler, modules["study/problem/cubic.py"].cubic()
 peak = modules["study/observer/peak.py"].Peak()
@@ -59,7 +59,7 @@ experiment = DECLARED["study.experiments.last_displacement", "last_displacement"
 options = json.loads(sys.argv[2])
 configuration.check([experiment], options)
 made = experiment.function(**options["last_displacement"])
-study.datasets.write(made.assign_attrs(source=study.datasets.SOURCE), Path("last_displacement.nc"))
+study.io.write(made.assign_attrs(source=study.io.SOURCE), Path("last_displacement.nc"))
 one = [p for p in PRODUCTS.values() if p.module in {m.__name__ for m in modules.values()}]
 assert sorted(p.kind for p in one) == ["claim", "figure", "numbers", "table"], one
 for product in one:

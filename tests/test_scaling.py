@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.scaling import Job, critical_path, makespan, resources
+from tools.scaling import Job, critical_path, makespan, resources
 
 
 def _graph(**jobs: tuple[float, tuple[str, ...]]) -> dict[str, Job]:

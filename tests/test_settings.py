@@ -1,10 +1,11 @@
-"""What JAX is told before it compiles, and the cache of compiled programs."""
+"""Options of the compiler, and the cache of compiled programs."""
 
 import os
 import subprocess
 import sys
 
 from study import settings
+from study.algebra import jit
 
 
 def test_a_warning_if_jax_was_in_use_before_the_import():
@@ -13,6 +14,12 @@ def test_a_warning_if_jax_was_in_use_before_the_import():
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     assert "JAX has computed something before study was imported" in done.stderr
     assert "XLA_FLAGS='" in done.stderr
+
+
+def test_an_option_that_xla_does_not_have_is_left_out(monkeypatch):
+    known = jit._OPTIONS
+    monkeypatch.setattr(jit, "_OPTIONS", {"xla_no_such_option": True} | known)
+    assert jit._known_options.__wrapped__() == known
 
 
 def test_a_second_process_compiles_nothing(tmp_path):

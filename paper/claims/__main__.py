@@ -7,9 +7,10 @@ import pandas as pd
 
 from paper.claims.ledger import CLAIMS, XIE
 from paper.products import discover, made, reader
-from paper.writing import write
+from study.io import one_sentence, write
 
 
+@one_sentence()
 def main(results: Path, output: Path) -> None:
     """Write the ledger, a line a claim: those of the paper in the order of its sections, then A1, A2, ... of others."""
     discover(["claims"])
@@ -32,7 +33,7 @@ def main(results: Path, output: Path) -> None:
                 "reason": finding.qualification,
             }
         )
-    write(output, pd.DataFrame(rows).to_csv(index=False))
+    write(pd.DataFrame(rows).to_csv(index=False), output)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
 """Claims of sections 3 and 3.1: how errors are measured, and the hardening spring."""
 
 import numpy as np
+import xarray as xr
 
 from paper.asks import steps_of_portrait
 from paper.claims.introduction import PERIODS
-from paper.claims.ledger import Data, Finding, by_name, claim, errors, most
+from paper.claims.ledger import Finding, by_name, claim, errors, most, when
 from paper.claims.terms import (
     ALMOST,
     DISSIPATIVE,
@@ -17,8 +18,7 @@ from paper.claims.terms import (
     SIGNIFICANTLY,
 )
 from paper.claims.wording import joined, listed, number
-from paper.published import PROBLEMS
-from paper.rounding import same, twice
+from paper.published import PROBLEMS, same, twice
 
 #: Titles of the problems of the paper in its statements.
 _SPRINGS = {
@@ -33,16 +33,12 @@ OVER_BOTH_SPRINGS = {"accuracy.problems": PROBLEMS, "accuracy.periods": [100]}
 def claim_period(section: str, problem: str, decimals: int, words: str) -> None:
     """Enter the claim that the period of a problem is the printed one."""
 
-    def period(data: Data) -> Finding:
-        exact = data[f"reference/{problem}"].period.item()
+    def period(reference: xr.Dataset) -> Finding:
+        exact = reference.period.item()
         return Finding(f"{exact:.6f}", round(exact, decimals) == PERIODS[problem])
 
-    period.__name__ = f"period_of_{problem}"
-    statement = f"The period of {_SPRINGS[problem]} is {PERIODS[problem]}."
-    enter = claim(
-        section, statement, "exact period", f"{PERIODS[problem]}", words=words, reads=[f"reference/{problem}"]
-    )
-    enter(period)
+    statement, printed = f"The period of {_SPRINGS[problem]} is {PERIODS[problem]}.", f"{PERIODS[problem]}"
+    claim(section, statement, "exact period", printed, words=words, reference=f"reference/{problem}")(period)
 
 
 def at_step(steps: object) -> str:
@@ -55,22 +51,16 @@ def at_step(steps: object) -> str:
     "The deviation of the total energy is a convenient measure of the inaccuracy of a solution.",
     f"runs on both springs whose errors of energy and displacement are both within {REASONABLE:g} %, or both not",
     words="can be conveniently measured by the deviation of the total energy from its initial value",
-    reads=["accuracy"],
     asks=OVER_BOTH_SPRINGS,
 )
-def energy_measures_inaccuracy(data):
-    runs = data["accuracy"].sel(problem=PROBLEMS, periods=100)
+def energy_measures_inaccuracy(accuracy):
+    runs = accuracy.sel(problem=PROBLEMS, periods=100)
     by_energy, right = runs.max_energy_error <= REASONABLE, 100 * runs.max_trajectory_error <= REASONABLE
     agree = by_energy == right
     wrong, passed = (by_energy & ~right).sum().item(), by_energy.sum().item()
-    return Finding(
-        f"{agree.sum().item()} of {agree.size}",
-        bool(agree.mean() > MOST),
-        f"it does not see the phase: of {passed} runs whose energy is within that error, {wrong} have a displacement "
-        "that is not"
-        if wrong
-        else "",
-    )
+    unseen = f"of {passed} runs whose energy is within that error, {wrong} have a displacement that is not"
+    reason = when(wrong, f"it does not see the phase: {unseen}")
+    return Finding(f"{agree.sum().item()} of {agree.size}", bool(agree.mean() > MOST), reason)
 
 
 claim_period("3.1", "hardening", 2, "The period of this oscillator T is equal to 0·15")
@@ -81,10 +71,9 @@ claim_period("3.1", "hardening", 2, "The period of this oscillator T is equal to
     "At T/20 the results vary greatly with the scheme.",
     "largest over smallest error at T/20, hardening",
     words="the results vary greatly with different schemes",
-    reads=["energy_error"],
 )
-def results_vary(data):
-    at = errors(data, "hardening").sel(steps_per_period=20)
+def results_vary(energy_error):
+    at = errors(energy_error, "hardening").sel(steps_per_period=20)
     return Finding(f"{(at.max() / at.min()).item():.0f} times", (at.max() / at.min()).item() > GREATLY)
 
 
@@ -93,12 +82,11 @@ def results_vary(data):
     "Some results are far from the exact solution.",
     f"schemes with an error above {FAR_OFF:g} % at T/20, hardening",
     words="Some of the results have deviated far from the exact solution",
-    reads=["energy_error"],
 )
-def some_are_far_off(data):
-    at = by_name(errors(data, "hardening").sel(steps_per_period=20))
+def some_are_far_off(energy_error):
+    at = by_name(errors(energy_error, "hardening").sel(steps_per_period=20))
     far = {name: value for name, value in at.items() if value > FAR_OFF}
-    return Finding(f"{listed(far, data)} %" if far else "none", len(far) > 0)
+    return Finding(f"{listed(far, energy_error)} %" if far else "none", len(far) > 0)
 
 
 @claim(
@@ -106,19 +94,16 @@ def some_are_far_off(data):
     "The energy error grows with time, in some cases with small oscillations.",
     "error in the last tenth of the time over that in the first tenth, hardening at T/20",
     words="is increasing with time, with small oscillations in some cases",
-    reads=["phase_portrait/hardening"],
-    asks={"phase_portrait.hardening": steps_of_portrait("phase_portrait.hardening", 10)},
+    asks={"phase_portrait.hardening": steps_of_portrait(10)},
+    portrait="phase_portrait/hardening",
 )
-def error_grows_with_time(data):
-    error = abs(data["phase_portrait/hardening"].energy_error)
+def error_grows_with_time(portrait):
+    error = abs(portrait.energy_error)
     tenth = error.sizes["t"] // 10
     growth = by_name(error.isel(t=slice(-tenth, None)).max("t") / error.isel(t=slice(0, tenth)).max("t"))
     holds, steady = most({name: ratio > ALMOST for name, ratio in growth.items()})
-    return Finding(
-        listed(growth, data, ".2f"),
-        holds,
-        f"with {joined(steady, data)} it oscillates and does not grow" if steady else "",
-    )
+    reason = when(steady, f"with {joined(steady, portrait)} it oscillates and does not grow")
+    return Finding(listed(growth, portrait, ".2f"), holds, reason)
 
 
 @claim(
@@ -126,10 +111,9 @@ def error_grows_with_time(data):
     "Central difference is almost as accurate as average acceleration.",
     "largest ratio of their errors over the step sizes, hardening",
     words="almost as accurate as those of the average acceleration method",
-    reads=["energy_error"],
 )
-def central_difference_is_as_accurate(data):
-    error = errors(data, "hardening")
+def central_difference_is_as_accurate(energy_error):
+    error = errors(energy_error, "hardening")
     ratio = (error.sel(scheme="central_difference") / error.sel(scheme="average_acceleration")).max().item()
     return Finding(f"{ratio:.3f}", ratio < ALMOST)
 
@@ -140,10 +124,9 @@ def central_difference_is_as_accurate(data):
     "step sizes at which it is, hardening",
     "7 of 7",
     words="The worst scheme among the seven is obviously the Newmark method",
-    reads=["energy_error"],
 )
-def newmark_is_worst(data):
-    error = errors(data, "hardening")
+def newmark_is_worst(energy_error):
+    error = errors(energy_error, "hardening")
     worst = (error.idxmax("scheme") == "newmark_dissipative").sum().item()
     return Finding(f"{worst} of {error.sizes['steps_per_period']}", worst == error.sizes["steps_per_period"])
 
@@ -153,20 +136,11 @@ def claim_printed_error(
 ) -> None:
     """Enter the claim that the error of one run is the printed one, rounded as the tables are."""
 
-    def error_of_run(data: Data) -> Finding:
-        value = errors(data, problem).sel(steps_per_period=steps, scheme=scheme)
+    def error_of_run(energy_error: xr.Dataset) -> Finding:
+        value = errors(energy_error, problem).sel(steps_per_period=steps, scheme=scheme)
         return Finding(f"{value.item():.3f} %", bool(same(twice(value), printed)))
 
-    error_of_run.__name__ = f"error_of_{scheme}_{problem}_{steps}"
-    enter = claim(
-        section,
-        statement,
-        f"error at {at_step(steps)}, {problem}",
-        f"{printed} %",
-        words=words,
-        reads=["energy_error"],
-    )
-    enter(error_of_run)
+    claim(section, statement, f"error at {at_step(steps)}, {problem}", f"{printed} %", words=words)(error_of_run)
 
 
 claim_printed_error(
@@ -185,13 +159,12 @@ claim_printed_error(
     "The parameter α makes Newmark with the same β and γ significantly more accurate.",
     "ratio of the errors without and with α, smallest and largest over the step sizes, hardening",
     words="the introduction of the extra parameter α has improved the accuracy significantly",
-    reads=["energy_error"],
 )
-def alpha_helps(data):
-    error = errors(data, "hardening")
-    ratio = by_name(error.sel(scheme="newmark_dissipative") / error.sel(scheme="hht_alpha"))
+def alpha_helps(energy_error):
+    error = errors(energy_error, "hardening")
+    ratio = by_name(error.sel(scheme="newmark_dissipative") / error.sel(scheme="hht_alpha_1996"))
     holds, exceptions = most({at_step(steps): value > SIGNIFICANTLY for steps, value in ratio.items()})
-    reason = f"at {joined(exceptions, data)} by a factor of less than {SIGNIFICANTLY:g}" if exceptions else ""
+    reason = f"at {joined(exceptions, energy_error)} by a factor of less than {SIGNIFICANTLY:g}" if exceptions else ""
     return Finding(f"{min(ratio.values()):.1f} to {max(ratio.values()):,.0f} times", holds, reason)
 
 
@@ -202,10 +175,9 @@ def alpha_helps(data):
     "T/15, T/20, T/25",
     words="when the time step is large it is not as accurate as the average acceleration method or the method of "
     "central difference",
-    reads=["energy_error"],
 )
-def runge_kutta_at_large_steps(data):
-    error = errors(data, "hardening")
+def runge_kutta_at_large_steps(energy_error):
+    error = errors(energy_error, "hardening")
     worse = error.sel(scheme="rk4") > error.sel(scheme=FAITHFUL).max("scheme")
     at = error.steps_per_period.values[worse.values].tolist()
     return Finding(", ".join(map(at_step, at)) or "none", at == [15, 20, 25])
@@ -216,10 +188,9 @@ def runge_kutta_at_large_steps(data):
     "As the step is reduced, the errors of Runge-Kutta converge faster than those of any other scheme.",
     "order of the energy error between neighbouring step sizes, hardening",
     words="the convergence rate of the Runge–Kutta method is higher than those of any other schemes",
-    reads=["energy_error"],
 )
-def runge_kutta_converges_fastest(data):
-    error = errors(data, "hardening").to_series().unstack("scheme")
+def runge_kutta_converges_fastest(energy_error):
+    error = errors(energy_error, "hardening").to_series().unstack("scheme")
     steps = error.index.to_series()
     order = np.log(error.shift() / error).div(np.log(steps / steps.shift()), axis="index").dropna()
     own, others = order["rk4"], order.drop(columns="rk4").max(axis="columns")
@@ -230,9 +201,9 @@ def runge_kutta_converges_fastest(data):
     )
 
 
-def lost_energy(data: Data, problem: str) -> dict[str, float]:
+def lost_energy(portrait: xr.Dataset) -> dict[str, float]:
     """Mean signed energy error over the last tenth of the time, in percent, of the three strongly damped schemes."""
-    error = data[f"phase_portrait/{problem}"].energy_error.sel(scheme=DISSIPATIVE)
+    error = portrait.energy_error.sel(scheme=DISSIPATIVE)
     return by_name(error.isel(t=slice(-(error.sizes["t"] // 10), None)).mean("t"))
 
 
@@ -241,11 +212,10 @@ def lost_energy(data: Data, problem: str) -> dict[str, float]:
     "The grave errors of Newmark (γ = 0.6), Houbolt and Wilson come from strong numerical damping.",
     f"runs with an energy error above {FAR_OFF:g} % that lose as much energy by the end of 100 periods, hardening",
     words="are caused by the strong numerical damping possessed by these schemes",
-    reads=["accuracy"],
     asks=OVER_BOTH_SPRINGS,
 )
-def grave_errors_are_damping(data):
-    runs = data["accuracy"].sel(problem="hardening", scheme=DISSIPATIVE, periods=100)
+def grave_errors_are_damping(accuracy):
+    runs = accuracy.sel(problem="hardening", scheme=DISSIPATIVE, periods=100)
     grave = runs.max_energy_error > FAR_OFF
     damped = grave & (runs.energy_drift < -FAR_OFF)
     number_of_grave = grave.sum().item()
@@ -257,13 +227,13 @@ def grave_errors_are_damping(data):
     "Newmark (γ = 0.6) is rapidly damped towards rest.",
     "periods until half of the energy is lost, and energy that is left after 100 periods, hardening at T/20",
     words="is rapidly damped towards the static equilibrium point",
-    reads=["phase_portrait/hardening"],
+    portrait="phase_portrait/hardening",
 )
-def newmark_goes_to_rest(data):
-    energy = data["phase_portrait/hardening"].energy_error.sel(scheme="newmark_dissipative")
+def newmark_goes_to_rest(portrait):
+    energy = portrait.energy_error.sel(scheme="newmark_dissipative")
     lost = energy.t.values[energy.values < -FAR_OFF]
     periods = lost[0] / PERIODS["hardening"] if len(lost) else np.nan
-    left = 100 + lost_energy(data, "hardening")["newmark_dissipative"]
+    left = 100 + lost_energy(portrait)["newmark_dissipative"]
     return Finding(f"{number(periods, missing='never')}; {number(left, '.2f')} %", bool(periods < RAPIDLY))
 
 
@@ -272,9 +242,10 @@ def newmark_goes_to_rest(data):
     "The damping of the α-method is less severe than that of Houbolt's and Wilson's.",
     "largest ratio of its error to the smaller of theirs over the step sizes, hardening",
     words="it is not as severe as that of the Houbolt method or the Wilson method",
-    reads=["energy_error"],
 )
-def alpha_damps_less(data):
-    error = errors(data, "hardening")
-    ratio = (error.sel(scheme="hht_alpha") / error.sel(scheme=["houbolt", "wilson_theta"]).min("scheme")).max().item()
+def alpha_damps_less(energy_error):
+    error = errors(energy_error, "hardening")
+    ratio = (
+        (error.sel(scheme="hht_alpha_1996") / error.sel(scheme=["houbolt", "wilson_theta"]).min("scheme")).max().item()
+    )
     return Finding(f"{ratio:.2f}", ratio < 1)

@@ -3,7 +3,7 @@
 import xarray as xr
 
 from paper.claims.comparisons import at_step
-from paper.claims.ledger import Data, Finding, by_name, claim, errors
+from paper.claims.ledger import Finding, by_name, claim, when
 from paper.claims.terms import (
     APART,
     DISSIPATIVE,
@@ -20,23 +20,17 @@ from paper.claims.wording import joined, listed, number, title
 from paper.published import PROBLEMS
 
 
-def _some_below_a_twentieth(dt_over_period: list[float]) -> str | None:
-    """A sentence if no step is smaller than T/20."""
-    if min(dt_over_period) < 0.05:
-        return None
-    return "large_steps.dt_over_period needs a step below 0.05: the ledger has a claim on such steps."
+def _some_below_a_twentieth(dt_over_period: list[float]) -> str:
+    return "" if min(dt_over_period) < 0.05 else "needs a step below 0.05: the ledger has a claim on such steps"
 
 
-def _some_above_a_fifth(dt_over_period: list[float]) -> str | None:
-    """A sentence if no step is larger than T/5."""
-    if max(dt_over_period) > 0.2:
-        return None
-    return "large_steps.dt_over_period needs a step above 0.2: the ledger has a claim on such steps."
+def _some_above_a_fifth(dt_over_period: list[float]) -> str:
+    return "" if max(dt_over_period) > 0.2 else "needs a step above 0.2: the ledger has a claim on such steps"
 
 
-def _cells(data: Data) -> xr.DataArray:
+def _cells(energy_error: xr.Dataset) -> xr.DataArray:
     """The errors of Tables 1 and 2 over problem, steps_per_period and scheme."""
-    return xr.concat([errors(data, name) for name in PROBLEMS], "problem", coords="minimal", compat="override")
+    return energy_error.max_energy_error.sel(period_used="printed", problem=PROBLEMS)
 
 
 @claim(
@@ -45,17 +39,16 @@ def _cells(data: Data) -> xr.DataArray:
     "largest over smallest error of Tables 1 and 2 where only one varies, least of all cases: scheme at one step size; "
     "β and γ of the implicit Newmark method at one step size; step size of one scheme",
     words="varies greatly depending on the scheme, the parameters and the time step sizes",
-    reads=["energy_error"],
 )
-def accuracy_varies(data):
-    error = _cells(data)
+def accuracy_varies(energy_error):
+    error = _cells(energy_error)
     newmark = error.sel(scheme=IMPLICIT_NEWMARK)
     ratios = [part.max(along) / part.min(along) for part, along in ((error, "scheme"), (newmark, "scheme"))]
     with_step = error.max("steps_per_period") / error.min("steps_per_period")
     little = with_step.scheme.values[(with_step <= GREATLY).any("problem").values].tolist()
     holds = min(ratio.min().item() for ratio in ratios) > GREATLY and bool((with_step > GREATLY).mean() > MOST)
     least = "; ".join(number(ratio.min().item()) for ratio in (*ratios, with_step))
-    return Finding(least, holds, f"not with the step size of {joined(little, data)}" if little else "")
+    return Finding(least, holds, when(little, f"not with the step size of {joined(little, energy_error)}"))
 
 
 @claim(
@@ -63,19 +56,15 @@ def accuracy_varies(data):
     "Average acceleration and central difference are reasonable for Δt < T/20.",
     "largest error of both at these steps by problem, in percent",
     words="give reasonable results when Δt < T/20",
-    reads=["large_steps"],
     asks={"large_steps.problems": ["hardening", "softening"], "large_steps.dt_over_period": _some_below_a_twentieth},
 )
-def reasonable_below_a_twentieth(data):
-    large = data["large_steps"].max_energy_error.sel(scheme=FAITHFUL)
+def reasonable_below_a_twentieth(large_steps):
+    large = large_steps.max_energy_error.sel(scheme=FAITHFUL)
     small = large.where(large.dt_over_period < 0.05, drop=True)
     worst = by_name(small.max(["scheme", "dt_over_period"], skipna=False))
     beyond = [name for name, value in worst.items() if not value <= REASONABLE]
-    return Finding(
-        listed(worst, data),
-        not {"hardening", "softening"} & set(beyond),
-        f"not at every amplitude: above {REASONABLE:g} % on {joined(beyond, data)}" if beyond else "",
-    )
+    reason = when(beyond, f"not at every amplitude: above {REASONABLE:g} % on {joined(beyond, large_steps)}")
+    return Finding(listed(worst, large_steps), not {"hardening", "softening"} & set(beyond), reason)
 
 
 @claim(
@@ -84,22 +73,19 @@ def reasonable_below_a_twentieth(data):
     f"step sizes of Tables 1 and 2, on both springs, at which the error over 100 periods exceeds {REASONABLE:g} %",
     words="possess strong numerical damping, which makes them unsuitable for any practical applications involving "
     "integration over a long time duration",
-    reads=["energy_error"],
 )
-def damped_schemes_are_unsuitable(data):
-    error = _cells(data).sel(scheme=DISSIPATIVE)
+def damped_schemes_are_unsuitable(energy_error):
+    error = _cells(energy_error).sel(scheme=DISSIPATIVE)
     unsuitable = error > REASONABLE
     along = ["problem", "steps_per_period"]
     count = by_name(unsuitable.sum(along))
     total = error.problem.size * error.steps_per_period.size
     suited = (~unsuitable).all("problem")
     steps = {name: suited.steps_per_period.values[suited.sel(scheme=name).values].tolist() for name in DISSIPATIVE}
-    exceptions = [f"{title(name, data)} at {joined(map(at_step, at), {})}" for name, at in steps.items() if at]
-    return Finding(
-        f"{listed(count, data, '.0f')}, of {total}",
-        bool(unsuitable.mean() > MOST) and min(count.values()) > 0,
-        f"not so for {', and for '.join(exceptions)}" if exceptions else "",
-    )
+    exceptions = [f"{title(name, energy_error)} at {joined(map(at_step, at), {})}" for name, at in steps.items() if at]
+    holds = bool(unsuitable.mean() > MOST) and min(count.values()) > 0
+    reason = when(exceptions, f"not so for {', and for '.join(exceptions)}")
+    return Finding(f"{listed(count, energy_error, '.0f')}, of {total}", holds, reason)
 
 
 @claim(
@@ -108,13 +94,13 @@ def damped_schemes_are_unsuitable(data):
     "smallest of its errors in Tables 1 and 2, by spring; largest error of any other scheme at T/1000",
     "39.5 %, 32.4 %",
     words="should never be used for practical purposes",
-    reads=["energy_error"],
 )
-def newmark_should_never_be_used(data):
-    error = _cells(data)
+def newmark_should_never_be_used(energy_error):
+    error = _cells(energy_error)
     smallest = by_name(error.sel(scheme="newmark_dissipative").min("steps_per_period"))
     others = error.sel(steps_per_period=error.steps_per_period.max()).drop_sel(scheme="newmark_dissipative").max()
-    return Finding(f"{listed(smallest, data)} %; {number(others.item(), '.2f')} %", min(smallest.values()) > REASONABLE)
+    ours = f"{listed(smallest, energy_error)} %; {number(others.item(), '.2f')} %"
+    return Finding(ours, min(smallest.values()) > REASONABLE)
 
 
 @claim(
@@ -122,11 +108,10 @@ def newmark_should_never_be_used(data):
     "The α-method damps less than Newmark (γ = 0.6), Houbolt and Wilson.",
     "largest ratio of its error to the smallest of theirs, all step sizes of both springs",
     words="The numerical damping of the α-method is not as strong as that of the Newmark method",
-    reads=["energy_error"],
 )
-def alpha_damps_less_than_three(data):
-    error = _cells(data)
-    ratio = (error.sel(scheme="hht_alpha") / error.sel(scheme=DISSIPATIVE).min("scheme")).max().item()
+def alpha_damps_less_than_three(energy_error):
+    error = _cells(energy_error)
+    ratio = (error.sel(scheme="hht_alpha_1996") / error.sel(scheme=DISSIPATIVE).min("scheme")).max().item()
     return Finding(f"{ratio:.2f}", ratio < 1)
 
 
@@ -135,10 +120,9 @@ def alpha_damps_less_than_three(data):
     "Runge-Kutta is far more accurate than the others at small steps, Δt < T/50.",
     "smallest ratio of the next best error to its own at T/100 and finer, both springs",
     words="it is far more accurate than other schemes when the time step is small (Δt < T/50)",
-    reads=["energy_error"],
 )
-def runge_kutta_at_small_steps(data):
-    error = _cells(data)
+def runge_kutta_at_small_steps(energy_error):
+    error = _cells(energy_error)
     error = error.where(error.steps_per_period > 50, drop=True)
     ratio = (error.drop_sel(scheme="rk4").min("scheme") / error.sel(scheme="rk4")).min().item()
     return Finding(f"{number(ratio, '.0f')} times", ratio > GREATLY)
@@ -150,24 +134,20 @@ def runge_kutta_at_small_steps(data):
     "smallest Δt/T at which a run failed, by scheme and problem",
     words="a converged solution of the non-linear equilibrium equation may not be found by the method of central "
     "difference and the Runge–Kutta method",
-    reads=["large_steps"],
     asks={"large_steps.dt_over_period": _some_above_a_fifth},
 )
-def explicit_schemes_at_large_steps(data):
-    large = data["large_steps"].sel(scheme=EXPLICIT)
+def explicit_schemes_at_large_steps(large_steps):
+    large = large_steps.sel(scheme=EXPLICIT)
     failed = large.dt_over_period.where(large.status != 0)
     first = failed.min("dt_over_period").transpose("scheme", "problem")
-    by_scheme = {name: listed(by_name(first.sel(scheme=name)), data, ".2f", "none") for name in EXPLICIT}
+    by_scheme = {name: listed(by_name(first.sel(scheme=name)), large_steps, ".2f", "none") for name in EXPLICIT}
     beyond = (failed > 0.2).any("dt_over_period")
     never = large.problem.values[(~beyond).all("scheme").values].tolist()
     early = [name for name in EXPLICIT if bool((first.sel(scheme=name) <= 0.2).any())]
-    reasons = [f"runs of {joined(early, data)} fail already below T/5"] * bool(early)
-    reasons += [f"neither fails on {joined(never, data)}"] * bool(never)
-    return Finding(
-        ". ".join(f"{title(name, data)}: {found}" for name, found in by_scheme.items()),
-        bool(beyond.any("problem").all()),
-        "; ".join(reasons),
-    )
+    reasons = [f"runs of {joined(early, large_steps)} fail already below T/5"] * bool(early)
+    reasons += [f"neither fails on {joined(never, large_steps)}"] * bool(never)
+    ours = ". ".join(f"{title(name, large_steps)}: {found}" for name, found in by_scheme.items())
+    return Finding(ours, bool(beyond.any("problem").all()), "; ".join(reasons))
 
 
 @claim(
@@ -175,11 +155,10 @@ def explicit_schemes_at_large_steps(data):
     "At such large steps the results of the other schemes are often meaningless.",
     f"shares of the runs of the five implicit schemes at Δt > T/5 that fail, and that err by more than {FAR_OFF:g} %",
     words="numerical results obtained when using such a large time step are often meaningless",
-    reads=["large_steps"],
     asks={"large_steps.dt_over_period": _some_above_a_fifth},
 )
-def other_schemes_at_large_steps(data):
-    large = data["large_steps"].drop_sel(scheme=EXPLICIT)
+def other_schemes_at_large_steps(large_steps):
+    large = large_steps.drop_sel(scheme=EXPLICIT)
     large = large.where(large.dt_over_period > 0.2, drop=True)
     failed = large.status != 0
     off = ~failed & (large.max_energy_error > FAR_OFF)
@@ -194,10 +173,9 @@ def other_schemes_at_large_steps(data):
     "At such large steps the other schemes are sometimes chaotic.",
     "distance of two runs that start 10⁻¹⁰ apart in the double well at Δt = 2.5, the larger of its last two values",
     words="and sometimes chaotic",
-    reads=["sensitivity"],
     asks={"sensitivity.problem": "double_well"},
 )
-def other_schemes_may_be_chaotic(data):
-    separation = data["sensitivity"].separation.drop_sel(scheme=EXPLICIT).isel(t=slice(-2, None)).max("t")
+def other_schemes_may_be_chaotic(sensitivity):
+    separation = sensitivity.separation.drop_sel(scheme=EXPLICIT).isel(t=slice(-2, None)).max("t")
     distance = {name: value if value > ROUND_OFF else 0.0 for name, value in by_name(separation).items()}
-    return Finding(listed(distance, data, ".1g"), max(distance.values()) > APART)
+    return Finding(listed(distance, sensitivity, ".1g"), max(distance.values()) > APART)

@@ -4,7 +4,7 @@ import numpy as np
 
 from paper.asks import OF_THE_DRIFT, rising
 from paper.claims.comparisons import claim_period, claim_printed_error
-from paper.claims.ledger import Finding, by_name, claim, errors
+from paper.claims.ledger import Finding, by_name, claim, errors, when
 from paper.claims.terms import ALMOST, EXPLICIT, NOT_UNCOMMON, REASONABLE, RESONANT, ROUND_OFF, UNCONDITIONAL, UNSTABLE
 from paper.claims.wording import joined, listed, number
 from paper.published import printed_energy_errors
@@ -18,18 +18,14 @@ _OF_TWO_SPRINGS = ["hardening", "softening", "softening_large"]
     "On the softening spring at T/20 Runge-Kutta is the most accurate of the seven.",
     "errors at T/20, softening",
     words="it appears that the Runge–Kutta method is the most accurate integration scheme of the seven schemes",
-    reads=["energy_error", "energy_drift"],
     asks=OF_THE_DRIFT,
 )
-def runge_kutta_is_best(data):
-    at = errors(data, "softening").sel(steps_per_period=20)
-    resonance = data["energy_drift"].steps_per_oscillation.sel(steps_per_period=20, method="nearest").item()
+def runge_kutta_is_best(energy_error, energy_drift):
+    at = errors(energy_error, "softening").sel(steps_per_period=20)
+    resonance = energy_drift.steps_per_oscillation.sel(steps_per_period=20, method="nearest").item()
     held = abs(resonance - np.round(resonance)) < RESONANT
-    return Finding(
-        f"{listed(by_name(at), data)} %",
-        at.idxmin("scheme").item() == "rk4",
-        f"an accident: the orbit is held at {resonance:.2f} steps per oscillation, a resonance" if held else "",
-    )
+    reason = when(held, f"an accident: the orbit is held at {resonance:.2f} steps per oscillation, a resonance")
+    return Finding(f"{listed(by_name(at), energy_error)} %", at.idxmin("scheme").item() == "rk4", reason)
 
 
 claim_printed_error(
@@ -58,24 +54,19 @@ claim_printed_error(
     f"share of neighbouring step sizes of which the smaller one has an error more than {ALMOST:g} times as large, "
     "all schemes and springs from T/100 to T",
     words="Such behaviour of having a less accurate solution with a smaller time step is not uncommon",
-    reads=["large_steps"],
-    asks={"large_steps.dt_over_period": rising("large_steps.dt_over_period")},
+    asks={"large_steps.dt_over_period": rising},
 )
-def smaller_may_be_worse(data):
-    error = data["large_steps"].max_energy_error.transpose(..., "dt_over_period").values
+def smaller_may_be_worse(large_steps):
+    error = large_steps.max_energy_error.transpose(..., "dt_over_period").values
     smaller, larger = error[..., :-1], error[..., 1:]
     pairs = np.isfinite(smaller) & np.isfinite(larger)
     worse = (smaller[pairs] > ALMOST * larger[pairs]).sum()
     share = worse / pairs.sum()
     printed = printed_energy_errors().transpose(..., "steps_per_period").values
     rises = (printed[..., 1:] > ALMOST * printed[..., :-1]).sum()
-    return Finding(
-        f"{100 * share:.0f} % of {pairs.sum()}",
-        bool(share > NOT_UNCOMMON),
-        f"in Tables 1 and 2 it happens {rises} time in {printed[..., 1:].size}"
-        if rises <= NOT_UNCOMMON * printed[..., 1:].size
-        else "",
-    )
+    cells = printed[..., 1:].size
+    reason = when(rises <= NOT_UNCOMMON * cells, f"in Tables 1 and 2 it happens {rises} time in {cells}")
+    return Finding(f"{100 * share:.0f} % of {pairs.sum()}", bool(share > NOT_UNCOMMON), reason)
 
 
 @claim(
@@ -83,18 +74,14 @@ def smaller_may_be_worse(data):
     "With average acceleration a smaller step may turn a stable solution into an unstable one (Xie and Steven).",
     f"softening spring from u₀ = 10: a larger step with an error up to {REASONABLE:g} %, a smaller unstable one",
     words="a smaller time step may even change a stable solution to an unstable one",
-    reads=["large_steps"],
     asks={
         "large_steps.problems": ["softening_large"],
-        "large_steps.dt_over_period": rising("large_steps.dt_over_period"),
+        "large_steps.dt_over_period": rising,
     },
 )
-def smaller_may_be_unstable(data):
-    error = (
-        data["large_steps"]
-        .max_energy_error.sel(problem="softening_large", scheme="average_acceleration")
-        .dropna("dt_over_period")
-    )
+def smaller_may_be_unstable(large_steps):
+    error = large_steps.max_energy_error.sel(problem="softening_large", scheme="average_acceleration")
+    error = error.dropna("dt_over_period")
     unstable = error.dt_over_period.values[error.values > UNSTABLE]
     stable = error.dt_over_period.values[error.values <= REASONABLE]
     pairs = [(small, large) for small in unstable for large in stable if small < large]
@@ -111,11 +98,10 @@ def smaller_may_be_unstable(data):
     "largest spectral radius less one",
     "0",
     words="five are unconditionally stable for linear systems",
-    reads=["spectral"],
     asks={"spectral.damping_ratios": [0.0]},
 )
-def five_are_unconditionally_stable(data):
-    radius = data["spectral"].spectral_radius.sel(damping_ratio=0)
+def five_are_unconditionally_stable(spectral):
+    radius = spectral.spectral_radius.sel(damping_ratio=0)
     excess = radius.sel(scheme=UNCONDITIONAL).max().item() - 1
     # a double root on the unit circle is known to half the digits
     others = bool((radius.sel(scheme=EXPLICIT).max("dt_over_period") > 1 + 1e-6).all())
@@ -127,18 +113,15 @@ def five_are_unconditionally_stable(data):
     "On non-linear systems unconditional stability is lost.",
     "which of these five gain more energy than they started with on the two springs",
     words="such unconditional stability is no longer valid",
-    reads=["large_steps"],
     asks={"large_steps.problems": _OF_TWO_SPRINGS},
 )
-def stability_is_lost(data):
-    large = data["large_steps"].sel(problem=_OF_TWO_SPRINGS, scheme=UNCONDITIONAL)
+def stability_is_lost(large_steps):
+    large = large_steps.sel(problem=_OF_TWO_SPRINGS, scheme=UNCONDITIONAL)
     gaining = (large.max_energy_error > UNSTABLE).any(["problem", "dt_over_period"])
     failing = (large.status != 0).any(["problem", "dt_over_period"]) & ~gaining
     grow, fail = (large.scheme.values[which.values].tolist() for which in (gaining, failing))
-    qualification = (
-        f"{joined(fail, data)} gain none; there it is Newton's iteration that fails at large steps" if fail else ""
-    )
-    return Finding(joined(grow, data), len(grow) > 0, qualification)
+    reason = f"{joined(fail, large_steps)} gain none; there it is Newton's iteration that fails at large steps"
+    return Finding(joined(grow, large_steps), len(grow) > 0, when(fail, reason))
 
 
 claim_period("4", "softening_large", 1, "The period of this oscillator is equal to 1·8")
@@ -149,11 +132,11 @@ claim_period("4", "softening_large", 1, "The period of this oscillator is equal 
     "The α-method is unstable on the softening spring from u₀ = 10 at T/8.",
     "largest energy over the initial one, of all schemes",
     words="was obtained when Δt = T/8 was used for the α-method",
-    reads=["phase_portrait/softening_large"],
+    portrait="phase_portrait/softening_large",
 )
-def alpha_is_unstable(data):
-    gain = data["phase_portrait/softening_large"].energy_error.max("t")
-    return Finding(listed(by_name(1 + gain / 100), data), gain.sel(scheme="hht_alpha").item() > UNSTABLE)
+def alpha_is_unstable(portrait):
+    gain = portrait.energy_error.max("t")
+    return Finding(listed(by_name(1 + gain / 100), portrait), gain.sel(scheme="hht_alpha_1996").item() > UNSTABLE)
 
 
 @claim(
@@ -161,14 +144,11 @@ def alpha_is_unstable(data):
     "The α-method has moderate numerical damping.",
     "1 − spectral radius at T/20: more than that of average acceleration, less than that of any other",
     words="which has moderate numerical damping",
-    reads=["spectral"],
     asks={"spectral.damping_ratios": [0.0]},
 )
-def alpha_is_moderate(data):
-    radius = data["spectral"].spectral_radius.sel(scheme=UNCONDITIONAL, damping_ratio=0)
+def alpha_is_moderate(spectral):
+    radius = spectral.spectral_radius.sel(scheme=UNCONDITIONAL, damping_ratio=0)
     damping = by_name(1 - radius.sel(dt_over_period=0.05, method="nearest"))
     order = sorted(damping, key=damping.__getitem__)
-    return Finding(
-        listed({name: value if value > ROUND_OFF else 0.0 for name, value in damping.items()}, data, ".1e"),
-        order[:2] == ["average_acceleration", "hht_alpha"],
-    )
+    shown = {name: value if value > ROUND_OFF else 0.0 for name, value in damping.items()}
+    return Finding(listed(shown, spectral, ".1e"), order[:2] == ["average_acceleration", "hht_alpha_1996"])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from paper.claims.comparisons import claim_period
-from paper.claims.ledger import Finding, by_name, claim
+from paper.claims.ledger import Finding, by_name, claim, when
 from paper.claims.terms import APART, AT_REST, DAMPED, EXPLICIT, IRREGULAR, REASONABLE, ROUND_OFF
 from paper.claims.wording import listed, number, title
 
@@ -19,10 +19,11 @@ claim_period("4", "double_well", 1, "The period of this oscillator is equal to 7
     "Δt/T",
     "1/3",
     words="Δt = 2·5 (≈T/3)",
-    reads=["phase_portrait/double_well", "reference/double_well"],
+    portrait="phase_portrait/double_well",
+    reference="reference/double_well",
 )
-def step_is_a_third(data):
-    ratio = (data["phase_portrait/double_well"].dt / data["reference/double_well"].period).item()
+def step_is_a_third(portrait, reference):
+    ratio = (portrait.dt / reference.period).item()
     return Finding(f"{ratio:.3f}", round(ratio, 1) == 0.3)
 
 
@@ -31,11 +32,10 @@ def step_is_a_third(data):
     "At this step average acceleration becomes chaotic.",
     f"steps until two runs that start 10⁻¹⁰ apart are {APART:g} apart",
     words="the solution by the average acceleration method becomes chaotic",
-    reads=["sensitivity"],
     asks={"sensitivity.problem": "double_well"},
 )
-def average_acceleration_is_chaotic(data):
-    separation = data["sensitivity"].separation.sel(scheme="average_acceleration").values
+def average_acceleration_is_chaotic(sensitivity):
+    separation = sensitivity.separation.sel(scheme="average_acceleration").values
     apart = np.flatnonzero(separation > APART)
     return Finding(f"{apart[0]}" if len(apart) else "never", len(apart) > 0)
 
@@ -45,10 +45,10 @@ def average_acceleration_is_chaotic(data):
     "Average acceleration jumps irregularly between u = 1 and u = −1.",
     "changes of the well in 1,000 steps, and different numbers of steps between them",
     words="the numerical results jump irregularly between the system’s two static equilibria",
-    reads=["phase_portrait/double_well"],
+    portrait="phase_portrait/double_well",
 )
-def jumps_between_wells(data):
-    u = data["phase_portrait/double_well"].u.sel(scheme="average_acceleration").values
+def jumps_between_wells(portrait):
+    u = portrait.u.sel(scheme="average_acceleration").values
     jumps = np.flatnonzero(np.diff(np.sign(u)) != 0)
     stays = len(set(np.diff(jumps)))
     return Finding(f"{len(jumps)}; {stays}", stays > IRREGULAR)
@@ -59,10 +59,10 @@ def jumps_between_wells(data):
     "The double well rests at u = 1 and u = −1.",
     "largest distance from ±1 of the damped schemes at the end",
     words="two static equilibria u = 1 and u = −1",
-    reads=["phase_portrait/double_well"],
+    portrait="phase_portrait/double_well",
 )
-def rest_is_at_one(data):
-    end = data["phase_portrait/double_well"].u.sel(scheme=DAMPED).isel(t=-1)
+def rest_is_at_one(portrait):
+    end = portrait.u.sel(scheme=DAMPED).isel(t=-1)
     worst = abs(abs(end) - 1).max().item()
     return Finding(number(worst, ".0e"), worst < ROUND_OFF)
 
@@ -72,23 +72,17 @@ def rest_is_at_one(data):
     "For the two explicit schemes the normal Newton-Raphson method finds no converged solution at this step.",
     "step at which the run failed, and how",
     words="cannot be obtained with the normal Newton–Raphson method when Δt = 2·5 is used",
-    reads=["phase_portrait/double_well"],
+    portrait="phase_portrait/double_well",
 )
-def explicit_schemes_fail(data):
-    portrait = data["phase_portrait/double_well"].sel(scheme=EXPLICIT)
+def explicit_schemes_fail(portrait):
+    portrait = portrait.sel(scheme=EXPLICIT)
     meanings = portrait.status.attrs["flag_meanings"].split()
     ended = {name: meanings[int(portrait.status.sel(scheme=name))] for name in EXPLICIT}
     at_step = by_name(portrait.failed_at_step)
-    return Finding(
-        "; ".join(
-            f"{title(name, data)}: {ended[name].replace('_', ' ')} at step {at_step[name]:g}" for name in EXPLICIT
-        ),
-        bool((portrait.status != 0).all()),
-        "the solution is lost, but not by the Newton-Raphson method, which an explicit step does not use: the "
-        "displacement overflows"
-        if set(ended.values()) == {"not_finite"}
-        else "",
-    )
+    how = [f"{title(n, portrait)}: {ended[n].replace('_', ' ')} at step {at_step[n]:g}" for n in EXPLICIT]
+    overflow = "not by the Newton-Raphson method, which an explicit step does not use: the displacement overflows"
+    reason = when(set(ended.values()) == {"not_finite"}, f"the solution is lost, but {overflow}")
+    return Finding("; ".join(how), bool((portrait.status != 0).all()), reason)
 
 
 @claim(
@@ -96,13 +90,13 @@ def explicit_schemes_fail(data):
     "The results of the four damped schemes bear no resemblance to the exact solution.",
     "range of u over the last tenth of the time (exact: 0.82)",
     words="the results bear no resemblance to the exact solution",
-    reads=["phase_portrait/double_well"],
+    portrait="phase_portrait/double_well",
 )
-def no_resemblance(data):
-    u = data["phase_portrait/double_well"].u.sel(scheme=DAMPED)
+def no_resemblance(portrait):
+    u = portrait.u.sel(scheme=DAMPED)
     late = u.isel(t=slice(-(u.sizes["t"] // 10), None))
     width = by_name(late.max("t") - late.min("t"))
-    return Finding(listed(width, data, ".0e"), max(width.values()) < AT_REST)
+    return Finding(listed(width, portrait, ".0e"), max(width.values()) < AT_REST)
 
 
 @claim(
@@ -110,19 +104,15 @@ def no_resemblance(data):
     "High numerical damping is what causes Figure 4 (c) to (f).",
     "part of the energy above rest that is lost by the end, in percent, by a scheme that never gains any",
     words="when large time steps are used the numerical damping in these four schemes is so high",
-    reads=["phase_portrait/double_well"],
+    portrait="phase_portrait/double_well",
 )
-def damping_is_the_cause(data):
-    error = data["phase_portrait/double_well"].energy_error
+def damping_is_the_cause(portrait):
+    error = portrait.energy_error
     damped = error.sel(scheme=DAMPED)
     lost = by_name(-damped.isel(t=-1) / _HEIGHT)
     gained = damped.max().item()
     undamped = abs(error.sel(scheme="average_acceleration")).max().item()
-    return Finding(
-        listed(lost, data, ".0f"),
-        min(lost.values()) > 100 - REASONABLE and gained < REASONABLE,
-        "the step is to blame as well: average acceleration, which has no damping, is off by up to "
-        f"{undamped:.0f} % of the energy"
-        if undamped > REASONABLE
-        else "",
-    )
+    of_the_step = f"average acceleration, which has no damping, is off by up to {undamped:.0f} % of the energy"
+    holds = min(lost.values()) > 100 - REASONABLE and gained < REASONABLE
+    reason = when(undamped > REASONABLE, f"the step is to blame as well: {of_the_step}")
+    return Finding(listed(lost, portrait, ".0f"), holds, reason)

@@ -2,17 +2,13 @@
 
 import numpy as np
 
-from paper.claims.ledger import Data, Finding, by_name, claim
+from paper.claims.ledger import Finding, by_name, claim
 from paper.claims.terms import APART, ROUND_OFF
 from paper.claims.wording import joined, listed, number
-from paper.rounding import same, twice
+from paper.published import same, twice
 
 PERIODS = {"hardening": 0.15, "softening": 1.14, "softening_large": 1.8, "double_well": 7.3}
 REFERENCES = [f"reference/{name}" for name in PERIODS]
-
-
-def _of_references(data: Data, variable: str) -> dict[str, float]:
-    return {name: data[f"reference/{name}"][variable].item() for name in PERIODS}
 
 
 @claim(
@@ -20,10 +16,10 @@ def _of_references(data: Data, variable: str) -> dict[str, float]:
     "The exact solutions keep their total energy.",
     "largest relative change of the energy along the reference",
     words="conservative systems which maintain a constant total energy E in their exact solutions",
-    reads=REFERENCES,
+    references=REFERENCES,
 )
-def energy_is_kept(data):
-    worst = max(_of_references(data, "energy_drift").values())
+def energy_is_kept(references):
+    worst = max(one.energy_drift.item() for one in references)
     return Finding(number(worst, ".0e"), worst < ROUND_OFF)
 
 
@@ -32,14 +28,11 @@ def energy_is_kept(data):
     "Equations (2) and (3) have periodic solutions.",
     "largest distance from the start after one exact period, relative to u₀",
     words="have solutions representing periodic oscillations",
-    reads=REFERENCES,
+    references=REFERENCES,
 )
-def solutions_are_periodic(data):
-    distances = []
-    for name in REFERENCES:
-        u = data[name].u
-        distances.append(abs(u[-1] - u[0]).item() / abs(u[0]).item())
-    return Finding(number(max(distances), ".0e"), max(distances) < ROUND_OFF)
+def solutions_are_periodic(references):
+    worst = max((abs(one.u[-1] - one.u[0]) / abs(one.u[0])).item() for one in references)
+    return Finding(number(worst, ".0e"), worst < ROUND_OFF)
 
 
 @claim(
@@ -47,11 +40,10 @@ def solutions_are_periodic(data):
     "The period can be found analytically or by integration with very small steps.",
     "relative error of the period by CVODE, diffrax and heyoka at the tightest tolerance: the largest of all solvers",
     words="obtained numerically by using time integration with very small time steps",
-    reads=["reference_agreement"],
     asks={"references.problems": list(PERIODS), "agreement.tolerances": [1e-15]},
 )
-def period_by_every_route(data):
-    worst = data["reference_agreement"].period_error.min("tolerance").max().item()
+def period_by_every_route(reference_agreement):
+    worst = reference_agreement.period_error.min("tolerance").max().item()
     return Finding(number(worst, ".0e"), worst < ROUND_OFF)
 
 
@@ -60,11 +52,10 @@ def period_by_every_route(data):
     "Even on a simple unforced oscillator the Newmark method may predict chaos.",
     "largest distance of two runs of average acceleration in the double well that start 10⁻¹⁰ apart",
     words="may lead to chaotic predictions",
-    reads=["sensitivity"],
     asks={"sensitivity.problem": "double_well"},
 )
-def newmark_may_be_chaotic(data):
-    largest = data["sensitivity"].separation.sel(scheme="average_acceleration").max().item()
+def newmark_may_be_chaotic(sensitivity):
+    largest = sensitivity.separation.sel(scheme="average_acceleration").max().item()
     return Finding(number(largest, ".2g"), largest > APART)
 
 
@@ -73,10 +64,10 @@ def newmark_may_be_chaotic(data):
     "The Newmark method with β = 0 and γ = ½ is the method of central difference.",
     "largest residual of (uₙ₊₁ − 2uₙ + uₙ₋₁)/Δt² + p(uₙ) = 0, relative to the largest force",
     words="is equivalent to the method of central difference",
-    reads=["phase_portrait/hardening"],
+    portrait="phase_portrait/hardening",
 )
-def newmark_beta_zero_is_central_difference(data):
-    portrait = data["phase_portrait/hardening"].sel(scheme="central_difference")
+def newmark_beta_zero_is_central_difference(portrait):
+    portrait = portrait.sel(scheme="central_difference")
     u = portrait.u.values
     force = 100 * u * (1 + 10 * u**2)  # eq. (2) with the paper's constants
     residual = np.diff(u, 2) / portrait.dt.item() ** 2 + force[1:-1]
@@ -90,11 +81,10 @@ def newmark_beta_zero_is_central_difference(data):
     "error on the hardening spring at T/20 by start",
     "97.3 %",
     words="The initialization scheme as described in reference [6] is used",
-    reads=["houbolt_start"],
     asks={"houbolt_start.problems": ["hardening"], "houbolt_start.steps_per_period": [20]},
 )
-def start_of_houbolt(data):
-    at = data["houbolt_start"].max_energy_error.sel(problem="hardening", steps_per_period=20)
+def start_of_houbolt(houbolt_start):
+    at = houbolt_start.max_energy_error.sel(problem="hardening", steps_per_period=20)
     matching = at.start.values[same(twice(at), 97.3).values].tolist()
     values = {name.replace("taylor", "Taylor"): value for name, value in by_name(at).items()}
     holds = matching == ["linear_acceleration"]
@@ -114,12 +104,11 @@ def start_of_houbolt(data):
     "vectors of the size of u that a step hands to the next; spread of the error at T/20, hardening, over four starts",
     words="Apart from the extra memory needed for storing the displacements at several steps, the Houbolt method "
     "requires an initialization",
-    reads=["spectral", "houbolt_start"],
     asks={"houbolt_start.problems": ["hardening"], "houbolt_start.steps_per_period": [20]},
 )
-def houbolt_needs_memory(data):
-    memory = by_name(data["spectral"].memory)
-    at = data["houbolt_start"].max_energy_error.sel(problem="hardening", steps_per_period=20)
+def houbolt_needs_memory(spectral, houbolt_start):
+    memory = by_name(spectral.memory)
+    at = houbolt_start.max_energy_error.sel(problem="hardening", steps_per_period=20)
     spread = (at.max() - at.min()).item()
     others = [value for name, value in memory.items() if name != "houbolt"]
-    return Finding(f"{listed(memory, data, '.0f')}; {spread:.3f} %", memory["houbolt"] > max(others) and spread > 0)
+    return Finding(f"{listed(memory, spectral, '.0f')}; {spread:.3f} %", memory["houbolt"] > max(others) and spread > 0)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from paper.asks import fourfold
-from paper.claims.ledger import PRACTICE, Finding, by_name, claim
+from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.claims.terms import MATTERS, RULE, SECOND_ORDER, UNNOTICED
 from paper.claims.wording import listed, number
 from paper.numbers.kinks import GAINED, KINKED, LOST, at_equal_forces
@@ -15,15 +15,14 @@ from paper.numbers.kinks import GAINED, KINKED, LOST, at_equal_forces
     "least error of average acceleration over that of Runge-Kutta at equal steps; of central difference at as many "
     "forces; order of Runge-Kutta",
     whose=PRACTICE,
-    reads=["kinks"],
     asks={
         "kinks.problems": KINKED,
         "kinks.schemes": ["average_acceleration", "central_difference", "rk4"],
-        "kinks.steps_per_period": fourfold("kinks.steps_per_period"),
+        "kinks.steps_per_period": fourfold,
     },
 )
-def order_does_not_matter(data):
-    kinks = data["kinks"].sel(problem=KINKED)
+def order_does_not_matter(kinks):
+    kinks = kinks.sel(problem=KINKED)
     at_equal_steps = kinks.error.sel(scheme="average_acceleration") / kinks.error.sel(scheme="rk4")
     gain = by_name(at_equal_steps.min("steps_per_period"))
     equal = by_name(at_equal_forces(kinks).min("steps_per_period"))
@@ -31,7 +30,7 @@ def order_does_not_matter(data):
     low, high = float(order.min()), float(order.max())
     lost, gains = high < LOST, max(gain.values()) > GAINED
     parts = ["the order is kept"] * (not lost) + ["at equal steps the error is smaller"] * gains
-    ours = f"{listed(gain, data, '.2g')}; {listed(equal, data, '.2g')}; order {low:.0f} to {high:.0f}"
+    ours = f"{listed(gain, kinks, '.2g')}; {listed(equal, kinks, '.2g')}; order {low:.0f} to {high:.0f}"
     return Finding(ours, lost and min(equal.values()) < GAINED, "; ".join(parts))
 
 
@@ -40,14 +39,13 @@ def order_does_not_matter(data):
     "The balance of energies shows whether the motion of a yielding structure is right.",
     "error of the displacement and of the balance of average acceleration at the coarsest steps, in percent",
     whose=PRACTICE,
-    reads=["kinks"],
     asks={"kinks.problems": ["yielding"], "kinks.schemes": ["average_acceleration"]},
 )
-def balance_is_a_verdict(data):
-    run = data["kinks"].sel(problem="yielding", scheme="average_acceleration").isel(steps_per_period=0)
+def balance_is_a_verdict(kinks):
+    run = kinks.sel(problem="yielding", scheme="average_acceleration").isel(steps_per_period=0)
     error, imbalance = 100 * float(run.error), float(run.max_energy_imbalance)
     blind = error > MATTERS and imbalance < UNNOTICED
-    reason = "its formulas keep the balance whatever the forces are" if blind else ""
+    reason = when(blind, "its formulas keep the balance whatever the forces are")
     return Finding(f"{number(error, '.2g')}; {number(imbalance, '.0e')}", not blind, reason)
 
 
@@ -56,16 +54,15 @@ def balance_is_a_verdict(data):
     "Twenty steps in a period are enough for the peak drift.",
     "steps in a period that average acceleration needs for the peak drift within the allowed error, by period",
     whose=PRACTICE,
-    reads=["spectrum"],
     asks={"spectrum.schemes": ["average_acceleration"]},
 )
-def twenty_steps_for_the_peak(data):
-    needed = data["spectrum"].step_needed.sel(scheme="average_acceleration")
+def twenty_steps_for_the_peak(spectrum):
+    needed = spectrum.step_needed.sel(scheme="average_acceleration")
     steps = (needed.period / needed).max("reduction", skipna=False)
     values = {f"{period:g} s": value for period, value in zip(steps.period.values, steps.values, strict=True)}
     enough = all(value <= RULE for value in values.values())  # none is, where no step was
     reason = "" if enough else "a step must resolve the record too"
-    return Finding(listed(values, data, ".0f", "none of those tried"), enough, reason)
+    return Finding(listed(values, spectrum, ".0f", "none of those tried"), enough, reason)
 
 
 @claim(
@@ -73,14 +70,12 @@ def twenty_steps_for_the_peak(data):
     "The α-method of 1996 is of second order with damping too.",
     "its order by linear theory, by damping ratio",
     whose=PRACTICE,
-    reads=["spectral"],
-    asks={"spectral.schemes": ["hht_alpha"]},
+    asks={"spectral.schemes": ["hht_alpha_1996"]},
 )
-def order_of_the_alpha_method(data):
-    order = data["spectral"].linear_order.sel(scheme="hht_alpha")
+def order_of_the_alpha_method(spectral):
+    order = spectral.linear_order.sel(scheme="hht_alpha_1996")
     damped = order.where(order.damping_ratio > 0, drop=True)
     values = {f"{ratio:g}": value for ratio, value in zip(order.damping_ratio.values, order.values, strict=True)}
     second = bool(np.all(damped > SECOND_ORDER))
-    return Finding(
-        listed(values, data, ".1f"), second, "" if second else "it weights the internal force but not the damping"
-    )
+    reason = when(not second, "it weights the internal force but not the damping")
+    return Finding(listed(values, spectral), second, reason)

@@ -1,7 +1,7 @@
 """Claims of section 3.2: the softening spring."""
 
 from paper.claims.comparisons import at_step, claim_period, claim_printed_error, lost_energy
-from paper.claims.ledger import Finding, by_name, claim, errors, most
+from paper.claims.ledger import Finding, by_name, claim, errors, most, when
 from paper.claims.terms import ALIKE, FAITHFUL, FAR_OFF, REASONABLE
 from paper.claims.wording import joined, listed
 from paper.published import PROBLEMS
@@ -14,15 +14,14 @@ claim_period("3.2", "softening", 2, "The period of this oscillator is equal to 1
     "On the softening spring the schemes behave as on the hardening one.",
     "rank correlation of the errors of the schemes on both springs, smallest over the step sizes",
     words="the behaviour of the integration schemes is similar to that for the previous hardening spring",
-    reads=["energy_error"],
 )
-def springs_agree(data):
+def springs_agree(energy_error):
     # the schemes of one step size along each column
-    ranks = [errors(data, name).to_series().unstack("steps_per_period").rank() for name in PROBLEMS]
+    ranks = [errors(energy_error, name).to_series().unstack("steps_per_period").rank() for name in PROBLEMS]
     alike = {at_step(steps): value for steps, value in ranks[0].corrwith(ranks[1]).items()}
     holds, exceptions = most({step: value > ALIKE for step, value in alike.items()})
     least = min(alike, key=alike.__getitem__)
-    reason = f"not at {joined(exceptions, data)}" if exceptions else ""
+    reason = when(exceptions, f"not at {joined(exceptions, energy_error)}")
     return Finding(f"{alike[least]:.2f}, at {least}", holds, reason)
 
 
@@ -31,11 +30,11 @@ def springs_agree(data):
     "On the softening spring Newmark (γ = 0.6), Houbolt and Wilson damp strongly too.",
     "signed energy error at the end, softening at T/20",
     words="Strong numerical damping is again observed",
-    reads=["phase_portrait/softening"],
+    portrait="phase_portrait/softening",
 )
-def damping_on_softening(data):
-    lost = lost_energy(data, "softening")
-    return Finding(f"{listed(lost, data)} %", max(lost.values()) < -FAR_OFF)
+def damping_on_softening(portrait):
+    lost = lost_energy(portrait)
+    return Finding(f"{listed(lost, portrait)} %", max(lost.values()) < -FAR_OFF)
 
 
 @claim(
@@ -44,11 +43,10 @@ def damping_on_softening(data):
     "errors at T/20, softening",
     "4.7 %, 7.3 %",
     words="give fairly accurate results when the time step Δt is as large as T/20",
-    reads=["energy_error"],
 )
-def faithful_at_a_twentieth(data):
-    at = by_name(errors(data, "softening").sel(steps_per_period=20, scheme=FAITHFUL))
-    return Finding(f"{listed(at, data)} %", max(at.values()) <= REASONABLE)
+def faithful_at_a_twentieth(energy_error):
+    at = by_name(errors(energy_error, "softening").sel(steps_per_period=20, scheme=FAITHFUL))
+    return Finding(f"{listed(at, energy_error)} %", max(at.values()) <= REASONABLE)
 
 
 claim_printed_error(

@@ -1,7 +1,7 @@
 """Claims about stability at large steps and over long times."""
 
 from paper.asks import rising, spans
-from paper.claims.ledger import PRACTICE, XIE_EXTENDED, Finding, by_name, claim, most
+from paper.claims.ledger import PRACTICE, XIE_EXTENDED, Finding, by_name, claim, most, when
 from paper.claims.terms import CHAOTIC, DAMPED, REASONABLE, ROUND_OFF, RULE
 from paper.claims.wording import joined, listed, number
 from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_1996
@@ -12,20 +12,17 @@ from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_199
     "Δt < T/20 is reasonable for average acceleration at every amplitude and over long times.",
     f"steps a period that keep the energy within {REASONABLE:g} % over the longest runs at all amplitudes, by problem",
     whose=XIE_EXTENDED,
-    reads=["stability/robustness"],
-    asks={"robustness.schemes": ["average_acceleration"], "robustness.periods": rising("robustness.periods")},
+    asks={"robustness.schemes": ["average_acceleration"], "robustness.periods": rising},
+    robustness="stability/robustness",
 )
-def a_twentieth_at_every_amplitude(data):
-    robustness = data["stability/robustness"]
+def a_twentieth_at_every_amplitude(robustness):
+    robustness = robustness
     needed = robustness.steps_needed.sel(scheme="average_acceleration", level=REASONABLE).isel(periods=-1)
     steps = by_name(needed)
     holds, _ = most({name: value <= RULE for name, value in steps.items()})
     good = [name for name, value in steps.items() if value <= RULE]
-    return Finding(
-        listed(steps, data, ".0f", f"more than {robustness.most_steps.item()}"),
-        holds,
-        "" if len(good) == len(steps) else f"only on {joined(good, data)}",
-    )
+    reason = when(len(good) < len(steps), f"only on {joined(good, robustness)}")
+    return Finding(listed(steps, robustness, ".0f", f"more than {robustness.most_steps.item()}"), holds, reason)
 
 
 @claim(
@@ -33,15 +30,15 @@ def a_twentieth_at_every_amplitude(data):
     "In the double well at Δt = 2.5 average acceleration is chaotic.",
     "Lyapunov exponent of its map, per step; steps until a perturbation of 10⁻¹⁰ is a tenth",
     whose=XIE_EXTENDED,
-    reads=["stability/bifurcation"],
     asks={
         "stability.bifurcation.problem": "double_well",
         "stability.bifurcation.scheme": "average_acceleration",
-        "stability.bifurcation.dt": spans("stability.bifurcation.dt", 2.5),
+        "stability.bifurcation.dt": spans(2.5),
     },
+    bifurcation="stability/bifurcation",
 )
-def chaos_of_average_acceleration(data):
-    at = data["stability/bifurcation"].sel(dt=2.5, method="nearest")
+def chaos_of_average_acceleration(bifurcation):
+    at = bifurcation.sel(dt=2.5, method="nearest")
     a_step = (at.lyapunov_exponent * at.dt).item()
     steps = at.steps_until_apart.item()
     return Finding(f"{number(a_step, '.2f')}; {steps if steps > 0 else 'never'}", a_step > CHAOTIC and steps > 0)
@@ -51,15 +48,15 @@ def chaos_of_average_acceleration(data):
     "stability",
     "Where the effective equation of a step has several roots, Newton's choice among them decides.",
     "spread of the displacements that Newton finds from different starts at the step size of the paper, by scheme",
-    reads=["stability/roots"],
     asks={"stability.roots.problem": "double_well", "stability.roots.paper_dt": 2.5},
+    roots="stability/roots",
 )
-def several_roots(data):
-    roots = data["stability/roots"]
+def several_roots(roots):
+    roots = roots
     spread = (roots.root.max("guess") - roots.root.min("guess")).max("predictor")
     has_several = roots.unique_up_to < roots.paper_dt
     decided = bool(((spread > ROUND_OFF) == has_several).all()) and bool(has_several.any())
-    return Finding(listed(by_name(spread), data), decided)
+    return Finding(listed(by_name(spread), roots), decided)
 
 
 @claim(
@@ -67,13 +64,13 @@ def several_roots(data):
     "Numerical damping keeps the schemes of the paper from chaos.",
     "share of their runs that end chaotic on the maps at amplitudes like those of 1996, in percent",
     whose=PRACTICE,
-    reads=["stability/atlas"],
     asks={"atlas.schemes": DAMPED, "atlas.amplitudes": some_near_1996},
+    atlas="stability/atlas",
 )
-def damping_against_chaos(data):
-    near = near_1996(data["stability/atlas"]).sel(scheme=DAMPED)
+def damping_against_chaos(atlas):
+    near = near_1996(atlas).sel(scheme=DAMPED)
     chaotic = is_outcome(near, "chaotic")
     part = by_name(100 * chaotic.mean(["problem", "amplitude", "dt_over_period"]))
     where = [p for p in near.problem.values if chaotic.sel(problem=p).any()]
-    reason = f"some end chaotic, on {joined(where, data)}" if where else ""
-    return Finding(listed(part, data), not where, reason)
+    reason = when(where, f"some end chaotic, on {joined(where, atlas)}")
+    return Finding(listed(part, atlas), not where, reason)

@@ -3,7 +3,7 @@
 #: The paper's schemes by what it says of them.
 FAITHFUL = ["average_acceleration", "central_difference"]
 DISSIPATIVE = ["newmark_dissipative", "wilson_theta", "houbolt"]
-DAMPED = [*DISSIPATIVE, "hht_alpha"]
+DAMPED = [*DISSIPATIVE, "hht_alpha_1996"]
 UNCONDITIONAL = ["average_acceleration", *DAMPED]
 EXPLICIT = ["central_difference", "rk4"]
 IMPLICIT_NEWMARK = ["average_acceleration", "newmark_dissipative"]

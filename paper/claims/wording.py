@@ -5,14 +5,14 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 import xarray as xr
 
-from paper.printing import printed
+from study import words
 
 
 def number(value: float, form: str = ".1f", missing: str = "failed") -> str:
     """A number with a minus sign and powers of ten; ``missing`` if it is not a number."""
     if np.isnan(value):
         return missing
-    return printed(f"{value:{form}}".replace("inf", "∞"))
+    return words.printed(f"{value:{form}}".replace("inf", "∞"))
 
 
 def title(name: str, data: Mapping[str, xr.Dataset]) -> str:
@@ -30,9 +30,8 @@ def title(name: str, data: Mapping[str, xr.Dataset]) -> str:
 
 def joined(names: Iterable[str], data: Mapping[str, xr.Dataset]) -> str:
     """Titles as a list of words, with semicolons if a title has a comma; 'none' of no names."""
-    *first, last = [title(name, data) for name in names] or ["none"]
-    comma = "; " if any("," in one for one in (*first, last)) else ", "
-    return f"{comma.join(first)} and {last}" if first else last
+    titles = [title(name, data) for name in names] or ["none"]
+    return words.listed(titles, "; " if any("," in one for one in titles) else ", ")
 
 
 def listed(

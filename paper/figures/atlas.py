@@ -15,7 +15,6 @@ from paper.published import SCHEMES
     "How each run of the schemes of 1996 ends, over step size and initial displacement. Dashed: the linear limit "
     "of stability at the stiffest place of each motion; markers: the runs of Figures 3 and 4 of Xie (1996).",
     atlas="stability/atlas",
-    spectral="spectral",
     asks={
         "": contained("atlas.schemes", "spectral.schemes"),
         "spectral.damping_ratios": [0.0],

@@ -15,18 +15,14 @@ COLUMNS = 3
 TALLEST = 19.0
 
 
-def _others(schemes: list[str]) -> str | None:
-    """A sentence if there are no maps but those of the paper's schemes."""
-    if set(schemes) <= set(SCHEMES):
-        return "atlas.schemes has none but those of the paper; a figure shows the others, give one at least."
-    return None
+def _others(schemes: list[str]) -> str:
+    return "has none but those of the paper; a figure shows the others" if set(schemes) <= set(SCHEMES) else ""
 
 
 @figure(
     "How each run of the later schemes ends, over step size (T/100 to T) and initial displacement; the three maps "
     "of a scheme are those of the hardening spring, the softening spring and the double well.",
     atlas="stability/atlas",
-    spectral="spectral",
     asks={
         "": contained("atlas.schemes", "spectral.schemes"),
         "spectral.damping_ratios": [0.0],

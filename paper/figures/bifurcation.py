@@ -46,18 +46,8 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     axes[2].semilogy(dt, failed, "x", markersize=2.5, markeredgewidth=0.6, color="#7A1F4B", label="Newton fails")
     axes[2].set(ylabel="steps", xlabel="step size Δt (s)", xlim=(dt[0], dt[-1]))
     figure.legend(handles=axes[2].get_legend_handles_labels()[0], loc="outside lower center", ncols=3, markerscale=1.5)
-    for ax in axes:
-        ax.axvline(2.5, color="#D55E00", linewidth=0.8, linestyle="--")
-    for index, (ax, title) in enumerate(
-        zip(
-            axes,
-            [
-                "last displacements of each run",
-                "Lyapunov exponent",
-                f"steps until $10^{{{np.log10(small):.0f}}}$ has become {large:g}",
-            ],
-            strict=True,
-        )
-    ):
-        letter(ax, index, title)
+    until = f"steps until $10^{{{np.log10(small):.0f}}}$ has become {large:g}"
+    for index, title in enumerate(("last displacements of each run", "Lyapunov exponent", until)):
+        axes[index].axvline(2.5, color="#D55E00", linewidth=0.8, linestyle="--")
+        letter(axes[index], index, title)
     return figure

@@ -18,10 +18,10 @@ FLOOR = 1e-13
     "not resolved. A cross marks the end of a run that fails; errors below 10⁻¹³ % are drawn there.",
     histories=["structure_history/stiff_bar", "structure_history/stiff_truss"],
     asks={
-        "structure_history.stiff_bar.problem": one_of("structure_history.stiff_bar.problem", TURNING),
-        "structure_history.stiff_truss.problem": one_of("structure_history.stiff_truss.problem", TURNING),
-        "structure_history.stiff_bar": samples_of_history("structure_history.stiff_bar", 1),
-        "structure_history.stiff_truss": samples_of_history("structure_history.stiff_truss", 1),
+        "structure_history.stiff_bar.problem": one_of(TURNING),
+        "structure_history.stiff_truss.problem": one_of(TURNING),
+        "structure_history.stiff_bar": samples_of_history(1),
+        "structure_history.stiff_truss": samples_of_history(1),
     },
 )
 def draw(histories: list[xr.Dataset]) -> Figure:

@@ -21,8 +21,8 @@ def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
     "Energy error along time in the runs of Figures 1 and 2 of Xie (1996), the largest in each stretch of 20 steps.",
     portraits=["phase_portrait/hardening", "phase_portrait/softening"],
     asks={
-        "phase_portrait.hardening": steps_of_portrait("phase_portrait.hardening", STRETCH),
-        "phase_portrait.softening": steps_of_portrait("phase_portrait.softening", STRETCH),
+        "phase_portrait.hardening": steps_of_portrait(STRETCH),
+        "phase_portrait.softening": steps_of_portrait(STRETCH),
     },
 )
 def draw(portraits: list[xr.Dataset]) -> Figure:

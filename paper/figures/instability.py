@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from paper.figures.style import COLUMN, empty, legend_below, letter, looks
 from paper.products import figure
 
-SCHEME = "hht_alpha"
+SCHEME = "hht_alpha_1996"
 
 
 @figure(

@@ -15,7 +15,7 @@ SHOWN = [
     "central_difference",
     "newmark_dissipative",
     "houbolt",
-    "hht_alpha",
+    "hht_alpha_1996",
     "rk4",
     "rho_bathe",
     "gauss4",
@@ -27,7 +27,6 @@ COLUMNS = 5
 @figure(
     "Error of the displacement against the step on a smooth spring, and where forces yield, remember, touch or "
     "follow a record. Grey lines fall with the first and the second power of the step.",
-    kinks="kinks",
 )
 def draw(kinks: xr.Dataset) -> Figure:
     """One panel per problem; grey lines fall with the first and the second power of the step."""

@@ -42,8 +42,7 @@ def classify(run: xr.Dataset) -> np.ndarray:
     "Largest energy error over 100 periods, or the failure, of every scheme of 1996 over the step size. Dashed "
     "lines: the step T/20 that Xie (1996) finds reasonable for two of them, and T/5, above which he expects "
     "failures.",
-    large_steps="large_steps",
-    asks={"large_steps.schemes": SCHEMES, "large_steps.dt_over_period": rising("large_steps.dt_over_period")},
+    asks={"large_steps.schemes": SCHEMES, "large_steps.dt_over_period": rising},
 )
 def draw(large_steps: xr.Dataset) -> Figure:
     """One panel per problem, one row per scheme of 1996."""

@@ -14,7 +14,6 @@ TO = 0.4
 @figure(
     "Period elongation (above) and algorithmic damping ratio (below) of every scheme on the linear oscillator, by "
     "family, as far as the scheme is stable.",
-    spectral="spectral",
     asks={"spectral.damping_ratios": [0.0]},
 )
 def draw(spectral: xr.Dataset) -> Figure:

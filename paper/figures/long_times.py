@@ -26,7 +26,6 @@ def _guide(ax: Axes, round_off: xr.DataArray, beside: float, law: tuple[float, s
     "Errors of energy and phase over long times. Above, in double precision: the error (filled markers) and its "
     "part of round-off (open). Below, round-off in single precision: plain sums (filled) and compensated ones at "
     "a step size of few digits (open). Grey lines have the slopes of a random walk and of a drift.",
-    long_times="long_times",
 )
 def draw(long_times: xr.Dataset) -> Figure:
     """Errors and round-off in double precision (above), and round-off in single precision (below)."""

@@ -1,7 +1,5 @@
 """The Fermi-Pasta-Ulam chain: exchange of oscillatory energy between stiff springs, and its sum over long times."""
 
-from typing import Any
-
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -15,11 +13,8 @@ LOOKS = (("#0072B2", "--", "s"), ("#D55E00", "-.", "v"), ("#009E73", ":", "^"))
 
 def total(history: xr.Dataset) -> xr.DataArray:
     """The sum of the oscillatory energies."""
-    return (
-        history[[f"oscillatory_energy_{spring}" for spring in SPRINGS]]
-        .to_dataarray("spring")
-        .sum("spring", skipna=False)
-    )
+    energies = history[[f"oscillatory_energy_{spring}" for spring in SPRINGS]]
+    return energies.to_dataarray("spring").sum("spring", skipna=False)
 
 
 @figure(
@@ -46,13 +41,8 @@ def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
             energy = f"oscillatory_energy_{spring}"
             ax.plot(one.t, one[energy], color=colour, linestyle=line, linewidth=0.8, label=f"spring {spring}")
             exact = one[f"reference_{energy}"]
-            marks: dict[str, Any] = {
-                "marker": marker,
-                "markersize": 3,
-                "markerfacecolor": "none",
-                "markevery": max(len(exact) // 10, 1),
-            }
-            ax.plot(one.t_reference, exact, color=colour, linestyle="none", **marks)
+            every = max(len(exact) // 10, 1)
+            ax.plot(one.t_reference, exact, marker, color=colour, markersize=3, markerfacecolor="none", markevery=every)
         ax.plot(one.t, total(one), color="black", linestyle="-", linewidth=1.2, label="sum")
         ax.plot([], [], "s", color="0.5", markersize=3, markerfacecolor="none", label="markers: exact")
         ax.set(ylim=(0, 1.5), xlabel="elapsed time $t$ (s)")

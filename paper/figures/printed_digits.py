@@ -14,7 +14,6 @@ from paper.published import printed_energy_errors
 @figure(
     "Computed energy errors less those printed in Tables 1 and 2 of Xie (1996), for all cells. Points in the grey "
     "band round to the printed digit. Printed errors of 0.0 are drawn at 0.05.",
-    energy_error="energy_error",
     asks=OF_THE_TABLES,
 )
 def draw(energy_error: xr.Dataset) -> Figure:

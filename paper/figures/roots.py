@@ -7,6 +7,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from paper.asks import as_many
 from paper.figures.style import PAGE, letter, looks, panels
 from paper.products import figure
 
@@ -18,18 +19,12 @@ SHADES = ListedColormap(plt.get_cmap("cividis")(np.linspace(0, 0.85, 256)))
 BELOW = {"loc": "upper left", "bbox_to_anchor": (0, -0.22)}
 
 
-def _one_for_each_colour(tolerances: list) -> str | None:
-    if len(tolerances) == len(COLOURS):
-        return None
-    return f"stability.roots.tolerances must be {len(COLOURS)}, one for each colour of a figure, not {len(tolerances)}."
-
-
 @figure(
     "Equation of a step in the double well. (a) Inside the curves it has three roots; grey: the step size of "
     "Figure 4 of Xie (1996). (b) The root that Newton's iteration finds for Houbolt's method, white where it "
     "finds none. (c) Steps until runs of average acceleration with different tolerances of that iteration differ.",
     roots="stability/roots",
-    asks={"stability.roots.schemes": ["houbolt"], "stability.roots.tolerances": _one_for_each_colour},
+    asks={"stability.roots.schemes": ["houbolt"], "stability.roots.tolerances": as_many(len(COLOURS))},
 )
 def draw(roots: xr.Dataset) -> Figure:
     """Regions with three roots, the root that Newton finds, and how long runs of two tolerances agree."""
@@ -42,10 +37,8 @@ def draw(roots: xr.Dataset) -> Figure:
         several.contour(roots.dt, roots.predictor, number, levels=[0.5], **line)
     several.axvline(roots.paper_dt.item(), color="0.6", linewidth=0.8)
     several.set(xlabel="step size Δt (s)", ylabel="predicted displacement", ylim=(-3, 3))
-    titles = roots.scheme_title.sel(scheme=list(styles)).values
-    handles = [
-        Line2D([], [], **style | {"marker": ""}, label=t) for style, t in zip(styles.values(), titles, strict=True)
-    ]
+    named = zip(styles.values(), roots.scheme_title.values, strict=True)
+    handles = [Line2D([], [], **style | {"marker": ""}, label=title) for style, title in named]
     several.legend(handles=handles, **BELOW)
     houbolt = roots.root.sel(scheme="houbolt").T
     picture = found.pcolormesh(roots.guess, roots.predictor, houbolt, cmap=SHADES, rasterized=True)
@@ -59,12 +52,7 @@ def draw(roots: xr.Dataset) -> Figure:
     together.plot([], [], ":", color="0.4", label="Newton starts from zero")
     together.set(xlabel="step size Δt (s)", ylabel="steps until two runs differ")
     together.legend(**BELOW)
-    for index, (ax, title) in enumerate(
-        zip(
-            axes[0],
-            ["three roots inside", f"Houbolt's root, Δt = {roots.paper_dt.item():g} s", "average acceleration"],
-            strict=True,
-        )
-    ):
-        letter(ax, index, title)
+    at_paper = f"Houbolt's root, Δt = {roots.paper_dt.item():g} s"
+    for index, title in enumerate(("three roots inside", at_paper, "average acceleration")):
+        letter(axes[0, index], index, title)
     return figure

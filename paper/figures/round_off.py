@@ -10,7 +10,6 @@ from paper.products import figure
 @figure(
     "Error of the displacement at very small steps, with plain sums (filled markers) and with compensated ones "
     "(open). Grey: ten times the uncertainty of the reference.",
-    round_off="round_off",
 )
 def draw(round_off: xr.Dataset) -> Figure:
     """Error over steps per period, filled markers for plain and open ones for compensated sums."""

@@ -13,7 +13,6 @@ FROM = 0.02
 @figure(
     "Spectral radius of every scheme on the undamped linear oscillator, by family. A scheme is unstable where it "
     "exceeds one, and removes modes that the step does not resolve where it is small.",
-    spectral="spectral",
     asks={"spectral.damping_ratios": [0.0]},
 )
 def draw(spectral: xr.Dataset) -> Figure:

@@ -16,7 +16,6 @@ SHOWN = ["average_acceleration", "central_difference", "rho_bathe", "rk4"]
     "Largest step that keeps the error of the peak drift of oscillators that yield under a record, by their "
     "period and by the strength over the elastic force. Grey: a tenth of the period (rising) and the spacing of "
     "the record (level). Curves that coincide lie over each other, from wide to thin.",
-    spectrum="spectrum",
 )
 def draw(spectrum: xr.Dataset) -> Figure:
     """One panel per reduction of the strength; grey: a tenth of the period, and the spacing of the record."""

@@ -25,7 +25,6 @@ BEYOND = 100
 @figure(
     "Largest error of the displacement of structures, over its largest size, against the step size. A point is "
     "missing where a run failed. Grey: uncertainty of the reference.",
-    structures="structures",
 )
 def draw(structures: xr.Dataset) -> Figure:
     """One panel per structure; a failed run leaves a gap."""

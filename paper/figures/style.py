@@ -7,6 +7,7 @@ from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import matplotlib
 
@@ -22,10 +23,9 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from paper.data import families
-from paper.published import SCHEMES
-from paper.writing import write
+from study.io import write
 
-plt.style.use("paper.style")
+plt.style.use("paper.figures.style")
 
 #: Widths in cm of a column and of a page of the manuscript.
 COLUMN, PAGE = 8.4, 17.4
@@ -65,26 +65,24 @@ _COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#
 _LINES = ["-", "--", "-.", ":", (0, (7, 1.5)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 0.6))]
 _MARKERS = ["o", "s", "v", "^", "D", "P", "X", "<"]
 
-#: Schemes in the order in which they take colours, those of 1996 first. The rows below take the same colours again, so
-#: that the schemes of a family have different ones. Other schemes take the places that follow.
-_ORDER = [
-    *SCHEMES, "gauss4",
-    "bdf2", "park", "bathe", "rho_bathe", "average_vector_field", "energy_momentum", "tr_bdf2", "generalized_alpha",
-    "wbz_alpha", "hht_alpha_one_force", "yoshida4", "implicit_midpoint", "tchamwa_wielgosz", "linear_acceleration",
-    "kahan_li8", "fox_goodwin",
-    "extrapolation12", "nystrom4", "kr_alpha", "noh_bathe", "symplectic_euler", "chung_lee", "hulbert_chung",
-    "yoshida6", "mclachlan4",
-]  # fmt: skip
+#: Numbers of the looks of a family, by the place of a scheme in it: one for each colour.
+_LOOKS = {
+    "Newmark and Wilson": (0, 1, 2, 3, 21, 23, 36, 38),
+    "Multi-step and composite": (4, 8, 9, 10, 11, 14, 37, 39),
+    "α-methods": (5, 17, 16, 15, 34, 35, 44, 46),
+    "Runge-Kutta and conserving": (6, 19, 13, 12, 24, 25, 7, 42),
+    "Explicit with dissipation": (29, 30, 26, 27, 20, 40, 41, 47),
+    "Splitting": (28, 32, 18, 31, 22, 33, 43, 45),
+}
 
 
 def looks(schemes: xr.DataArray) -> dict[str, dict[str, Any]]:
-    """One look (colour, line style, marker) for each scheme, the same in every figure.
+    """One look (colour, line style, marker) for each scheme of a dataset, the same in every figure.
 
-    Schemes that are not of the study take the looks after those that are, in the order in which they come.
+    It follows from the family of a scheme and its place among all schemes of the family.
     """
-    names = schemes.values.tolist()
-    others = [name for name in names if name not in _ORDER]
-    return {name: _look([*_ORDER, *others].index(name)) for name in names}
+    of = zip(*(schemes[name].values.tolist() for name in ("scheme", "family", "place_in_family")), strict=True)
+    return {name: _look(_number(family, place)) for name, family, place in of}
 
 
 def looks_in_order(names: Iterable[str]) -> dict[str, dict[str, Any]]:
@@ -92,8 +90,13 @@ def looks_in_order(names: Iterable[str]) -> dict[str, dict[str, Any]]:
     return {name: _look(index) for index, name in enumerate(names)}
 
 
-def _look(index: int) -> dict[str, Any]:
-    turn, place = divmod(index, len(_COLOURS))
+def _number(family: str, place: int) -> int:
+    known = _LOOKS.get(family, ())
+    return known[place] if place < len(known) else 48 + 8 * (crc32(family.encode()) % 50) + place
+
+
+def _look(number: int) -> dict[str, Any]:
+    turn, place = divmod(number, len(_COLOURS))
     return {
         "color": _COLOURS[place],
         "linestyle": _LINES[(place + 2 * turn) % len(_LINES)],
@@ -205,7 +208,7 @@ def save(figure: Figure, output: Path) -> None:
         figure.dpi = plt.rcParams["savefig.dpi"]  # for rasters; vectors reset it to points
         content = BytesIO()
         printer(content)
-        write(output.with_suffix(suffix), content.getvalue())
+        write(content.getvalue(), output.with_suffix(suffix))
 
 
 def at_width(figure: Figure, millimetres: float) -> Figure:

@@ -30,8 +30,6 @@ def _points(ax, values, rows, label, **look) -> None:
 @figure(
     f"Size of the period elongation and of the loss of amplitude at {STEPS} steps per period by linear theory and "
     f"in runs of {PERIODS} periods. Open markers are negative; smaller sizes are drawn at the left edge.",
-    spectral="spectral",
-    accuracy="accuracy",
     asks={
         "": contained("accuracy.schemes", "spectral.schemes"),
         "spectral.damping_ratios": [0.0],

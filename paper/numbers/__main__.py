@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from paper.printing import printed
 from paper.products import Product, discover, made, reader
-from paper.writing import write
+from study.io import one_sentence, write
+from study.words import printed
 
 
 def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[str, str | bool | None]:
@@ -28,10 +28,8 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
             if name in owner:
                 raise ValueError(f"The number '{name}' is given by {owner[name]} and by {product.name}.")
             owner[name] = product.name
-            if isinstance(value, bool | np.bool_):
-                texts[name] = bool(value)
-            else:
-                texts[name] = value if value is None else printed(str(value))
+            fact = isinstance(value, bool | np.bool_)
+            texts[name] = bool(value) if fact else None if value is None else printed(str(value))
     return texts
 
 
@@ -46,12 +44,13 @@ def commits(products: Iterable[Product], read: Callable[[str], Any]) -> str | No
     return " and ".join(told) or None
 
 
+@one_sentence()
 def main(results: Path, output: Path) -> None:
     """Write the numbers of a folder of results."""
     products = [product for product in discover(["numbers"]) if product.kind == "numbers"]
     read = reader(results)
     numbers = {**gathered(products, read), "commits": commits(products, read)}
-    write(output, json.dumps(numbers, indent=1, ensure_ascii=False) + "\n")
+    write(json.dumps(numbers, indent=1, ensure_ascii=False) + "\n", output)
 
 
 if __name__ == "__main__":

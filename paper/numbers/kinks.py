@@ -3,8 +3,8 @@
 import xarray as xr
 
 from paper.asks import fourfold
-from paper.printing import span
 from paper.products import numbers
+from study.words import span
 
 #: Problems with a history, and those with any kink but contact.
 REMEMBER = ["yielding", "hysteretic"]
@@ -29,11 +29,10 @@ def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
 
 
 @numbers(
-    kinks="kinks",
     asks={
         "kinks.problems": ["hardening", "yielding", "hysteretic", "bouncing", "shaken"],
         "kinks.schemes": ["average_acceleration", "central_difference", "rk4", "yoshida4"],
-        "kinks.steps_per_period": fourfold("kinks.steps_per_period"),
+        "kinks.steps_per_period": fourfold,
     },
 )
 def of_kinks(kinks: xr.Dataset) -> dict:

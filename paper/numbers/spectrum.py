@@ -2,8 +2,8 @@
 
 import xarray as xr
 
-from paper.printing import span
 from paper.products import numbers
+from study.words import span
 
 #: Periods in s from which on the record, not the oscillator, is what a step has to resolve.
 LONG = 0.5
@@ -16,7 +16,6 @@ def _multiples(steps: xr.DataArray) -> str:
 
 
 @numbers(
-    spectrum="spectrum",
     asks={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [0.2, LONG]},
 )
 def of_spectrum(spectrum: xr.Dataset) -> dict:

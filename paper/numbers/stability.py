@@ -6,10 +6,10 @@ import xarray as xr
 from paper.asks import contained, rising
 from paper.claims.ledger import by_name
 from paper.claims.terms import CHAOTIC, DAMPED, DISSIPATIVE, FAITHFUL
-from paper.printing import span
 from paper.products import numbers
 from paper.published import PROBLEMS
 from paper.tables.outcomes_near_1996 import FAILURES, SPAN, is_outcome, near_1996
+from study.words import span
 
 
 @numbers(runs="long_times", asks={"long_times.schemes": ["central_difference", "energy_momentum", "yoshida4"]})
@@ -63,8 +63,6 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
     bifurcation="stability/bifurcation",
     robustness="stability/robustness",
     structures="stability/structures",
-    spectral="spectral",
-    energy_error="energy_error",
     asks={
         "": contained("atlas.schemes", "spectral.schemes"),
         "atlas.schemes": DAMPED,
@@ -79,7 +77,7 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
         "stability.bifurcation.scheme": "average_acceleration",
         "robustness.problems": ["hardening", "softening", "double_well"],
         "robustness.schemes": ["average_acceleration"],
-        "robustness.periods": rising("robustness.periods"),
+        "robustness.periods": rising,
         "stability.structures.lengths.problem": ["pendulum", "duffing_chaotic"],
         "stability.structures.schemes": ["average_acceleration", "central_difference"],
         "stability.structures.excitations": [1],

@@ -37,7 +37,6 @@ def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
 
 
 @numbers(
-    structures="structures",
     reference="reference/elastic_pendulum",
     stiff_soft="structure_history/stiff_soft",
     long_times="structure_history/long_times",
@@ -47,10 +46,10 @@ def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
         "structures.lengths.problem": ["elastic_pendulum", "fpu_chain"],
         "structures.schemes": [*UNDAMPED, "energy_momentum"],
         "structure_history.stiff_soft.schemes": ["average_acceleration", "bathe"],
-        "structure_history.stiff_soft": samples_of_history("structure_history.stiff_soft", SAMPLES_OF_SAWTOOTH),
+        "structure_history.stiff_soft": samples_of_history(SAMPLES_OF_SAWTOOTH),
         "structure_history.long_times.problem": "fpu_chain",
         "structure_history.long_times.schemes": ["central_difference", "implicit_midpoint", "energy_momentum", "bathe"],
-        "structure_history.long_times": samples_of_history("structure_history.long_times", 1),
+        "structure_history.long_times": samples_of_history(1),
     },
 )
 def of_structures(
@@ -62,8 +61,7 @@ def of_structures(
     stiff_truss: xr.Dataset,
 ) -> dict:
     """Energies of stiff and turning structures, and the tolerance of a reference."""
-    data = {"structures": structures}
-    runs = kept(data, TURNING)
+    runs = kept(structures, TURNING)
     lost = by_name((~runs).sum(["problem", "steps_per_period"]))
     alternating = sawtooth(stiff_soft.v.isel(component=0))
     oscillatory = total(long_times)

@@ -21,7 +21,6 @@ def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time:
 
 @numbers(
     work="work_precision",
-    recommendation="recommendation",
     asks={
         "work_precision.schemes.schemes": SCHEMES,
         "work_precision.schemes.problems": ["hardening"],
@@ -71,7 +70,7 @@ def _counted(names: np.ndarray, titles: dict[str, str]) -> str:
     return ", ".join(f"{titles[name]} ({number})" for name, number in ranking.items())
 
 
-@numbers(recommendation="recommendation", asks={"recommendation.measures": ["max_energy_error"]})
+@numbers(asks={"recommendation.measures": ["max_energy_error"]})
 def of_all_measures(recommendation: xr.Dataset) -> dict:
     """The fastest schemes over all problems, errors, lengths and measures of error."""
     titles = dict(zip(recommendation.scheme.values, recommendation.scheme_title.values, strict=True))
@@ -105,9 +104,7 @@ def of_all_measures(recommendation: xr.Dataset) -> dict:
     }
 
 
-@numbers(
-    cpu_time="cpu_time", asks={"cpu_time.schemes": ["average_acceleration", "rk4"], "cpu_time.problems": ["hardening"]}
-)
+@numbers(asks={"cpu_time.schemes": ["average_acceleration", "rk4"], "cpu_time.problems": ["hardening"]})
 def of_times(cpu_time: xr.Dataset) -> dict:
     """Times of a step, the cost of the Runge-Kutta method in 1996 and now, and the processor of now."""
     step = cpu_time.median_time_per_step.sel(problem="hardening")

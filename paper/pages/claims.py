@@ -2,8 +2,9 @@
 
 import pandas as pd
 
-from paper.pages.document import document, text_of
+from paper.pages import STYLE
 from paper.products import page
+from study.words import document, text_of
 
 
 def _article(claim: dict[str, str]) -> str:
@@ -19,4 +20,4 @@ def claims(ledger: pd.DataFrame) -> str:
     counts = ledger["Verdict"].str.partition(";")[0].value_counts()
     told = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
     articles = [_article(claim) for claim in ledger.to_dict("records")]
-    return document("Ledger of claims", [f"<p>{len(ledger)} claims: {text_of(told)}.</p>\n", *articles])
+    return document("Ledger of claims", [f"<p>{len(ledger)} claims: {text_of(told)}.</p>\n", *articles], STYLE)

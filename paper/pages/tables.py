@@ -4,8 +4,9 @@ from typing import Any
 
 import pandas as pd
 
-from paper.pages.document import document, table_of, text_of
+from paper.pages import STYLE
 from paper.products import discover, page
+from study.words import document, text_of
 
 #: The tables by name; the ledger has a page of its own.
 _TABLES = {one.name: one for one in discover(["tables"]) if one.kind == "table" and one.name != "claims"}
@@ -18,12 +19,17 @@ def _title(name: str) -> str:
 
 
 def _section(name: str, frame: pd.DataFrame) -> str:
+    rows = frame.to_html(index=False, border=0, justify="left")
     about = (_TABLES[name].function.__doc__ or "").strip().splitlines()[0]
-    return f'<h2 id="{name}">{_title(name)}</h2><p class="note">{text_of(about)}</p>{table_of(frame)}\n'
+    # a table scrolls by itself where the screen is narrower
+    return (
+        f'<h2 id="{name}">{_title(name)}</h2><p class="note">{text_of(about)}</p>'
+        f'<div class="scroll" tabindex="0" role="region" aria-label="table">{rows}</div>\n'
+    )
 
 
 @page("All tables of the study.", **_FILES)
 def tables(**frames: pd.DataFrame) -> str:
     """The page, with links to its tables first."""
     links = "".join(f'<li><a href="#{name}">{_title(name)}</a></li>' for name in frames)
-    return document("Tables", [f"<nav><ul>{links}</ul></nav>", *(_section(*one) for one in frames.items())])
+    return document("Tables", [f"<nav><ul>{links}</ul></nav>", *(_section(*one) for one in frames.items())], STYLE)

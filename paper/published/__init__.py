@@ -1,7 +1,8 @@
-"""The numbers printed in 1996, as labelled arrays; checked by hand against the paper."""
+"""The numbers printed in 1996, as labelled arrays checked by hand against the paper, and how they were rounded."""
 
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -28,3 +29,23 @@ def printed_cpu_times() -> xr.DataArray:
 SCHEMES: list[str] = printed_energy_errors().scheme.values.tolist()
 PROBLEMS: list[str] = printed_energy_errors().problem.values.tolist()
 STEPS: list[int] = printed_energy_errors().steps_per_period.values.tolist()
+
+
+def _half_up(values: xr.DataArray, decimals: int) -> xr.DataArray:
+    # a value within round-off of a half counts as a half
+    return np.floor(values * 10**decimals + 0.5 + 1e-9) / 10**decimals
+
+
+def once(values: xr.DataArray) -> xr.DataArray:
+    """Rounded to one decimal, halves up."""
+    return _half_up(values, 1)
+
+
+def twice(values: xr.DataArray) -> xr.DataArray:
+    """Rounded to two decimals and then to one, halves up."""
+    return _half_up(_half_up(values, 2), 1)
+
+
+def same(a: xr.DataArray, b: xr.DataArray | float) -> xr.DataArray:
+    """Whether two arrays of rounded numbers print the same digit."""
+    return abs(a - b) < 0.01

@@ -3,18 +3,19 @@
 import sys
 from pathlib import Path
 
-from paper.printing import printed
 from paper.products import discover, made, reader
-from paper.writing import write
+from study.io import one_sentence, write
+from study.words import printed
 
 
+@one_sentence()
 def main(results: Path, folder: Path) -> None:
     """Write the tables of a folder of results, which are frames of ready texts."""
     read = reader(results)
     for product in (one for one in discover(["tables"]) if one.kind == "table"):
         frame = made(product, read).map(lambda cell: printed(str(cell))).rename(columns=printed)
-        write(folder / f"{product.name}.csv", frame.to_csv(index=False))
-        write(folder / f"{product.name}.tex", frame.to_latex(index=False, escape=True))
+        write(frame.to_csv(index=False), folder / f"{product.name}.csv")
+        write(frame.to_latex(index=False, escape=True), folder / f"{product.name}.tex")
 
 
 if __name__ == "__main__":

@@ -115,7 +115,7 @@ def _fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> lis
     """
     kept = ((error <= allowed) & (runs.max_energy_imbalance <= LEVEL)).transpose("scheme", "steps_per_period").values
     keeps = np.logical_and.accumulate(kept[:, ::-1], axis=1)[:, ::-1]
-    per_step = runs.evaluations + runs.evaluations_per_iteration * runs.iterations_per_step
+    per_step = runs.forces_per_step + runs.forces_per_iteration * runs.iterations_per_step
     forces = (per_step * runs.steps_per_period).transpose("scheme", "steps_per_period").where(keeps)
     fewest = forces.min("steps_per_period")
     tied = np.flatnonzero(fewest <= 1.1 * fewest.min())
@@ -188,7 +188,7 @@ def _least_forces(spectrum: xr.Dataset, error: float) -> str:
     """
     explicit = spectrum.sel(scheme=spectrum.explicit == 1)
     largest = _largest_steps(explicit, error)
-    forces = explicit.evaluations / largest
+    forces = explicit.forces_per_step / largest
     tied = largest.scheme[(forces <= 1.1 * forces.min()).values]
     made = explicit.error.sel(scheme=tied).max(["period", "reduction"])
     by_error = sorted(tied.values, key=lambda name: made.sel(scheme=name, step_size=largest.sel(scheme=name)).item())
@@ -210,11 +210,7 @@ def _record(spectrum: xr.Dataset) -> dict:
 
 
 @table(
-    recommendation="recommendation",
     robustness="stability/robustness",
-    kinks="kinks",
-    spectrum="spectrum",
-    structures="structures",
     asks={
         "recommendation.measures": list(MEASURES),
         "recommendation.errors": [*ERRORS, *(error / PERIODS for error in ERRORS)],

@@ -9,7 +9,7 @@ from paper.products import table
 from paper.published import printed_energy_errors
 
 
-@table(energy_error="energy_error", asks=OF_THE_TABLES)
+@table(asks=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """Three rows per step size: printed, computed, computed with the exact period; for the schemes of 1996."""
     printed = printed_energy_errors()

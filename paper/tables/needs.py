@@ -10,7 +10,6 @@ PROBLEM, MEASURE, PERIODS = "hardening", "max_trajectory_error", 100
 
 
 @table(
-    recommendation="recommendation",
     asks={
         "recommendation.problems": [PROBLEM],
         "recommendation.measures": [MEASURE],

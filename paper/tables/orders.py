@@ -1,13 +1,15 @@
-"""Observed order of the paper's schemes in every measure of error."""
+"""Observed orders in every measure of error: of the schemes of the paper, and of every scheme on one spring."""
 
 import pandas as pd
 import xarray as xr
 
-from paper.data import of_the_paper
+from paper.data import families, of_the_paper
 from paper.orders import PERIODS, observed_order
 from paper.products import table
 from paper.published import SCHEMES
 
+#: Spring of the table of every scheme.
+PROBLEM = "softening"
 _TITLES = {
     "max_trajectory_error": "Trajectory",
     "rms_trajectory_error": "rms",
@@ -19,22 +21,32 @@ _TITLES = {
 }
 
 
-def observed(run: xr.Dataset) -> dict[str, str]:
+def _observed(run: xr.Dataset) -> dict[str, str]:
     """Orders of a scheme on a problem, a column a measure; a dash where no order can be fitted."""
     orders = {title: observed_order(run[measure].sel(periods=PERIODS[measure])) for measure, title in _TITLES.items()}
     named = {"Scheme": run.scheme_title.item(), "Order": str(run.order.item())}
     return named | {title: f"{order:.2f}" if order == order else "–" for title, order in orders.items()}
 
 
-@table(accuracy="accuracy", asks={"accuracy.schemes": SCHEMES, "accuracy.periods": sorted(set(PERIODS.values()))})
+@table(asks={"accuracy.schemes": SCHEMES, "accuracy.periods": sorted(set(PERIODS.values()))})
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
     """One row per problem and scheme."""
     accuracy = of_the_paper(accuracy)
     return pd.DataFrame(
         {
             "Problem": accuracy.problem_title.sel(problem=problem).item(),
-            **observed(accuracy.sel(problem=problem, scheme=scheme)),
+            **_observed(accuracy.sel(problem=problem, scheme=scheme)),
         }
         for problem in accuracy.problem.values
         for scheme in accuracy.scheme.values
     )
+
+
+@table(
+    name="orders_of_today",
+    asks={"accuracy.problems": [PROBLEM], "accuracy.periods": sorted(set(PERIODS.values()))},
+)
+def tabulate_all(accuracy: xr.Dataset) -> pd.DataFrame:
+    """One row per scheme."""
+    parts = families(accuracy.sel(problem=PROBLEM)).values()
+    return pd.DataFrame(_observed(part.sel(scheme=name)) for part in parts for name in part.scheme.values)

@@ -6,14 +6,13 @@ import xarray as xr
 from paper.asks import OF_THE_TABLES
 from paper.data import of_the_tables
 from paper.products import table
-from paper.published import printed_energy_errors
-from paper.rounding import once, same, twice
+from paper.published import once, printed_energy_errors, same, twice
 
 _ROUNDED_TWICE = "rounded to two decimals, then to one"
 _UNEXPLAINED = "by no rounding; see the text"
 
 
-@table(energy_error="energy_error", asks=OF_THE_TABLES)
+@table(asks=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """One row per cell whose value, rounded once, is not the printed one."""
     printed = printed_energy_errors()

@@ -18,7 +18,7 @@ def _cell(needs: xr.Dataset) -> str:
     return f"{best.scheme_title.item()}: {at_most}{best.steps_per_period.item():,.0f}{' *' if tied else ''}"
 
 
-@table(recommendation="recommendation", asks={"recommendation.measures": list(MEASURES)})
+@table(asks={"recommendation.measures": list(MEASURES)})
 def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
     """One row per problem, length of the run and error; a dash where no scheme keeps the error."""
     titles = dict(zip(recommendation.problem.values, recommendation.problem_title.values, strict=True))

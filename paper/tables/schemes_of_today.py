@@ -9,19 +9,19 @@ from paper.products import table
 
 def _forces(scheme: xr.Dataset) -> str:
     """Forces of a step, those of each of its k Newton iterations named as such."""
-    fixed, of_iteration = scheme.evaluations.item(), scheme.evaluations_per_iteration.item()
+    fixed, of_iteration = scheme.forces_per_step.item(), scheme.forces_per_iteration.item()
     newton = f"{of_iteration} k" if of_iteration > 1 else "k"
     return " + ".join([newton] * (of_iteration > 0) + [str(fixed)] * (fixed > 0))
 
 
-@table(spectral="spectral")
+@table()
 def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
     """One row per scheme."""
     rows = []
     for family, part in families(spectral).items():
         for name in part.scheme.values:
             scheme = part.sel(scheme=name)
-            order, damped = scheme.order.item(), scheme.damped_order.item()
+            order, damped = scheme.order.item(), scheme.order_with_damping.item()
             rows.append(
                 {
                     "Family": family,

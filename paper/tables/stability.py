@@ -25,13 +25,11 @@ def _first(run: xr.Dataset) -> str:
 
 
 @table(
-    spectral="spectral",
-    large_steps="large_steps",
     asks={
         "": contained("large_steps.schemes", "spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "large_steps.problems": PROBLEMS,
-        "large_steps.dt_over_period": rising("large_steps.dt_over_period"),
+        "large_steps.dt_over_period": rising,
     },
 )
 def tabulate(spectral: xr.Dataset, large_steps: xr.Dataset) -> pd.DataFrame:

@@ -24,7 +24,7 @@ def _cell(run: xr.Dataset) -> str:
     return f"{_percent(100 * run.displacement_error.item())}, {_percent(run.max_energy_imbalance.item())}"
 
 
-@table(structures="structures", asks={"structures.steps_per_period": [STEPS_PER_PERIOD]})
+@table(asks={"structures.steps_per_period": [STEPS_PER_PERIOD]})
 def tabulate(structures: xr.Dataset) -> pd.DataFrame:
     """One row per structure, one column per scheme."""
     at = structures.sel(steps_per_period=STEPS_PER_PERIOD)

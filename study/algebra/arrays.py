@@ -3,6 +3,7 @@
 n is the number of unknowns. A vector of a problem with one unknown is a number: its shape is ().
 """
 
+import reprlib
 from typing import Any, TypeAlias
 
 import jax
@@ -40,3 +41,20 @@ ScipySparse: TypeAlias = Any
 def as_float64(value: Any) -> Any:
     """A number or an array as float64; one that JAX traces as it is."""
     return value if isinstance(value, jax.core.Tracer) else np.asarray(value, np.float64)[()]
+
+
+def real_numbers(name: str, value: Any) -> np.ndarray:
+    """An argument that is a number, a list or an array as float64.
+
+    Raises
+    ------
+    ValueError
+        If it is something else, or its rows have different lengths.
+    """
+    try:
+        numbers = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        numbers = np.asarray(None)
+    if numbers.dtype.kind not in "fiu":
+        raise ValueError(f"{name} must be a real number or an array of real numbers, not {reprlib.repr(value)}.")
+    return numbers.astype(np.float64)

@@ -1,4 +1,9 @@
-"""NumPy functions inside compiled programs."""
+"""NumPy functions inside compiled programs.
+
+The public ``jax.pure_callback`` makes arrays of JAX of the arguments. That waits for a thread which, with large arrays
+and few cores, waits for the callback: the program would stand still for ever. ``emit_python_callback``, on which it is
+built, hands over NumPy arrays. Only this module uses ``jax.interpreters``, which JAX may change in any release.
+"""
 
 from collections.abc import Callable
 
@@ -7,13 +12,13 @@ import jax.numpy as jnp
 import numpy as np
 from jax.core import ShapedArray
 from jax.extend.core import Primitive
-from jax.interpreters import batching, mlir
+from jax.interpreters import mlir
 
 _on_host = Primitive("on_host")
 
 
 def _silent(function, arrays):
-    """The result of a function; a run that grows beyond all numbers says so by its status."""
+    """The result of a function; a run that overflows reports it by its status."""
     with np.errstate(all="ignore"):
         return function(*arrays)
 
@@ -37,34 +42,15 @@ def _lowered(context, *arguments, function, result):
         context.avals_in,
         context.avals_out,
         has_side_effect=False,
-        returns_token=False,
     )
     return called
 
 
-def _one_by_one(arguments, axes, *, function, result):
-    lanes = next(x.shape[axis] for x, axis in zip(arguments, axes, strict=True) if axis is not None)
-    moved = [x if axis is None else jnp.moveaxis(x, axis, 0) for x, axis in zip(arguments, axes, strict=True)]
-
-    def of_lane(lane):
-        return _on_host.bind(
-            *(x if axis is None else x[lane] for x, axis in zip(moved, axes, strict=True)),
-            function=function,
-            result=result,
-        )
-
-    return jax.lax.map(of_lane, jnp.arange(lanes)), 0
-
-
 mlir.register_lowering(_on_host, _lowered)
-batching.primitive_batchers[_on_host] = _one_by_one
 
 
 def on_host(function: Callable, like: jax.Array, *arguments: jax.Array) -> jax.Array:
     """``function(*arguments)``, of the shape and type of ``like``; lanes are taken one by one.
-
-    ``jax.pure_callback`` does the same, but makes arrays of JAX of the arguments. That waits for a thread which, with
-    large arrays and few cores, waits for the callback: the program would stand still for ever.
 
     Parameters
     ----------
@@ -72,4 +58,7 @@ def on_host(function: Callable, like: jax.Array, *arguments: jax.Array) -> jax.A
         Takes and returns NumPy arrays, and must not keep or change the ones that it is given. It must have no other
         effect that matters: it is called as often as the compiler likes.
     """
-    return _on_host.bind(*arguments, function=function, result=ShapedArray(like.shape, like.dtype))
+    result = ShapedArray(like.shape, like.dtype)
+    return jax.custom_batching.sequential_vmap(lambda *xs: _on_host.bind(*xs, function=function, result=result))(
+        *arguments
+    )

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
-from study.datasets import flags
+from study.io import flags
 from study.observer.crossings import crosses_upwards
 from study.observer.errors import AmplitudeDecay, PeriodError, TrajectoryError
 

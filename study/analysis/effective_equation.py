@@ -3,8 +3,8 @@
 import jax
 import numpy as np
 
-from study.problem.definition import Problem
-from study.scheme.alpha import HHTAlpha
+from study.mechanics.definition import Problem
+from study.scheme.alpha import HHTAlpha1996
 from study.scheme.base import Scheme
 from study.scheme.houbolt import Houbolt
 from study.scheme.newmark import Newmark
@@ -28,7 +28,7 @@ def effective_coefficient(scheme: Scheme) -> float:
     match scheme:
         case Newmark(beta=beta) if beta > 0:
             return beta
-        case HHTAlpha(alpha=alpha, beta=beta):
+        case HHTAlpha1996(alpha=alpha, beta=beta):
             return (1 + alpha) * beta
         case WilsonTheta(theta=theta, beta=beta):
             return beta * theta**2

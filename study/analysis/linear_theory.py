@@ -20,9 +20,10 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Complex, Float
 
+from study.algebra.jit import jit
 from study.marching.arguments import resolve
 from study.marching.program import unlabelled
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 from study.scheme.contract import started, stepped
 from study.scheme.named import schemes
@@ -98,13 +99,17 @@ def _initial_state(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
     return ravel_pytree(state)[0]
 
 
-@eqx.filter_jit
+@partial(jit, compiler=eqx.filter_jit)
 def _at_each(function, scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: jax.Array) -> jax.Array:
     return jax.vmap(partial(function, scheme, damping_ratio=damping_ratio))(dt_over_period)
 
 
 class NumericalMotion(NamedTuple):
-    """Period and damping that follow from the principal roots λ = exp(ω̄Δt (−ξ̄ ± i √(1 − ξ̄²))), each of shape (points,).
+    r"""Period and damping that follow from the principal roots, each of shape (points,).
+
+    .. math::
+
+        \lambda = \exp(\bar\omega\Delta t\,(-\bar\xi \pm i \sqrt{1 - \bar\xi^2}))
 
     All are NaN from the step size on at which the principal roots become real, where nothing oscillates.
 
@@ -115,7 +120,7 @@ class NumericalMotion(NamedTuple):
     algorithmic_damping
         Damping ratio ξ̄; it includes that of the oscillator.
     amplitude_decay
-        Relative loss of amplitude per period, 1 − exp(−2π ξ̄/√(1 − ξ̄²)).
+        Relative loss of amplitude per period, :math:`1 - \exp(-2\pi\bar\xi/\sqrt{1 - \bar\xi^2})`.
     """
 
     period_elongation: Points
@@ -124,7 +129,7 @@ class NumericalMotion(NamedTuple):
 
 
 class LinearTheory:
-    """Linear theory of a scheme at given step sizes.
+    r"""Linear theory of a scheme at given step sizes.
 
     Parameters
     ----------
@@ -142,7 +147,7 @@ class LinearTheory:
     roots
         Their eigenvalues λ, of shape (points, m).
     spectral_radius
-        ρ = max |λ|, of shape (points,).
+        :math:`\rho = \max|\lambda|`, of shape (points,).
 
     Raises
     ------
@@ -228,9 +233,10 @@ class LinearTheory:
         return float(self._radius(np.array([INFINITE]))[0])
 
     def overshoot(self) -> Pairs:
-        """Largest |u| − 1 and |u̇|/ω − 1 in the first 64 steps from u = 1 and u̇ = 0, of shape (2, points).
+        r"""Overshoot of displacement and velocity in the first 64 steps from u = 1 and u̇ = 0, of shape (2, points).
 
-        The exact motion has zero overshoot. NaN at unstable step sizes.
+        It is the largest :math:`|u| - 1` and :math:`|\dot u|/\omega - 1`, zero for the exact motion, and NaN at
+        unstable step sizes.
         """
         state = self._of_each(_initial_state, self._dt_over_period)
         largest = np.ones((2, len(state)))
@@ -258,10 +264,11 @@ class LinearTheory:
         )
 
     def order(self) -> float:
-        """Order of accuracy: that with which the principal roots approach exp(Ω (−ξ ± i √(1 − ξ²))), less one.
+        r"""Order of accuracy: that with which the principal roots approach the exact ones, less one.
 
-        It is fitted to the octave that begins with the finest step size whose error is above round-off. NaN if that
-        octave has fewer than three step sizes.
+        The exact roots are :math:`\exp(\Omega\,(-\xi \pm i \sqrt{1 - \xi^2}))`. The order is fitted to the octave that
+        begins with the finest step size whose error is above round-off. NaN if that octave has fewer than three step
+        sizes.
         """
         omega = 2 * np.pi * self._dt_over_period
         error = np.abs(np.exp(self._principal_logarithm()) - np.exp(self._exponent * omega))

@@ -1,27 +1,35 @@
 """How runs end at step sizes that may be too large."""
 
+import enum
+
 import numpy as np
 import xarray as xr
 from jaxtyping import Float, Int8
 
-from study.datasets import flags
+from study.io import flags
 from study.marching.result import NEWTON_FAILED, NOT_FINITE
-from study.observer.fate import ACCURATE, AT_REST, GROWN
-from study.observer.lyapunov import APART
+from study.observer.diagnostics import APART
+from study.observer.outcome import ACCURATE, AT_REST, GROWN
 
-#: How a run can end, from best to worst.
-OUTCOMES = (
-    "accurate",
-    "bounded",
-    "damped_to_rest",
-    "in_the_wrong_well",
-    "chaotic",
-    "growing",
-    "newton_not_converged",
-    "not_finite",
-)
 
-OUTCOME_ATTRIBUTES = flags("how the run ended", OUTCOMES, np.int8)
+class Outcome(enum.IntEnum):
+    """How a run can end, from best to worst.
+
+    ``ACCURATE``, ``BOUNDED``, ``DAMPED_TO_REST``, ``IN_THE_WRONG_WELL``, ``CHAOTIC``, ``GROWING``,
+    ``NEWTON_NOT_CONVERGED`` and ``NOT_FINITE``, with the values 0 to 7.
+    """
+
+    ACCURATE = 0
+    BOUNDED = 1
+    DAMPED_TO_REST = 2
+    IN_THE_WRONG_WELL = 3
+    CHAOTIC = 4
+    GROWING = 5
+    NEWTON_NOT_CONVERGED = 6
+    NOT_FINITE = 7
+
+
+OUTCOME_ATTRIBUTES = flags("how the run ended", [one.name.lower() for one in Outcome], np.int8)
 
 #: What each outcome of :func:`outcomes` means, for readers of the maps.
 EXPLANATIONS = (
@@ -35,34 +43,34 @@ EXPLANATIONS = (
     "the numbers overflow",
 )
 
-#: A place in ``OUTCOMES`` for each lane, shape (lanes,).
-Places = Int8[np.ndarray, "lanes"]
+#: An :class:`Outcome` for each lane, shape (lanes,).
+Outcomes = Int8[np.ndarray, "lanes"]
 
 #: A time for each lane, shape (lanes,).
 Times = Float[np.ndarray, "lanes"]
 
 #: Outcome decided by each event; later ones override.
 _EVENTS = {
-    "bounded": "inaccurate_from",
-    "damped_to_rest": "at_rest_from",
-    "in_the_wrong_well": "crossed_at",
-    "chaotic": "apart_from",
-    "growing": "grown_from",
+    Outcome.BOUNDED: "inaccurate_from",
+    Outcome.DAMPED_TO_REST: "at_rest_from",
+    Outcome.IN_THE_WRONG_WELL: "crossed_at",
+    Outcome.CHAOTIC: "apart_from",
+    Outcome.GROWING: "grown_from",
 }
 
 
-def outcomes(runs: xr.Dataset) -> tuple[Places, Times]:
+def outcomes(runs: xr.Dataset) -> tuple[Outcomes, Times]:
     """Classify how each run of an ensemble ended.
 
     Parameters
     ----------
     runs
-        Ensemble from :func:`study.run`, observed by ``Fate.of(problem)`` and ``"lyapunov_exponent"``.
+        Ensemble from :func:`study.run`, observed by ``OutcomeObserver.of(problem)`` and ``"lyapunov_exponent"``.
 
     Returns
     -------
     outcome
-        Places in ``study.OUTCOMES``, of shape (lanes,).
+        Values of :class:`study.Outcome`, of shape (lanes,).
     began
         Times at which the outcomes began, of shape (lanes,); NaN for accurate and for failed runs.
 
@@ -79,20 +87,22 @@ def outcomes(runs: xr.Dataset) -> tuple[Places, Times]:
         raise ValueError("outcomes need an ensemble: give study.run an array of u0 or of dt.")
     for name in _EVENTS.values():
         if name not in runs and name != "crossed_at":  # which only problems with a barrier have
-            raise ValueError(f"outcomes need '{name}': observe study.Fate.of(problem) and 'lyapunov_exponent'.")
+            raise ValueError(
+                f"outcomes need '{name}': observe study.OutcomeObserver.of(problem) and 'lyapunov_exponent'."
+            )
     outcome, at = np.zeros(runs.sizes["lane"], np.int8), np.full(runs.sizes["lane"], np.nan)
-    for name, event in _EVENTS.items():
+    for ended, event in _EVENTS.items():
         if event in runs:
             times = runs[event].values
             happened = np.isfinite(times)
-            outcome[happened], at[happened] = OUTCOMES.index(name), times[happened]
-    outcome[runs.status == NEWTON_FAILED] = OUTCOMES.index("newton_not_converged")
-    outcome[runs.status == NOT_FINITE] = OUTCOMES.index("not_finite")
+            outcome[happened], at[happened] = ended, times[happened]
+    outcome[runs.status == NEWTON_FAILED] = Outcome.NEWTON_NOT_CONVERGED
+    outcome[runs.status == NOT_FINITE] = Outcome.NOT_FINITE
     return outcome, at
 
 
 def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndarray:
-    """Classify how runs ended that may be damped and loaded, as places in ``OUTCOMES``, by their balance of energies.
+    """Classify how runs ended that may be damped and loaded, by their balance of energies.
 
     An imbalance of at most 1 % of the energy put in is accurate, one of more than a hundred times that energy growing.
     A run is chaotic if a perturbation grows from round-off to the size of the motion. Rest and wells do not count.
@@ -108,16 +118,15 @@ def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndar
     Returns
     -------
     numpy.ndarray
-        Of the shape of ``runs.status``.
+        Values of :class:`study.Outcome`, of the shape of ``runs.status``.
     """
     status = runs.status.values
     imbalance = runs["max_energy_imbalance"].values if "max_energy_imbalance" in runs else np.full(status.shape, np.nan)
     ends = {
-        "newton_not_converged": status == NEWTON_FAILED,
-        "not_finite": status == NOT_FINITE,
-        "growing": imbalance > 100 * GROWN,
-        "chaotic": np.asarray(growth) > APART * np.log(2),
-        "accurate": imbalance <= 100 * ACCURATE,
+        Outcome.NEWTON_NOT_CONVERGED: status == NEWTON_FAILED,
+        Outcome.NOT_FINITE: status == NOT_FINITE,
+        Outcome.GROWING: imbalance > 100 * GROWN,
+        Outcome.CHAOTIC: np.asarray(growth) > APART * np.log(2),
+        Outcome.ACCURATE: imbalance <= 100 * ACCURATE,
     }
-    places = [OUTCOMES.index(name) for name in ends]
-    return np.select(list(ends.values()), places, OUTCOMES.index("bounded")).astype(np.int8)
+    return np.select(list(ends.values()), list(ends), Outcome.BOUNDED).astype(np.int8)

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from study import datasets
+from study import io
 from study.registry import UnknownName, did_you_mean
 
 #: Datasets that tell what the schemes need on a problem of the study.
@@ -78,14 +78,15 @@ def candidates(
         in_all = steps * periods
         rows[name] = {
             "steps_per_period": steps,
+            "number_of_steps": in_all,
             "error": sizes.sel(scheme=name).values[place] / scale,
             "time": 1e-9 * timed.median_time_per_step.item() * in_all,
             "time_spread": 1e-9 * timed.spread_of_time_per_step.item() * in_all,
-            "force_evaluations": scheme.evaluations.item() * in_all
-            + scheme.evaluations_per_iteration.item() * iterations,
+            "force_evaluations": scheme.forces_per_step.item() * in_all
+            + scheme.forces_per_iteration.item() * iterations,
             "verdict": "found" if place else "already the coarsest step",
         }
-    columns = ["steps_per_period", "error", "time", "time_spread", "force_evaluations", "verdict"]
+    columns = ["steps_per_period", "number_of_steps", "error", "time", "time_spread", "force_evaluations", "verdict"]
     table = pd.DataFrame.from_dict(rows, orient="index", columns=columns).rename_axis("scheme")
     return _with_ties(table)
 
@@ -108,8 +109,8 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
     words = np.array([word.replace("_", " ") for word in one.verdict.flag_meanings.split()])
     table = pd.DataFrame(
         {
-            "dt": one.recommended_dt,
-            "steps": np.round(assessed.attrs["duration"] / one.recommended_dt),
+            "step_size": one.recommended_dt,
+            "number_of_steps": np.round(assessed.attrs["duration"] / one.recommended_dt),
             "error": one.recommended_error,
             "time": one.time,
             "time_spread": one.time_spread,
@@ -122,27 +123,27 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
     return _with_ties(table)
 
 
-def of_the_study(problem: str, error: float, measure: str, periods: float, folder: str | Path) -> pd.DataFrame:
+def of_the_study(problem: str, error: float, quantity: str, periods: float, folder: str | Path) -> pd.DataFrame:
     """The table that :func:`recommend` returns for a problem of the study."""
-    work, accuracy, neighbours = (datasets.open(name, folder) for name in READS)
-    for name, known in ((problem, neighbours.problem.values), (measure, accuracy.measure.values)):
+    work, accuracy, neighbours = (io.open_dataset(name, folder) for name in READS)
+    for name, known in ((problem, neighbours.problem.values), (quantity, accuracy.measure.values)):
         if name not in known:
-            kind = "problem" if name == problem else "measure of error"
+            kind = "problem" if name == problem else "quantity"
             raise UnknownName(f"the work-precision data have no {kind} {name!r}; {did_you_mean(str(name), known)}")
     lengths = neighbours.periods.values.tolist()
     if periods not in lengths:
         raise ValueError(f"periods must be one of those that were run, {', '.join(map(str, lengths))}, not {periods}.")
     if not error > 0:
         raise ValueError(f"error must be greater than zero, not {error}.")
-    table = candidates(accuracy, neighbours, work, problem, error, measure, int(periods))
+    table = candidates(accuracy, neighbours, work, problem, error, quantity, int(periods))
     if table.empty:
-        finest = _sizes(accuracy.sel(problem=problem, periods=periods).isel(steps_per_period=-1), measure).values
+        finest = _sizes(accuracy.sel(problem=problem, periods=periods).isel(steps_per_period=-1), quantity).values
         if np.isnan(finest).all():
-            raise ValueError(f"{measure} is not measured over {periods} periods, which are too short for it.")
+            raise ValueError(f"{quantity} is not measured over {periods} periods, which are too short for it.")
         raise ValueError(
-            f"no scheme keeps {measure} to {error:g} over {periods:g} periods of '{problem}' with up to "
+            f"no scheme keeps {quantity} to {error:g} over {periods:g} periods of '{problem}' with up to "
             f"{accuracy.steps_per_period.values[-1]} steps per period; the smallest error is "
-            f"{np.nanmin(finest) / _scale(accuracy[measure]):.1e}."
+            f"{np.nanmin(finest) / _scale(accuracy[quantity]):.1e}."
         )
     return table
 
@@ -152,9 +153,8 @@ def recommend(
     *,
     error: float,
     quantity: str | None = None,
-    measure: str = "max_trajectory_error",
     periods: float = 100,
-    folder: str | Path = datasets.RESULTS,
+    folder: str | Path = io.RESULTS,
 ) -> pd.DataFrame:
     """List the schemes that keep an error within a bound, the cheapest first.
 
@@ -169,44 +169,42 @@ def recommend(
     what
         Dataset of :func:`study.assess`, or name of a problem of the study.
     error
-        Largest allowed error as a fraction, also for measures in percent: 0.01 is one percent.
+        Largest allowed error as a fraction, also for errors in percent: 0.01 is one percent.
     quantity
-        Quantity of the assessment that must keep the error, by default the first.
-    measure
-        Measure of error, a variable of the dataset ``accuracy``.
+        What must keep the error: a quantity of the assessment, by default the first; of a problem of the study an error
+        of the dataset ``accuracy``, by default ``max_trajectory_error``.
     periods
-        Length of the run in periods, one of those of the dataset ``neighbours``.
+        Length of the run in periods, one of those of the dataset ``neighbours``; only for a problem of the study.
     folder
-        Folder of the results.
+        Folder of the results; only for a problem of the study.
 
     Returns
     -------
     pandas.DataFrame
-        By ``scheme``: the step (of an assessment ``dt`` and ``steps`` of the run, of a problem of the study
-        ``steps_per_period``), the ``error`` at that step, ``time`` of all steps in seconds (a call of :func:`study.run`
-        adds less than a millisecond) with its interquartile range ``time_spread``, ``ties_with_fastest`` where the
-        interquartile ranges of the times meet, ``force_evaluations`` and ``verdict``. Schemes of an assessment for
-        which no step was found are last.
+        By ``scheme``: the step (of an assessment ``step_size``, of a problem of the study ``steps_per_period``), the
+        ``number_of_steps`` of the run, the ``error`` at that step, ``time`` of all steps in seconds (a call of
+        :func:`study.run` adds less than a millisecond) with its interquartile range ``time_spread``,
+        ``ties_with_fastest`` where the interquartile ranges of the times meet, ``force_evaluations`` and ``verdict``.
+        Schemes of an assessment for which no step was found are last.
 
     Raises
     ------
     FileNotFoundError
         If the dataset does not exist; the message gives the command that makes it.
     KeyError
-        If the dataset has no such problem or measure.
+        If the dataset has no such problem or quantity.
     TypeError
         If an argument is no name or no number.
     ValueError
-        If no scheme keeps the error, or no run has the length; the message states what was measured. If a quantity is
-        named for a problem of the study.
+        If no scheme keeps the error, or no run has the length; the message states what was measured.
 
     Examples
     --------
     >>> study.recommend("hardening", error=0.01, periods=100).head(2)  # doctest: +SKIP
-               steps_per_period     error  ...  force_evaluations verdict
-    scheme                                 ...
-    kahan_li8                10  0.003938  ...            17000.0   found
-    rk4                      96  0.007372  ...            38400.0   found
+               steps_per_period  number_of_steps  ...  force_evaluations verdict
+    scheme                                        ...
+    kahan_li8                10             1000  ...            17000.0   found
+    rk4                      96             9600  ...            38400.0   found
     """
     for name, number in (("error", error), ("periods", periods)):
         if isinstance(number, bool) or not isinstance(number, int | float | np.number):
@@ -218,6 +216,4 @@ def recommend(
             "recommend takes the name of a problem of the study, or the dataset that study.assess returns for a "
             f"problem of your own, not a {type(what).__name__}."
         )
-    if quantity is not None:
-        raise ValueError("quantity names one of an assessment; for a problem of the study give measure=.")
-    return of_the_study(what, error, measure, periods, folder)
+    return of_the_study(what, error, quantity or "max_trajectory_error", periods, folder)

@@ -16,15 +16,15 @@ from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.ladder import ENERGY, Ladder
 from study.assessment.solution import DenseSolution
-from study.datasets import processor
-from study.equilibrium.balance import acceleration
+from study.io import processor
 from study.marching.arguments import resolve
 from study.marching.ensemble import cores
 from study.marching.run import run
+from study.mechanics.balance import acceleration
+from study.mechanics.definition import Problem
+from study.mechanics.frequencies import frequencies
+from study.mechanics.loads import excited
 from study.observer.motion import Quantity
-from study.problem.definition import Problem
-from study.problem.frequencies import frequencies
-from study.problem.loads import excited
 from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.contract import check_told
@@ -37,7 +37,7 @@ USUAL = (
     "newmark_dissipative",
     "wilson_theta",
     "houbolt",
-    "hht_alpha_one_force",
+    "hht_alpha",
     "generalized_alpha",
     "bathe",
     "rho_bathe",

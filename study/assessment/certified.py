@@ -1,29 +1,30 @@
-"""The certified reference of a problem: two routes that share nothing, tightened until they agree."""
+"""The certified reference of a problem: its two routes, tightened until they agree."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-from study.assessment import errors, ladder, oscillation, solution
+from study.assessment import errors, ladder, oscillation
 from study.assessment.errors import Target
 from study.assessment.ladder import Case
 from study.assessment.oscillation import Oscillation
-from study.assessment.solution import DenseSolution, NoReference, Route
+from study.assessment.reference import NoReference, Reference, Route
+from study.assessment.solution import DenseSolution
+from study.mechanics.definition import Problem
+from study.mechanics.loads import excited
 from study.observer.motion import Quantity
-from study.problem.definition import Problem
-from study.problem.loads import excited
 
 #: Uncertainty of the reference that is aimed at, as a part of the smallest error asked for, and the most that is taken.
 AIMED, ACCEPTED = 1 / 100, 1 / 10
 
-#: Error of the interpolant that is aimed at on a free oscillator of one unknown, where points are cheap.
-OF_FREE_OSCILLATOR = 1e-8
+#: Relative tolerances of the routes, from the first try to the last.
+TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
 
 #: Least part of the duration that a reference must hold.
 SHORTEST = 0.05
 
 
-class Reference(NamedTuple):
+class Certified(NamedTuple):
     """The solution, what it says, how far it is to be trusted, and until when."""
 
     solution: DenseSolution
@@ -48,25 +49,6 @@ def _holds(
     return float(min(ends))
 
 
-def _on_a_grid(
-    problem: Problem, routes: tuple[Route, Route], grid: solution.Times, rtol: float, tightest: float
-) -> tuple[DenseSolution, DenseSolution, solution.Times]:
-    """Solutions of both routes, and a grid fine enough for the interpolant of the first one.
-
-    The second solution has points between any two of the first, so that their difference tells of the interpolant.
-    """
-    free = not np.ndim(problem.u0) and problem.conservative
-    goal = min(AIMED * tightest, OF_FREE_OSCILLATOR) if free else AIMED * tightest
-    for _ in range(solution.GRIDS):
-        one = solution.solution_by(routes[0], problem, grid, rtol)
-        other = solution.solution_by(routes[1], problem, solution.with_points_between(grid), rtol)
-        finer = solution.refined(one, other, goal)
-        if len(finer) == len(grid):
-            break
-        grid = finer
-    return one, other, grid
-
-
 def certified(
     problem: Problem,
     duration: float,
@@ -74,7 +56,7 @@ def certified(
     tightest: float,
     coarsest: float,
     periodic: bool,
-) -> Reference:
+) -> Certified:
     """The reference, from two routes whose tolerance is tightened until they agree.
 
     Raises
@@ -84,13 +66,12 @@ def certified(
     ValueError
         If the problem has no motion.
     """
-    kinks = solution.kinks_of(problem, duration)
-    route, witness = solution.routes_of(problem, duration, kinks)
-    grid = solution.grid_of(problem, duration, coarsest, kinks)
+    reference = Reference(problem, duration)
+    (route, witness), grid = reference.routes, reference.grid(coarsest)
     reached: tuple | None = None
-    for rtol in solution.TOLERANCES:
+    for rtol in TOLERANCES:
         try:
-            one, other, grid = _on_a_grid(problem, (route, witness), grid, rtol, tightest)
+            one, other, grid = reference.solutions(grid, rtol, AIMED * tightest)
         except (ValueError, RuntimeError) as error:
             if reached is None:
                 raise NoReference(f"no reference of '{problem.title}' was found: {error}") from error
@@ -113,23 +94,17 @@ def certified(
                 f"tolerance of {rtol:g}, and agree to {AIMED * tightest:.1e} only up to t = {horizon:.4g}: allow a "
                 "larger error or a shorter duration."
             )
-        one, other = (_until(s, horizon) for s in (one, other))
+        one, other = (s.until(horizon) for s in (one, other))
         apart = {name: errors.difference(q, problem, one, other)[0] for name, q in quantities.items()}
     targets = {name: errors.target(q, problem, one) for name, q in quantities.items()}
     swing, of_witness = (oscillation.oscillation(problem, s) if periodic else None for s in (one, other))
     if swing is not None and of_witness is not None:
         apart |= oscillation.uncertainties(swing, of_witness, max(apart.values()))
-    return Reference(one, targets, swing, apart, route, witness, rtol, horizon)
-
-
-def _until(whole: DenseSolution, end: float) -> DenseSolution:
-    """A solution up to a time of its grid."""
-    count = int(np.searchsorted(whole.t, end, side="right"))
-    return DenseSolution(*(part[:count] for part in whole))
+    return Certified(one, targets, swing, apart, route, witness, rtol, horizon)
 
 
 def cases_of(
-    problem: Problem, reference: Reference, quantities: dict[str, Quantity], tightest: float
+    problem: Problem, reference: Certified, quantities: dict[str, Quantity], tightest: float
 ) -> dict[float, Case]:
     """The problem and its neighbours, each with its own reference.
 
@@ -141,12 +116,11 @@ def cases_of(
     cases = {1.0: Case(problem, reference.solution, reference.targets, reference.oscillation)}
     for factor in ladder.STARTS:
         neighbour = excited(problem, factor, displaced=True)
-        kinks = solution.kinks_of(neighbour, reference.horizon)
-        routes = solution.routes_of(neighbour, reference.horizon, kinks)
-        # its kinks have times of their own, and so has what is fast in its motion
-        grid = solution.with_kinks(reference.solution.t, kinks) if problem.kinked else reference.solution.t
+        own, grid = Reference(neighbour, reference.horizon), reference.solution.t
+        if problem.kinked or problem.history is not None:  # its kinks have times of their own
+            grid = own.with_kinks(grid)
         try:
-            one, *_ = _on_a_grid(neighbour, routes, grid, reference.rtol, tightest)
+            one, *_ = own.solutions(grid, reference.rtol, AIMED * tightest)
         except (ValueError, RuntimeError) as error:
             raise NoReference(
                 f"no reference of a start one percent from that of '{problem.title}' was found: {error}"

@@ -6,14 +6,14 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
 from study.assessment import ladder
 from study.assessment.ladder import Ladder, Recommendation
-from study.datasets import flags
+from study.io import flags
 from study.marching.timing import Timed
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
-from study.scheme.remembering import Remembering
+from study.scheme.wrapper.with_history import WithHistory
 
 #: Timed runs of a recommended step, the seconds that suffice for each, and the most steps that short runs are given.
 REPEATS, ENOUGH, MOST_TIMED = 5, 0.02, 20_000
@@ -106,8 +106,8 @@ def dataset_of(
             how[at], accidents[at] = verdict.how, verdict.accidents
             if verdict.steps > 0:
                 run = one.rungs.run(verdict.steps)
-                marched = scheme if problem.history is None else Remembering(scheme)
-                per_step = marched.evaluations + marched.evaluations_per_iteration * run.iterations
+                marched = scheme if problem.history is None else WithHistory(scheme)
+                per_step = marched.forces_per_step + marched.forces_per_iteration * run.iterations
                 dt[at], (time[at], spread[at]) = duration / verdict.steps, times.get(verdict.steps, (np.nan,) * 2)
                 forces[at], reached[at] = verdict.steps * per_step, run.errors[quantity]
     runs, verdicts = ("scheme", "dt"), ("scheme", "quantity", "allowed_error")
@@ -143,7 +143,7 @@ def dataset_of(
             "quantity": ("quantity", names, {"long_name": "what must be right"}),
             "allowed_error": ("allowed_error", allowed, {"long_name": "largest error allowed", "units": "1"}),
         },
-        datasets.provenance(f"Which scheme and which step for the {problem.title}", "study.assess"),
+        io.provenance(f"Which scheme and which step for the {problem.title}", "study.assess"),
     )
     parts = {name: one.map for name, one in found.items() if one.map is not None}
     if parts:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import equinox as eqx
@@ -11,9 +12,10 @@ import numpy as np
 import xarray as xr
 from jaxtyping import Float
 
+from study.algebra.jit import jit
 from study.assessment.solution import DenseSolution, Times
+from study.mechanics.definition import Problem
 from study.observer.motion import Quantity
-from study.problem.definition import Problem
 
 #: Points between two of the reference at which a quantity is evaluated.
 FINER = 8
@@ -55,7 +57,7 @@ def named(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:
     return {name: replace(q, name=f"{PREFIX}{name}", long_name=name) for name, q in quantities.items()}
 
 
-@eqx.filter_jit
+@partial(jit, compiler=eqx.filter_jit)
 def _evaluated(quantity, problem, t, u, v):
     return jax.vmap(lambda *at: jnp.atleast_1d(quantity.value(problem, *at)).astype(float))(t, u, v)
 

@@ -8,10 +8,9 @@ import xarray as xr
 from typing_extensions import TypedDict
 
 from study.assessment.assess import assess, length_of
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Name, Schemes, Size, Tolerances, section
-from study.problem.definition import Problem
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Name, Place, ProblemPlace, Schemes, Size, Tolerances, section
+from study.mechanics.definition import Problem
 from study.problem.named import problems
 from study.registry import UnknownName
 from study.user_files import load
@@ -19,9 +18,9 @@ from study.user_files import load
 
 @section
 class _Assessment(TypedDict):
-    problem: str
+    problem: ProblemPlace
     duration: NotRequired[Size]
-    quantities: NotRequired[str]
+    quantities: NotRequired[Place]
     schemes: NotRequired[Schemes]
     errors: NotRequired[Tolerances]
 
@@ -66,10 +65,10 @@ def _problem(place: str) -> Problem:
     timed=True,
 )
 def assessment(
-    problem: str,
+    problem: ProblemPlace,
     duration: float | None = None,
-    quantities: str | None = None,
-    schemes: Sequence[str] | None = None,
+    quantities: Place | None = None,
+    schemes: Schemes | None = None,
     errors: Sequence[float] = (0.1, 0.01, 0.001),
 ) -> xr.Dataset:
     """Assess a problem in a file, or one of the study: which scheme and which step it needs for an error.

@@ -3,12 +3,12 @@
 import numpy as np
 import xarray as xr
 
-from study.analysis.outcomes import OUTCOME_ATTRIBUTES, OUTCOMES, outcomes_of_balance
+from study.analysis.outcomes import OUTCOME_ATTRIBUTES, Outcome, outcomes_of_balance
 from study.marching.failure import likely_cause
 from study.marching.result import NEWTON_FAILED, NOT_FINITE
 from study.marching.run import run
-from study.problem.definition import Problem
-from study.problem.loads import excited
+from study.mechanics.definition import Problem
+from study.mechanics.loads import excited
 from study.scheme.base import Scheme
 
 #: Multiples of start and load, and of the coarsest step of a ladder, at which runs are made.
@@ -16,17 +16,17 @@ EXCITATIONS = (0.25, 0.5, 1.0, 2.0, 4.0)
 STEPS = tuple(2.0**-power for power in range(-1, 7))
 
 #: Outcomes of runs that may be trusted: their energy stays bounded and neighbours stay together.
-SAFE = ("accurate", "bounded")
+SAFE = (Outcome.ACCURATE, Outcome.BOUNDED)
 
 
-def _cure(problem: Problem, scheme: Scheme, outcome: str, dt: float) -> str:
+def _cure(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
     """Why runs end like this at a step, and what helps, in a sentence or two."""
-    if outcome == "chaotic":
+    if outcome == Outcome.CHAOTIC:
         return (
             "Neighbouring runs part exponentially, so that a long run holds in its statistics only. If finer steps do "
             "not show this, the step makes it; otherwise the problem does."
         )
-    cause = likely_cause(problem, scheme, NEWTON_FAILED if outcome == "newton_not_converged" else NOT_FINITE, dt)
+    cause = likely_cause(problem, scheme, NEWTON_FAILED if outcome == Outcome.NEWTON_NOT_CONVERGED else NOT_FINITE, dt)
     return cause[0].upper() + cause[1:]
 
 
@@ -62,14 +62,14 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float) -
         )
         outcome[e] = outcomes_of_balance(runs, runs.lyapunov_exponent.values * duration)
         exponent[e], iterations[e] = runs.lyapunov_exponent, runs.max_newton_iterations
-    safe = np.isin(outcome, [OUTCOMES.index(name) for name in SAFE])[np.array(EXCITATIONS) <= 1].all(axis=0)
+    safe = np.isin(outcome, SAFE)[np.array(EXCITATIONS) <= 1].all(axis=0)
     unsafe = np.flatnonzero(~safe)
     largest, why = duration / steps[0], "No run of the map fails."
     if unsafe.size:
         last = unsafe[-1]
         largest = duration / steps[last + 1] if last + 1 < len(steps) else np.nan
         ends = outcome[np.array(EXCITATIONS) <= 1, last]
-        why = _cure(problem, scheme, OUTCOMES[ends.max()], duration / steps[last])
+        why = _cure(problem, scheme, ends.max(), duration / steps[last])
     dims = ("excitation", "map_dt")
     return xr.Dataset(
         {

@@ -10,8 +10,8 @@ from study.assessment.errors import Target
 from study.assessment.oscillation import Oscillation
 from study.assessment.solution import DenseSolution
 from study.marching.run import run
+from study.mechanics.definition import Problem
 from study.observer.base import Observer
-from study.problem.definition import Problem
 from study.problem.named import neighbouring_starts
 from study.scheme.base import Scheme
 

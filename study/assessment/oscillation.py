@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from study.assessment.solution import DenseSolution
+from study.mechanics.definition import Problem
 from study.observer.errors import AmplitudeDecay, PeriodError
-from study.problem.definition import Problem
 
 #: Names of the quantities, and the variables that hold their errors.
 QUANTITIES = {"period": "period_elongation", "phase": "phase_error", "amplitude": "amplitude_decay"}

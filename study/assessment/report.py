@@ -1,6 +1,5 @@
 """``study.report``: an assessment as one page of HTML that needs nothing else."""
 
-import html
 import io
 import sys
 from collections.abc import Iterable
@@ -11,10 +10,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from study.analysis.outcomes import OUTCOMES
+from study.analysis.outcomes import Outcome
 from study.analysis.recommendation import of_assessment
 from study.assessment.style import STYLE
-from study.writing import whole
+from study.io import write
+from study.words import document, number, text_of
 
 #: Colours that differ in greyscale and for the colour-blind, and markers that tell more curves apart.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
@@ -24,12 +24,12 @@ MARKERS = "osD^vPX<>*"
 WORST = 10.0
 
 #: Greys of outcomes from best to worst, and a letter for each.
-SHADES = np.linspace(1.0, 0.25, len(OUTCOMES))
+SHADES = np.linspace(1.0, 0.25, len(Outcome))
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
 
 
 def _percent(fraction: float) -> str:
-    return f"{100 * fraction:.3g} %"
+    return f"{number(100 * fraction)} %"
 
 
 def _time(seconds: float) -> str:
@@ -39,17 +39,13 @@ def _time(seconds: float) -> str:
     return f"{seconds * 1e9:.3g} ns"
 
 
-def _text(value: object) -> str:
-    return html.escape(str(value))
-
-
 def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
     """A table; the columns in ``text`` hold sentences."""
-    cells = "".join(f"<th>{_text(one)}</th>" for one in head)
+    cells = "".join(f"<th>{text_of(one)}</th>" for one in head)
     body = "".join(
         "<tr>"
         + "".join(
-            f'<td class="text">{_text(c)}</td>' if i in text else f"<td>{_text(c)}</td>" for i, c in enumerate(row)
+            f'<td class="text">{text_of(c)}</td>' if i in text else f"<td>{text_of(c)}</td>" for i, c in enumerate(row)
         )
         + "</tr>"
         for row in rows
@@ -60,7 +56,7 @@ def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     """The recommendation for one quantity and error, in one or two sentences."""
     table = of_assessment(assessed, error, quantity)
-    found = table[table["dt"].notna()]
+    found = table[table["step_size"].notna()]
     if found.empty:
         reasons = ", ".join(sorted(set(table.verdict)))
         return f"No scheme was found to keep {_percent(error)} of {quantity}: {reasons}."
@@ -68,8 +64,8 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     best = next(found.itertuples())
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
     sentence = (
-        f"For {_percent(error)} of {quantity}: {titles[best.Index]} with Δt = {best.dt:.4g} s "
-        f"({best.steps:.0f} steps{f', {_time(best.time)}' if best.time > 0 else ''})."
+        f"For {_percent(error)} of {quantity}: {titles[best.Index]} with Δt = {best.step_size:.4g} s "
+        f"({best.number_of_steps:.0f} steps{f', {_time(best.time)}' if best.time > 0 else ''})."
     )
     if best.verdict == "already the coarsest step":
         sentence += " This is already the coarsest step that was tried."
@@ -153,18 +149,18 @@ def figure_of(svg: str, caption: str) -> str:
     """A figure with its caption."""
     if not svg:
         return "<p>No run has an error above zero.</p>"
-    return f'<figure><div class="scroll">{svg}</div><figcaption>{_text(caption)}</figcaption></figure>'
+    return f'<figure><div class="scroll">{svg}</div><figcaption>{text_of(caption)}</figcaption></figure>'
 
 
 def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
     rows = [
         (
             titles[row.Index],
-            "–" if np.isnan(row.dt) else f"{row.dt:.4g}",
-            "–" if np.isnan(row.dt) else f"{row.steps:.0f}",
-            "–" if np.isnan(row.dt) else _percent(row.error),
+            "–" if np.isnan(row.step_size) else f"{row.step_size:.4g}",
+            "–" if np.isnan(row.step_size) else f"{row.number_of_steps:.0f}",
+            "–" if np.isnan(row.step_size) else _percent(row.error),
             "–" if np.isnan(row.time) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
-            "–" if np.isnan(row.dt) else f"{row.force_evaluations:.0f}",
+            "–" if np.isnan(row.step_size) else f"{row.force_evaluations:.0f}",
             row.verdict + (f"; coarser ones that keep it, but not reliably: {row.accidents}" if row.accidents else ""),
         )
         for row in table.itertuples()
@@ -178,18 +174,18 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
     quantities, limits = assessed.quantity.values.tolist(), assessed.allowed_error.values
     parts = ['<div class="answer">']
-    parts += [f"<p>{_text(answer(assessed, q, limit))}</p>" for q in quantities for limit in limits]
+    parts += [f"<p>{text_of(answer(assessed, q, limit))}</p>" for q in quantities for limit in limits]
     parts.append("</div>")
     held = attributes["duration"]
     if limits_of_reference(assessed):
-        parts.append(f"<p>{_text(limits_of_reference(assessed))}</p>")
+        parts.append(f"<p>{text_of(limits_of_reference(assessed))}</p>")
     if assessed.recommended_dt.notnull().any():
         parts.append(
             f"<p>Every step that is recommended was run, over {held:.4g} s. Every finer step that was run, among them "
-            f"six up to 1.6 times as fine, keep the error too. {_text(attributes['starts'])}</p>"
+            f"six up to 1.6 times as fine, keep the error too. {text_of(attributes['starts'])}</p>"
         )
     for quantity in quantities:
-        parts.append(f"<h2>Error of {_text(quantity)}</h2>")
+        parts.append(f"<h2>Error of {text_of(quantity)}</h2>")
         values = assessed.error.sel(quantity=quantity)
         caption = (
             f"Every run, those of the ladder joined; dashed, the errors asked for. {quantity}, relative to its peak."
@@ -213,7 +209,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     if "outcome" in assessed:
         used = {int(place) for place in np.unique(assessed.outcome)}
         legend = "; ".join(
-            f"{LETTERS[i] or 'white'}: {OUTCOMES[i].replace('_', ' ')}" for i in range(len(OUTCOMES)) if i in used
+            f"{LETTERS[one] or 'white'}: {one.name.lower().replace('_', ' ')}" for one in Outcome if one in used
         )
         parts += [
             "<h2>How it fails</h2>",
@@ -233,9 +229,9 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     parts.append("<h2>The reference</h2>")
     told = {quantity: _percent(float(assessed.reference_uncertainty.sel(quantity=quantity))) for quantity in quantities}
     parts.append(
-        f"<p>{_text(attributes['reference'])} and, independent of it, {_text(attributes['witness'])}, both with a "
+        f"<p>{text_of(attributes['reference'])} and, independent of it, {text_of(attributes['witness'])}, both with a "
         f"relative tolerance of {attributes['reference_tolerance']:g}. They differ by "
-        f"{_text(', '.join(f'{value} of {name}' for name, value in told.items()))}.</p>"
+        f"{text_of(', '.join(f'{value} of {name}' for name, value in told.items()))}.</p>"
     )
     return parts
 
@@ -245,35 +241,18 @@ def made_by(attributes: dict) -> list[str]:
     parts = ["<h2>What made this</h2><dl>"]
     for key in ("version", "commit", "packages", "python", "processor", "not_fit"):
         if attributes.get(key):
-            parts.append(f"<dt>{_text(key.replace('_', ' '))}</dt><dd>{_text(attributes[key])}</dd>")
+            parts.append(f"<dt>{text_of(key.replace('_', ' '))}</dt><dd>{text_of(attributes[key])}</dd>")
     parts.append("</dl>")
     if attributes.get("command"):
-        parts.append(f"<p>To run it again:</p><pre>{_text(attributes['command'])}</pre>")
+        parts.append(f"<p>To run it again:</p><pre>{text_of(attributes['command'])}</pre>")
     return parts
-
-
-def document(title: str, parts: Iterable[str]) -> str:
-    """A page of HTML."""
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{_text(title)}</title><style>{STYLE}</style></head>"
-        f"<body><h1>{_text(title)}</h1>{''.join(parts)}</body></html>\n"
-    )
 
 
 def page(assessed: xr.Dataset) -> str:
     """The page of an assessment as HTML."""
     if not isinstance(assessed, xr.Dataset) or "recommended_dt" not in assessed:
         raise ValueError("report takes a dataset of study.assess.")
-    return document(assessed.attrs["title"], [*judgement(assessed), *made_by(assessed.attrs)])
-
-
-def write_page(text: str, path: str | Path) -> Path:
-    """Write a page whole or not at all."""
-    with whole(path) as unfinished:
-        unfinished.write_text(text, encoding="utf-8")
-    return Path(path)
+    return document(assessed.attrs["title"], [*judgement(assessed), *made_by(assessed.attrs)], STYLE)
 
 
 def report(assessed: xr.Dataset, path: str | Path) -> Path:
@@ -293,7 +272,8 @@ def report(assessed: xr.Dataset, path: str | Path) -> Path:
     OSError
         If the file cannot be written.
     """
-    return write_page(page(assessed), path)
+    write(page(assessed), path)
+    return Path(path)
 
 
 if __name__ == "__main__":

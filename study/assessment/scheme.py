@@ -6,15 +6,17 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
 from study.analysis.linear_theory import LinearTheory
 from study.assessment.assess import assess
-from study.assessment.report import COLOURS, MARKERS, document, figure_of, judgement, made_by, svg_of, table_of
-from study.datasets import processor
+from study.assessment.report import COLOURS, MARKERS, figure_of, judgement, made_by, svg_of, table_of
+from study.assessment.style import STYLE
+from study.io import processor
 from study.marching.arguments import resolve
 from study.scheme.base import Scheme
 from study.scheme.contract import check_told
 from study.scheme.named import schemes
+from study.words import document
 
 #: Schemes beside which one is put, and problems on which all of them run, with the time in seconds if it is needed.
 BESIDE = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
@@ -100,7 +102,7 @@ def assess_scheme(
     chosen = {name: own} | {other: schemes[other] for other in others if schemes[other] is not own}
     durations = problems if isinstance(problems, Mapping) else dict.fromkeys(problems)
     linear = _linear(chosen)
-    linear.attrs = datasets.provenance(f"{own.title} beside other schemes", "study.assess_scheme")
+    linear.attrs = io.provenance(f"{own.title} beside other schemes", "study.assess_scheme")
     linear.attrs["processor"] = processor()
     found = {
         problem: assess(problem, chosen, duration=duration, errors=errors) for problem, duration in durations.items()
@@ -151,4 +153,4 @@ def scheme_page(assessed: SchemeAssessment) -> str:
     parts.append(figure_of(_curve(linear, "period_elongation", (-0.5, 1.0)), "Elongation of the period."))
     for one in assessed.problems.values():
         parts += [f"<h2>{one.attrs['problem']}</h2>", *judgement(one)]
-    return document(linear.attrs["title"], [*parts, *made_by(linear.attrs)])
+    return document(linear.attrs["title"], [*parts, *made_by(linear.attrs)], STYLE)

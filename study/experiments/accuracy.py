@@ -5,23 +5,22 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
 from study.analysis.comparison import against, flagged, uncertainties
+from study.declaration.checks import unlisted
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import RisingCounts, Schemes, Springs
+from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.observer.effort import NewtonIterations
+from study.mechanics.definition import Problem
+from study.observer.diagnostics import NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
-from study.pipeline import coordinates
-from study.pipeline.checks import unlisted
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import RisingCounts, Schemes, Springs
-from study.problem.definition import Problem
 from study.problem.named import problems as problems_by_name
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = 2 * len(options["problems"]) * len(options["schemes"])
+    runs = len(options["problems"]) * len(options["schemes"])
     return runs * sum(options["steps_per_period"]) * sum(options["periods"])
 
 
@@ -52,7 +51,7 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
     ValueError
         If a reference lacks the phases of a step size.
     """
-    motions = [(problems_by_name[problem], datasets.open(f"reference/{problem}")) for problem in problems]
+    motions = [(problems_by_name[problem], io.open_dataset(f"reference/{problem}")) for problem in problems]
     errors = errors_of(motions, schemes, steps_per_period, periods)
     return errors.assign_coords(coordinates.problem_coordinates(problems)).assign_attrs(
         title="Accuracy of the schemes against the exact solution"

@@ -5,23 +5,22 @@ runs. Both come from one march, because compiling a second one takes as long as 
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
 from typing_extensions import TypedDict
 
-from study import datasets
+from study import io
 from study.analysis.outcomes import EXPLANATIONS, OUTCOME_ATTRIBUTES, outcomes
-from study.equilibrium.newton import MAX_ITERATIONS
+from study.declaration.checks import step_beyond_run
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, PowersOfTen, SchemeName, Schemes, Springs, section
+from study.experiments import coordinates
 from study.marching.result import NEWTON_FAILED
 from study.marching.run import run
-from study.observer.fate import Fate, Height
-from study.pipeline import coordinates
-from study.pipeline.checks import step_beyond_run
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, PowersOfTen, Schemes, Springs, section
+from study.mechanics.newton import MAX_ITERATIONS
+from study.observer.outcome import Height, OutcomeObserver
 from study.problem.named import problems as problems_by_name
 
 #: Part of a period by which consecutive samples move around an orbit, as nearly as the steps allow. The golden section
@@ -134,8 +133,8 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
     values=_numbers_held,
 )
 def atlas(
-    scheme: str,
-    problems: Sequence[str],
+    scheme: SchemeName,
+    problems: Springs,
     dt_over_period: dict[str, float],
     periods: int,
     portraits: dict[str, int],
@@ -175,7 +174,7 @@ def atlas(
     """
     if not 0 <= tile < tiles:
         raise ValueError(f"there is no tile {tile} among {tiles}: the first is 0, the last {tiles - 1}.")
-    exact = datasets.open("reference/amplitudes").sel(problem=list(problems))
+    exact = io.open_dataset("reference/amplitudes").sel(problem=list(problems))
     own = np.array_split(np.arange(exact.sizes["amplitude"]), tiles)[tile]
     sampled = _sampled(own, exact.sizes["amplitude"], portraits["points"])
     exact = exact.isel(amplitude=own)
@@ -193,7 +192,7 @@ def atlas(
     for problem in problems:
         progress(f"stability of {scheme} on {problem}")
         definition, of_problem = problems_by_name[problem], exact.sel(problem=problem)
-        u0, period, fate = of_problem.u0.values, of_problem.period.values, Fate.of(definition)
+        u0, period, observer = of_problem.u0.values, of_problem.period.values, OutcomeObserver.of(definition)
         for part, apart, early_apart, is_sampled in zip(parts, every, early_every, sampled_parts, strict=True):
             runs = run(
                 definition,
@@ -201,7 +200,7 @@ def atlas(
                 dt=part * period,
                 steps=round(periods / part),
                 u0=u0,
-                observe=[fate, "lyapunov_exponent", "trajectory", Height(fate.rest)],
+                observe=[observer, "lyapunov_exponent", "trajectory", Height(observer.rest)],
                 every=int(apart),
                 samples=portraits["samples"],
                 on_failure="ignore",

@@ -5,11 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, RecordedSteps, SchemeName, Spring, StepSizes, Tolerance
 from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, RecordedSteps, SchemeName, Spring, StepSizes, Tolerance
 from study.problem.named import problems as problems_by_name
 
 #: Distance from which on a perturbation counts as of order one.

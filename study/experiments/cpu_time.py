@@ -2,17 +2,17 @@
 
 from collections.abc import Mapping
 
+import jax
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, Repeats, Schemes, Springs
+from study.experiments import coordinates
 from study.marching.timing import Timed
 from study.observer.energy import MaxEnergyError
-from study.pipeline import coordinates
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Repeats, Schemes, Springs
-from study.problem.named import printed_periods
+from study.problem.named import approximate_periods
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
@@ -30,14 +30,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
     return len(options["problems"]) * len(options["schemes"]) * options["steps"] * options["repeats"]
 
 
-@experiment(
-    "cpu_time",
-    steps=_number_of_steps,
-    check=_check,
-    timed=True,
-    # the compile time is measured too, so no program may come from the cache of an earlier process
-    environment={"JAX_ENABLE_COMPILATION_CACHE": "false"},
-)
+@experiment("cpu_time", steps=_number_of_steps, check=_check, timed=True)
 def cpu_time(
     problems: Springs, schemes: Schemes, steps_per_period: Count, steps: Count, repeats: Repeats
 ) -> xr.Dataset:
@@ -47,6 +40,8 @@ def cpu_time(
     T the period printed by Xie (1996) and N = ``steps_per_period``. Times of a step have the shape
     (problem, scheme, repeat), in nanoseconds.
     """
+    # no program may come from the cache of an earlier process, because the compile time is measured too
+    jax.config.update("jax_enable_compilation_cache", False)
     shape = (len(problems), len(schemes))
     compile_time, elapsed = np.empty(shape), np.empty((*shape, repeats))
     for p, problem in enumerate(problems):
@@ -55,7 +50,7 @@ def cpu_time(
         compile_time[p] = [one.compile_time for one in timed]
         for repeat in range(repeats):
             for s, one in enumerate(timed):
-                elapsed[p, s, repeat], _ = one.run(printed_periods[problem] / steps_per_period, steps)
+                elapsed[p, s, repeat], _ = one.run(approximate_periods[problem] / steps_per_period, steps)
     per_step = 1e9 * elapsed / steps
     quartiles = np.quantile(per_step, [0.25, 0.5, 0.75], axis=-1)
     ratio = np.quantile(per_step / per_step[:, [list(schemes).index(BASELINE)]], [0.25, 0.5, 0.75], axis=-1)
@@ -86,6 +81,6 @@ def cpu_time(
         attrs={
             "title": f"Time of {steps} steps at T/{steps_per_period} with the energy observed",
             "steps": steps,
-            "processor": datasets.processor(),
+            "processor": io.processor(),
         },
     )

@@ -11,14 +11,13 @@ import xarray as xr
 from annotated_types import Ge, Le
 from typing_extensions import TypedDict
 
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import IN_ORDER, Count, SchemeName, Spring, section
+from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.observer.crossings import crosses_upwards
-from study.pipeline import coordinates
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import IN_ORDER, Count, SchemeName, Spring, section
-from study.problem.named import printed_periods
+from study.problem.named import approximate_periods
 
 
 def _steps_per_oscillation(u: np.ndarray, oscillations: int) -> float:
@@ -82,7 +81,7 @@ def energy_drift(
     lanes = run(
         problem,
         scheme,
-        dt=printed_periods[problem] / parts,
+        dt=approximate_periods[problem] / parts,
         steps=steps.max().item(),
         observe=["trajectory", "energy_error"],
         on_failure="ignore",

@@ -5,12 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, Counts, Schemes, Springs
+from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.pipeline import coordinates
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Counts, Schemes, Springs
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:

@@ -5,12 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, Counts, Springs
+from study.experiments import coordinates
 from study.marching.run import run
-from study.pipeline import coordinates
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Counts, Springs
-from study.problem.named import printed_periods
+from study.problem.named import approximate_periods
 from study.scheme.houbolt import Houbolt, starts
 
 
@@ -31,7 +30,7 @@ def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -
         progress(f"starts of Houbolt's method on {problem}")
         for s, start in enumerate(starts):
             for k, steps in enumerate(steps_per_period):
-                dt = printed_periods[problem] / steps
+                dt = approximate_periods[problem] / steps
                 ds = run(
                     problem,
                     Houbolt(start_by=start),

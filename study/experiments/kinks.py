@@ -5,12 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, Kinked, RisingCounts, Schemes
+from study.experiments import coordinates
 from study.marching.run import run
-from study.pipeline import coordinates
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Kinked, RisingCounts, Schemes
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
@@ -65,7 +64,7 @@ def kinks(
     run fails, or where a scheme takes its force from a potential and the force dissipates. The observed
     order is the slope of its logarithm over that of the step.
     """
-    reference = datasets.open("reference/inelastic")
+    reference = io.open_dataset("reference/inelastic")
     shape = (len(problems), len(schemes), len(steps_per_period))
     error, imbalance, iterations = (np.full(shape, np.nan) for _ in range(3))
     order = np.full(shape[:2], np.nan)

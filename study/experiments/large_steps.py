@@ -5,14 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from study.declaration.checks import step_beyond_run
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, Schemes, Sizes, Springs
+from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.pipeline import coordinates
-from study.pipeline.checks import step_beyond_run
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Schemes, Sizes, Springs
-from study.problem.named import printed_periods
+from study.problem.named import approximate_periods
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
@@ -42,7 +41,7 @@ def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, peri
                 ds = run(
                     problem,
                     scheme,
-                    dt=printed_periods[problem] * part,
+                    dt=approximate_periods[problem] * part,
                     steps=round(periods / part),
                     observe=["max_energy_error", "energy_drift"],
                     on_failure="ignore",

@@ -10,19 +10,18 @@ import xarray as xr
 from annotated_types import Ge, Le
 from typing_extensions import TypedDict
 
-from study import datasets
+from study import io
 from study.analysis.comparison import first_crossing
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, OneStepSchemes, PlainNames, RisingCounts, Schemes, Spring, section
+from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.pipeline import coordinates
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, OneStepSchemes, RisingCounts, Spring, section
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
 from study.scheme.base import OneStep, Scheme
-from study.scheme.compensated import Compensated
 from study.scheme.named import schemes as schemes_by_name
+from study.scheme.wrapper.compensated import Compensated
 
 #: Steps that a run of single precision counts, at most.
 MOST_STEPS = 2**30 - 1
@@ -156,12 +155,12 @@ class _LongTimes(TypedDict):
     steps=_number_of_steps,
 )
 def long_runs(
-    problem: str,
-    schemes: Sequence[str],
+    problem: Spring,
+    schemes: Schemes,
     steps_per_period: int,
     periods: Sequence[int],
     runs: int,
-    arithmetics: Sequence[str],
+    arithmetics: PlainNames,
 ) -> xr.Dataset:
     """Measure the errors of energy and phase at the end of very long runs, one by one.
 
@@ -191,7 +190,7 @@ def long_runs(
     FileNotFoundError
         If the reference of the problem has not been made.
     """
-    definition, reference = problems_by_name[problem], datasets.open(f"reference/{problem}")
+    definition, reference = problems_by_name[problem], io.open_dataset(f"reference/{problem}")
     period = Fraction(reference.period.item()) + Fraction(reference.period_remainder.item())
     exact = period, Fraction(first_crossing(reference, 0.0))
     dt = _step_sizes(float(period / steps_per_period), runs)

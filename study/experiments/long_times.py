@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
+from study.declaration.experiment import experiment
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
-from study.pipeline.experiment import experiment
 
 #: The arithmetic from whose runs the round-off of the others is told.
 _LEAST_ROUND_OFF = "float64_compensated"
@@ -135,5 +135,5 @@ def long_times() -> xr.Dataset:
     FileNotFoundError
         If ``results/long_runs.nc`` has not been made.
     """
-    runs = datasets.open("long_runs")
+    runs = io.open_dataset("long_runs")
     return summary(runs).assign_attrs(title=runs.title.removesuffix(", one by one"))

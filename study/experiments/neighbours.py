@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import xarray as xr
 
-from study import datasets
+from study import io
+from study.declaration.experiment import Options, experiment
+from study.declaration.options import Schemes, Springs
+from study.experiments import coordinates
 from study.experiments.accuracy import errors_of
-from study.pipeline import coordinates
-from study.pipeline.experiment import Options, experiment
 from study.problem.named import neighbouring_starts
 from study.problem.named import problems as problems_by_name
 
@@ -44,7 +45,7 @@ def _reads(options: Options) -> list[str]:
     steps=_number_of_steps,
 )
 def neighbours(
-    problems: Sequence[str], schemes: Sequence[str], steps_per_period: Sequence[int], periods: Sequence[int]
+    problems: Springs, schemes: Schemes, steps_per_period: Sequence[int], periods: Sequence[int]
 ) -> xr.Dataset:
     """Measure what the dataset ``accuracy`` holds, from a start one percent below or above that of a spring.
 
@@ -68,7 +69,7 @@ def neighbours(
     for problem in problems:
         own = problems_by_name[problem]
         motions = [
-            (replace(own, u0=multiple * own.u0), datasets.open(f"reference/neighbour/{problem}_{start}"))
+            (replace(own, u0=multiple * own.u0), io.open_dataset(f"reference/neighbour/{problem}_{start}"))
             for start, multiple in neighbouring_starts.items()
         ]
         errors = errors_of(motions, schemes, steps_per_period, periods)

@@ -1,19 +1,18 @@
 """Phase portraits and energy errors of the schemes at one step size, as in Figures 1 to 4 of Xie (1996)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
 from typing_extensions import TypedDict
 
+from study.declaration.checks import less_than_a_step
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Schemes, Size, Spring, section
+from study.experiments import coordinates
 from study.marching.run import run
 from study.observer.base import Observer
-from study.observer.fate import Fate, Height
-from study.pipeline import coordinates
-from study.pipeline.checks import less_than_a_step
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Schemes, Size, Spring, section
+from study.observer.outcome import Height, OutcomeObserver
 from study.problem.named import problems as problems_by_name
 
 
@@ -44,7 +43,7 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
     steps=_number_of_steps,
     values=_numbers_held,
 )
-def phase_portrait(problem: str, schemes: Sequence[str], dt: float, duration: float) -> xr.Dataset:
+def phase_portrait(problem: Spring, schemes: Schemes, dt: float, duration: float) -> xr.Dataset:
     """Compute displacement, velocity and energy of every scheme over time at one step size.
 
     ``dt`` and ``duration`` are in seconds. The energy error is (E − E₀)/|E₀| in percent; ``height`` is the energy above
@@ -52,7 +51,7 @@ def phase_portrait(problem: str, schemes: Sequence[str], dt: float, duration: fl
     """
     progress(f"phase portraits of {problem}")
     steps = round(duration / dt)
-    observe: list[str | Observer] = ["trajectory", "energy_error", Height(Fate.of(problem).rest)]
+    observe: list[str | Observer] = ["trajectory", "energy_error", Height(OutcomeObserver.of(problem).rest)]
     runs = [run(problem, scheme, dt=dt, steps=steps, observe=observe, on_failure="ignore") for scheme in schemes]
     dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(coordinates.scheme_coordinates(schemes))
     dataset["dt"] = ((), np.float64(dt), {"long_name": "step size", "units": "s"})

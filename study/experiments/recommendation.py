@@ -5,13 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
 from study.analysis.comparison import MEASURES
 from study.analysis.recommendation import READS, candidates
-from study.pipeline import coordinates
-from study.pipeline.checks import unlisted
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Counts, Names, Springs, Tolerances
+from study.declaration.checks import unlisted
+from study.declaration.experiment import Options, experiment
+from study.declaration.options import Counts, PlainNames, Springs, Tolerances
+from study.experiments import coordinates
 
 _NEEDS = {
     "steps_per_period": {"long_name": "steps per period that the scheme needs", "units": "1"},
@@ -36,7 +36,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 @experiment("recommendation", reads=lambda options: READS, check=_check)
-def recommendation(problems: Springs, measures: Names, errors: Tolerances, periods: Counts) -> xr.Dataset:
+def recommendation(problems: Springs, measures: PlainNames, errors: Tolerances, periods: Counts) -> xr.Dataset:
     """Find the steps, time and forces that every scheme needs to keep each error, and the cheapest scheme.
 
     The steps are the fewest of those tried in the dataset ``accuracy`` from which on every finer one keeps the error,
@@ -53,7 +53,7 @@ def recommendation(problems: Springs, measures: Names, errors: Tolerances, perio
     periods
         Lengths of the runs in exact periods.
     """
-    work, accuracy, neighbours = map(datasets.open, READS)
+    work, accuracy, neighbours = map(io.open_dataset, READS)
     schemes = work.scheme.values.tolist()
     dims = ("problem", "measure", "error", "periods")
     shape = (len(problems), len(measures), len(errors), len(periods))

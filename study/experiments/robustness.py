@@ -5,14 +5,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
+from study.declaration.checks import unlisted
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Counts, RisingCounts, Schemes, Springs
+from study.experiments import coordinates
 from study.marching.run import run
-from study.observer.fate import LEVELS, Excursions, Fate
-from study.pipeline import coordinates
-from study.pipeline.checks import unlisted
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Counts, RisingCounts, Schemes, Springs
+from study.observer.outcome import LEVELS, Excursions, OutcomeObserver
 from study.problem.named import problems as problems_by_name
 
 
@@ -22,7 +21,7 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
     All larger candidates keep it too, at all amplitudes. NaN if the largest candidate does not.
     """
     definition = problems_by_name[problem]
-    observer = Excursions(Fate.of(definition).rest)
+    observer = Excursions(OutcomeObserver.of(definition).rest)
     u0, period = lanes.u0.values, lanes.period.values
     needed = np.full((len(LEVELS), len(lengths)), np.nan)
     open_still = np.ones(needed.shape, bool)
@@ -65,6 +64,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     reads=lambda options: ["reference/amplitudes"],
     check=_check,
     steps=_number_of_steps,
+    stops_early=True,
 )
 def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: RisingCounts) -> xr.Dataset:
     """Find the fewest steps per period that keep the energy within 1, 5 and 10 percent at all amplitudes.
@@ -89,7 +89,7 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
     FileNotFoundError
         If ``results/reference/amplitudes.nc`` has not been made.
     """
-    exact = datasets.open("reference/amplitudes")
+    exact = io.open_dataset("reference/amplitudes")
     needed = np.empty((len(problems), len(schemes), len(LEVELS), len(periods)))
     for p, problem in enumerate(problems):
         lanes = exact.sel(problem=problem)

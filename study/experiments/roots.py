@@ -14,14 +14,14 @@ import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
+from study.algebra.jit import jit
 from study.analysis.effective_equation import effective_coefficient, number_of_roots, unique_up_to
-from study.equilibrium.balance import balance, load
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Numbers, RecordedSteps, Schemes, Size, Spring, StepSizes, Tolerances
+from study.experiments import coordinates
 from study.marching.run import run
-from study.pipeline import coordinates
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Numbers, RecordedSteps, Schemes, Size, Spring, StepSizes, Tolerances
-from study.problem.definition import Problem
+from study.mechanics.balance import balance, load
+from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.newmark import Newmark
@@ -32,7 +32,7 @@ PARTED = 0.1
 GUESSES = {"last_acceleration": 1.0, "none": 0.0}
 
 
-@eqx.filter_jit
+@partial(jit, compiler=eqx.filter_jit)
 def _newton(problem: Problem, coefficient, predictor, guess):
     """Displacement that Newton's iteration finds, NaN if none, and its iterations, both (guesses, predictors)."""
 

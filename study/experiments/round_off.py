@@ -6,18 +6,17 @@ from fractions import Fraction
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
 from study.analysis.comparison import flagged
+from study.declaration.checks import no_multiple
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, RisingCounts, Schemes, Spring
+from study.experiments import coordinates
 from study.marching.run import run
-from study.pipeline import coordinates
-from study.pipeline.checks import no_multiple
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, RisingCounts, Schemes, Spring
 from study.problem.named import problems as problems_by_name
 from study.scheme.base import OneStep
-from study.scheme.compensated import Compensated
 from study.scheme.named import schemes as schemes_by_name
+from study.scheme.wrapper.compensated import Compensated
 
 #: A run ends this part of a period after whole periods, where displacement and velocity both show a delay.
 PHASE = Fraction(1, 8)
@@ -58,7 +57,7 @@ def round_off(problem: Spring, schemes: Schemes, steps_per_period: RisingCounts,
     refused = no_multiple("steps_per_period", steps_per_period, PHASE.denominator)
     if refused is not None:
         raise ValueError(f"round_off.{refused}")
-    reference = datasets.open(f"reference/{problem}")
+    reference = io.open_dataset(f"reference/{problem}")
     if float(PHASE) not in reference.phase:
         raise ValueError(f"the reference of '{problem}' lacks the phase {PHASE}; add 8 to references.steps_per_period.")
     at = reference.sel(t=reference.t[reference.phase == float(PHASE)].item())

@@ -5,12 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from study.declaration.checks import less_than_a_step
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Schemes, Size, Spring, Tolerance
+from study.experiments import coordinates
 from study.marching.run import run
-from study.pipeline import coordinates
-from study.pipeline.checks import less_than_a_step
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Schemes, Size, Spring, Tolerance
 from study.problem.named import problems as problems_by_name
 
 

@@ -11,11 +11,10 @@ from annotated_types import Ge, Le
 from typing_extensions import TypedDict
 
 from study.analysis.linear_theory import OVERSHOOT_STEPS, LinearTheory, oscillator
-from study.equilibrium.state import Motion
-from study.pipeline import coordinates
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import IN_ORDER, DampingRatios, Schemes, section
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import IN_ORDER, DampingRatios, Schemes, section
+from study.experiments import coordinates
+from study.mechanics.state import Motion
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.rederived import Rederived

@@ -5,14 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import FallingSizes, RecordDuration, RecordPeriods, Reductions, Schemes, Tolerance
+from study.experiments import coordinates
 from study.marching.run import run
+from study.mechanics.ground import GroundMotion
 from study.observer.motion import Quantity
-from study.pipeline import coordinates
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import FallingSizes, RecordDuration, RecordPeriods, Reductions, Schemes, Tolerance
-from study.problem.ground import GroundMotion
 from study.problem.inelastic import yielding_under_record
 from study.scheme.named import schemes as schemes_by_name
 
@@ -43,7 +42,7 @@ def spectrum(
     The step and all finer ones must do so. The peak of a run is that of its steps. ``step_needed`` is NaN if not even
     the finest step is enough, or if a scheme takes its force from a potential. ``spacing`` is that of the record.
     """
-    exact = datasets.open("reference/spectrum")
+    exact = io.open_dataset("reference/spectrum")
     lanes = xr.broadcast(xr.DataArray(step_sizes, dims="step_size"), exact.period, exact.yield_force)
     dt, period, strength = (lane.transpose("step_size", "period", "reduction").values.ravel() for lane in lanes)
     peak = Quantity(lambda u: u, name="drift", reduce="peak")

@@ -1,6 +1,6 @@
 """Histories of structures: motion and energy error over time, or the energies of the stiff springs of the chain."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 
 import jax
@@ -8,17 +8,16 @@ import numpy as np
 import xarray as xr
 from typing_extensions import TypedDict
 
-from study import datasets
+from study import io
+from study.declaration.checks import LARGEST_SAMPLE
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, Name, Schemes, Size, Structure, section
+from study.experiments import coordinates
 from study.marching.run import run
+from study.mechanics.definition import Problem
 from study.observer.base import Observer
 from study.observer.motion import Quantity
-from study.pipeline import coordinates
-from study.pipeline.checks import LARGEST_SAMPLE
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, Name, Schemes, Size, Structure, section
 from study.problem.chains import oscillatory_energy
-from study.problem.definition import Problem
 from study.problem.named import problems as problems_by_name
 from study.problem.named import time_scales
 
@@ -71,7 +70,7 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
     values=_numbers_held,
 )
 def structure_history(
-    problem: str, schemes: Sequence[str], steps_per_period: int, periods: float, every: int
+    problem: Structure, schemes: Schemes, steps_per_period: int, periods: float, every: int
 ) -> xr.Dataset:
     """Record the motion of a structure over time with every scheme at one step size, and its reference.
 
@@ -100,7 +99,7 @@ def structure_history(
         for scheme in schemes
     ]
     dataset = xr.concat(runs, "scheme", combine_attrs="override").assign_coords(coordinates.scheme_coordinates(schemes))
-    reference = datasets.open(f"reference/{problem}")
+    reference = io.open_dataset(f"reference/{problem}")
     exact = {"u": reference.u.values, "v": reference.v.values}
     for quantity in observe:
         if isinstance(quantity, Quantity):

@@ -7,14 +7,13 @@ import numpy as np
 import xarray as xr
 
 from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcomes_of_balance
-from study.equilibrium.newton import MAX_ITERATIONS
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Counts, Schemes, Sizes, StructureLengths
+from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, NEWTON_FAILED, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.pipeline import coordinates
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Counts, Schemes, Sizes, StructureLengths
-from study.problem.loads import excited
+from study.mechanics.loads import excited
+from study.mechanics.newton import MAX_ITERATIONS
 from study.problem.named import problems as problems_by_name
 from study.problem.named import time_scales
 

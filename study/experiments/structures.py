@@ -9,18 +9,16 @@ import xarray as xr
 from annotated_types import Ge, Le
 from typing_extensions import TypedDict
 
-from study import datasets
+from study import io
+from study.declaration.checks import LARGEST_SAMPLE, no_multiple
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, RisingCounts, Schemes, Structure, StructureLengths, section
+from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.observer.effort import NewtonIterations
+from study.mechanics.definition import Problem
+from study.observer.diagnostics import MomentumErrors, NewtonIterations
 from study.observer.energy import EnergyBalance
-from study.observer.momentum import MomentumErrors
-from study.pipeline import coordinates
-from study.pipeline.checks import LARGEST_SAMPLE, no_multiple
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment
-from study.pipeline.options import Count, RisingCounts, Schemes, StructureLengths, section
-from study.problem.definition import Problem
 from study.problem.named import problems as problems_by_name
 
 #: Observers of every run; structures with positions also have their momenta observed.
@@ -101,8 +99,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    unknowns = np.size(problems_by_name[options["problem"]].u0)
-    return unknowns * options["periods"] * len(options["schemes"]) * sum(options["steps_per_period"])
+    return options["periods"] * len(options["schemes"]) * sum(options["steps_per_period"])
 
 
 def _numbers_held(options: Options, configuration: Mapping) -> float:
@@ -119,7 +116,7 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
     values=_numbers_held,
     steps=_number_of_steps,
 )
-def structures(problem: str, schemes: Sequence[str], steps_per_period: Sequence[int], periods: float) -> xr.Dataset:
+def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[int], periods: float) -> xr.Dataset:
     """Measure the errors, balances and effort of every scheme on a structure, by steps per period.
 
     The error of the displacement is max |u − u_ref| / max |u_ref| over the samples of ``reference/PROBLEM``, with
@@ -133,7 +130,7 @@ def structures(problem: str, schemes: Sequence[str], steps_per_period: Sequence[
     FileNotFoundError
         If the reference of the structure has not been made.
     """
-    reference = datasets.open(f"reference/{problem}")
+    reference = io.open_dataset(f"reference/{problem}")
     for steps in steps_per_period:
         if steps % reference.samples_per_period:
             raise ValueError(

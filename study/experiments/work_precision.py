@@ -8,14 +8,13 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from study import datasets
+from study import io
+from study.declaration.checks import unlisted
+from study.declaration.experiment import Options, experiment, merged, progress
+from study.declaration.options import Repeats, RisingCounts, Schemes, Springs
+from study.experiments import coordinates
 from study.marching.timing import Timed
 from study.observer.energy import EnergyDrift
-from study.pipeline import coordinates
-from study.pipeline.checks import unlisted
-from study.pipeline.command import progress
-from study.pipeline.experiment import Options, experiment, merged
-from study.pipeline.options import Repeats, RisingCounts, Schemes, Springs
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
@@ -52,7 +51,6 @@ merged("work_precision", of=("work_precision/schemes", "work_precision/solvers")
     steps=_number_of_steps,
     timed=True,
     temporary=True,
-    environment={"OMP_NUM_THREADS": "1"},
 )
 def work_precision(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, repeats: Repeats) -> xr.Dataset:
     """Measure time, force evaluations and Newton iterations of a step of every scheme, beside its errors.
@@ -66,13 +64,14 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
     FileNotFoundError
         If ``accuracy`` or the reference of a problem has not been made.
     """
-    accuracy = datasets.open("accuracy").sel(problem=problems, scheme=schemes, steps_per_period=steps_per_period)
+    accuracy = io.open_dataset("accuracy")
+    accuracy = accuracy.sel(problem=problems, scheme=schemes, steps_per_period=steps_per_period)
     shape = (len(problems), len(schemes), len(steps_per_period))
     per_step = np.full((*shape, repeats), np.nan)
     chosen = [schemes_by_name[scheme] for scheme in schemes]
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
-        period = datasets.open(f"reference/{problem}").period.item()
+        period = io.open_dataset(f"reference/{problem}").period.item()
         # compiled at the same time, because nothing is timed yet, and timed one after the other
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             timed = list(pool.map(partial(Timed, problems_by_name[problem], reductions=(EnergyDrift(),)), chosen))
@@ -86,8 +85,8 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
     dims = ("problem", "scheme", "steps_per_period")
     steps_of_run = accuracy.steps_per_period * accuracy.periods
     iterations = (accuracy.newton_iterations / steps_of_run).sel(periods=100).transpose(*dims).values
-    of_step = np.array([[scheme.evaluations] for scheme in chosen])
-    of_iteration = np.array([[scheme.evaluations_per_iteration] for scheme in chosen])
+    of_step = np.array([[scheme.forces_per_step] for scheme in chosen])
+    of_iteration = np.array([[scheme.forces_per_iteration] for scheme in chosen])
     evaluations = of_step + of_iteration * iterations
     median, quartiles = np.median(per_step, axis=-1), np.quantile(per_step, [0.25, 0.75], axis=-1)
     ds = accuracy.assign(

@@ -13,10 +13,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from study.algebra.arrays import real_numbers
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
+from study.mechanics.definition import Problem
 from study.observer.base import Observer
 from study.observer.named import observers
-from study.problem.definition import Problem
 from study.registry import Registry, did_you_mean
 
 T = TypeVar("T")
@@ -66,15 +67,10 @@ def checked_steps(steps: CountPerRunLike) -> CountPerRun:
 
 
 def _numbers(name: str, value: Any) -> np.ndarray:
-    try:
-        numbers = np.asarray(value)
-    except ValueError:  # rows of different lengths
-        numbers = np.asarray(None)
-    if numbers.dtype.kind not in "fiu":
-        raise ValueError(f"{name} must be a number or an array of numbers, not {value!r}.")
+    numbers = real_numbers(name, value)
     if numbers.size == 0:
         raise ValueError(f"{name} is empty; an ensemble needs at least one lane.")
-    return numbers.astype(np.float64)
+    return numbers
 
 
 def checked_step_size(dt: PerRunLike) -> PerRun:
@@ -130,10 +126,13 @@ def _are_finite(load, times):
     return jax.lax.map(lambda t: jnp.isfinite(load(t)).all(), times)
 
 
-def number_of_lanes(problem: Problem, u0: Displacements, v0: Displacements, dt: PerRun, steps: CountPerRun) -> int:
+def number_of_lanes(
+    problem: Problem, u0: Displacements, v0: Displacements, dt: PerRun, steps: CountPerRun, over: Mapping
+) -> int:
     """Number of lanes of an ensemble, 0 for a single run."""
     lengths = {name: len(value) for name, value in (("dt", dt), ("steps", steps)) if value.ndim}
     lengths |= {name: len(value) for name, value in (("u0", u0), ("v0", v0)) if value.ndim > np.ndim(problem.u0)}
+    lengths |= {f"over['{name}']": len(value) for name, value in over.items()}
     if len(set(lengths.values())) > 1:
         received = ", ".join(f"{name} {length}" for name, length in lengths.items())
         raise ValueError(f"the lanes of an ensemble need arrays of one length, not {received}.")

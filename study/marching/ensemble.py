@@ -22,6 +22,9 @@ TILE = 64
 #: which a tile outruns only where it is full.
 FEW = 64
 
+#: Initial displacements and velocities, and step sizes.
+Begin = tuple[DisplacementsOfLanes, DisplacementsOfLanes, OfLanes]
+
 #: Numbers of tiles that one call marches.
 GROUPS = (1, 8, 64)
 
@@ -65,15 +68,7 @@ def _on_cores(run: Callable[..., Result], arguments: Sequence[tuple]) -> list[Re
             raise
 
 
-def march_one_by_one(
-    program: Program,
-    u0: DisplacementsOfLanes,
-    v0: DisplacementsOfLanes,
-    dt: OfLanes,
-    steps: CountPerRun,
-    every: int,
-    samples: int,
-) -> Result:
+def march_one_by_one(program: Program, begin: Begin, steps: CountPerRun, every: int, samples: int) -> Result:
     """March every lane as a single run, with the program of a single run.
 
     Parameters and return value are those of :func:`march_in_tiles`.
@@ -82,20 +77,12 @@ def march_one_by_one(
     def run(u0, v0, dt, steps, on_pause):
         return program.run(u0, v0, np.asarray(dt), steps, every, samples, on_pause=on_pause)
 
-    counts = np.broadcast_to(steps, len(dt)).tolist()
-    results = _on_cores(run, list(zip(u0, v0, dt, counts, strict=True)))
+    counts = np.broadcast_to(steps, len(begin[0])).tolist()
+    results = _on_cores(run, list(zip(*begin, counts, strict=True)))
     return jax.tree.map(lambda *lanes: np.stack(lanes), *results)
 
 
-def march_in_tiles(
-    program: Program,
-    u0: DisplacementsOfLanes,
-    v0: DisplacementsOfLanes,
-    dt: OfLanes,
-    steps: CountPerRun,
-    every: int,
-    samples: int,
-) -> Result:
+def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: int, samples: int) -> Result:
     """March every lane, side by side in tiles.
 
     A lane depends neither on its neighbours nor on the number of cores, to the last bit. If lanes have their own
@@ -104,7 +91,7 @@ def march_in_tiles(
 
     Parameters
     ----------
-    u0, v0, dt
+    begin
         Initial displacements and velocities (lanes, ...), and step sizes (lanes,).
     steps
         One number, or one per lane.
@@ -116,6 +103,7 @@ def march_in_tiles(
     Result
         NumPy arrays with the lanes along the first axis and the samples along the second.
     """
+    u0, v0, dt = begin
     lanes = len(dt)
     on_cpu = jax.default_backend() == "cpu"
     tile = TILE if on_cpu else lanes

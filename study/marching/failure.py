@@ -4,15 +4,15 @@ import numpy as np
 
 from study.marching.result import COMPLETED, NEWTON_FAILED, Result
 from study.marching.shapes import PerRun
-from study.problem.definition import Problem
-from study.problem.frequencies import frequencies
+from study.mechanics.definition import Problem
+from study.mechanics.frequencies import frequencies
 from study.scheme.base import Scheme
 
 #: What :func:`study.run` does about a failed run.
 ON_FAILURE = ("warn", "raise", "ignore")
 
 
-class RunFailed(RuntimeWarning):
+class RunFailedWarning(RuntimeWarning):
     """A run failed; its values are NaN, and its samples from the failure on."""
 
 

@@ -9,15 +9,16 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from study.algebra.jit import jit
 from study.marching.arguments import RESERVED
 from study.marching.ensemble import TILE
 from study.marching.march import March
 from study.marching.program import as_result
 from study.marching.result import Result
 from study.marching.shapes import CountOfLanes, OfLanes
+from study.mechanics.definition import Problem
+from study.mechanics.function_checks import NOT_TRACEABLE
 from study.observer.base import Observer
-from study.problem.definition import Problem
-from study.problem.function_checks import NOT_TRACEABLE
 from study.scheme.base import Scheme
 
 
@@ -120,7 +121,7 @@ def march_family(
         progress, stored = march.proceed(progress, stored, initial, dt, steps, every, 0, each_step)
         return {name: values[: samples + 1] for name, values in stored.items()}, march.result(progress)
 
-    @jax.jit
+    @jit
     def all_of(*lanes):
         return lax.map(lambda tile: jax.vmap(one)(*tile), lanes)
 

@@ -11,12 +11,12 @@ import numpy as np
 from jax import lax
 
 from study.algebra.matrices import SMALL
+from study.mechanics.definition import Problem
 from study.observer.base import Observer, Record, Reduction
-from study.problem.definition import Problem
 from study.scheme.base import Scheme
 from study.scheme.contract import started, stepped
-from study.scheme.linearised import Linearised
-from study.scheme.remembering import Remembering
+from study.scheme.wrapper.linearised import Linearised
+from study.scheme.wrapper.with_history import WithHistory
 
 #: Steps per turn of the loop, for a single run with one unknown. Within a turn, values pass from step to step in
 #: registers; between turns they pass through memory. That matters at ten nanoseconds a step, and no longer with two
@@ -69,7 +69,7 @@ class March(eqx.Module):
     def of(cls, problem: Problem, scheme: Scheme, observers: Sequence[Observer], lanes: bool = False) -> "March":
         """The march of a scheme on a problem, with the history and the neighbour that problem and observers need."""
         if problem.history is not None:
-            scheme = Remembering(scheme)
+            scheme = WithHistory(scheme)
         if any(observer.needs_neighbour for observer in observers):
             scheme = Linearised(scheme)
         parts = [observer.marched() for observer in observers]

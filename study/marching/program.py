@@ -11,10 +11,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from study.algebra.jit import jit
 from study.marching.march import March
 from study.marching.result import COMPLETED, NEWTON_FAILED, NOT_FINITE, Result
 from study.marching.shapes import CountPerRun, Displacements, PerRun
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 
 #: Room for samples, so that their number is no part of what is compiled: of a run that one call marches, and of one
@@ -82,7 +83,7 @@ def _proceed(march: March, counts, each_step: bool, stored, progress, initial, d
     return progress, stored, march.result(progress)
 
 
-@partial(jax.jit, static_argnums=(0, 4, 5))
+@partial(jit, static_argnums=(0, 4, 5))
 def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_step: bool, own):
     """Samples and result of a run in one stretch: what goes on inside needs no way in or out, which takes time."""
     march = form.march(numbers)
@@ -94,13 +95,13 @@ def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_ste
     return _each_tile(march, one, (*begin, own))
 
 
-@partial(jax.jit, static_argnums=(0, 3))
+@partial(jit, static_argnums=(0, 3))
 def _start(form: _Form, numbers: list, begin: tuple, room: int):
     march = form.march(numbers)
     return _each_tile(march, lambda u0, v0, dt: march.start(u0, v0, dt, room), begin)
 
 
-@partial(jax.jit, static_argnums=(0, 3), donate_argnums=4)
+@partial(jit, static_argnums=(0, 3), donate_argnums=4)
 def _stretch(form: _Form, numbers: list, counts, each_step: bool, stored, lanes: tuple):
     """One stretch of a run: the progress, the samples and the result so far."""
     march = form.march(numbers)

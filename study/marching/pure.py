@@ -13,15 +13,15 @@ from jax import lax
 from study.algebra.arrays import ScalarLike, VectorLike
 from study.marching.arguments import checked_observers, positive_integer, resolve
 from study.marching.march import March
+from study.mechanics.definition import Problem
 from study.observer.base import Observer
 from study.observer.named import observers as named_observers
-from study.problem.definition import Problem
 from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
 
 
-def evolve(
+def final_state(
     problem: str | Problem,
     scheme: str | Scheme,
     *,
@@ -66,7 +66,7 @@ def evolve(
     >>> import jax, study
     >>> def end(stiffness):
     ...     spring = study.Problem(lambda u: stiffness * u, u0=1.0)
-    ...     return study.evolve(spring, "average_acceleration", dt=0.01, steps=100)["u"]
+    ...     return study.final_state(spring, "average_acceleration", dt=0.01, steps=100)["u"]
     >>> print(f"{jax.grad(end)(4.0):.4f}")
     -0.2273
     """
@@ -89,7 +89,7 @@ def evolve(
         name = next(iter(march.records[0].variables))
         fit = [known for known in named_observers if not March.of(equation, method, [named_observers[known]]).records]
         raise ValueError(
-            f"'{name}' is recorded along time, and evolve returns one value a run: observe a reduction, such as "
+            f"'{name}' is recorded along time, and final_state returns one value a run: observe a reduction, such as "
             f"{', '.join(fit[:3])}, or a Quantity with reduce=."
         )
     progress = march.start(starts[0], starts[1], jnp.asarray(dt, float), 0)[0]

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from study.datasets import VERSION, flags
+from study.io import __version__, flags
 from study.marching.shapes import CountPerRun, Displacements, Flags, Observed, PerRun
+from study.mechanics.definition import Problem
 from study.observer.base import Observer
-from study.problem.definition import Problem
 from study.scheme.base import Scheme
 
 COMPLETED, NEWTON_FAILED, NOT_FINITE = 0, 1, 2
@@ -63,16 +63,27 @@ def _without_meaning(result: Result, steps: CountPerRun, every: int, samples: in
 
 def _parameters(scheme: Scheme) -> str:
     """Class and parameters of a scheme."""
-    shown = [f for f in fields(scheme) if not f.metadata.get("static")]  # labels are static
-    return f"{type(scheme).__name__}({', '.join(f'{f.name}={getattr(scheme, f.name)!r}' for f in shown)})"
+    shown = {
+        f.name: getattr(scheme, f.name) for f in fields(scheme) if not f.metadata.get("static")
+    }  # labels are static
+    values = (f"{name}={_parameters(one) if isinstance(one, Scheme) else repr(one)}" for name, one in shown.items())
+    return f"{type(scheme).__name__}({', '.join(values)})"
+
+
+class Work:
+    """Work of this process.
+
+    Attributes
+    ----------
+    steps
+        Number of steps of all runs, over all lanes, which the pipeline compares with the promise of an experiment.
+    """
+
+    steps = 0
 
 
 class Labels:
-    """What makes results of one scheme on one problem into datasets.
-
-    To build a dataset takes longer than a short run. The last one is therefore kept, and the next result of the same
-    shape and the same times is a copy of it with other values.
-    """
+    """What makes results of one scheme on one problem into datasets."""
 
     def __init__(self, problem: Problem, scheme: Scheme, observers: Sequence[Observer]):
         self._attributes = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
@@ -82,11 +93,10 @@ class Labels:
             "problem": problem.title,
             "scheme": scheme.title,
             "scheme_parameters": _parameters(scheme),
-            "version": VERSION,
+            "version": __version__,
         }
         self._component = ("component",) if np.ndim(problem.u0) else ()
         self._unknowns = np.size(problem.u0)
-        self._last: tuple[tuple, xr.Dataset] | None = None
 
     def dataset(
         self,
@@ -112,6 +122,7 @@ class Labels:
         ensemble
             Whether the arrays have an axis of lanes in front.
         """
+        Work.steps += int(np.broadcast_to(steps, result.status.shape).sum())
         lane = ("lane",) if ensemble else ()
         failed = result.status != COMPLETED
         values: dict[str, np.ndarray] = {
@@ -130,13 +141,6 @@ class Labels:
         given = {"dt": dt, "steps": steps, "u0": u0, "v0": v0}
         own = {n: v for n, v in given.items() if v.ndim > (len(self._component) if n in ("u0", "v0") else 0)}
         shared = {n: v[()] for n, v in given.items() if n not in own and v.size <= MOST_IN_ATTRIBUTE}
-        times = (dt.tobytes(), every, samples) if samples else None
-        key = result.status.shape, times
-        last = self._last  # once, because another thread may replace it
-        if last is not None and last[0] == key and not own:
-            copy = last[1].copy(data=values)
-            copy.attrs.update(shared)  # assign_attrs would copy once more
-            return copy
         along = "sample" if dt.ndim else "t"
         data = {}
         for name, value in values.items():
@@ -151,7 +155,4 @@ class Labels:
         if samples:
             t = np.multiply.outer(dt, np.arange(samples + 1) * every)
             coordinates["t"] = ((*lane, "sample") if dt.ndim else "t", t, {"long_name": "elapsed time", "units": "s"})
-        dataset = xr.Dataset(data, coordinates, self._of_dataset)
-        if not own:
-            self._last = key, dataset.copy()
-        return dataset.assign_attrs(shared)
+        return xr.Dataset(data, coordinates, self._of_dataset | shared)

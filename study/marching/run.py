@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -30,8 +30,8 @@ from study.marching.march import March
 from study.marching.program import Program
 from study.marching.result import NOT_FINITE, Labels, Result
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
+from study.mechanics.definition import Problem
 from study.observer.base import Observer, Record
-from study.problem.definition import Problem
 from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
@@ -42,41 +42,19 @@ ANY_MEMORY = 10_000_000
 #: Steps × unknowns of a run that shows a progress bar.
 LONG = 2**24
 
-#: Number of marches that are kept for another call.
-KEPT = 256
 
-
-class _Prepared(NamedTuple):
-    march: March
-    program: Program
-    labels: Labels
-
-
-#: What was prepared for earlier calls, by the identities of its parts, which are kept so that identities are unique.
-_kept: dict[tuple, tuple[_Prepared, tuple]] = {}
-
-
-def _prepared(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...], lanes: bool) -> _Prepared:
-    """The march of a scheme on a problem, kept for the next call, because to prepare it takes most of a short run.
+def _march(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...], lanes: bool) -> March:
+    """The march of a scheme on a problem.
 
     Raises
     ------
     ValueError
         If the scheme cannot step the problem, or an observer cannot observe it.
     """
-    key = (*map(id, (problem, scheme, *observers)), lanes)
-    known = _kept.get(key)  # once, because another thread may clear what is kept
-    if known is not None:
-        return known[0]
     for reason in (scheme.refusal(problem), *(observer.refusal(problem) for observer in observers)):
         if reason:
             raise ValueError(reason)
-    march = March.of(problem, scheme, observers, lanes)
-    prepared = _Prepared(march, Program(march), Labels(problem, scheme, observers))
-    if len(_kept) >= KEPT:
-        _kept.clear()
-    _kept[key] = prepared, (problem, scheme, observers)
-    return prepared
+    return March.of(problem, scheme, observers, lanes)
 
 
 def _march_alone(
@@ -184,33 +162,51 @@ def run(
     >>> print(f"{ds.max_energy_error.item():.1f} {ds.max_energy_error.units}")
     4.1 percent
     """
-    if over is not None:
-        return _run_family(problem, scheme, over, dt, steps, observe, (u0, v0), every, samples, on_failure)
-    equation = resolve(problem, problems, Problem)  # type: ignore[arg-type, misc]
     method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
-    step_size = checked_step_size(dt)
-    start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
+    chosen, step_size = checked_observers(observe), checked_step_size(dt)
     count, every = checked_steps(steps), positive_integer("every", every)
-    chosen = checked_observers(observe)
     _check_on_failure(on_failure)
-    lanes = number_of_lanes(equation, start, velocity, step_size, count)
+    values: dict[str, np.ndarray] = {}
+    if over is None:
+        equation = resolve(problem, problems, Problem)  # type: ignore[arg-type, misc]
+    else:
+        values = checked_family(problem, over, chosen)
+        if u0 is not None or v0 is not None:
+            raise ValueError(
+                "u0 and v0 come from the function that makes the problem; make them there if over is given."
+            )
+        equation = checked_lanes(problem, values)  # type: ignore[arg-type]
+    start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
+    lanes = number_of_lanes(equation, start, velocity, step_size, count, values)
     few = lanes <= FEW and np.ndim(equation.u0) > 0 and jax.default_backend() == "cpu"
-    march, program, labels = _prepared(equation, method, chosen, bool(lanes) and not few)
+    march = _march(equation, method, chosen, bool(lanes) and not few and not values)
+    program = Program(march)
     room = _samples(march.records, count, every, samples)
     begin = start, velocity, step_size
     if lanes:
         shape = (lanes, *np.shape(equation.u0))
         begin = np.broadcast_to(start, shape), np.broadcast_to(velocity, shape), np.broadcast_to(step_size, lanes)
     _check_memory(march, *begin, room)
-    if lanes:
+    if values:
+        counts = np.broadcast_to(count, lanes)
+        result = march_family(problem, values, method, chosen, begin[-1], counts, every, room)  # type: ignore[arg-type]
+    elif lanes:
         march_lanes = march_one_by_one if few else march_in_tiles
-        result = march_lanes(program, *begin, count, every, room)
+        result = march_lanes(program, begin, count, every, room)
     else:
         result = _march_alone(program, *begin, int(count), every, room)
-    if equation.load is not None and np.any(result.status == NOT_FINITE):
+    if equation.load is not None and np.any(result.status == NOT_FINITE) and not values:
         check_load(equation, float(np.max(step_size * count)))
     _tell(result, equation, method, step_size, on_failure)
-    return labels.dataset(result, start, velocity, step_size, count, every, room, bool(lanes))
+    labels = Labels(equation, method, chosen)
+    ds = labels.dataset(result, start, velocity, step_size, count, every, room, bool(lanes))
+    if not values:
+        return ds
+    for of_first_lane in ("u0", "v0"):
+        ds.attrs.pop(of_first_lane, None)
+    return ds.assign_coords(
+        {name: (("lane", *(f"{name}_{axis}" for axis in range(1, x.ndim))), x) for name, x in values.items()}
+    )
 
 
 def _check_on_failure(on_failure: str) -> None:
@@ -224,34 +220,4 @@ def _tell(result: Result, problem: Problem, scheme: Scheme, dt: PerRun, on_failu
         what = failure.sentence(result, problem, scheme, dt)
         if on_failure == "raise":
             raise RuntimeError(what)
-        warnings.warn(what, failure.RunFailed, stacklevel=3)
-
-
-def _run_family(make, scheme, over, dt, steps, observe, start, every, samples, on_failure) -> xr.Dataset:
-    """Run an ensemble over what a problem is made of; the arguments are those of :func:`run`."""
-    method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
-    chosen, step_size = checked_observers(observe), checked_step_size(dt)
-    values = checked_family(make, over, chosen)
-    lanes = len(next(iter(values.values())))
-    if any(one is not None for one in start):
-        raise ValueError("u0 and v0 come from the function that makes the problem; make them there if over is given.")
-    count, every = checked_steps(steps), positive_integer("every", every)
-    for name, value in (("dt", step_size), ("steps", count)):
-        if value.ndim and len(value) != lanes:
-            raise ValueError(f"{name} has {len(value)} lanes and over {lanes}; give one number, or one for each lane.")
-    _check_on_failure(on_failure)
-    first = checked_lanes(make, values)
-    march, _, labels = _prepared(first, method, chosen, False)
-    room = _samples(march.records, count, every, samples)
-    u0, v0 = (np.broadcast_to(x, (lanes, *np.shape(x))) for x in (first.u0, first.v0))
-    _check_memory(march, u0, v0, np.broadcast_to(step_size, lanes), room)
-    result = march_family(
-        make, values, method, chosen, np.broadcast_to(step_size, lanes), np.broadcast_to(count, lanes), every, room
-    )
-    _tell(result, first, method, step_size, on_failure)
-    ds = labels.dataset(result, first.u0, first.v0, step_size, count, every, room, True)
-    for of_first_lane in ("u0", "v0"):
-        ds.attrs.pop(of_first_lane, None)
-    return ds.assign_coords(
-        {name: (("lane", *(f"{name}_{axis}" for axis in range(1, x.ndim))), x) for name, x in values.items()}
-    )
+        warnings.warn(what, failure.RunFailedWarning, stacklevel=3)

@@ -7,8 +7,8 @@ import numpy as np
 from study.marching.march import March
 from study.marching.program import Program
 from study.marching.result import COMPLETED
+from study.mechanics.definition import Problem
 from study.observer.base import Reduction
-from study.problem.definition import Problem
 from study.scheme.base import Scheme
 
 #: Seconds that ten steps may take if a thousand more are to warm up the processor.

@@ -5,8 +5,8 @@ from typing import Any, ClassVar
 
 import equinox as eqx
 
-from study.equilibrium.state import Effort
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
+from study.mechanics.state import Effort
 
 
 class Observer(eqx.Module):
@@ -20,7 +20,7 @@ class Observer(eqx.Module):
     needs_positions: ClassVar[bool] = False
     #: Whether the problem must stand on moving ground.
     needs_ground: ClassVar[bool] = False
-    #: Whether the run must carry a neighbour of the motion (:class:`study.scheme.linearised.Linearised`).
+    #: Whether the run must carry a neighbour of the motion (:class:`study.scheme.wrapper.linearised.Linearised`).
     needs_neighbour: ClassVar[bool] = False
 
     def marched(self) -> "Observer":

@@ -28,14 +28,16 @@ def _crossing(before, after, dt, level):
 
 
 class Oscillations(Reduction):
-    """Upward crossings of a level by each unknown: their number, the last one, and their mean period.
+    r"""Upward crossings of a level by each unknown: their number, the last one, and their mean period.
 
     Crossing i comes at the time (k_i + s_i) Δt, where k_i is a whole number of steps and 0 < s_i ≤ 1 a part of one,
     interpolated by a cubic with the displacements and velocities at both ends of the step. The mean period is
 
-        T = ((k_n − k_1) + (s_n − s_1)) Δt / (n − 1),
+    .. math::
 
-    NaN with fewer than two crossings. The error of interpolation does not grow with the length of the run. Counting
+        T = \frac{(k_n - k_1) + (s_n - s_1)}{n - 1}\,\Delta t
+
+    and NaN with fewer than two crossings. The error of interpolation does not grow with the length of the run. Counting
     whole steps apart from parts of a step keeps the digits of long runs, also in single precision.
 
     Parameters

@@ -2,11 +2,11 @@
 
 import jax.numpy as jnp
 
+from study.algebra.elementwise import compensated_sum
 from study.algebra.matrices import times
-from study.algebra.summation import compensated_sum
-from study.equilibrium.balance import load
+from study.mechanics.balance import load
+from study.mechanics.definition import Problem
 from study.observer.base import Record, Reduction
-from study.problem.definition import Problem
 
 
 def relative_energy_error(problem: Problem, initial, state):
@@ -16,7 +16,7 @@ def relative_energy_error(problem: Problem, initial, state):
 
 
 class MaxEnergyError(Reduction):
-    """Largest |E − E₀|/|E₀| over the run in percent, Xie (1996), eq. (17)."""
+    """Largest relative error of the energy over the run in percent, Xie (1996), eq. (17)."""
 
     variables = {"max_energy_error": {"long_name": "largest relative error of the total energy", "units": "percent"}}
     needs_energy = True
@@ -34,7 +34,7 @@ class MaxEnergyError(Reduction):
 
 
 class MeanEnergyError(Reduction):
-    """Mean of (E − E₀)/|E₀| over all steps of the run in percent, by a compensated sum.
+    """Mean of the signed relative error of the energy over all steps of the run in percent, by a compensated sum.
 
     Oscillations of the energy along the orbit cancel in the mean; drifts do not. The mean of a drift linear in time is
     half of its final value, and that of a random walk has 1/√3 of its final standard deviation.
@@ -77,18 +77,20 @@ class EnergyDrift(Reduction):
 
 
 class EnergyBalance(Reduction):
-    """Largest error of the balance E + D − W = E₀ of energy E, dissipation D and work of the load W.
+    r"""Largest error of the balance E + D − W = E₀ of energy E, dissipation D and work of the load W.
 
-    The error is the largest |E + D − W − E₀| relative to |E₀| + max |W|, in percent; it is zero if all of them are. The
-    work over a step follows from the mean of the forces at both ends,
+    The error is the largest :math:`|E + D - W - E_0|` relative to :math:`|E_0| + \max|W|`, in percent; it is zero if
+    all of them are. The work over a step follows from the mean of the forces at both ends,
 
-        ΔD = ½ (u₁ − u₀)ᵀ C (u̇₀ + u̇₁),    ΔW = ½ (u₁ − u₀)ᵀ (f₀ + f₁),
+    .. math::
+
+        \Delta D = \tfrac12 (u_1 - u_0)^T C (\dot u_0 + \dot u_1), \quad \Delta W = \tfrac12 (u_1 - u_0)^T (f_0 + f_1)
 
     which is of second order, and exact for the trapezoidal rule on a linear structure. A force with a velocity or a
-    history dissipates too, ΔD = ½ (u₁ − u₀)ᵀ (p₀ + p₁) − ΔV. Without a potential what it stores counts as dissipated,
-    V = 0, and the error is relative to |E₀| + the larger of max |W| and max |D|. For such forces the trapezoidal rule
-    keeps this balance to round-off whatever its step, because its formulas for u and u̇ say the same: the balance is no
-    verdict on it.
+    history dissipates too, :math:`\Delta D = \tfrac12 (u_1 - u_0)^T (p_0 + p_1) - \Delta V`. Without a potential what
+    it stores counts as dissipated, V = 0, and the error is relative to :math:`|E_0| + \max(\max|W|, \max|D|)`. For such
+    forces the trapezoidal rule keeps this balance to round-off whatever its step, because its formulas for u and u̇ say
+    the same: the balance is no verdict on it.
 
     References
     ----------

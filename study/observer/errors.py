@@ -7,11 +7,11 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
-from study.algebra.interpolation import quintic, value
-from study.equilibrium.balance import acceleration
+from study.algebra.elementwise import quintic, value
+from study.mechanics.balance import acceleration
+from study.mechanics.definition import Problem
 from study.observer.base import Reduction
 from study.observer.crossings import crosses_upwards
-from study.problem.definition import Problem
 
 #: Bisections that locate a root within a step to round-off.
 HALVINGS = 53
@@ -143,9 +143,9 @@ class PeriodError(Reduction):
 
 
 class AmplitudeDecay(Reduction):
-    """Relative loss of amplitude per period, 1 − (A_n/A_1)^(1/(n − 1)), over the n maxima after the start.
+    """Relative loss of amplitude per period over the n maxima after the start, NaN with fewer than two.
 
-    The maxima are those of the quintics of :class:`PeriodError`. NaN with fewer than two.
+    It is :math:`1 - (A_n/A_1)^{1/(n - 1)}`. The maxima are those of the quintics of :class:`PeriodError`.
 
     Attributes
     ----------

@@ -8,10 +8,10 @@ import jax
 import jax.numpy as jnp
 
 from study.algebra.arrays import ScalarLike, Vector
-from study.equilibrium.balance import acceleration
+from study.mechanics.balance import acceleration
+from study.mechanics.definition import Problem
+from study.mechanics.function_checks import NOT_TRACEABLE
 from study.observer.base import Observer, Record, Reduction
-from study.problem.definition import Problem
-from study.problem.function_checks import NOT_TRACEABLE
 
 #: Arguments that the function of a quantity may have.
 ARGUMENTS = {
@@ -93,21 +93,16 @@ def _arguments_of(function: Callable) -> tuple[str, ...]:
 
 
 class Quantity(Record):
-    """Your own quantity, a function of t, u, u̇ and ü: along time, or reduced to one value a run.
+    r"""Your own quantity, a function of t, u, u̇ and ü: along time, or reduced to one value a run.
 
-    Parameters
-    ----------
-    function
-        Function of some of the arguments ``t``, ``u``, ``v``, ``a`` and ``ground``, which it gets by these names: the
-        time, and displacement, velocity and acceleration, each of shape () or (n,). It returns a number or a vector and
-        must be written with ``jax.numpy``. The acceleration is that of the equation of motion, M⁻¹ (f − C u̇ − p(u)),
-        whatever the scheme carries; on moving ground it is relative, ``ground`` is ι a(t), that of the ground at each
-        unknown, and ``lambda a, ground: a + ground`` is the absolute one.
-    name, long_name, units
-        Name and attributes of the variable in the dataset.
-    reduce
-        ``"peak"`` for the largest size over all steps, ``"final"`` for the last value, ``"rms"`` for the root mean
-        square over time by the trapezoidal rule, each of every component; None for the record along time.
+    Parameters ---------- function Function of some of the arguments ``t``, ``u``, ``v``, ``a`` and ``ground``, which it
+    gets by these names: the time, and displacement, velocity and acceleration, each of shape () or (n,). It returns a
+    number or a vector and must be written with ``jax.numpy``. The acceleration is that of the equation of motion,
+    :math:`M^{-1} (f - C \dot u - p(u))`, whatever the scheme carries; on moving ground it is relative, ``ground`` is ι
+    a(t), that of the ground at each unknown, and ``lambda a, ground: a + ground`` is the absolute one. name, long_name,
+    units Name and attributes of the variable in the dataset. reduce ``"peak"`` for the largest size over all steps,
+    ``"final"`` for the last value, ``"rms"`` for the root mean square over time by the trapezoidal rule, each of every
+    component; None for the record along time.
 
     Raises
     ------

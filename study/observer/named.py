@@ -2,10 +2,8 @@
 
 from study.observer.base import Observer
 from study.observer.crossings import Oscillations
-from study.observer.effort import NewtonIterations
+from study.observer.diagnostics import LyapunovExponent, MomentumErrors, NewtonIterations
 from study.observer.energy import EnergyBalance, EnergyDrift, EnergyError, MaxEnergyError, MeanEnergyError
-from study.observer.lyapunov import LyapunovExponent
-from study.observer.momentum import MomentumErrors
 from study.observer.motion import AbsoluteAcceleration, AbsoluteMotion, InternalForce, Trajectory
 from study.registry import Registry
 

@@ -5,10 +5,10 @@ import numpy as np
 
 from study.algebra.arrays import Scalar, Vector
 from study.algebra.matrices import shifted
-from study.problem.definition import Problem
-from study.problem.loads import Pulse
+from study.mechanics.definition import Problem
+from study.mechanics.loads import Pulse
+from study.mechanics.terms import StrainEnergy
 from study.problem.naming import named
-from study.problem.potential import StrainEnergy
 
 #: Circular frequency ω of the stiff springs.
 FPU_FREQUENCY = 50.0
@@ -16,13 +16,17 @@ FPU_FREQUENCY = 50.0
 
 @named(time_scale=2 * np.pi)  # about the period of the soft springs
 def fpu_chain() -> Problem:
-    """The chain of Fermi, Pasta and Ulam: stiff linear and soft non-linear springs alternate.
+    r"""The chain of Fermi, Pasta and Ulam: stiff linear and soft non-linear springs alternate.
 
-    V = ω²/2 Σ x₁ᵢ² + ¼ [(x₀₁ − x₁₁)⁴ + Σ (x₀,ᵢ₊₁ − x₁,ᵢ₊₁ − x₀ᵢ − x₁ᵢ)⁴ + (x₀₃ + x₁₃)⁴],    i = 1, 2, 3
+    .. math::
+
+        V = \tfrac12 \omega^2 \sum_{i=1}^3 x_{1,i}^2 + \tfrac14 [(x_{0,1} - x_{1,1})^4
+            + \sum_{i=1}^2 (x_{0,i+1} - x_{1,i+1} - x_{0,i} - x_{1,i})^4 + (x_{0,3} + x_{1,3})^4]
 
     u = (x₀₁, x₀₂, x₀₃, x₁₁, x₁₂, x₁₃), where x₁ᵢ are elongations of the stiff springs, and ω = 50. The motion starts
     with x₀₁ = 1, ẋ₀₁ = 1, x₁₁ = 1/ω, ẋ₁₁ = 1 and zero elsewhere. The stiff springs exchange their oscillatory energies
-    Iᵢ = (ẋ₁ᵢ² + ω² x₁ᵢ²)/2 over times of order ω. The sum I of these energies is nearly constant over very long times.
+    :math:`I_i = (\dot x_{1,i}^2 + \omega^2 x_{1,i}^2)/2` over times of order ω. The sum I of these energies is nearly
+    constant over very long times.
 
     References
     ----------
@@ -51,9 +55,11 @@ def oscillatory_energy(spring: int, u: Vector, v: Vector) -> Scalar:
 
 
 def toda_soliton(n: int, t: float, kappa: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and velocity (n,) of a soliton in an endless Toda chain; it passes mass n/4 at t = 0.
+    r"""Displacement and velocity (n,) of a soliton in an endless Toda chain; it passes mass n/4 at t = 0.
 
-    q_j = ln cosh(x − κ) − ln cosh x,    x = κ (j − n/4) − t sinh κ
+    .. math::
+
+        q_j = \ln\cosh(x - \kappa) - \ln\cosh x, \quad x = \kappa\,(j - n/4) - t \sinh\kappa
     """
     x = kappa * (np.arange(1, n + 1) - n / 4) - t * np.sinh(kappa)
 
@@ -65,9 +71,13 @@ def toda_soliton(n: int, t: float, kappa: float = 1.0) -> tuple[np.ndarray, np.n
 
 @named(time_scale=np.pi)  # the shortest period of a linear chain
 def toda_chain(n: int = 200) -> Problem:
-    """Toda's chain of n masses between fixed ends: V = Σ exp(−r_j) + r_j − 1, with the elongations r_j.
+    r"""Toda's chain of n masses between fixed ends, with the elongations r_j.
 
-    The motion starts as the soliton of :func:`toda_soliton` with κ = 1, which keeps its form until it reaches the end.
+    .. math::
+
+        V = \sum_j (\exp(-r_j) + r_j - 1)
+
+    The motion starts as the soliton of ``toda_soliton`` with κ = 1, which keeps its form until it reaches the end.
 
     References
     ----------
@@ -85,9 +95,12 @@ def toda_chain(n: int = 200) -> Problem:
 
 @named(time_scale=1.0)  # time in which a wave crosses the bar
 def impact_bar(n: int = 200) -> Problem:
-    """A hardening elastic bar of n finite elements, fixed at one end and struck at the other by half a sine.
+    r"""A hardening elastic bar of n finite elements, fixed at one end and struck at the other by half a sine.
 
-    V = Σ h (ε²/2 + κ ε⁴/4),    ε = Δu/h,    h = 1/n,    κ = 10
+    .. math::
+
+        V = \sum h\,(\varepsilon^2/2 + \kappa\,\varepsilon^4/4), \quad \varepsilon = \Delta u/h, \quad h = 1/n,
+            \quad \kappa = 10
 
     Young's modulus, density, length and cross section are one: small waves cross the bar in unit time, large ones
     steepen. The mass is lumped. The pulse has an amplitude of ½ and a duration of 0.2.

@@ -5,9 +5,9 @@ All have a unit mass and the period of one second, of small motions or about.
 
 import numpy as np
 
-from study.problem.definition import Problem
-from study.problem.ground import GroundMotion
-from study.problem.materials import bouc_wen, elastoplastic, gap
+from study.materials import bouc_wen, elastoplastic, gap
+from study.mechanics.definition import Problem
+from study.mechanics.ground import GroundMotion
 from study.problem.naming import named
 
 #: Period in seconds of small motions of all of them but the bouncing mass, and their stiffness.

@@ -5,7 +5,7 @@ A problem is named by a variable of a module of this package: ``pendulum``, a fu
 """
 
 from study import problem
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 from study.problem.naming import NamedProblem
 from study.registry import Registry, variables_of_modules
 
@@ -25,5 +25,8 @@ time_scales = {name: entry.time_scale for name, entry in _ENTRIES.items() if ent
 #: Starts one percent beside that of a problem, as multiples of it, which show what holds by accident.
 neighbouring_starts = {"below": 0.99, "above": 1.01}
 
+#: Approximate period of each spring.
+approximate_periods = {name: entry.period for name, entry in _ENTRIES.items() if entry.period is not None}
+
 #: Periods that Xie (1996) prints (sections 3.1, 3.2 and 4).
-printed_periods = {name: entry.printed_period for name, entry in _ENTRIES.items() if entry.printed_period is not None}
+printed_periods = {name: period for name, period in approximate_periods.items() if _ENTRIES[name].printed}

@@ -5,8 +5,8 @@ from functools import partial
 import jax.numpy as jnp
 import numpy as np
 
-from study.problem.definition import Problem
-from study.problem.loads import HarmonicLoad
+from study.mechanics.definition import Problem
+from study.mechanics.loads import HarmonicLoad
 from study.problem.naming import named
 
 

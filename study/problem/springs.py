@@ -6,12 +6,12 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
 from study.problem.naming import named
 
 
 class CubicSpring(eqx.Module):
-    """p(u) = S1 u (1 + S2 u²), the Duffing spring of Xie (1996), eqs (2) and (4)."""
+    """The Duffing spring p(u) = S1 u (1 + S2 u²) of Xie (1996), eqs (2) and (4)."""
 
     # NumPy numbers are arguments of a compiled program, Python numbers constants in it: two springs share a program
     S1: float = eqx.field(converter=np.float64)
@@ -44,7 +44,7 @@ def _log_cosh(u):
 
 
 class TanhSpring(eqx.Module):
-    """p(u) = S tanh u, the softening spring of Xie (1996), eqs (3) and (5)."""
+    """The softening spring p(u) = S tanh u of Xie (1996), eqs (3) and (5)."""
 
     S: float = eqx.field(converter=np.float64)
 
@@ -62,25 +62,25 @@ def _of_spring(spring: CubicSpring | TanhSpring, u0: float, title: str) -> Probl
     return Problem(force=spring.force, potential=spring.potential, u0=u0, title=title)
 
 
-@named(printed_period=0.15)
+@named(period=0.15, printed=True)
 def hardening() -> Problem:
     """Hardening spring, section 3.1: S1 = 100, S2 = 10, u₀ = 1.5."""
     return _of_spring(CubicSpring(100.0, 10.0), u0=1.5, title="hardening spring")
 
 
-@named(printed_period=1.14)
+@named(period=1.14, printed=True)
 def softening() -> Problem:
     """Softening spring, section 3.2: S = 100, u₀ = 4."""
     return _of_spring(TanhSpring(100.0), u0=4.0, title="softening spring")
 
 
-@named(printed_period=1.8)
+@named(period=1.8, printed=True)
 def softening_large() -> Problem:
     """The softening spring at the amplitude of section 4: u₀ = 10."""
     return _of_spring(TanhSpring(100.0), u0=10.0, title="softening spring, large amplitude")
 
 
-@named(printed_period=7.3)
+@named(period=7.3, printed=True)
 def double_well() -> Problem:
     """Double well, section 4: S1 = −½, S2 = −1, u₀ = 0.5."""
     return _of_spring(CubicSpring(-0.5, -1.0), u0=0.5, title="double well")

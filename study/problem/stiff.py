@@ -3,10 +3,10 @@
 import jax.numpy as jnp
 import numpy as np
 
-from study.problem.definition import Problem
-from study.problem.loads import HarmonicLoad
+from study.mechanics.definition import Problem
+from study.mechanics.loads import HarmonicLoad
+from study.mechanics.terms import StrainEnergy
 from study.problem.naming import named
-from study.problem.potential import StrainEnergy
 
 #: Period of the motion of the support.
 SUPPORT_PERIOD = 2 * np.pi / 1.2
@@ -14,12 +14,16 @@ SUPPORT_PERIOD = 2 * np.pi / 1.2
 
 @named(time_scale=SUPPORT_PERIOD)
 def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "stiff and soft springs") -> Problem:
-    """Two masses in a row on a moving support: a stiff spring holds the first mass, a soft one the second.
+    r"""Two masses in a row on a moving support: a stiff spring holds the first mass, a soft one the second.
 
-    ü₂ + k₁ (u₂ − u₁) − k₂ (u₃ − u₂) = 0,    ü₃ + k₂ (u₃ − u₂) = 0,    u₁ = sin 1.2t,    u = (u₂, u₃) from rest
+    .. math::
 
-    with k₁ = 10⁷ and k₂ = 1. The motion u₁ of the support enters as the load k₁ u₁. The first mass follows the support.
-    Its own mode on the stiff spring, of period 0.002, stands for the rigid links of a structure.
+        \ddot u_2 + k_1 (u_2 - u_1) - k_2 (u_3 - u_2) &= 0 \\
+        \ddot u_3 + k_2 (u_3 - u_2) &= 0, \quad u_1 = \sin(1.2 t)
+
+    with u = (u₂, u₃) from rest, k₁ = 10⁷ and k₂ = 1. The motion u₁ of the support enters as the load k₁ u₁. The first
+    mass follows the support. Its own mode on the stiff spring, of period 0.002, stands for the rigid links of a
+    structure.
 
     References
     ----------
@@ -37,17 +41,20 @@ def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "
 
 @named(time_scale=SUPPORT_PERIOD)
 def stiff_soft_sine() -> Problem:
-    """The system of :func:`stiff_soft` with the soft spring k₂ sin δ, δ = u₃ − u₂."""
+    """The system of ``stiff_soft`` with the soft spring k₂ sin δ, δ = u₃ − u₂."""
     return stiff_soft(lambda stretch: 1 - jnp.cos(stretch), title="stiff and sine springs")
 
 
 @named(time_scale=2 * np.pi * 3.0443 / 7.72)  # one turn
 def elastic_pendulum() -> Problem:
-    """A mass that circles about a fixed point on a stiff elastic bar.
+    r"""A mass that circles about a fixed point on a stiff elastic bar.
 
-    V = EA/(8 L³) (x² + y² − L²)²,    u = (x, y) from (L, 0) with the velocity (0, v₀)
+    .. math::
 
-    L = 3.0443, m = 10, EA = 10¹⁰, v₀ = 7.72: the period of a turn is 2.48, that of the bar's own mode 3.5e-4.
+        V = \frac{EA}{8 L^3} (x^2 + y^2 - L^2)^2
+
+    The motion u = (x, y) starts from (L, 0) with the velocity (0, v₀). With L = 3.0443, m = 10, EA = 10¹⁰ and v₀ = 7.72
+    the period of a turn is 2.48, that of the bar's own mode 3.5e-4.
 
     References
     ----------

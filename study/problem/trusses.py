@@ -3,10 +3,9 @@
 import jax.numpy as jnp
 import numpy as np
 
-from study.problem.damping import Rayleigh
-from study.problem.definition import Problem
+from study.mechanics.definition import Problem
+from study.mechanics.terms import Rayleigh, StrainEnergy
 from study.problem.naming import named
-from study.problem.potential import StrainEnergy
 
 
 def _mesh(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
@@ -69,7 +68,7 @@ def spinning_truss() -> Problem:
 
 @named(time_scale=1.0)  # about the period of its first mode
 def cantilever_truss() -> Problem:
-    """The truss of :func:`spinning_truss` as a damped cantilever with a constant transverse load at its free end.
+    """The truss of ``spinning_truss`` as a damped cantilever with a constant transverse load at its free end.
 
     288 unknowns. Rayleigh damping C = 0.02 M + 0.0005 K; a load of 0.5 at every joint of the free end, from rest.
     """

@@ -1,23 +1,35 @@
-"""The α-methods: Hilber, Hughes and Taylor's as Xie (1996) has it, and the generalized-α family."""
+"""The α-methods: that of Hilber, Hughes and Taylor as Xie (1996) states it, and the generalized-α family."""
 
+import math
 from typing import ClassVar
 
 import equinox as eqx
 
-from study.equilibrium.balance import balance, load
-from study.equilibrium.state import Motion
-from study.scheme.base import OneStep, check_range, check_ranges, start_in_balance
-from study.scheme.newmark_formulas import bounded_at_infinite_frequency, predicted
+from study.mechanics.balance import balance, load
+from study.mechanics.state import Motion
+from study.scheme.base import OneStep, check_range, check_ranges
+from study.scheme.newmark import ROUND_OFF, bounded_at_infinite_frequency, predicted, stability_limit
 
 
-class HHTAlpha(OneStep):
-    """The α-method as Xie (1996), eq. (12), has it, with a weighted mean of two internal forces.
+def _stability_limit(alpha_m: float, alpha_f: float, beta: float, gamma: float) -> float | None:
+    """Infinite under the conditions of Chung and Hulbert for methods of second order; that of Newmark's without α."""
+    if alpha_m == alpha_f == 0:
+        return stability_limit(beta, gamma)
+    shift = alpha_f - alpha_m
+    second_order = abs(gamma - (0.5 + shift)) < ROUND_OFF
+    return math.inf if second_order and shift >= 0 and beta >= 0.25 + shift / 2 - ROUND_OFF else None
 
-    M ü₁ + C u̇₁ + (1 + α) p(u₁) − α p(u₀) = f(t₁), with Newmark's u₁ and u̇₁.
 
-    Finite element codes commonly evaluate one force at the weighted displacement instead, p((1 + α) u₁ − α u₀), and
-    weight damping and load in the same way (:class:`GeneralizedAlpha`). For a linear spring the two internal forces
-    agree, for a non-linear one they differ.
+class HHTAlpha1996(OneStep):
+    r"""The α-method of Xie (1996), equation (12), with a weighted mean of two internal forces.
+
+    .. math::
+
+        M \ddot u_1 + C \dot u_1 + (1 + \alpha)\,p(u_1) - \alpha\,p(u_0) = f(t_1)
+
+    with Newmark's u₁ and u̇₁. Finite element codes commonly evaluate one force at the weighted displacement instead,
+    p((1 + α) u₁ − α u₀), and weight damping and load in the same way (:meth:`study.GeneralizedAlpha.hht`). For a linear
+    spring the two internal forces agree, for a non-linear one they differ.
 
     Second order for γ = ½ − α without damping and load; first order with either, except for α = 0, which is Newmark's
     method. With β = (1 − α)²/4, γ = ½ − α and −⅓ ≤ α ≤ 0 it is unconditionally stable for linear systems. Carries u, u̇
@@ -45,13 +57,13 @@ class HHTAlpha(OneStep):
     alpha: float
     beta: float = None  # type: ignore[assignment]
     gamma: float = None  # type: ignore[assignment]
-    title: str = eqx.field(default="α-method", kw_only=True, static=True)
+    title: str = eqx.field(default="HHT-α (1996)", kw_only=True, static=True)
 
     family: ClassVar[str] = "α-methods"
     source: ClassVar[str] = "Hilber et al. (1977)"
     doi: ClassVar[str] = "10.1002/eqe.4290050306"
     explicit = False
-    evaluations = 1
+    forces_per_step = 1
 
     def __post_init__(self):
         if self.beta is None:
@@ -67,7 +79,11 @@ class HHTAlpha(OneStep):
         return 2 if abs(self.gamma - (0.5 - self.alpha)) < 1e-12 else 1
 
     @property
-    def damped_order(self) -> int:
+    def stability_limit(self) -> float | None:
+        return _stability_limit(0.0, -self.alpha, self.beta, self.gamma)
+
+    @property
+    def order_with_damping(self) -> int:
         # eq. (12) weights neither damping nor load
         return self.order if self.alpha == 0 else 1
 
@@ -75,8 +91,6 @@ class HHTAlpha(OneStep):
     def needs_mass(self) -> bool:
         # at infinite frequency (1 + α) u₁ = α u₀: the third root, α/(1 + α), is at most ½
         return not bounded_at_infinite_frequency(self.beta, self.gamma)
-
-    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
@@ -88,15 +102,19 @@ class HHTAlpha(OneStep):
 
 
 class GeneralizedAlpha(OneStep):
-    """The generalized-α method of Chung and Hulbert; HHT-α and WBZ-α are members of this family.
+    r"""The generalized-α method of Chung and Hulbert; HHT-α and WBZ-α are members of this family.
 
-    M ü_m + C u̇_f + p(u_f) = f(t_f),    t_f = t₀ + (1 − α_f) Δt
-    x_f = (1 − α_f) x₁ + α_f x₀ for u and u̇,    ü_m = (1 − α_m) ü₁ + α_m ü₀,    u₁ and u̇₁ by Newmark's formulas
+    .. math::
 
-    The internal force is evaluated once, at the weighted displacement, as finite element codes do. Second order for γ =
-    ½ − α_m + α_f. With β = (1 − α_m + α_f)²/4 and α_m ≤ α_f ≤ ½ it is unconditionally stable for linear systems, and
-    its spectral radius falls to ρ∞ as ωΔt grows. Carries u, u̇ and the algorithmic ü; one force a Newton iteration. A
-    force with a history commits it at u₁, not where the balance is.
+        M \ddot u_m + C \dot u_f + p(u_f) &= f(t_0 + (1 - \alpha_f)\,\Delta t) \\
+        \ddot u_m &= (1 - \alpha_m)\,\ddot u_1 + \alpha_m \ddot u_0 \\
+        x_f &= (1 - \alpha_f)\,x_1 + \alpha_f x_0 \quad\text{for } x = u \text{ and } x = \dot u
+
+    with u₁ and u̇₁ by Newmark's formulas. The internal force is evaluated once, at the weighted displacement, as finite
+    element codes do. Second order for γ = ½ − α_m + α_f. With :math:`\beta = (1 - \alpha_m + \alpha_f)^2/4` and α_m ≤
+    α_f ≤ ½ it is unconditionally stable for linear systems, and its spectral radius falls to ρ∞ as ωΔt grows. Carries
+    u, u̇ and the algorithmic ü; one force a Newton iteration. A force with a history commits it at u₁, not where the
+    balance is.
 
     Parameters
     ----------
@@ -150,7 +168,7 @@ class GeneralizedAlpha(OneStep):
     def hht(cls, rho_inf: float) -> "GeneralizedAlpha":
         """HHT-α (α_m = 0, α = −α_f) for a spectral radius ρ∞ at infinite frequency, ½ ≤ ρ∞ ≤ 1."""
         check_range("GeneralizedAlpha.hht", "rho_inf", rho_inf, 0.5, 1.0)
-        labels = {"title": "HHT-α, one force", "source": HHTAlpha.source, "doi": HHTAlpha.doi}
+        labels = {"title": "HHT-α", "source": HHTAlpha1996.source, "doi": HHTAlpha1996.doi}
         return cls.optimal(0.0, (1 - rho_inf) / (1 + rho_inf), **labels)
 
     @classmethod
@@ -165,11 +183,13 @@ class GeneralizedAlpha(OneStep):
         return 2 if abs(self.gamma - (0.5 - self.alpha_m + self.alpha_f)) < 1e-12 else 1
 
     @property
+    def stability_limit(self) -> float | None:
+        return _stability_limit(self.alpha_m, self.alpha_f, self.beta, self.gamma)
+
+    @property
     def needs_mass(self) -> bool:
         # at infinite frequency u_f = 0: the third root, −α_f/(1 − α_f), is at most one, as α_f ≤ ½
         return not bounded_at_infinite_frequency(self.beta, self.gamma)
-
-    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
@@ -184,7 +204,7 @@ class GeneralizedAlpha(OneStep):
         return Motion(du + self.beta * dt**2 * c_a * a_m, dv + self.gamma * dt * c_a * a_m, a_new), effort
 
 
-hht_alpha = HHTAlpha(alpha=-0.1, beta=0.3025, gamma=0.6)
-hht_alpha_one_force = GeneralizedAlpha.hht(rho_inf=0.9 / 1.1)
+hht_alpha_1996 = HHTAlpha1996(alpha=-0.1, beta=0.3025, gamma=0.6)
+hht_alpha = GeneralizedAlpha.hht(rho_inf=0.9 / 1.1)
 wbz_alpha = GeneralizedAlpha.wbz(rho_inf=0.8)
 generalized_alpha = GeneralizedAlpha.chung_hulbert(rho_inf=0.8)

@@ -1,12 +1,14 @@
 """Backward differences for displacement and velocity: BDF2 and Park's method."""
 
+import math
 from typing import ClassVar, NamedTuple
 
 import equinox as eqx
+import numpy as np
 
 from study.algebra.arrays import Vector
-from study.equilibrium.balance import balance, load
-from study.equilibrium.state import Effort, Motion
+from study.mechanics.balance import balance, load
+from study.mechanics.state import Effort, Motion
 from study.scheme.base import Scheme, as_tuple, check_numbers
 from study.scheme.newmark import average_acceleration
 
@@ -21,10 +23,12 @@ class Memory(NamedTuple):
 
 
 class BackwardDifferences(Scheme):
-    """Backward differences for the equation as a first-order system, with the weights d.
+    r"""Backward differences for the equation as a first-order system, with the weights d.
 
-    Δt ẏ₁ = d₀ y₁ + d₁ y₀ + d₂ y₋₁ + ...    for y = u and for y = u̇
-    M ü₁ + C u̇₁ + p(u₁) = f(t₁)
+    .. math::
+
+        \Delta t\,\dot y_1 &= d_0 y_1 + d_1 y_0 + d_2 y_{-1} + \dots \quad\text{for } y = u \text{ and } y = \dot u \\
+        M \ddot u_1 + C \dot u_1 + p(u_1) &= f(t_1)
 
     BDF2 is d = (3/2, −2, 1/2). Park's method, d = (10, −15, 6, −1)/6, is the mean of BDF2 and BDF3. Both are of second
     order and unconditionally stable for linear systems, with ρ∞ = 0. The average acceleration method, run backwards,
@@ -73,6 +77,12 @@ class BackwardDifferences(Scheme):
         # the formula is exact for tᵖ if the moment at t = 1 is ẏ = p
         return next(p for p in range(len(self.weights) + 1) if abs(moment(p + 1) - (p + 1)) > 1e-12)
 
+    @property
+    def stability_limit(self) -> float | None:
+        # the boundary of the region of stability; if it stays in the right half plane, no ωΔt is unstable
+        circle = np.exp(1j * np.linspace(0, np.pi, 721))
+        return math.inf if np.polyval(self.weights[::-1], circle).real.min() > -1e-9 else None
+
     def start(self, problem, u0, v0, dt):
         now, effort = average_acceleration.start(problem, u0, v0, dt)
         before, older = now, []
@@ -80,7 +90,7 @@ class BackwardDifferences(Scheme):
             before, more = average_acceleration.step(problem, before, -k * dt, -dt)
             older.append((before.u, before.v))
             effort = effort.then(more)
-        return Memory(*now, tuple(older)), effort
+        return Memory(now.u, now.v, now.a, tuple(older)), effort
 
     def step(self, problem, state, t, dt) -> tuple[Memory, Effort]:
         d, *rest = self.weights

@@ -1,6 +1,8 @@
 """The base classes of time integration schemes: frozen parameters with a start and a step."""
 
 import abc
+import textwrap
+from dataclasses import fields
 from typing import Any, ClassVar
 
 import equinox as eqx
@@ -8,9 +10,9 @@ import jax
 import numpy as np
 
 from study.algebra.arrays import ScalarLike, Vector
-from study.equilibrium.balance import initial_acceleration
-from study.equilibrium.state import Effort, Motion
-from study.problem.definition import Problem
+from study.mechanics.balance import initial_acceleration
+from study.mechanics.definition import Problem
+from study.mechanics.state import Effort, Motion
 from study.scheme.contract import incremented
 
 
@@ -18,7 +20,7 @@ class Scheme(eqx.Module):
     """A time integration scheme for M ü + C u̇ + p(u) = f(t).
 
     A scheme carries its own state from step to step: a tuple with the fields ``u`` and ``v`` at least
-    (:class:`study.equilibrium.state.Motion` adds the acceleration, a multi-step scheme its history). :meth:`start` and
+    (:class:`study.mechanics.state.Motion` adds the acceleration, a multi-step scheme its history). :meth:`start` and
     :meth:`step` are pure functions, so that JAX can compile, vectorise and differentiate them.
     """
 
@@ -43,9 +45,17 @@ class Scheme(eqx.Module):
         """Order of accuracy of the displacement in Δt, for free motion without damping."""
 
     @property
-    def damped_order(self) -> int:
+    def order_with_damping(self) -> int:
         """Order of accuracy with damping, a force that takes the velocity, or a load: the lowest of them."""
         return self.order
+
+    @property
+    def stability_limit(self) -> float | None:
+        """Largest ωΔt at which the scheme is stable without damping: infinite if it always is, zero if it never is.
+
+        None if it is not known for these parameters; :meth:`study.LinearTheory.stability_limit` computes it.
+        """
+        return None
 
     @property
     @abc.abstractmethod
@@ -56,12 +66,12 @@ class Scheme(eqx.Module):
         """
 
     @property
-    def evaluations(self) -> int:
+    def forces_per_step(self) -> int:
         """Internal forces that a step evaluates in addition to those of its Newton iterations."""
         return 0
 
     @property
-    def evaluations_per_iteration(self) -> int:
+    def forces_per_iteration(self) -> int:
         """Internal forces that one Newton iteration evaluates."""
         return 1
 
@@ -74,6 +84,25 @@ class Scheme(eqx.Module):
         need mass and implicit ones do not; an implicit scheme without these properties overrides this.
         """
         return self.explicit
+
+    def __repr__(self) -> str:
+        kind, summary = type(self).__name__, (type(self).__doc__ or "").partition("\n")[0]
+        shown = [one.name for one in fields(self) if one.name not in ("title", "source", "doi", "stability_limit")]
+        parameters = ", ".join(f"{name}={_short(getattr(self, name))}" for name in shown)
+        damped = "" if self.order_with_damping == self.order else f" ({self.order_with_damping} with damping or load)"
+        named = {None: "", 0.0: ", unstable without damping", np.inf: ", unconditionally stable for linear systems"}
+        limit = self.stability_limit
+        stable = named[limit] if limit in named else f", stable for ωΔt ≤ {limit:.4g}"
+        forces = [f"{self.forces_per_step} a step"] if self.forces_per_step else []
+        forces += [] if self.explicit else [f"{self.forces_per_iteration} a Newton iteration"]
+        lines = [
+            # a dataclass without a docstring has its signature in place of one
+            self.title if summary.startswith(f"{kind}(") else f"{self.title}: {summary}",
+            textwrap.shorten(f"{kind}({parameters})", 120, placeholder=" ...)"),
+            f"{'explicit' if self.explicit else 'implicit'}, order {self.order}{damped}{stable}",
+            f"source: {self.source}" + (f"; forces: {' and '.join(forces)}" if forces else ""),
+        ]
+        return "\n".join(lines)
 
     def refusal(self, problem: Problem) -> str | None:
         """One sentence that tells why the scheme cannot step this problem; None if it can."""
@@ -96,6 +125,10 @@ class Scheme(eqx.Module):
 class OneStep(Scheme):
     """A scheme whose step adds increments to displacement and velocity; these sums can be compensated."""
 
+    def start(self, problem: Problem, u0: Vector, v0: Vector, dt: ScalarLike) -> tuple[Any, Effort]:
+        """State at t = 0 with the acceleration of the equation of motion, and no effort."""
+        return Motion(u0, v0, initial_acceleration(problem, u0, v0)), Effort()
+
     @abc.abstractmethod
     def increment(self, problem: Problem, state: Any, t: ScalarLike, dt: ScalarLike) -> tuple[Any, Effort]:
         """State at t + Δt with the increments of u and v in place of u and v, and the effort of the step."""
@@ -103,6 +136,22 @@ class OneStep(Scheme):
     def step(self, problem, state, t, dt):
         new, effort = incremented(self, problem, state, t, dt)
         return new._replace(u=state.u + new.u, v=state.v + new.v), effort
+
+
+class WrapperState(eqx.Module):
+    """State of a wrapper: that of the other scheme, ``inner``, and more."""
+
+    inner: eqx.AbstractVar[Any]
+
+    @property
+    def u(self) -> Vector:
+        """Displacement."""
+        return self.inner.u
+
+    @property
+    def v(self) -> Vector:
+        """Velocity."""
+        return self.inner.v
 
 
 class Wrapper(Scheme):
@@ -115,20 +164,24 @@ class Wrapper(Scheme):
         return self.scheme.order
 
     @property
-    def damped_order(self) -> int:
-        return self.scheme.damped_order
+    def order_with_damping(self) -> int:
+        return self.scheme.order_with_damping
+
+    @property
+    def stability_limit(self) -> float | None:
+        return self.scheme.stability_limit
 
     @property
     def explicit(self) -> bool:
         return self.scheme.explicit
 
     @property
-    def evaluations(self) -> int:
-        return self.scheme.evaluations
+    def forces_per_step(self) -> int:
+        return self.scheme.forces_per_step
 
     @property
-    def evaluations_per_iteration(self) -> int:
-        return self.scheme.evaluations_per_iteration
+    def forces_per_iteration(self) -> int:
+        return self.scheme.forces_per_iteration
 
     @property
     def needs_mass(self) -> bool:
@@ -138,9 +191,13 @@ class Wrapper(Scheme):
         return self.scheme.refusal(problem) or super().refusal(problem)
 
 
-def start_in_balance(self, problem: Problem, u0: Vector, v0: Vector, dt: ScalarLike) -> tuple[Motion, Effort]:
-    """State at t = 0 with the acceleration of the equation of motion."""
-    return Motion(u0, v0, initial_acceleration(problem, u0, v0)), Effort()
+def _short(value: Any) -> str:
+    """A parameter in a few digits."""
+    if isinstance(value, Scheme):
+        return value.title
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_short, value))})"
+    return f"{value:.6g}" if isinstance(value, float) else repr(value)
 
 
 def as_tuple(values):

@@ -5,24 +5,28 @@ from typing import ClassVar
 
 import equinox as eqx
 
-from study.equilibrium.balance import balance, load
-from study.equilibrium.state import Motion
-from study.scheme.base import OneStep, check_range, check_ranges, start_in_balance
+from study.mechanics.balance import balance, load
+from study.mechanics.state import Motion
+from study.scheme.base import OneStep, check_range, check_ranges
 
 
 class Bathe(OneStep):
-    """The ρ∞-Bathe method: a sub-step to t₀ + γΔt by the trapezoidal rule, then one to t₁ through all three points.
+    r"""The ρ∞-Bathe method: a sub-step to t₀ + γΔt by the trapezoidal rule, then one to t₁ through all three points.
 
-    u̇_γ = u̇₀ + γΔt/2 (ü₀ + ü_γ),    u_γ = u₀ + γΔt/2 (u̇₀ + u̇_γ)
-    u̇₁ = u̇₀ + Δt (q₀ ü₀ + q₁ ü_γ + q₂ ü₁),    u₁ = u₀ + Δt (q₀ u̇₀ + q₁ u̇_γ + q₂ u̇₁)
-    q₁ = (1 + ρ∞)/(2γ(ρ∞ − 1) + 4),    q₀ = (γ − 1) q₁ + ½,    q₂ = ½ − γ q₁
-    M ü + C u̇ + p(u) = f    at t₀ + γΔt and at t₁
+    .. math::
+
+        y_\gamma &= y_0 + \tfrac12 \gamma\Delta t\,(\dot y_0 + \dot y_\gamma) \quad\text{for } y = u, \dot u \\
+        y_1 &= y_0 + \Delta t\,(q_0 \dot y_0 + q_1 \dot y_\gamma + q_2 \dot y_1) \quad\text{for } y = u, \dot u \\
+        q_1 &= \frac{1 + \rho_\infty}{2\gamma(\rho_\infty - 1) + 4}, \quad q_0 = (\gamma - 1)\,q_1 + \tfrac12,
+            \quad q_2 = \tfrac12 - \gamma q_1 \\
+        M \ddot u + C \dot u + p(u) &= f \quad\text{at } t_0 + \gamma\Delta t \text{ and at } t_1
 
     Second order, unconditionally stable for linear systems, with the spectral radius ρ∞ at infinite frequency. ρ∞ = 0
-    is Bathe's method with γ = ½ and TR-BDF2 with γ = 2 − √2. With γ = (2 − √(2 + 2ρ∞))/(1 − ρ∞), as in TR-BDF2, both
-    sub-steps have the same effective stiffness. ρ∞ = 1 with γ = ½ is the trapezoidal rule twice. Carries u, u̇ and ü;
-    solves two balances a step, each with one force a Newton iteration. The first one commits the history of a force
-    with a memory at t₀ + γΔt.
+    is Bathe's method with γ = ½ and TR-BDF2 with γ = 2 − √2. With
+    :math:`\gamma = (2 - \sqrt{2 + 2\rho_\infty})/(1 - \rho_\infty)`, as in TR-BDF2, both sub-steps have the same
+    effective stiffness. ρ∞ = 1 with γ = ½ is the trapezoidal rule twice. Carries u, u̇ and ü; solves two balances a
+    step, each with one force a Newton iteration. The first one commits the history of a force with a memory at t₀ +
+    γΔt.
 
     Parameters
     ----------
@@ -55,6 +59,7 @@ class Bathe(OneStep):
     family: ClassVar[str] = "Multi-step and composite"
     order = 2
     explicit = False
+    stability_limit = math.inf
 
     def __check_init__(self):
         check_ranges(self, gamma=(0.01, 0.99), rho_inf=(0.0, 1.0))
@@ -64,8 +69,6 @@ class Bathe(OneStep):
         """The method whose γ gives both sub-steps the same effective stiffness, 0 ≤ ρ∞ < 1."""
         check_range("Bathe.of_one_stiffness", "rho_inf", rho_inf, 0.0, math.nextafter(1.0, 0.0))
         return cls((2 - math.sqrt(2 + 2 * rho_inf)) / (1 - rho_inf), rho_inf, **labels)
-
-    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, a = state

@@ -1,5 +1,6 @@
 """Implicit conserving methods: the midpoint rule, and two methods that conserve energy."""
 
+import math
 from collections.abc import Callable
 from typing import ClassVar
 
@@ -10,17 +11,20 @@ import numpy as np
 from jax import lax
 
 from study.algebra.arrays import Vector
-from study.equilibrium.balance import balance, load
-from study.equilibrium.state import Motion
-from study.problem.definition import Problem
-from study.problem.potential import StrainEnergy
-from study.scheme.base import OneStep, Scheme, start_in_balance
+from study.mechanics.balance import balance, load
+from study.mechanics.definition import Problem
+from study.mechanics.state import Motion
+from study.mechanics.terms import StrainEnergy
+from study.scheme.base import OneStep, Scheme
 
 
 class ImplicitMidpoint(OneStep):
-    """The implicit midpoint rule.
+    r"""The implicit midpoint rule.
 
-    M (u̇₁ − u̇₀)/Δt + C u̇_m + p(u_m) = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2,    u_m = (u₀ + u₁)/2
+    .. math::
+
+        M (\dot u_1 - \dot u_0)/\Delta t + C \dot u_m + p(u_m) &= f(t_0 + \tfrac12 \Delta t) \\
+        \dot u_m = (u_1 - u_0)/\Delta t &= (\dot u_0 + \dot u_1)/2, \quad u_m = (u_0 + u_1)/2
 
     Second order and symplectic; conserves linear and angular momentum. For linear systems it is the trapezoidal rule:
     unconditionally stable, without numerical damping. Carries u, u̇ and a guess of ü; one force a Newton iteration. A
@@ -41,8 +45,7 @@ class ImplicitMidpoint(OneStep):
     doi: ClassVar[str] = "10.1090/S0025-5718-1964-0159424-9"
     order = 2
     explicit = False
-
-    start = start_in_balance
+    stability_limit = math.inf
 
     def increment(self, problem, state, t, dt):
         u, v, guess = state
@@ -103,11 +106,21 @@ def discrete_gradient(problem: Problem, u0: Vector) -> Callable:
 
 
 class EnergyMomentum(OneStep):
-    """The energy-momentum method: the midpoint rule with Gonzalez's discrete gradient p̄ in place of the force.
+    r"""The energy-momentum method: the midpoint rule with Gonzalez's discrete gradient p̄ in place of the force.
 
-    M (u̇₁ − u̇₀)/Δt + C u̇_m + p̄(u₀, u₁) = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2
-    p̄ = (∂ε/∂u)ᵀ σ̄ at u_m,    σ̄ = (w(ε(u₁)) − w(ε(u₀)))/(ε(u₁) − ε(u₀)) for each strain of a strain energy
-    p̄ = p(u_m) + [V(u₁) − V(u₀) − p(u_m)ᵀ (u₁ − u₀)] (u₁ − u₀)/|u₁ − u₀|²    for any other potential
+    .. math::
+
+        M (\dot u_1 - \dot u_0)/\Delta t + C \dot u_m + \bar p(u_0, u_1) &= f(t_0 + \tfrac12 \Delta t) \\
+        \dot u_m = (u_1 - u_0)/\Delta t &= (\dot u_0 + \dot u_1)/2
+
+    With u_m = (u₀ + u₁)/2, ε₀ = ε(u₀) and ε₁ = ε(u₁), the mean force of a strain energy, for each strain, and that of
+    any other potential are
+
+    .. math::
+
+        \bar p &= (\partial\varepsilon/\partial u)^T \bar\sigma \text{ at } u_m,
+            \quad \bar\sigma = \frac{w(\varepsilon_1) - w(\varepsilon_0)}{\varepsilon_1 - \varepsilon_0} \\
+        \bar p &= p(u_m) + \frac{V(u_1) - V(u_0) - p(u_m)^T (u_1 - u_0)}{|u_1 - u_0|^2}\,(u_1 - u_0)
 
     Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off. With a strain energy
     linear and angular momentum are constant too; the second form conserves them to third order in the step only, and
@@ -129,8 +142,9 @@ class EnergyMomentum(OneStep):
     doi: ClassVar[str] = "10.1007/BF02440162"
     order = 2
     explicit = False
-    evaluations = 1
-    evaluations_per_iteration = 2
+    stability_limit = math.inf
+    forces_per_step = 1
+    forces_per_iteration = 2
 
     def refusal(self, problem):
         if problem.dissipative:
@@ -145,8 +159,6 @@ class EnergyMomentum(OneStep):
                 "tangent='dense'."
             )
         return super().refusal(problem)
-
-    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, guess = state
@@ -168,9 +180,13 @@ def _with_stiffness(scheme: Scheme, problem: Problem) -> str:
 
 
 class AverageVectorField(OneStep):
-    """The average vector field method: the midpoint rule with the mean force along the step.
+    r"""The average vector field method: the midpoint rule with the mean force along the step.
 
-    M (u̇₁ − u̇₀)/Δt + C u̇_m + ∫₀¹ p((1 − s) u₀ + s u₁) ds = f(t₀ + Δt/2),    u̇_m = (u₁ − u₀)/Δt = (u̇₀ + u̇₁)/2
+    .. math::
+
+        M (\dot u_1 - \dot u_0)/\Delta t + C \dot u_m + \int_0^1 p((1 - s)\,u_0 + s u_1)\,ds
+            &= f(t_0 + \tfrac12 \Delta t) \\
+        \dot u_m = (u_1 - u_0)/\Delta t &= (\dot u_0 + \dot u_1)/2
 
     Gauss quadrature with m = ``points`` points evaluates the integral. It conserves the energy exactly if p is a
     polynomial of degree 2m − 1 or less, and nearly otherwise. Second order. For linear systems it is the trapezoidal
@@ -201,19 +217,18 @@ class AverageVectorField(OneStep):
     doi: ClassVar[str] = "10.1088/1751-8113/41/4/045206"
     order = 2
     explicit = False
+    stability_limit = math.inf
 
     def __check_init__(self):
         if isinstance(self.points, bool) or not isinstance(self.points, int) or self.points < 1:
             raise ValueError(f"AverageVectorField(points={self.points}): points must be a whole number of at least 1.")
 
     @property
-    def evaluations_per_iteration(self) -> int:
+    def forces_per_iteration(self) -> int:
         return self.points
 
     def refusal(self, problem):
         return _with_stiffness(self, problem) if problem.stiffness is not None else super().refusal(problem)
-
-    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, guess = state

@@ -6,15 +6,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from study.equilibrium.state import Effort
-from study.problem.function_checks import NOT_TRACEABLE
+from study.mechanics.function_checks import NOT_TRACEABLE
+from study.mechanics.state import Effort
 
 #: What a scheme tells of itself in whole numbers, with the least of each.
-_TOLD = {"order": 1, "damped_order": 1, "evaluations": 0, "evaluations_per_iteration": 0}
+_TOLD = {"order": 1, "order_with_damping": 1, "forces_per_step": 0, "forces_per_iteration": 0}
 
 
 def check_told(scheme: Any) -> None:
-    """Refuse a scheme whose title is no text, or whose orders and numbers of forces are no whole numbers.
+    """Refuse a scheme whose title is not a string, or whose orders, stability limit or numbers of forces are unfit.
 
     Raises
     ------
@@ -31,6 +31,9 @@ def check_told(scheme: Any) -> None:
             raise TypeError(f"{name} of {of} raises {type(error).__name__}: {error}") from error
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
             raise TypeError(f"{name} of {of} must be a whole number of at least {least}, not {value!r}.")
+    limit = scheme.stability_limit
+    if limit is not None and not (isinstance(limit, int | float) and limit >= 0):
+        raise TypeError(f"stability_limit of {of} must be a number of at least 0 or None, not {limit!r}.")
 
 
 def _returned(scheme: Any, method: str, *arguments: Any) -> tuple[Any, Effort]:
@@ -46,9 +49,9 @@ def _returned(scheme: Any, method: str, *arguments: Any) -> tuple[Any, Effort]:
     except (AttributeError, RuntimeError) as error:
         raise TypeError(f"{of} raises {type(error).__name__}: {error}") from error
     if not (isinstance(returned, tuple) and len(returned) == 2 and isinstance(returned[1], Effort)):
-        raise TypeError(f"{of} must return a state and a study.Effort, not {type(returned).__name__}.")
+        raise TypeError(f"{of} must return a state and a study.building.Effort, not {type(returned).__name__}.")
     if None in (returned[1].iterations, returned[1].converged):
-        raise TypeError(f"{of} must return a study.Effort of iterations and convergence, not {returned[1]!r}.")
+        raise TypeError(f"{of} must return a study.building.Effort of iterations and convergence, not {returned[1]!r}.")
     return returned
 
 

@@ -5,23 +5,31 @@ from typing import ClassVar
 
 import equinox as eqx
 
-from study.equilibrium.balance import acceleration
-from study.equilibrium.state import Effort, Motion
-from study.scheme.base import OneStep, check_range, check_ranges, start_in_balance
-from study.scheme.newmark_formulas import corrected
+from study.mechanics.balance import acceleration
+from study.mechanics.state import Effort, Motion
+from study.scheme.base import OneStep, check_range, check_ranges
+from study.scheme.newmark import corrected
 
 
 class ExplicitAlpha(OneStep):
-    """The explicit generalized-α method of Hulbert and Chung: balance with displacement and velocity of the start.
+    r"""The explicit generalized-α method of Hulbert and Chung: balance with displacement and velocity of the start.
 
-    M [(1 − α_m) ü₁ + α_m ü₀] + C u̇₀ + p(u₀) = f(t₀)
-    u₁ = u₀ + Δt u̇₀ + Δt² (½ − β) ü₀ + Δt² β ü₁,    u̇₁ = u̇₀ + Δt (1 − γ) ü₀ + Δt γ ü₁
+    .. math::
 
-    Second order for γ = 3/2 − α_m; stable without damping for ωΔt ≤ √(2(1 − 2α_m)/(2β − γ)). The parameter is the
-    spectral radius ρ_b at ωΔt = (1 + ρ_b) √(2 − ρ_b), where the principal roots meet: α_m = (2ρ_b − 1)/(1 + ρ_b) and β
-    = (5 − 3ρ_b)/((1 + ρ_b)² (2 − ρ_b)). α_m = 0 with 1 ≤ β ≤ 28/27 is the method of Chung and Lee: β = 1 does not damp,
-    β = 28/27 is ρ_b = ½. Carries u, u̇ and the algorithmic ü; one force a step, and one solution with M. A force with a
-    history commits it at u₁.
+        M [(1 - \alpha_m)\,\ddot u_1 + \alpha_m \ddot u_0] + C \dot u_0 + p(u_0) &= f(t_0) \\
+        u_1 &= u_0 + \Delta t\,\dot u_0 + \Delta t^2 (\tfrac12 - \beta)\,\ddot u_0 + \Delta t^2 \beta\,\ddot u_1 \\
+        \dot u_1 &= \dot u_0 + \Delta t\,(1 - \gamma)\,\ddot u_0 + \Delta t\,\gamma\,\ddot u_1
+
+    Second order for γ = 3/2 − α_m; stable without damping for
+    :math:`\omega\Delta t \le \sqrt{2(1 - 2\alpha_m)/(2\beta - \gamma)}`. The parameter is the spectral radius ρ_b at
+    :math:`\omega\Delta t = (1 + \rho_b)\sqrt{2 - \rho_b}`, where the principal roots meet:
+
+    .. math::
+
+        \alpha_m = \frac{2\rho_b - 1}{1 + \rho_b}, \quad \beta = \frac{5 - 3\rho_b}{(1 + \rho_b)^2 (2 - \rho_b)}
+
+    α_m = 0 with 1 ≤ β ≤ 28/27 is the method of Chung and Lee: β = 1 does not damp, β = 28/27 is ρ_b = ½. Carries u, u̇
+    and the algorithmic ü; one force a step, and one solution with M. A force with a history commits it at u₁.
 
     Parameters
     ----------
@@ -50,7 +58,7 @@ class ExplicitAlpha(OneStep):
 
     family: ClassVar[str] = "Explicit with dissipation"
     explicit = True
-    evaluations = 1
+    forces_per_step = 1
 
     def __check_init__(self):
         check_ranges(self, alpha_m=(-1.0, 0.5), beta=(0.0, 5.0), gamma=(0.0, 2.5))
@@ -73,7 +81,11 @@ class ExplicitAlpha(OneStep):
     def order(self) -> int:
         return 2 if math.isclose(self.gamma, 1.5 - self.alpha_m) else 1
 
-    start = start_in_balance
+    @property
+    def stability_limit(self) -> float | None:
+        if self.order == 1 or 2 * self.beta <= self.gamma:
+            return None
+        return math.sqrt(2 * (1 - 2 * self.alpha_m) / (2 * self.beta - self.gamma))
 
     def increment(self, problem, state, t, dt):
         u, v, a = state

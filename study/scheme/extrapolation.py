@@ -6,16 +6,19 @@ from typing import ClassVar
 import equinox as eqx
 
 from study.algebra.arrays import VectorLike
-from study.equilibrium.balance import acceleration
-from study.equilibrium.state import Effort, Motion
-from study.scheme.base import OneStep, as_tuple, check_numbers, start_in_balance
+from study.mechanics.balance import acceleration
+from study.mechanics.state import Effort, Motion
+from study.scheme.base import OneStep, as_tuple, check_numbers
 from study.scheme.splitting import Composition
 
 
 class Extrapolation(OneStep):
-    """A step by velocity Verlet in n₁, n₂, ..., n_k sub-steps, extrapolated to infinitely many sub-steps.
+    r"""A step by velocity Verlet in n₁, n₂, ..., n_k sub-steps, extrapolated to infinitely many sub-steps.
 
-    y₁ = Σ_j w_j y₁(n_j),    w_j = Π_{i≠j} n_j²/(n_j² − n_i²)    for y = u and for y = u̇
+    .. math::
+
+        y_1 = \sum_j w_j\,y_1(n_j), \quad w_j = \prod_{i \ne j} \frac{n_j^2}{n_j^2 - n_i^2}
+            \quad\text{for } y = u \text{ and } y = \dot u
 
     Verlet's method is symmetric: its error is a series in (Δt/n)², and the extrapolation removes its first k − 1 terms.
     The order is 2k, with damping and load too. The k sequences do not depend on each other, so a processor runs them
@@ -27,6 +30,8 @@ class Extrapolation(OneStep):
     ----------
     sequence
         n₁ < n₂ < ... < n_k.
+    stability_limit
+        Largest ωΔt at which it is stable without damping, if known.
 
     Raises
     ------
@@ -42,6 +47,7 @@ class Extrapolation(OneStep):
     """
 
     sequence: tuple[int, ...] = eqx.field(static=True, converter=as_tuple)
+    stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
     title: str = eqx.field(default="Extrapolation", kw_only=True, static=True)
 
     family: ClassVar[str] = "Runge-Kutta and conserving"
@@ -62,10 +68,8 @@ class Extrapolation(OneStep):
         return 2 * len(self.sequence)
 
     @property
-    def evaluations(self) -> int:
+    def forces_per_step(self) -> int:
         return sum(self.sequence) + 1
-
-    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         du: VectorLike = 0.0
@@ -82,4 +86,4 @@ class Extrapolation(OneStep):
         return Motion(du, dv, acceleration(problem, t + dt, state.u + du, state.v + dv)), effort
 
 
-extrapolation12 = Extrapolation((1, 2, 3, 4, 5, 6), title="Extrapolation, order 12")
+extrapolation12 = Extrapolation((1, 2, 3, 4, 5, 6), stability_limit=3.1411691, title="Extrapolation, order 12")

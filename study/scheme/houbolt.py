@@ -1,14 +1,15 @@
 """Houbolt's three-step method and four ways to start it."""
 
+import math
 from typing import ClassVar, NamedTuple
 
 import equinox as eqx
 from jax import lax
 
 from study.algebra.arrays import Vector
-from study.equilibrium.balance import acceleration, acceleration_within, balance, initial_acceleration, load
-from study.equilibrium.state import Effort, Phase
-from study.problem.definition import Problem
+from study.mechanics.balance import acceleration, acceleration_within, balance, initial_acceleration, load
+from study.mechanics.definition import Problem
+from study.mechanics.state import Effort, Phase
 from study.registry import did_you_mean
 from study.scheme.base import Scheme
 from study.scheme.newmark import Newmark, central_difference
@@ -84,14 +85,17 @@ starts = {
 
 
 class Houbolt(Scheme):
-    """The Houbolt method, Xie (1996), eqs (7) and (11), with backward differences through four points.
+    r"""The Houbolt method, Xie (1996), eqs (7) and (11), with backward differences through four points.
 
-    u̇₁ = (11u₁ − 18u₀ + 9u₋₁ − 2u₋₂) / (6Δt)
-    ü₁ = (2u₁ − 5u₀ + 4u₋₁ − u₋₂) / Δt²
-    M ü₁ + C u̇₁ + p(u₁) = f(t₁)
+    .. math::
+
+        \dot u_1 &= (11 u_1 - 18 u_0 + 9 u_{-1} - 2 u_{-2})/(6 \Delta t) \\
+        \ddot u_1 &= (2 u_1 - 5 u_0 + 4 u_{-1} - u_{-2})/\Delta t^2 \\
+        M \ddot u_1 + C \dot u_1 + p(u_1) &= f(t_1)
 
     Second order, unconditionally stable for linear systems; its damping cannot be controlled. In terms of the
-    acceleration, u₁ = ũ + Δt²/2 ü₁ and u̇₁ = ṽ + 11Δt/12 ü₁. Carries u, u̇, ü and two older u; one force a Newton
+    acceleration, :math:`u_1 = \tilde u + \Delta t^2\,\ddot u_1/2` and
+    :math:`\dot u_1 = \tilde v + 11 \Delta t\,\ddot u_1/12`. Carries u, u̇, ü and two older u; one force a Newton
     iteration. A force with a history commits it at u₁, where the balance is.
 
     Parameters
@@ -119,6 +123,7 @@ class Houbolt(Scheme):
     doi: ClassVar[str] = "10.2514/8.1722"
     order = 2
     explicit = False
+    stability_limit = math.inf
 
     def __check_init__(self):
         if not isinstance(self.start_by, str) or self.start_by not in starts:

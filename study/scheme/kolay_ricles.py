@@ -1,5 +1,6 @@
 """The explicit KR-α method of Kolay and Ricles, with a linear model of the structure in its coefficients."""
 
+import math
 from typing import ClassVar
 
 import equinox as eqx
@@ -7,21 +8,25 @@ import jax.numpy as jnp
 
 from study.algebra.elimination import solve
 from study.algebra.matrices import add, product, times
-from study.equilibrium.balance import acceleration
-from study.equilibrium.state import Effort, Motion
-from study.problem.tangent import force_and_tangent
-from study.scheme.base import OneStep, check_ranges, start_in_balance
+from study.mechanics.balance import acceleration
+from study.mechanics.state import Effort, Motion
+from study.mechanics.tangent import force_and_tangent
+from study.scheme.base import OneStep, check_ranges
 
 
 class KolayRicles(OneStep):
-    """The KR-α method: unconditionally stable for a linear structure, without iteration for a non-linear one.
+    r"""The KR-α method: unconditionally stable for a linear structure, without iteration for a non-linear one.
 
-    With the stiffness K = ∂p/∂u of the undeformed structure at rest, G = γΔt C + βΔt² K and S = M + G, where C holds
-    ∂p/∂u̇ too,
+    With the stiffness K = ∂p/∂u of the undeformed structure at rest, :math:`G = \gamma\Delta t\,C + \beta\Delta t^2 K`
+    and S = M + G, where C holds ∂p/∂u̇ too,
 
-    u̇₁ = u̇₀ + Δt S⁻¹ M ü₀,    u₁ = u₀ + Δt u̇₀ + (½ + γ) Δt² S⁻¹ M ü₀
-    M ü_m + C u̇_f + p(u_f) = f(t_f),    x_f = (1 − α_f) x₁ + α_f x₀ for t, u and u̇
-    [(1 − α_m) M + (1 − α_f) G] ü₁ + [α_m M + α_f G] ü₀ = S ü_m
+    .. math::
+
+        \dot u_1 &= \dot u_0 + \Delta t\,S^{-1} M \ddot u_0 \\
+        u_1 &= u_0 + \Delta t\,\dot u_0 + (\tfrac12 + \gamma)\,\Delta t^2 S^{-1} M \ddot u_0 \\
+        M \ddot u_m + C \dot u_f + p(u_f) &= f(t_f),
+            \quad x_f = (1 - \alpha_f)\,x_1 + \alpha_f x_0 \quad\text{for } x = t, u, \dot u \\
+        S \ddot u_m &= [(1 - \alpha_m) M + (1 - \alpha_f) G]\,\ddot u_1 + [\alpha_m M + \alpha_f G]\,\ddot u_0
 
     α_m, α_f, β and γ are those of the generalized-α method for ρ∞. For a linear structure the eigenvalues are those of
     that method too: of second order, and unconditionally stable. The carried velocity lags by half a step, so a motion
@@ -55,12 +60,11 @@ class KolayRicles(OneStep):
     doi: ClassVar[str] = "10.1002/eqe.2401"
     order = 1
     explicit = True
-    evaluations = 1
+    stability_limit = math.inf
+    forces_per_step = 1
 
     def __check_init__(self):
         check_ranges(self, rho_inf=(0.0, 1.0))
-
-    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, a = state

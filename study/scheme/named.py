@@ -25,12 +25,11 @@ OF_1996 = (
     "newmark_dissipative",
     "wilson_theta",
     "houbolt",
-    "hht_alpha",
+    "hht_alpha_1996",
     "rk4",
 )
 
-#: Names by which codes and books call some schemes. HHT is the method as codes have it, with one force at the weighted
-#: displacement; ``hht_alpha`` is the form of Xie (1996) with two forces, which damping and load reduce to first order.
+#: Names by which codes and books call some schemes.
 ALIASES = {
     "velocity_verlet": "central_difference",
     "verlet": "central_difference",
@@ -43,28 +42,26 @@ ALIASES = {
     "trapezoidal_rule": "average_acceleration",
     "crank_nicolson": "average_acceleration",
     "wilson": "wilson_theta",
-    "hht": "hht_alpha_one_force",
-    "hilber_hughes_taylor": "hht_alpha_one_force",
+    "hht": "hht_alpha",
+    "hilber_hughes_taylor": "hht_alpha",
     "chung_hulbert": "generalized_alpha",
     "runge_kutta": "rk4",
     "runge_kutta_4": "rk4",
 }
 
-#: Words for both of these forms.
-AMBIGUOUS = dict.fromkeys(
-    ("hht_alpha", "hht_α", "alpha", "alpha_method", "α_method"), ("hht_alpha", "hht_alpha_one_force")
-)
+#: Names of earlier versions, each with its name today.
+RENAMED = {"hht_alpha_one_force": "hht_alpha"}
 
 #: The schemes of 1996 first, then the others, module by module.
 schemes: Registry[Scheme] = Registry(
     "scheme",
     _of_families(variables_of_modules(scheme, Scheme, first=OF_1996)),  # type: ignore[type-abstract]
     aliases=ALIASES,
-    ambiguous=AMBIGUOUS,
+    renamed=RENAMED,
 )
 
 
-def register(name: str, scheme: Scheme) -> None:
+def register_scheme(name: str, scheme: Scheme) -> None:
     """Give a scheme of one's own a name, under which experiments and all functions of the study take it.
 
     Raises

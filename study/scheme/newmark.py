@@ -1,32 +1,68 @@
 """Newmark's family, with the average acceleration method and central difference."""
 
+import math
 from typing import ClassVar
 
 import equinox as eqx
 
-from study.algebra.arrays import ScalarLike, Vector
-from study.equilibrium.balance import acceleration_within, balance, load
-from study.equilibrium.state import Effort, Motion
-from study.problem.definition import Problem
-from study.scheme.base import OneStep, check_ranges, start_in_balance
-from study.scheme.newmark_formulas import bounded_at_infinite_frequency, predicted
+from study.algebra.arrays import ScalarLike, Vector, VectorLike
+from study.mechanics.balance import acceleration_within, balance, load
+from study.mechanics.definition import Problem
+from study.mechanics.state import Effort, Motion
+from study.scheme.base import OneStep, check_ranges
+
+#: Conditions on parameters hold up to this round-off.
+ROUND_OFF = 1e-12
+
+
+def predicted(
+    v: VectorLike, a: VectorLike, dt: ScalarLike, beta: ScalarLike, gamma: ScalarLike
+) -> tuple[VectorLike, VectorLike]:
+    """Increments of u and u̇ without the terms of ü₁: Δt u̇₀ + Δt² (½ − β) ü₀ and Δt (1 − γ) ü₀."""
+    return dt * v + dt**2 * (0.5 - beta) * a, dt * (1 - gamma) * a
+
+
+def corrected(
+    v: VectorLike, a: VectorLike, a_new: VectorLike, dt: ScalarLike, beta: ScalarLike, gamma: ScalarLike
+) -> tuple[VectorLike, VectorLike]:
+    """Increments of u and u̇, with ü₁ known."""
+    return dt * v + dt**2 * ((0.5 - beta) * a + beta * a_new), dt * ((1 - gamma) * a + gamma * a_new)
+
+
+def stability_limit(beta: float, gamma: float) -> float:
+    """Largest ωΔt at which Newmark's method is stable without damping: 1/√(γ/2 − β) if γ ≥ ½ and 2β < γ."""
+    if gamma < 0.5:
+        return 0.0
+    return math.inf if 2 * beta >= gamma - ROUND_OFF else 1 / math.sqrt(gamma / 2 - beta)
+
+
+def bounded_at_infinite_frequency(beta: float, gamma: float) -> bool:
+    """Whether velocity and acceleration of an unknown without mass stay bounded by these formulas.
+
+    A balance of such an unknown prescribes its displacement. With u₀ = u₁ = 0 the formulas give ü₁ only if β > 0, and
+    their roots solve β λ² + (½ + γ − 2β) λ + (½ − γ + β) = 0. Neither is larger than one if 2β ≥ γ ≥ ½.
+    """
+    return bool(beta > 0 and 2 * beta >= gamma - ROUND_OFF and gamma >= 0.5 - ROUND_OFF)
 
 
 class Newmark(OneStep):
-    """The Newmark method, Xie (1996), eqs (6) and (7).
+    r"""The Newmark method, Xie (1996), eqs (6) and (7).
 
-    u₁ = u₀ + Δt u̇₀ + Δt² (½ − β) ü₀ + Δt² β ü₁
-    u̇₁ = u̇₀ + Δt (1 − γ) ü₀ + Δt γ ü₁
-    M ü₁ + C u̇₁ + p(u₁) = f(t₁)
+    .. math::
 
-    Second order for γ = ½, first order otherwise. Unconditionally stable for linear systems if 2β ≥ γ ≥ ½. With γ > ½
-    high frequencies are damped. Carries u, u̇ and ü; one force a Newton iteration. A force with a
-    history commits it at u₁, where the balance is. Members of the family:
+        u_1 &= u_0 + \Delta t\,\dot u_0 + \Delta t^2 (\tfrac12 - \beta)\,\ddot u_0 + \Delta t^2 \beta\,\ddot u_1 \\
+        \dot u_1 &= \dot u_0 + \Delta t\,(1 - \gamma)\,\ddot u_0 + \Delta t\,\gamma\,\ddot u_1 \\
+        M \ddot u_1 + C \dot u_1 + p(u_1) &= f(t_1)
+
+    Second order for γ = ½, first order otherwise. Unconditionally stable for linear systems if 2β ≥ γ ≥ ½; with γ ≥ ½
+    and 2β < γ stable without damping for ωΔt ≤ 1/√(γ/2 − β). With γ > ½ high frequencies are damped. Carries u, u̇ and
+    ü; one force a Newton iteration. A force with a history commits it at u₁, where the balance is. Members of the
+    family:
 
     - β = ¼, γ = ½, average acceleration, the trapezoidal rule;
-    - β = 1/6, γ = ½, linear acceleration, stable for ωΔt ≤ 2√3;
-    - β = 1/12, γ = ½, Fox and Goodwin, stable for ωΔt ≤ √6; its displacement is of fourth order for undamped motion
-      from rest (Numerov's formula);
+    - β = 1/6, γ = ½, linear acceleration, stable for :math:`\omega\Delta t \le 2\sqrt 3`;
+    - β = 1/12, γ = ½, Fox and Goodwin, stable for :math:`\omega\Delta t \le \sqrt 6`; its displacement is of fourth
+      order for undamped motion from rest (Numerov's formula);
     - β = 0, γ = ½, central difference, which takes one force a step and no iteration, and is stable for ωΔt ≤ 2.
 
     Parameters
@@ -63,25 +99,27 @@ class Newmark(OneStep):
     def order(self) -> int:
         if isinstance(self.beta, float) and self.beta == 1 / 12 and self.gamma == 0.5:
             return 4
-        return self.damped_order
+        return self.order_with_damping
 
     @property
-    def damped_order(self) -> int:
+    def order_with_damping(self) -> int:
         return 2 if self.gamma == 0.5 else 1
+
+    @property
+    def stability_limit(self) -> float:
+        return stability_limit(self.beta, self.gamma)
 
     @property
     def explicit(self) -> bool:
         return isinstance(self.beta, float | int) and self.beta == 0
 
     @property
-    def evaluations(self) -> int:
+    def forces_per_step(self) -> int:
         return 1 if self.explicit else 0
 
     @property
     def needs_mass(self) -> bool:
         return not bounded_at_infinite_frequency(self.beta, self.gamma)
-
-    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, a = state

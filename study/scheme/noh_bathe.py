@@ -1,25 +1,33 @@
 """The explicit method of Noh and Bathe, with two sub-steps and damping of high frequencies."""
 
+import math
 from typing import ClassVar
 
 import equinox as eqx
 
-from study.equilibrium.balance import acceleration
-from study.equilibrium.state import Effort, Motion
-from study.scheme.base import OneStep, check_ranges, start_in_balance
+from study.mechanics.balance import acceleration
+from study.mechanics.state import Effort, Motion
+from study.scheme.base import OneStep, check_ranges
 
 
 class NohBathe(OneStep):
-    """The explicit method of Noh and Bathe, with the sub-steps h = pΔt and k = (1 − p)Δt.
+    r"""The explicit method of Noh and Bathe, with the sub-steps h = pΔt and k = (1 − p)Δt.
 
-    u_p = u₀ + h u̇₀ + h²/2 ü₀,    M ü_p + C (u̇₀ + h ü₀) + p(u_p) = f(t₀ + h),    u̇_p = u̇₀ + h/2 (ü₀ + ü_p)
-    u₁ = u_p + k u̇_p + k²/2 ü_p,    M ü₁ + C (u̇_p + k ü_p) + p(u₁) = f(t₁)
-    u̇₁ = u̇_p + k (q₀ ü₀ + (½ + q₁) ü_p + q₂ ü₁)
-    q₁ = (1 − 2p)/(2p(1 − p)),    q₂ = ½ − p q₁,    q₀ = ½ − q₁ − q₂
+    .. math::
 
-    Second order; with p = 0.54 stable without damping for ωΔt ≤ 3.745, a limit computed from the amplification matrix.
-    p = ½ is central difference twice. Carries u, u̇ and ü; two forces a step, and two solutions with
-    M. The first sub-step commits the history of a force with a memory.
+        u_p &= u_0 + h \dot u_0 + \tfrac12 h^2 \ddot u_0 \\
+        M \ddot u_p + C (\dot u_0 + h \ddot u_0) + p(u_p) &= f(t_0 + h) \\
+        \dot u_p &= \dot u_0 + \tfrac12 h\,(\ddot u_0 + \ddot u_p) \\
+        u_1 &= u_p + k \dot u_p + \tfrac12 k^2 \ddot u_p \\
+        M \ddot u_1 + C (\dot u_p + k \ddot u_p) + p(u_1) &= f(t_1) \\
+        \dot u_1 &= \dot u_p + k\,(q_0 \ddot u_0 + (\tfrac12 + q_1)\,\ddot u_p + q_2 \ddot u_1) \\
+        q_1 &= \frac{1 - 2p}{2p(1 - p)}, \quad q_2 = \tfrac12 - p q_1, \quad q_0 = \tfrac12 - q_1 - q_2
+
+    Second order; stable without damping for :math:`\omega\Delta t \le 2/\sqrt{(3p - 1)(1 - p)}` if p ≤ ¾, which is
+    ωΔt ≤ 3.745 for p = 0.54. Beyond, :math:`(\omega\Delta t)^2 \le 8/(1 + \sqrt{1 - 4c})` with
+    :math:`c = (1 - p)(4p^2 - 3p + 1)`, where a root of the amplification matrix is −1. p = ½ is central difference
+    twice. Carries u, u̇ and ü; two forces a step, and two solutions with M. The first sub-step commits the history of a
+    force with a memory.
 
     Parameters
     ----------
@@ -45,12 +53,17 @@ class NohBathe(OneStep):
     doi: ClassVar[str] = "10.1016/j.compstruc.2013.06.007"
     order = 2
     explicit = True
-    evaluations = 2
+    forces_per_step = 2
 
     def __check_init__(self):
         check_ranges(self, p=(0.5, 0.9))
 
-    start = start_in_balance
+    @property
+    def stability_limit(self) -> float:
+        p = self.p
+        if p <= 0.75:
+            return 2 / math.sqrt((3 * p - 1) * (1 - p))
+        return math.sqrt(8 / (1 + math.sqrt(1 - 4 * (1 - p) * (4 * p * p - 3 * p + 1))))
 
     def increment(self, problem, state, t, dt):
         u, v, a = state

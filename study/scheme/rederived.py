@@ -4,14 +4,16 @@ from typing import ClassVar
 
 import equinox as eqx
 
-from study.equilibrium.balance import acceleration
+from study.mechanics.balance import acceleration
 from study.scheme.base import Scheme, Wrapper
 
 
 class Rederived(Wrapper):
-    """Another scheme, with its acceleration replaced by that of the equation of motion after every step.
+    r"""Another scheme, with its acceleration replaced by that of the equation of motion after every step.
 
-    M ü₁ ← f(t₁) − C u̇₁ − p(u₁)
+    .. math::
+
+        M \ddot u_1 \leftarrow f(t_1) - C \dot u_1 - p(u_1)
 
     An α-method balances the forces within the step, and its acceleration belongs to that time. The acceleration of the
     equation of motion belongs to the end of the step, and the method drops to first order. Carries the state of the
@@ -35,12 +37,13 @@ class Rederived(Wrapper):
     source: ClassVar[str] = "Erlicher et al. (2002)"
     doi: ClassVar[str] = "10.1007/s00466-001-0273-z"
     order = 1
-    damped_order = 1
+    order_with_damping = 1
+    stability_limit = None
     needs_mass = True
 
     @property
-    def evaluations(self) -> int:
-        return self.scheme.evaluations + 1
+    def forces_per_step(self) -> int:
+        return self.scheme.forces_per_step + 1
 
     def start(self, problem, u0, v0, dt):
         return self.scheme.start(problem, u0, v0, dt)

@@ -1,5 +1,6 @@
 """Runge-Kutta methods: the classical one, Nyström's, and the two-stage Gauss method."""
 
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import ClassVar, NamedTuple
@@ -11,19 +12,23 @@ import numpy as np
 
 from study.algebra.arrays import Matrix, Vector
 from study.algebra.matrices import Banded, MatrixFree, product
-from study.equilibrium.balance import acceleration, balance, initial_acceleration
-from study.equilibrium.state import Effort, Phase
-from study.problem.definition import Problem
-from study.problem.sparse_tangent import SparseTangent
-from study.problem.tangent import FormOfTangent
+from study.mechanics.balance import acceleration, balance, initial_acceleration
+from study.mechanics.definition import Problem
+from study.mechanics.sparse_tangent import SparseTangent
+from study.mechanics.state import Effort, Phase
+from study.mechanics.tangent import FormOfTangent
 from study.scheme.base import OneStep
 
 
 class RungeKutta4(OneStep):
-    """The classical fourth order Runge-Kutta method on u̇ = v, v̇ = M⁻¹ (f − C v − p(u)), Xie (1996), eqs (13) to (16).
+    r"""The classical fourth order Runge-Kutta method, Xie (1996), eqs (13) to (16).
 
-    y₁ = y₀ + k₁/6 + k₂/3 + k₃/3 + k₄/6,    y = (u, v)
-    k₁ = Δt F(t, y₀), k₂ = Δt F(t + Δt/2, y₀ + k₁/2), k₃ = Δt F(t + Δt/2, y₀ + k₂/2), k₄ = Δt F(t + Δt, y₀ + k₃)
+    .. math::
+
+        y &= (u, v), \quad F(t, y) = (v, M^{-1} (f(t) - C v - p(u))) \\
+        y_1 &= y_0 + k_1/6 + k_2/3 + k_3/3 + k_4/6 \\
+        k_1 &= \Delta t\,F(t_0, y_0), \quad k_2 = \Delta t\,F(t_0 + \tfrac12 \Delta t, y_0 + \tfrac12 k_1) \\
+        k_3 &= \Delta t\,F(t_0 + \tfrac12 \Delta t, y_0 + \tfrac12 k_2), \quad k_4 = \Delta t\,F(t_1, y_0 + k_3)
 
     Fourth order; stable without damping for ωΔt ≤ 2√2. Carries u and u̇; four forces a step. A force with a history
     commits it at u₁; the stages all start from the history at u₀.
@@ -40,7 +45,8 @@ class RungeKutta4(OneStep):
     doi: ClassVar[str] = ""
     order = 4
     explicit = True
-    evaluations = 4
+    stability_limit = 2 * math.sqrt(2)
+    forces_per_step = 4
 
     def start(self, problem, u0, v0, dt):
         return Phase(u0, v0), Effort()
@@ -58,14 +64,20 @@ class RungeKutta4(OneStep):
 
 
 class Nystrom4(OneStep):
-    """Nyström's method of fourth order for ü = F(t, u, u̇) = M⁻¹ (f − C u̇ − p(u)).
+    r"""Nyström's method of fourth order for ü = F(t, u, u̇) = M⁻¹ (f − C u̇ − p(u)).
 
-    k₁ = F(t₀, u₀, u̇₀),    k₂ = F(t₀ + Δt/2, u₀ + Δt/2 u̇₀ + Δt²/8 k₁, u̇₀ + Δt/2 k₁)
-    k₃ = F(t₀ + Δt/2, u₀ + Δt/2 u̇₀ + Δt²/8 k₁, u̇₀ + Δt/2 k₂),    k₄ = F(t₁, u₀ + Δt u̇₀ + Δt²/2 k₃, u̇₀ + Δt k₃)
-    u₁ = u₀ + Δt u̇₀ + Δt²/6 (k₁ + k₂ + k₃),    u̇₁ = u̇₀ + Δt/6 (k₁ + 2k₂ + 2k₃ + k₄)
+    .. math::
 
-    Fourth order; stable without damping for ωΔt ≤ 2.586. Carries u and u̇; three forces a step, because k₂ and k₃ share
-    one. Without damping k₃ = k₂. A force with a history commits it at u₁; the stages all start from the history at u₀.
+        k_1 &= F(t_0, u_0, \dot u_0), \quad u_h = u_0 + \tfrac12 \Delta t\,\dot u_0 + \tfrac18 \Delta t^2 k_1 \\
+        k_2 &= F(t_0 + \tfrac12 \Delta t, u_h, \dot u_0 + \tfrac12 \Delta t\,k_1) \\
+        k_3 &= F(t_0 + \tfrac12 \Delta t, u_h, \dot u_0 + \tfrac12 \Delta t\,k_2) \\
+        k_4 &= F(t_1, u_0 + \Delta t\,\dot u_0 + \tfrac12 \Delta t^2 k_3, \dot u_0 + \Delta t\,k_3) \\
+        u_1 &= u_0 + \Delta t\,\dot u_0 + \tfrac16 \Delta t^2 (k_1 + k_2 + k_3) \\
+        \dot u_1 &= \dot u_0 + \tfrac16 \Delta t\,(k_1 + 2 k_2 + 2 k_3 + k_4)
+
+    Fourth order; stable without damping for ωΔt ≤ 2.586, which is :math:`\sqrt{8 + 2^{7/3} - 2^{8/3}}`. Carries u and
+    u̇; three forces a step, because k₂ and k₃ share one. Without damping k₃ = k₂. A force with a history commits it at
+    u₁; the stages all start from the history at u₀.
 
     References
     ----------
@@ -79,7 +91,8 @@ class Nystrom4(OneStep):
     doi: ClassVar[str] = ""
     order = 4
     explicit = True
-    evaluations = 3
+    stability_limit = math.sqrt(8 + 2 ** (7 / 3) - 2 ** (8 / 3))
+    forces_per_step = 3
 
     def start(self, problem, u0, v0, dt):
         return Phase(u0, v0), Effort()
@@ -163,11 +176,15 @@ _GAUSS_TIMES = _GAUSS.sum(axis=1)
 
 
 class Gauss4(OneStep):
-    """The Gauss method of two stages on the second-order form.
+    r"""The Gauss method of two stages on the second-order form.
 
-    M ü_i + C u̇_i + p(u_i) = f(t₀ + c_iΔt),    c_i = ½ ∓ √3/6
-    u̇_i = u̇₀ + Δt Σ_j A_ij ü_j,    u_i = u₀ + c_iΔt u̇₀ + Δt² Σ_j (A²)_ij ü_j
-    u̇₁ = u̇₀ + Δt (ü₁ + ü₂)/2,    u₁ = u₀ + Δt u̇₀ + Δt² Σ_i ½(1 − c_i) ü_i
+    .. math::
+
+        M \ddot u_i + C \dot u_i + p(u_i) &= f(t_0 + c_i \Delta t), \quad c_i = \tfrac12 \mp \tfrac16 \sqrt 3 \\
+        \dot u_i &= \dot u_0 + \Delta t \sum_j A_{ij} \ddot u_j \\
+        u_i &= u_0 + c_i \Delta t\,\dot u_0 + \Delta t^2 \sum_j (A^2)_{ij} \ddot u_j \\
+        \dot u(t_1) &= \dot u_0 + \tfrac12 \Delta t\,(\ddot u_1 + \ddot u_2) \\
+        u(t_1) &= u_0 + \Delta t\,\dot u_0 + \tfrac12 \Delta t^2 \sum_i (1 - c_i)\,\ddot u_i
 
     Fourth order and symplectic; unconditionally stable for linear systems, without numerical damping. Both stages are
     solved together. Carries u, u̇ and both stage accelerations as a guess; two forces a Newton iteration, and one
@@ -188,7 +205,8 @@ class Gauss4(OneStep):
     doi: ClassVar[str] = ""
     order = 4
     explicit = False
-    evaluations_per_iteration = 2
+    stability_limit = math.inf
+    forces_per_iteration = 2
 
     def refusal(self, problem):
         if isinstance(problem.tangent, SparseTangent):

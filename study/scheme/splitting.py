@@ -8,9 +8,9 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from study.algebra.arrays import VectorLike
-from study.equilibrium.balance import acceleration_within
-from study.equilibrium.state import Effort, Motion, Phase
-from study.scheme.base import OneStep, as_tuple, check_numbers, start_in_balance
+from study.mechanics.balance import acceleration_within
+from study.mechanics.state import Effort, Motion, Phase
+from study.scheme.base import OneStep, as_tuple, check_numbers
 
 
 def _check_weights(scheme: str, name: str, weights: Sequence[float]) -> None:
@@ -25,10 +25,13 @@ def _check_order(scheme: str, order: int) -> None:
 
 
 class Splitting(OneStep):
-    """Drifts d₀, ..., d_s and kicks k₁, ..., k_s in turn.
+    r"""Drifts d₀, ..., d_s and kicks k₁, ..., k_s in turn.
 
-    u ← u + d₀Δt u̇,    then for i = 1, ..., s
-    u̇ ← u̇ + k_iΔt a,    M a + C (u̇ + k_iΔt/2 a) + p(u) = f(t_i),    u ← u + d_iΔt u̇
+    .. math::
+
+        u &\leftarrow u + d_0 \Delta t\,\dot u, \quad\text{then for } i = 1, \dots, s \\
+        M a + C (\dot u + \tfrac12 k_i \Delta t\,a) + p(u) &= f(t_i) \\
+        \dot u &\leftarrow \dot u + k_i \Delta t\,a, \quad u \leftarrow u + d_i \Delta t\,\dot u
 
     at the time t_i = t₀ + (d₀ + ... + d_{i−1}) Δt. Symplectic without damping. d = (0, 1), k = (1) is the symplectic
     Euler method, of first order and stable for ωΔt ≤ 2. McLachlan's method of order four has five kicks and is stable
@@ -41,6 +44,8 @@ class Splitting(OneStep):
         d and k; each sums to one, and d has one more number than k.
     of_order
         Order of accuracy without damping.
+    stability_limit
+        Largest ωΔt at which it is stable without damping, if known.
 
     Raises
     ------
@@ -60,6 +65,7 @@ class Splitting(OneStep):
     drifts: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     kicks: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     of_order: int = eqx.field(static=True)
+    stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
     title: str = eqx.field(default="Splitting", kw_only=True, static=True)
     source: str = eqx.field(default="Hairer et al. (2006)", kw_only=True, static=True)
     doi: str = eqx.field(default="10.1007/3-540-30666-8", kw_only=True, static=True)
@@ -81,11 +87,11 @@ class Splitting(OneStep):
         return self.of_order
 
     @property
-    def damped_order(self) -> int:
+    def order_with_damping(self) -> int:
         return min(self.of_order, 2)
 
     @property
-    def evaluations(self) -> int:
+    def forces_per_step(self) -> int:
         return len(self.kicks)
 
     def start(self, problem, u0, v0, dt):
@@ -106,17 +112,21 @@ class Splitting(OneStep):
 
 
 class Composition(OneStep):
-    """Velocity Verlet steps of lengths w₁Δt, w₂Δt, ..., w_sΔt, some of them backwards.
+    r"""Velocity Verlet steps of lengths w₁Δt, w₂Δt, ..., w_sΔt, some of them backwards.
 
     With h = w_iΔt for i = 1, ..., s:
-    u̇ ← u̇ + h/2 ü,    u ← u + h u̇,    M ü + C (u̇ + h/2 ü) + p(u) = f(t),    u̇ ← u̇ + h/2 ü
 
-    w = (1) is velocity Verlet itself, which is central difference: second order, stable for ωΔt ≤ 2. It is symmetric,
-    so weights that cancel its errors of third order, of fifth, and so on make methods of order 4 (Yoshida, three steps,
-    stable for ωΔt ≤ 1.573), 6 (Yoshida, seven steps, stable for ωΔt ≤ 2.269) and 8 (Kahan and Li, seventeen steps,
-    stable for ωΔt ≤ 3.096, and again beyond a narrow window at π), with damping and load too. Symplectic without
-    damping. Carries u, u̇ and ü; s forces a step. A force with a history commits it at u₁; the steps in between all
-    start from the history at u₀.
+    .. math::
+
+        \dot u &\leftarrow \dot u + \tfrac12 h \ddot u, \quad u \leftarrow u + h \dot u \\
+        M \ddot u + C (\dot u + \tfrac12 h \ddot u) + p(u) &= f(t) \\
+        \dot u &\leftarrow \dot u + \tfrac12 h \ddot u
+
+    w = (1) is velocity Verlet itself, which is central difference. It is symmetric, so weights that cancel its errors
+    of third order, of fifth, and so on make methods of order 4 (Yoshida, three steps, stable for ωΔt ≤ 1.573), 6
+    (Yoshida, seven steps, stable for ωΔt ≤ 2.269) and 8 (Kahan and Li, seventeen steps, stable for ωΔt ≤ 3.096, and
+    again beyond a narrow window at π), with damping and load too. Symplectic without damping. Carries u, u̇ and ü; s
+    forces a step. A force with a history commits it at u₁; the steps in between all start from the history at u₀.
 
     Parameters
     ----------
@@ -124,6 +134,8 @@ class Composition(OneStep):
         w; they sum to one and are the same from both ends.
     of_order
         Order of accuracy.
+    stability_limit
+        Largest ωΔt at which it is stable without damping, if known.
 
     Raises
     ------
@@ -141,6 +153,7 @@ class Composition(OneStep):
 
     weights: tuple[float, ...] = eqx.field(static=True, converter=as_tuple)
     of_order: int = eqx.field(static=True)
+    stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
     title: str = eqx.field(default="Composition", kw_only=True, static=True)
     source: str = eqx.field(default="Yoshida (1990)", kw_only=True, static=True)
     doi: str = eqx.field(default="10.1016/0375-9601(90)90092-3", kw_only=True, static=True)
@@ -159,10 +172,8 @@ class Composition(OneStep):
         return self.of_order
 
     @property
-    def evaluations(self) -> int:
+    def forces_per_step(self) -> int:
         return len(self.weights)
-
-    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
@@ -186,21 +197,25 @@ def _mirrored(*half: float) -> tuple[float, ...]:
 _mclachlan = {"source": "McLachlan (1995)", "doi": "10.1137/0916010"}
 _outer, _inner = 0.40518861839525227722, -0.28714404081652408900
 symplectic_euler = Splitting(
-    (0.0, 1.0), (1.0,), of_order=1, title="Symplectic Euler", source="de Vogelaere (1956)", doi=""
+    (0.0, 1.0), (1.0,), of_order=1, stability_limit=2.0, title="Symplectic Euler", source="de Vogelaere (1956)", doi=""
 )
 mclachlan4 = Splitting(
     (_outer, _inner, *(0.5 - _outer - _inner,) * 2, _inner, _outer),
     _mirrored(-3 / 73, 17 / 59),
     of_order=4,
+    stability_limit=2.9218392,
     title="McLachlan, order 4",
     **_mclachlan,
 )
 
 
-yoshida4 = Composition(_mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, title="Yoshida, order 4")
+yoshida4 = Composition(
+    _mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, stability_limit=1.5734019, title="Yoshida, order 4"
+)
 yoshida6 = Composition(
     _mirrored(0.78451361047755726382, 0.23557321335935813368, -1.17767998417887100695),
     of_order=6,
+    stability_limit=2.2690580,
     title="Yoshida, order 6",
 )
 
@@ -217,6 +232,7 @@ kahan_li8 = Composition(
         0.29501172360931029887,
     ),
     of_order=8,
+    stability_limit=3.0964387,
     title="Kahan-Li, order 8",
     source="Kahan and Li (1997)",
     doi="10.1090/S0025-5718-97-00873-9",

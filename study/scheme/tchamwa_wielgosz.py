@@ -1,23 +1,27 @@
 """The explicit method of Tchamwa and Wielgosz, of first order, with damping of high frequencies."""
 
+import math
 from typing import ClassVar
 
 import equinox as eqx
 
-from study.equilibrium.balance import acceleration
-from study.equilibrium.state import Effort, Motion
-from study.scheme.base import OneStep, check_ranges, start_in_balance
+from study.mechanics.balance import acceleration
+from study.mechanics.state import Effort, Motion
+from study.scheme.base import OneStep, check_ranges
 
 
 class TchamwaWielgosz(OneStep):
-    """The method of Tchamwa and Wielgosz.
+    r"""The method of Tchamwa and Wielgosz.
 
-    u₁ = u₀ + Δt u̇₀ + φ Δt² ü₀,    u̇₁ = u̇₀ + Δt ü₀
-    M ü₁ + C u̇₁ + p(u₁) = f(t₁)
+    .. math::
+
+        u_1 &= u_0 + \Delta t\,\dot u_0 + \varphi\,\Delta t^2 \ddot u_0 \\
+        \dot u_1 &= \dot u_0 + \Delta t\,\ddot u_0 \\
+        M \ddot u_1 + C \dot u_1 + p(u_1) &= f(t_1)
 
     First order. Without damping φ = 1 is the symplectic Euler method; φ > 1 damps high frequencies. Stable without
-    damping for ωΔt ≤ 2/√(2φ − 1). Carries u, u̇ and ü; one force a step. A force with a history commits it at u₁, where
-    the balance is.
+    damping for :math:`\omega\Delta t \le 2/\sqrt{2\varphi - 1}`. Carries u, u̇ and ü; one force a step. A force with a
+    history commits it at u₁, where the balance is.
 
     Parameters
     ----------
@@ -43,12 +47,14 @@ class TchamwaWielgosz(OneStep):
     doi: ClassVar[str] = ""
     order = 1
     explicit = True
-    evaluations = 1
+    forces_per_step = 1
 
     def __check_init__(self):
         check_ranges(self, phi=(1.0, 2.0))
 
-    start = start_in_balance
+    @property
+    def stability_limit(self) -> float:
+        return 2 / math.sqrt(2 * self.phi - 1)
 
     def increment(self, problem, state, t, dt):
         u, v, a = state

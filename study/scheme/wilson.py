@@ -1,27 +1,33 @@
 """Wilson's θ-method."""
 
+import math
 from typing import ClassVar
 
 import equinox as eqx
 import numpy as np
 
-from study.equilibrium.balance import balance, load
-from study.equilibrium.state import Motion
-from study.scheme.base import OneStep, check_ranges, start_in_balance
-from study.scheme.newmark_formulas import corrected
+from study.mechanics.balance import balance, load
+from study.mechanics.state import Motion
+from study.scheme.base import OneStep, check_ranges
+from study.scheme.newmark import corrected, stability_limit
 
 #: A root larger than one by more than this is growth. Where roots meet, half of their digits are lost to round-off.
 GROWTH = 1e-6
 
 
 class WilsonTheta(OneStep):
-    """The Wilson-θ method, Xie (1996), eqs (8) to (10): balance beyond the step, then interpolation of ü back to t₁.
+    r"""The Wilson-θ method, Xie (1996), eqs (8) to (10): balance beyond the step, then interpolation of ü back to t₁.
 
     With τ = θΔt,
 
-    u_θ = u₀ + τ u̇₀ + τ² (½ − β) ü₀ + τ² β ü_θ,    u̇_θ = u̇₀ + τ (1 − γ) ü₀ + τ γ ü_θ
-    M ü_θ + C u̇_θ + p(u_θ) = f(t₀ + τ)
-    ü₁ = (1 − 1/θ) ü₀ + ü_θ / θ,    then u₁ and u̇₁ by Newmark's formulas.
+    .. math::
+
+        u_\theta &= u_0 + \tau \dot u_0 + \tau^2 (\tfrac12 - \beta)\,\ddot u_0 + \tau^2 \beta\,\ddot u_\theta \\
+        \dot u_\theta &= \dot u_0 + \tau (1 - \gamma)\,\ddot u_0 + \tau \gamma\,\ddot u_\theta \\
+        M \ddot u_\theta + C \dot u_\theta + p(u_\theta) &= f(t_0 + \tau) \\
+        \ddot u_1 &= (1 - 1/\theta)\,\ddot u_0 + \ddot u_\theta / \theta
+
+    and then u₁ and u̇₁ by Newmark's formulas.
 
     Second order for γ = ½, first order otherwise. θ = 1 is Newmark's method (linear acceleration for β = 1/6). With β =
     1/6 and γ = ½ it is unconditionally stable for linear systems if θ ≥ (1 + √3)/2 ≈ 1.366. Carries u, u̇ and ü; one
@@ -63,6 +69,12 @@ class WilsonTheta(OneStep):
         return 2 if self.gamma == 0.5 else 1
 
     @property
+    def stability_limit(self) -> float | None:
+        if self.theta == 1:
+            return stability_limit(self.beta, self.gamma)
+        return math.inf if (self.beta, self.gamma) == (1 / 6, 0.5) and self.theta >= (1 + math.sqrt(3)) / 2 else None
+
+    @property
     def needs_mass(self) -> bool:
         if self.beta == 0:  # u_θ does not depend on ü_θ
             return True
@@ -76,8 +88,6 @@ class WilsonTheta(OneStep):
         a_new = (1 - 1 / theta) * a + a_theta / theta
         du, dv = corrected(v, a, a_new, 1.0, beta, gamma)
         return np.stack([u + du, v + dv, a_new])
-
-    start = start_in_balance
 
     def increment(self, problem, state, t, dt):
         u, v, a = state

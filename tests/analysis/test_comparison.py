@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 import study
 from study.analysis.comparison import against
-from study.equilibrium.state import Motion
+from study.mechanics.state import Motion
 
 
 def _harmonic(steps, stretch=1.0, decay=0.0):

@@ -31,7 +31,7 @@ def test_roots_of_a_cubic_effective_equation(S1, S2, c, predictor):
 
 
 @pytest.mark.parametrize(
-    "name", ["average_acceleration", "newmark_dissipative", "hht_alpha", "wilson_theta", "houbolt"]
+    "name", ["average_acceleration", "newmark_dissipative", "hht_alpha_1996", "wilson_theta", "houbolt"]
 )
 def test_the_coefficient_of_the_effective_equation_is_where_a_step_is_singular(name):
     scheme, dt = study.schemes[name], 0.7

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import study
-from study.analysis.outcomes import OUTCOMES, outcomes
-from study.observer.fate import Fate
+from study.analysis.outcomes import Outcome, outcomes
+from study.observer.outcome import OutcomeObserver
 
 
 @pytest.mark.parametrize(
@@ -24,9 +24,11 @@ from study.observer.fate import Fate
 )
 def test_how_runs_end(problem, u0, scheme, dt, steps, outcome):
     definition = study.problems[problem]
-    runs = study.run(problem, scheme, dt=dt, steps=steps, u0=[u0], observe=[Fate.of(definition), "lyapunov_exponent"])
+    runs = study.run(
+        problem, scheme, dt=dt, steps=steps, u0=[u0], observe=[OutcomeObserver.of(definition), "lyapunov_exponent"]
+    )
     ended, began = outcomes(runs)
-    assert OUTCOMES[ended[0]] == outcome
+    assert Outcome(ended[0]).name.lower() == outcome
     assert np.isnan(began[0]) == (outcome == "accurate" or runs.status.item() > 0)
     assert np.isnan(began[0]) or 0 < began[0] <= steps * dt
 
@@ -34,17 +36,17 @@ def test_how_runs_end(problem, u0, scheme, dt, steps, outcome):
 def test_a_motion_that_is_damped_out_of_chaos_was_not_chaotic():
     # neighbours part at first, then all come to rest
     definition = study.problems["softening"]
-    observe = [Fate.of(definition), "lyapunov_exponent"]
+    observe = [OutcomeObserver.of(definition), "lyapunov_exponent"]
     runs = study.run(
         definition, "wilson_theta", dt=np.linspace(0.05, 0.4, 64), steps=4000, u0=[10.0] * 64, observe=observe
     )
     ended, _ = outcomes(runs)
-    chaotic = ended == OUTCOMES.index("chaotic")
+    chaotic = ended == Outcome.CHAOTIC
     assert (runs.lyapunov_exponent.values[chaotic] > 0).all()
 
 
-@pytest.mark.parametrize("observe", [["max_energy_error"], ["lyapunov_exponent"], [Fate.of("double_well")]])
+@pytest.mark.parametrize("observe", [["max_energy_error"], ["lyapunov_exponent"], [OutcomeObserver.of("double_well")]])
 def test_outcomes_need_their_observers(observe):
     runs = study.run("double_well", "average_acceleration", dt=2.5, steps=10, u0=[0.5], observe=observe)
-    with pytest.raises(ValueError, match=r"observe study.Fate.of\(problem\) and 'lyapunov_exponent'"):
+    with pytest.raises(ValueError, match=r"observe study.OutcomeObserver.of\(problem\) and 'lyapunov_exponent'"):
         outcomes(runs)

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import study
-from study import datasets
+from study import io
 from study.analysis.recommendation import candidates
 
 STEPS = np.array([8, 16, 32, 64, 128])
@@ -40,11 +40,11 @@ def data(monkeypatch):
             "steps_per_period": STEPS,
             "periods": [1, 10, 100],
             "measure": ["max_trajectory_error", "max_energy_error"],
-            "evaluations": ("scheme", [1, 4]),
-            "evaluations_per_iteration": ("scheme", [2, 0]),
+            "forces_per_step": ("scheme", [1, 4]),
+            "forces_per_iteration": ("scheme", [2, 0]),
         },
     )
-    monkeypatch.setattr(datasets, "open", lambda name, folder: _beside(ds) if name == "neighbours" else ds)
+    monkeypatch.setattr(io, "open_dataset", lambda name, folder: _beside(ds) if name == "neighbours" else ds)
     return ds
 
 
@@ -53,6 +53,7 @@ def test_the_steps_are_the_fewest_that_were_run_and_kept_the_error(data):
     table = study.recommend("spring", error=0.01, periods=10)
     assert table.index.tolist() == ["low", "high"]
     assert table.steps_per_period.to_dict() == {"low": 32, "high": 16}
+    assert table.number_of_steps.to_dict() == {"low": 320, "high": 160}
     assert table.error["low"] == pytest.approx(10 / 32**2) and table.error["high"] == pytest.approx(100 / 16**4)
     assert table.time["low"] == pytest.approx(10e-9 * 10 * 32)
     # those of the step, and of its three Newton iterations
@@ -74,7 +75,7 @@ def test_times_within_their_spreads_tie(data):
 
 
 def test_percent_is_understood(data):
-    same = study.recommend("spring", error=0.01, periods=10, measure="max_energy_error")
+    same = study.recommend("spring", error=0.01, periods=10, quantity="max_energy_error")
     xr.testing.assert_allclose(
         same.drop(columns="verdict").to_xarray(),
         study.recommend("spring", error=0.01, periods=10).drop(columns="verdict").to_xarray(),
@@ -127,7 +128,7 @@ def test_a_step_must_keep_the_error_from_starts_beside_it_too(data, error):
     "arguments, error, sentence",
     [
         ({"what": "sprin"}, KeyError, "have no problem 'sprin'; did you mean 'spring'?"),
-        ({"measure": "max_energy"}, KeyError, "no measure of error 'max_energy'; did you mean 'max_energy_error'?"),
+        ({"quantity": "max_energy"}, KeyError, "no quantity 'max_energy'; did you mean 'max_energy_error'?"),
         ({"error": 0.0}, ValueError, "error must be greater than zero, not 0.0."),
         ({"error": "0.1"}, TypeError, "error must be a number, not '0.1'."),
         ({"periods": True}, TypeError, "periods must be a number, not True."),

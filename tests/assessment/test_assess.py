@@ -7,9 +7,10 @@ from scipy.integrate import solve_ivp
 
 import study
 from reference import taylor
-from study.assessment import errors, solution
+from study.assessment import errors
 from study.assessment.certified import certified
 from study.assessment.ladder import Case, Ladder
+from study.assessment.reference import Reference
 from study.assessment.report import page
 from study.observer.energy import MaxEnergyError
 
@@ -63,9 +64,8 @@ def test_a_recommended_step_keeps_its_error_against_another_solver(driven, asses
 
 
 def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
-    kinks = solution.kinks_of(driven, DURATION)
-    grid = solution.grid_of(driven, DURATION, 1.0, kinks)
-    one = solution.solution_by(solution.routes_of(driven, DURATION, kinks)[0], driven, grid, 1e-8)
+    reference = Reference(driven, DURATION)
+    one = reference.solution(reference.routes[0], reference.grid(1.0), 1e-8)
     exact = _by_scipy(one.t)
     assert np.abs(np.stack([one.u, one.v]) - exact).max() < 1e-6
     assert (assessed.reference_uncertainty < 1e-4).all()
@@ -96,6 +96,7 @@ def test_errors_between_the_points_of_a_reference_are_part_of_its_uncertainty(pr
 def test_recommend_lists_what_was_run(assessed):
     table = study.recommend(assessed, error=0.01, quantity="force")
     assert set(table.index) == {"average_acceleration", "rk4"} and (table.error <= 0.01).all()
+    assert (table.step_size * table.number_of_steps).to_numpy() == pytest.approx(DURATION)
     assert table["time"].is_monotonic_increasing and table.ties_with_fastest.iloc[0]
     for other in (0.03, 0.001):
         with pytest.raises(ValueError, match=f"error must be one that was assessed, 0.05, 0.01, not {other}; assess"):
@@ -107,7 +108,7 @@ def test_recommend_lists_what_was_run(assessed):
 def test_failures_are_mapped_and_explained(assessed):
     explicit = assessed.sel(scheme="rk4")
     outcome = explicit.outcome.sel(excitation=1.0).values
-    assert outcome[0] == study.OUTCOMES.index("not_finite") and outcome[-1] <= 1
+    assert outcome[0] == study.Outcome.NOT_FINITE and outcome[-1] <= 1
     assert explicit.largest_safe_dt < explicit.map_dt[0]
     assert "beyond the limit of stability" in explicit.failure.item()
 
@@ -118,9 +119,8 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     exact = float(taylor.period(problem, 0.15))
     duration = 20 * exact
     quantities = errors.named(None)
-    kinks = solution.kinks_of(problem, duration)
-    grid = solution.grid_of(problem, duration, exact / 4, kinks)
-    exactly = solution.solution_by(solution.routes_of(problem, duration, kinks)[0], problem, grid, 1e-12)
+    reference = Reference(problem, duration)
+    exactly = reference.solution(reference.routes[0], reference.grid(exact / 4), 1e-12)
     targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}
     one = Ladder(study.schemes["rk4"], {1.0: Case(problem, exactly, targets, None)}, duration, True, 10_000).run(steps)
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, observe=["trajectory", MaxEnergyError()])

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import study
-from study.assessment import errors, solution
+from study.assessment import errors
+from study.assessment.reference import Reference
 
 
 def _peak(problem, duration, of):
-    kinks = solution.kinks_of(problem, duration)
-    grid = solution.grid_of(problem, duration, duration / 20, kinks)
-    exactly = solution.solution_by(solution.routes_of(problem, duration, kinks)[0], problem, grid, 1e-12)
+    reference = Reference(problem, duration)
+    exactly = reference.solution(reference.routes[0], reference.grid(duration / 20), 1e-12)
     return errors.target(study.Quantity(of, reduce="peak"), problem, exactly).value
 
 

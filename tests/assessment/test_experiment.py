@@ -42,9 +42,12 @@ def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
     overlays = SMALL, folder / "mine.yaml"
     make(folder, "assessment/mine.html", "sensitivity.nc", overlays=overlays)
     assert "For 5 % of displacement: " in (folder / "results/assessment/mine.html").read_text()
-    ds = study.open("assessment/mine", folder / "results")
+    ds = study.open_dataset("assessment/mine", folder / "results")
     assert ds.scheme.values.tolist() == ["rk4", "heun"] and (ds.verdict == 0).any()
-    assert study.open("sensitivity", folder / "results").scheme_title.values[-2:].tolist() == ["Runge-Kutta", "Heun"]
+    assert study.open_dataset("sensitivity", folder / "results").scheme_title.values[-2:].tolist() == [
+        "Runge-Kutta",
+        "Heun",
+    ]
     _edited(folder / "examples/driven.py", "0.5 *", "0.4 *")
     planned = call_snakemake(folder, "-n", "results/assessment/mine.html", overlays=overlays)
     assert "Updated input files: examples/driven.py" in planned.stdout

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import study
-from reference.amplitudes import amplitudes
+from reference.experiments.amplitudes import amplitudes
 from study.__main__ import main
+from study.building import Effort, Motion, Phase, acceleration
 from study.experiments.atlas import atlas
 from study.user_files import load
 
@@ -20,7 +21,7 @@ def heun(monkeypatch):
     monkeypatch.setattr(study.schemes, "_entries", dict(study.schemes._entries))
     monkeypatch.setattr(study.schemes, "_names", list(study.schemes._names))
     scheme = load(f"{EXAMPLE}:heun", (study.Scheme,))
-    study.register("heun", scheme)
+    study.register_scheme("heun", scheme)
     return scheme
 
 
@@ -28,7 +29,7 @@ def test_a_registered_scheme_goes_where_a_name_goes(heun, tmp_path, monkeypatch)
     monkeypatch.chdir(tmp_path)
     assert study.schemes["heun"] is heun and "heun" in list(study.schemes)
     exact = amplitudes(["hardening"], {"first": -0.5, "last": 0.0, "count": 3})
-    study.datasets.write(exact.assign_attrs(source=study.datasets.SOURCE), "results/reference/amplitudes.nc")
+    study.io.write(exact.assign_attrs(source=study.io.SOURCE), "results/reference/amplitudes.nc")
     options = {"dt_over_period": {"first": -2.0, "last": -1.0, "count": 3}, "periods": 5, "tile": 0, "tiles": 1}
     maps, _ = atlas("heun", ["hardening"], **options, portraits={"points": 2, "samples": 4})
     assert maps.scheme_title.item() == "Heun" and maps.outcome.size == 9
@@ -36,13 +37,13 @@ def test_a_registered_scheme_goes_where_a_name_goes(heun, tmp_path, monkeypatch)
 
 def test_unfit_names_are_refused(heun):
     with pytest.raises(ValueError, match="there is a scheme 'heun' already"):
-        study.register("heun", heun)
+        study.register_scheme("heun", heun)
     with pytest.raises(ValueError, match="there is a scheme 'newmark' already"):
-        study.register("newmark", heun)
+        study.register_scheme("newmark", heun)
     with pytest.raises(ValueError, match="small letters, digits and underscores, not 'My Scheme'"):
-        study.register("My Scheme", heun)
+        study.register_scheme("My Scheme", heun)
     with pytest.raises(TypeError, match="is no scheme"):
-        study.register("other", "rk4")
+        study.register_scheme("other", "rk4")
 
 
 class _Plain(study.OneStep):
@@ -54,20 +55,20 @@ class _Plain(study.OneStep):
     family = "Runge-Kutta and conserving"
 
     def start(self, problem, u0, v0, dt):
-        return study.Phase(u0, v0), study.Effort()
+        return Phase(u0, v0), Effort()
 
     def increment(self, problem, state, t, dt):
-        return study.Phase(dt * state.v, dt * study.acceleration(problem, t, *state)), study.Effort()
+        return Phase(dt * state.v, dt * acceleration(problem, t, *state)), Effort()
 
 
 class _NoField(_Plain):
     def increment(self, problem, state, t, dt):
-        return study.Phase(dt * state.w, dt * state.v), study.Effort()
+        return Phase(dt * state.w, dt * state.v), Effort()
 
 
 class _NoNumbers(_Plain):
     def increment(self, problem, state, t, dt):
-        return study.Phase(dt * state.v, -dt * state.u), study.Effort(None, None)
+        return Phase(dt * state.v, -dt * state.u), Effort(None, None)
 
 
 class _NoEffort(_Plain):
@@ -77,17 +78,17 @@ class _NoEffort(_Plain):
 
 class _OtherState(_Plain):
     def step(self, problem, state, t, dt):
-        return study.Motion(state.u, state.v, state.v), study.Effort()
+        return Motion(state.u, state.v, state.v), Effort()
 
 
 class _OtherShape(_Plain):
     def start(self, problem, u0, v0, dt):
-        return study.Phase(u0, np.zeros(2)), study.Effort()
+        return Phase(u0, np.zeros(2)), Effort()
 
 
 class _IncrementWithoutEffort(_Plain):
     def increment(self, problem, state, t, dt):
-        return study.Phase(dt * state.v, -dt * state.u)
+        return Phase(dt * state.v, -dt * state.u)
 
 
 class _NoIncrement(_Plain):
@@ -97,24 +98,24 @@ class _NoIncrement(_Plain):
 
 class _ArrayIncrement(_Plain):
     def increment(self, problem, state, t, dt):
-        return dt * state.v, study.Effort()
+        return dt * state.v, Effort()
 
 
 class _Branching(_Plain):
     def increment(self, problem, state, t, dt):
-        return study.Phase(dt * state.v if state.v > 0 else state.v, -dt * state.u), study.Effort()
+        return Phase(dt * state.v if state.v > 0 else state.v, -dt * state.u), Effort()
 
 
 @pytest.mark.parametrize(
     "scheme, sentence",
     [
-        (_IncrementWithoutEffort(), "increment of _IncrementWithoutEffort must return a state and a study.Effort, not"),
-        (_NoIncrement(), "increment of _NoIncrement must return a state and a study.Effort, not NoneType."),
+        (_IncrementWithoutEffort(), "must return a state and a study.building.Effort, not Phase."),
+        (_NoIncrement(), "increment of _NoIncrement must return a state and a study.building.Effort, not NoneType."),
         (_ArrayIncrement(), "increment of _ArrayIncrement must return a named tuple with u and v, not"),
         (_Branching(), "increment of _Branching branches on a number that JAX traces"),
         (_NoField(), "increment of _NoField raises AttributeError: 'Phase' object has no attribute 'w'"),
-        (_NoNumbers(), "increment of _NoNumbers must return a study.Effort of iterations and convergence, not"),
-        (_NoEffort(), "step of _NoEffort must return a state and a study.Effort, not Phase."),
+        (_NoNumbers(), "increment of _NoNumbers must return a study.building.Effort of iterations and"),
+        (_NoEffort(), "step of _NoEffort must return a state and a study.building.Effort, not Phase."),
         (_OtherState(), "step of _OtherState must return a state like that of start"),
         (_OtherShape(), r"start of _OtherShape must return a state with 'v' of shape \(\)."),
     ],
@@ -131,7 +132,11 @@ class _SecondOrder(_Plain):
 
 
 class _LessThanNoForce(_Plain):
-    evaluations = -1
+    forces_per_step = -1
+
+
+class _NegativeLimit(_Plain):
+    stability_limit = -1.0
 
 
 class _NoTitle(_Plain):
@@ -148,7 +153,8 @@ class _RaisingOrder(_Plain):
     "scheme, sentence",
     [
         (_SecondOrder(), "order of _SecondOrder must be a whole number of at least 1, not 'two'."),
-        (_LessThanNoForce(), "evaluations of _LessThanNoForce must be a whole number of at least 0, not -1."),
+        (_LessThanNoForce(), "forces_per_step of _LessThanNoForce must be a whole number of at least 0, not -1."),
+        (_NegativeLimit(), "stability_limit of _NegativeLimit must be a number of at least 0 or None, not -1.0."),
         (_NoTitle(), "title of _NoTitle must be a text, not ' '."),
         (_RaisingOrder(), "order of _RaisingOrder raises ZeroDivisionError: integer division or modulo by zero"),
     ],
@@ -157,17 +163,15 @@ def test_what_a_scheme_tells_of_itself_is_checked(scheme, sentence):
     for called in (
         study.assess_scheme,
         lambda one: study.assess("hardening", one),
-        lambda one: study.register("a", one),
+        lambda one: study.register_scheme("a", one),
     ):
         with pytest.raises(TypeError, match=sentence):
             called(scheme)
 
 
-@pytest.mark.parametrize("word", ["HHT-α", "hht alpha", "HHT-Alpha", "alpha method", "alpha"])
-def test_words_for_both_alpha_methods_are_answered_by_a_question(word):
-    with pytest.raises(KeyError, match=f"the scheme '{word}' may be 'hht_alpha' or 'hht_alpha_one_force'; name one"):
-        study.run("hardening", word, dt=0.01, steps=3)
-    assert study.schemes["hht_alpha"] is not study.schemes["hht"]
+def test_a_name_of_an_earlier_version_is_answered_by_its_name_today():
+    with pytest.raises(KeyError, match="the scheme 'hht_alpha_one_force' is now called 'hht_alpha'"):
+        study.run("hardening", "hht_alpha_one_force", dt=0.01, steps=3)
 
 
 def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys):

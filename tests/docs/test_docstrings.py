@@ -1,52 +1,54 @@
-"""Docstrings as pages show them."""
+"""Docstrings and formulas as pages show them."""
 
+import ast
 import inspect
+import re
+from pathlib import Path
 
 import pytest
 
-from docs.docstrings import explained, is_equation, markdown, paragraphs_of, references_of, restructured
+from docs.docstrings import parsed, references_of, restructured
+from docs.mathml import mathml
+
+PROJECT = Path(__file__).parents[2]
+#: Formulas of a docstring without indentation: blocks, and those within a line.
+FORMULA = re.compile(r"^( *)\.\. math::\n\n((?:\1 +.*\n|\n)+)|:math:`([^`]*)`", re.MULTILINE)
 
 
 def test_every_scheme_states_equations_text_and_references(scheme):
-    text = explained(type(scheme))
-    equations = [paragraph for paragraph in text.paragraphs if is_equation(paragraph)]
-    assert equations and len(text.paragraphs) > len(equations) and text.summary.endswith(".")
+    text = parsed(type(scheme))
+    assert text["Summary"][-1].endswith(".") and "\n.. math::" in str(text)
     works = (inspect.getdoc(type(scheme)) or "").split("References\n----------\n")[1]
-    assert text.references and " ".join(text.references) == " ".join(works.split())
+    assert [work.removeprefix("- \\") for work in text["References"]] == references_of(works.splitlines())
 
 
-@pytest.mark.parametrize(
-    "line, equation",
-    [
-        ("u₁ = u₀ + Δt u̇₁", True),
-        ("u ← u + d₀Δt u̇,    then for i = 1, ..., s", True),
-        ("M ü + C u̇ + p(u) = f    at t₀ + γΔt and at t₁", True),
-        ("Second order for γ = ½, first order otherwise.", False),
-        ("Carries u and u̇.", False),
-    ],
-)
-def test_equations_are_told_from_text(line, equation):
-    assert is_equation([line]) is equation
-    assert not is_equation([line, "Carries u and u̇."])
-
-
-def test_equations_after_a_colon_stand_alone():
-    assert paragraphs_of(["With h = Δt:", "u ← u + h u̇", "", "", "Text."]) == [
-        ["With h = Δt:"],
-        ["u ← u + h u̇"],
-        ["Text."],
+def test_a_docstring_for_numpydoc():
+    lines = ["With u:", "", ".. math::", "", "    u_1 = |v|", "", "References", "----------"]
+    works = ["N. Author, A title, Earthquake Eng.", "Struct. Dyn. 1, 1973, 241-252.", "B. Writer, A book, 2006."]
+    assert restructured([*lines, *works]) == [
+        *lines,
+        r"- \N. Author, A title, Earthquake Eng. Struct. Dyn. 1, 1973, 241-252.",
+        r"- \B. Writer, A book, 2006.",
+        "",
     ]
+    assert restructured(["A summary."]) == ["A summary.", ""]
 
 
-def test_a_reference_ends_with_a_number():
-    lines = ["A. Author, A title, Earthquake Eng.", "Struct. Dyn. 1, 1973, 241-252.", "B. Writer, A book, 2006."]
-    assert references_of(lines) == [f"{lines[0]} {lines[1]}", lines[2]]
+@pytest.mark.parametrize("folder", ["study", "reference"])
+def test_the_formulas_of_all_docstrings_become_mathml(folder):
+    formulas = 0
+    for path in (PROJECT / folder).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+                for _, block, inline in FORMULA.findall(f"{ast.get_docstring(node)}\n"):
+                    assert "<math" in mathml(inspect.cleandoc(block) or inline, "block" if block else "inline")
+                    formulas += 1
+    assert formulas > 5
 
 
-def test_signs_of_markup_are_kept_as_text():
-    assert markdown("|u*| of :class:`study.Scheme` and ``a*b``") == r"\|u\*\| of ``study.Scheme`` and ``a*b``"
-    lines = restructured(
-        ["With |u|:", "", "u = |v|", "", "References", "----------", "A book, 2006.", "Another, 2007."]
-    )
-    assert lines[:5] == [r"With \|u\|:", "", ".. rst-class:: equations", "", r"| u = \|v\|"]
-    assert lines[-3:] == [r"- \A book, 2006.", r"- \Another, 2007.", ""]
+def test_formulas_become_mathml():
+    assert "<msub><mover><mi>u</mi>" in mathml(r"\ddot u_1", "inline")
+    assert mathml("u &= 1\n\nv &= 2", "block") == mathml(r"u &= 1 \\ v &= 2", "block")
+    assert mathml("u &= 1\n\nv &= 2", "block").count("<mtr>") == 2
+    with pytest.raises(ValueError, match=r"'u \\unknown' has '\\unknown', which cannot be set as MathML"):
+        mathml(r"u \unknown", "inline")

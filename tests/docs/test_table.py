@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 import study
-from docs import filled
+from docs.plan import PAGES
 from docs.scheme_page import Library
 from docs.scheme_table import table_of
 
@@ -27,7 +27,7 @@ def browser(tmp_path):
     times = times.assign_coords(problem=["softening"], scheme=["rk4", "houbolt"], steps_per_period=[64])
     library = Library({"work_precision": times}, study.schemes, {})  # type: ignore[arg-type]
     table = table_of([library.subject(name) for name in ("houbolt", "rk4", "central_difference")], library)
-    script = (filled.FOLDER.parent / "static" / "table.js").read_text()
+    script = (PAGES.parent / "static" / "table.js").read_text()
     page = tmp_path / "page.html"
     page.write_text(f'<meta charset="utf-8"><link rel="icon" href="data:,">{table}<script>{script}</script>')
     options = webdriver.ChromeOptions()

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from reference.amplitudes import amplitudes
-from study import datasets
+from reference.experiments.amplitudes import amplitudes
+from study import io
 
 
 @pytest.fixture
@@ -28,12 +28,12 @@ def cosine() -> xr.Dataset:
 def exact() -> xr.Dataset:
     """Exact periods and orbits over two decades of amplitude."""
     dataset = amplitudes(["hardening", "softening", "double_well"], {"first": -1.0, "last": 1.0, "count": 6})
-    return dataset.assign_attrs(source=datasets.SOURCE)
+    return dataset.assign_attrs(source=io.SOURCE)
 
 
 @pytest.fixture
 def springs(exact, tmp_path, monkeypatch):
     """The exact periods, in the folder where experiments look for them."""
     monkeypatch.chdir(tmp_path)
-    datasets.write(exact, "results/reference/amplitudes.nc")
+    io.write(exact, "results/reference/amplitudes.nc")
     return exact

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import study
-from study import datasets
+from study import io
 from study.experiments.accuracy import accuracy
 
 
@@ -13,8 +13,8 @@ def test_errors_below_the_uncertainty_of_the_reference_are_flagged(cosine, monke
     reference = cosine
     doubts = {"u_uncertainty": 1e-3, "period_uncertainty": 1e-12, "energy_drift": 1e-15}
     reference = reference.assign(doubts)
-    reference.attrs["source"] = datasets.SOURCE
-    monkeypatch.setattr(datasets, "open", lambda name: reference)
+    reference.attrs["source"] = io.SOURCE
+    monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     linear = study.Problem(lambda u: (2 * np.pi) ** 2 * u, potential=lambda u: 2 * (np.pi * u) ** 2, u0=1.0)
     monkeypatch.setitem(study.problems._entries, "harmonic", linear)
     ds = accuracy(["harmonic"], ["average_acceleration", "rk4"], [8, 64, 512], [3]).squeeze(["problem", "periods"])

@@ -4,10 +4,10 @@ import pytest
 import xarray as xr
 
 import study
-from reference.amplitudes import amplitudes
-from study.analysis.outcomes import OUTCOMES
+from pipeline import gather
+from reference.experiments.amplitudes import amplitudes
+from study.analysis.outcomes import Outcome
 from study.experiments.atlas import atlas
-from study.pipeline import gather
 
 GRID = {"first": -1.5, "last": 0.0, "count": 7}
 
@@ -16,7 +16,7 @@ GRID = {"first": -1.5, "last": 0.0, "count": 7}
 def many():
     """Exact periods at more amplitudes than two tiles of an ensemble have lanes."""
     dataset = amplitudes(["softening", "double_well"], {"first": -1.0, "last": 1.0, "count": 150})
-    return dataset.assign_attrs(source=study.datasets.SOURCE)
+    return dataset.assign_attrs(source=study.io.SOURCE)
 
 
 @pytest.mark.parametrize(
@@ -30,7 +30,7 @@ def many():
 )
 def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, monkeypatch, scheme, problem):
     monkeypatch.chdir(tmp_path)
-    study.datasets.write(many, "results/reference/amplitudes.nc")
+    study.io.write(many, "results/reference/amplitudes.nc")
     arguments = {
         "problems": [problem],
         "dt_over_period": GRID,
@@ -41,7 +41,7 @@ def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, mon
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     tiles = [atlas(scheme, **arguments, tile=tile, tiles=3) for tile in range(3)]
     for tile, (part, _) in enumerate(tiles):
-        study.datasets.write(part.assign_attrs(source=study.datasets.SOURCE), f"{tile}.nc")
+        study.io.write(part.assign_attrs(source=study.io.SOURCE), f"{tile}.nc")
     gather.main("gathered.nc", "scheme,amplitude", [f"{tile}.nc" for tile in range(3)])
     xr.testing.assert_identical(xr.load_dataset("gathered.nc").drop_attrs(), whole.drop_attrs())
 
@@ -61,7 +61,7 @@ def test_a_map_shows_the_linear_limit_at_small_amplitude(springs):
     fine = {"first": -0.7, "last": -0.3, "count": 41}
     one, _ = atlas("central_difference", ["hardening"], fine, 300, {"points": 2, "samples": 2}, tile=0, tiles=6)
     one = one.squeeze()
-    lost = one.outcome.values >= OUTCOMES.index("growing")
+    lost = one.outcome.values >= Outcome.GROWING
     first = one.dt_over_period.values[lost.argmax()]
     limit = 2 / (one.highest_frequency * one.period).item()
     # the tangent is as stiff as that at one end of the swing only

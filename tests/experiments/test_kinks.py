@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from reference.inelastic import inelastic
-from study import datasets
+from reference.experiments.inelastic import inelastic
+from study import io
 from study.experiments.kinks import kinks
 
 OPTIONS = {"steps_per_period": [64, 256, 512, 1024, 2048, 4096], "periods": 2, "samples_per_period": 8}
@@ -16,7 +16,7 @@ def reference():
 
 
 def test_a_kink_costs_the_order(reference, monkeypatch):
-    monkeypatch.setattr(datasets, "open", lambda name: reference)
+    monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     ds = kinks(["hardening", "yielding", "shaken"], ["average_acceleration", "gauss4", "energy_momentum"], **OPTIONS)
     smooth, yielding, shaken = ds.observed_order.sel(scheme="gauss4").values
     assert smooth == pytest.approx(4.0, abs=0.2) and yielding < 3.0 and shaken < 3.0

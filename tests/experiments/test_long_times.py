@@ -62,7 +62,7 @@ def harmonic(monkeypatch, tmp_path) -> xr.Dataset:
         coords={"t": phase, "phase": ("t", phase)},
         attrs={"problem": "hardening"},
     )
-    monkeypatch.setattr(experiment.datasets, "open", lambda name: reference)
+    monkeypatch.setattr(experiment.io, "open_dataset", lambda name: reference)
     monkeypatch.setattr(experiment, "problems_by_name", {"hardening": HARMONIC})
     return summary(long_runs("hardening", ["average_acceleration"], 20, [1, 4, 10], 4, list(ARITHMETIC)))
 

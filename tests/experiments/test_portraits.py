@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 import study
-from reference.amplitudes import amplitudes
-from study import datasets
+from reference.experiments.amplitudes import amplitudes
+from study import io
 from study.experiments.atlas import atlas
 
 OPTIONS: dict[str, Any] = {
@@ -25,8 +25,8 @@ def orbits(tmp_path_factory):
     """The exact orbits, and the folder where the maps look for them."""
     folder = tmp_path_factory.mktemp("exact")
     exact = amplitudes(OPTIONS["problems"], {"first": -0.5, "last": 0.5, "count": 5})
-    exact.attrs = datasets.provenance("orbits", "a test")
-    datasets.write(exact, folder / "results" / "reference" / "amplitudes.nc")
+    exact.attrs = io.provenance("orbits", "a test")
+    io.write(exact, folder / "results" / "reference" / "amplitudes.nc")
     return exact, folder
 
 

@@ -2,14 +2,14 @@
 
 import pytest
 
-from study import datasets
+from study import io
 from study.experiments.round_off import round_off
 
 
 def test_round_off_asks_for_steps_that_meet_its_end(cosine, monkeypatch):
-    monkeypatch.setattr(datasets, "open", lambda name: cosine)
+    monkeypatch.setattr(io, "open_dataset", lambda name: cosine)
     with pytest.raises(ValueError, match=r"round_off.steps_per_period: 20 is no multiple of 8"):
         round_off("hardening", ["rk4"], [64, 20], 10)
-    monkeypatch.setattr(datasets, "open", lambda name: cosine.isel(t=slice(None, None, 100)))
+    monkeypatch.setattr(io, "open_dataset", lambda name: cosine.isel(t=slice(None, None, 100)))
     with pytest.raises(ValueError, match=r"the reference of 'hardening' lacks the phase 1/8; add 8 to"):
         round_off("hardening", ["rk4"], [64], 10)

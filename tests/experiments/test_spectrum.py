@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import study
-from reference.spectrum import spectrum as exact
-from study import datasets
+from reference.experiments.spectrum import spectrum as exact
+from study import io
 from study.experiments.spectrum import spectrum
 from study.problem.inelastic import yielding_under_record
 
@@ -30,7 +30,7 @@ def test_the_exact_peaks_are_those_of_fine_steps(reference):
 
 
 def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(reference, monkeypatch):
-    monkeypatch.setattr(datasets, "open", lambda name: reference)
+    monkeypatch.setattr(io, "open_dataset", lambda name: reference)
     schemes, steps = ["average_acceleration", "energy_momentum"], [0.1, 0.05, 0.02, 0.01, 0.005, 0.0025, 0.00125]
     ds = spectrum(PERIODS, REDUCTIONS, DURATION, schemes, steps, 0.01)
     assert ds.step_needed.sel(scheme="energy_momentum").isnull().all()  # the force dissipates

@@ -5,9 +5,8 @@ import pytest
 import xarray as xr
 
 import study
-from paper.published import printed_cpu_times, printed_energy_errors
-from paper.rounding import same, twice
-from study import datasets
+from paper.published import printed_cpu_times, printed_energy_errors, same, twice
+from study import io
 from study.experiments.cpu_time import cpu_time
 from study.experiments.energy_drift import energy_drift
 from study.experiments.energy_error import energy_error
@@ -21,7 +20,7 @@ PRINTED = printed_energy_errors()
 
 
 def test_energy_errors_are_the_printed_ones(monkeypatch):
-    monkeypatch.setattr(datasets, "open", lambda name: xr.Dataset({"period": 0.1509}))
+    monkeypatch.setattr(io, "open_dataset", lambda name: xr.Dataset({"period": 0.1509}))
     steps = [15, 20]
     ours = energy_error(["hardening"], ["rk4", "central_difference"], steps, periods=100)
     printed = PRINTED.sel(problem="hardening", steps_per_period=steps, scheme=ours.scheme)

@@ -9,7 +9,7 @@ import xarray as xr
 import study
 from study.marching import ensemble, program
 from study.marching.march import March
-from study.scheme.linearised import Linearised
+from study.scheme.wrapper.linearised import Linearised
 
 
 def test_a_lane_of_an_ensemble_is_a_single_run(kind):

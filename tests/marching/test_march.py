@@ -82,7 +82,7 @@ def test_a_long_run_can_be_interrupted(tmp_path, u0):
     code = (
         # who runs the tests in the background has interrupts switched off
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-        "import study; study.datasets.write(study.run('hardening', 'rk4', dt=1e-4, steps=10), 'kept.nc'); "
+        "import study; study.io.write(study.run('hardening', 'rk4', dt=1e-4, steps=10), 'kept.nc'); "
         "print('ready', flush=True); "
         f"study.run('hardening', 'rk4', dt=1e-4, u0={u0}, steps=10**12, observe=['max_energy_error'])"
     )

@@ -23,7 +23,7 @@ def _average_acceleration(stiffness, cubic, steps=40, dt="0.05"):
 
 def _end(parameters):
     spring = study.Problem(lambda u: parameters[0] * u + parameters[1] * u**3, u0=1.0)
-    return study.evolve(spring, "average_acceleration", dt=0.05, steps=40)["u"]
+    return study.final_state(spring, "average_acceleration", dt=0.05, steps=40)["u"]
 
 
 def test_derivatives_are_exact_to_round_off():
@@ -41,7 +41,7 @@ def test_derivatives_are_exact_to_round_off():
 @pytest.mark.parametrize("name", ["rk4", "rho_bathe", "houbolt", "gauss4"])
 def test_it_is_the_run(name):
     ds = study.run("softening", name, dt=0.01, steps=500, observe=["trajectory", "energy_drift"])
-    found = study.evolve("softening", name, dt=0.01, steps=500, observe=["energy_drift"])
+    found = study.final_state("softening", name, dt=0.01, steps=500, observe=["energy_drift"])
     assert float(found["u"]) == pytest.approx(float(ds.u[-1]), abs=1e-11)
     assert float(found["energy_drift"]) == pytest.approx(float(ds.energy_drift), abs=1e-9)
     assert int(found["failed_at_step"]) == -1
@@ -51,7 +51,7 @@ def test_hysteresis_and_its_dissipation_are_differentiated():
     def dissipated(yield_force):
         spring = study.materials.elastoplastic(40.0, yield_force, 0.1)
         problem = study.Problem(spring, u0=0.0, v0=3.0, potential=spring.potential)
-        return study.evolve(problem, "average_acceleration", dt=0.01, steps=150, observe=["energy_balance"])[
+        return study.final_state(problem, "average_acceleration", dt=0.01, steps=150, observe=["energy_balance"])[
             "dissipated_energy"
         ]
 
@@ -65,7 +65,7 @@ def test_backward_derivatives_keep_few_states():
 
     def needed(steps):
         def end(u0):
-            return jnp.sum(study.evolve("fpu_chain", "average_acceleration", dt=0.01, steps=steps, u0=u0)["u"])
+            return jnp.sum(study.final_state("fpu_chain", "average_acceleration", dt=0.01, steps=steps, u0=u0)["u"])
 
         start = jnp.asarray(study.problems["fpu_chain"].u0)
         memory = jax.jit(jax.grad(end)).lower(start).compile().memory_analysis()
@@ -81,14 +81,14 @@ def test_lanes_by_vmap():
 
 
 def test_a_failure_is_told():
-    found = study.evolve("hardening", "central_difference", dt=1.0, steps=100)
+    found = study.final_state("hardening", "central_difference", dt=1.0, steps=100)
     assert int(found["failed_at_step"]) > 0
 
 
 @pytest.mark.parametrize(
     "change, sentence",
     [
-        ({"observe": ["trajectory"]}, "'u' is recorded along time, and evolve returns one value a run: observe"),
+        ({"observe": ["trajectory"]}, "'u' is recorded along time, and final_state returns one value a run: observe"),
         ({"observe": ["momentum_errors"]}, "needs Problem\\(positions=...\\)"),
         ({"steps": 0}, "steps must be a whole number of at least 1"),
         ({"dt": -0.01}, "dt must be one number, finite and greater than zero, not -0.01"),
@@ -98,13 +98,13 @@ def test_a_failure_is_told():
 )
 def test_what_it_cannot_do_is_refused(change, sentence):
     with pytest.raises(ValueError, match=sentence):
-        study.evolve("hardening", "rk4", **{"dt": 0.01, "steps": 10} | change)
+        study.final_state("hardening", "rk4", **{"dt": 0.01, "steps": 10} | change)
 
 
 def test_a_potential_does_not_hinder_derivatives():
     def end(stiffness):
         spring = study.Problem(lambda u: stiffness * u, u0=1.0, potential=lambda u: stiffness * u**2 / 2)
-        return study.evolve(spring, "average_acceleration", dt=0.01, steps=100, observe=["energy_drift"])["u"]
+        return study.final_state(spring, "average_acceleration", dt=0.01, steps=100, observe=["energy_drift"])["u"]
 
     assert float(jax.grad(end)(4.0)) == pytest.approx(float(end(4.0 + 1e-6) - end(4.0 - 1e-6)) / 2e-6, rel=1e-7)
 
@@ -112,7 +112,7 @@ def test_a_potential_does_not_hinder_derivatives():
 def test_second_derivatives():
     def motion(damping):
         problem = study.Problem(lambda u: 4 * u + u**3, u0=1.0, damping=damping)
-        return study.evolve(problem, "rho_bathe", dt=0.02, steps=50)["u"]
+        return study.final_state(problem, "rho_bathe", dt=0.02, steps=50)["u"]
 
     slope = jax.grad(motion)
     bend = (float(slope(0.5 + 1e-5)) - float(slope(0.5 - 1e-5))) / 2e-5

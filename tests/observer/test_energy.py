@@ -29,6 +29,14 @@ def test_the_balance_closes_with_the_second_order(damped_chain, scheme):
     assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx(2, abs=0.1)
 
 
+def test_what_a_force_without_a_potential_dissipates_the_kinetic_energy_loses():
+    problem = study.Problem(lambda u, v: 9 * u + 0.5 * v, 1.0, 2.0, mass=2.0)
+    ds = _balance(problem, "average_acceleration", dt=0.1, steps=200)
+    assert ds.max_energy_imbalance < 1e-11
+    end = study.run(problem, "average_acceleration", dt=0.1, steps=200).isel(t=-1)
+    assert ds.dissipated_energy.item() == pytest.approx(2.0**2 - end.v.item() ** 2, rel=1e-11)
+
+
 def test_a_problem_at_rest_is_in_balance():
     ds = _balance(study.Problem(potential=lambda u: u @ u, u0=np.zeros(3)), "average_acceleration", DT, STEPS)
     assert ds.max_energy_imbalance == 0

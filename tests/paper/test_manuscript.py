@@ -1,15 +1,14 @@
 """The texts, article and supplement, and what is made for them."""
 
-import ast
 import inspect
 import json
 import re
+import shutil
 
 import pytest
 import typst
 
 import study
-from paper.claims.ledger import OURS
 from paper.manuscript import LAYOUT, TEXTS, check_uses, uses
 from paper.products import discover
 from study.problem.named import makers, printed_periods
@@ -30,14 +29,22 @@ def test_what_a_text_uses():
     }
 
 
-@pytest.mark.parametrize("kind, name, line", [("number", "shown", 3), ("figure", "atlas", 4), ("table", "orders", 5)])
+@pytest.mark.parametrize("kind, name, line", [("number", "cells", 3), ("figure", "atlas", 4), ("table", "orders", 5)])
 def test_what_is_missing_is_named_with_its_line(tmp_path, kind, name, line):
     (tmp_path / "article.typ").write_text(SOURCE)
-    there = {kind: set(names) for kind, names in uses(SOURCE).items()}
-    check_uses(tmp_path / "article.typ", there)
-    there[kind].remove(name)
-    with pytest.raises(ValueError, match=rf"article\.typ, line {line}: there is no {kind} '{name}' in the results"):
-        check_uses(tmp_path / "article.typ", there)
+    there = uses(SOURCE)
+    for folder, suffix, names in (("figures", "pdf", there["figure"]), ("tables", "csv", there["table"])):
+        (tmp_path / folder).mkdir()
+        for one in names:
+            (tmp_path / folder / f"{one}.{suffix}").touch()
+    (tmp_path / "numbers.json").write_text(json.dumps(there["number"]))
+    check_uses(tmp_path / "article.typ", tmp_path)
+    if kind == "number":
+        (tmp_path / "numbers.json").write_text("{}")
+    else:
+        shutil.rmtree(tmp_path / f"{kind}s")
+    with pytest.raises(SystemExit, match=rf"article\.typ, line {line}: there is no {kind} '{name}' in the results"):
+        check_uses(tmp_path / "article.typ", tmp_path)
 
 
 def _used(kind):
@@ -73,7 +80,9 @@ def test_every_problem_that_is_not_one_of_1996_is_stated_with_the_numbers_of_its
     rows = re.findall(r'^  \(\s*"([^"]+)",\s*\[(.*?)\],?\s*\),$', TEXTS[1].read_text(), re.MULTILINE | re.DOTALL)
     names = {study.problems[name].title: name for name in study.problems if name not in printed_periods}
     titles = {title[0].upper() + title[1:]: name for title, name in names.items()}
-    assert sorted(title for title, _ in rows) == sorted(titles)
+    missing, unknown = titles.keys() - dict(rows), dict(rows).keys() - titles
+    assert not missing, f"add a row to `definitions` in paper/text/supplement.typ for {missing}"
+    assert not unknown, f"`definitions` in paper/text/supplement.typ has rows of no registered problem: {unknown}"
     for title, stated in rows:
         source = inspect.getsource(inspect.getmodule(makers[titles[title]]))
         decimals = set(re.findall(r"\d+\.\d+", stated))
@@ -108,37 +117,16 @@ def test_a_fact_must_be_true_or_false(tmp_path):
         _compiled(tmp_path, {"yes": "True", "no": False, "absent": None, "number": "3"})
 
 
-def _pattern(node):
-    """A pattern of the keys that an expression gives, or nothing if it is no key."""
-    if isinstance(node, ast.Constant):
-        return re.escape(node.value) if isinstance(node.value, str) else None
-    if isinstance(node, ast.JoinedStr):
-        return "".join(re.escape(str(part.value)) if isinstance(part, ast.Constant) else ".+" for part in node.values)
-    return "|".join(["claims", *OURS.values()]) if isinstance(node, ast.Name) and node.id == "prefix" else None
+#: A key of a mapping at the start of a line or in a comprehension, or one that is set; selections stand within a line.
+_KEY = re.compile(r'^ +f?"([^"]+)": |\{f"([^"]+)": |^ +\w+\[f?"([^"]+)"\] = ', re.MULTILINE)
 
 
 def _keys(function):
-    """Patterns of the keys in what a function returns, and in the mappings that it returns by name."""
-    nodes = list(ast.walk(ast.parse(inspect.getsource(function))))
-    # a mapping among the arguments of a call selects from a dataset
-    arguments = {
-        id(part) for call in nodes if isinstance(call, ast.Call) for one in call.args for part in ast.walk(one)
-    }
-    returned = [node.value for node in nodes if isinstance(node, ast.Return)]
-    parts = [part for value in returned for part in ast.walk(value) if id(part) not in arguments]
-    names = {part.id for part in parts if isinstance(part, ast.Name)}
-    keys, built = [], list(returned)
-    for node in nodes:
-        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
-        for target in targets:
-            if isinstance(target, ast.Name) and target.id in names and hasattr(node, "value"):
-                built.append(node.value)
-            if isinstance(target, ast.Subscript) and getattr(target.value, "id", None) in names:
-                keys.append(target.slice)
-    for display in (part for value in built for part in ast.walk(value) if id(part) not in arguments):
-        keys += display.keys if isinstance(display, ast.Dict) else []
-        keys += [display.key] if isinstance(display, ast.DictComp) else []
-    return {pattern for key in keys if key is not None and (pattern := _pattern(key))}
+    """Patterns of the names that a function of numbers gives."""
+    body = inspect.getsource(function).partition("\ndef ")[2]
+    body = re.sub("^ +return .*", lambda line: re.sub(r'[{,] ?(?="\w+": )', "\n ", line[0]), body, flags=re.MULTILINE)
+    keys = (next(filter(None, match.groups())) for match in _KEY.finditer(body))
+    return {re.sub(r"\\\{.+?\\\}", ".+", re.escape(key)) for key in keys}
 
 
 @pytest.mark.parametrize("product", [p for p in discover(["numbers"]) if p.kind == "numbers"], ids=lambda p: p.name)

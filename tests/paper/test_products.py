@@ -12,9 +12,10 @@ from snakemake.utils import update_config
 
 import paper
 from paper import products
-from paper.data import SOURCE
+from paper.asks import rising
 from paper.products import Product, check, discover, figure, made, table
-from study.pipeline.configuration import complete
+from pipeline.configuration import complete
+from study.io import SOURCE
 
 CONFIG = Path(__file__).parent.parent.parent / "config"
 FOUND = discover()
@@ -34,27 +35,25 @@ def test_all_products_are_found():
     assert all(product.files for product in FOUND if product.kind != "text")
 
 
-def test_finding_them_takes_neither_jax_nor_the_study():
-    code = "import sys; from paper.products import discover; discover(); print({'jax', 'study'} & set(sys.modules))"
+def test_finding_them_takes_no_jax():
+    code = "import sys; from paper.products import discover; discover(); print({'jax'} & set(sys.modules))"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "set()"
 
 
 def test_a_name_stands_for_one_product(empty):
-    table(name="own", data="x")(lambda data: None)
+    table(name="own")(lambda data: None)
     with pytest.raises(ValueError, match="table 'own' is declared twice"):
-        table(name="own", data="x")(lambda data: None)
-    figure("Of the same name.", name="own", data="x")(lambda data: None)
+        table(name="own")(lambda data: None)
+    figure("Of the same name.", name="own")(lambda data: None)
 
 
-def test_datasets_must_fit_the_arguments(empty):
-    with pytest.raises(ValueError, match="The datasets of table 'own' do not fit its function: missing a required"):
-        table(name="own", other="x")(lambda data, other: None)
-    assert not products.PRODUCTS
-
-
-def test_a_figure_needs_its_caption(empty):
-    with pytest.raises(ValueError, match="A figure is declared with a caption and the datasets that it reads, not"):
-        figure(lambda data: None)  # type: ignore[arg-type]
+def test_an_argument_takes_the_dataset_of_its_name_or_another(empty):
+    table(name="own", portrait="phase_portrait/hardening")(lambda spectral, portrait: None)
+    assert products.PRODUCTS["table", "own"].files == ["spectral.nc", "phase_portrait/hardening.nc"]
+    with pytest.raises(
+        ValueError, match=r"The datasets given do not fit .*: got an unexpected keyword argument 'other'"
+    ):
+        table(name="other", other="x")(lambda data: None)
 
 
 def test_a_key_that_must_be_a_list_is_told():
@@ -76,12 +75,13 @@ def test_datasets_come_by_name():
         ({"runs.lengths.problem": ["b", "c"]}, "runs.lengths.problem lacks 'c', which table 'own' needs."),
         ({"runs.scheme": "rk4"}, "runs.scheme must be 'rk4' for table 'own', not 'houbolt'."),
         ({"runs.steps": 3}, "runs.steps is missing, and table 'own' needs it."),
-        ({"": lambda config: f"{len(config)} is no section."}, "1 is no section."),
+        ({"": lambda config: f"{len(config)} is no section"}, "1 is no section."),
+        ({"runs.periods": rising}, "runs.periods must rise, not [100, 1]."),
     ],
 )
 def test_what_is_asked(asks, sentence):
-    config = {"runs": {"periods": [1, 100], "lengths": [{"problem": "a"}, {"problem": "b"}], "scheme": "houbolt"}}
-    met = {"runs.periods": [100], "runs.lengths.problem": ["a"], "runs.scheme": "houbolt", "": lambda config: None}
+    config = {"runs": {"periods": [100, 1], "lengths": [{"problem": "a"}, {"problem": "b"}], "scheme": "houbolt"}}
+    met = {"runs.periods": [100], "runs.lengths.problem": ["a"], "runs.scheme": "houbolt", "": lambda config: ""}
     check([Product("table", "own", "here", print, {}, "", met)], config)
     with pytest.raises(ValueError) as refusal:
         check([Product("table", "own", "here", print, {}, "", met | asks)], config)
@@ -104,41 +104,19 @@ def test_what_is_shipped_has_all_that_is_asked(config):
     "section, change, sentence",
     [
         ("references", {"problems": ["hardening"]}, "references.problems lacks 'softening'"),
-        ("work_precision.schemes", {"schemes": ["average_acceleration", "rk4"]}, "lacks 'central_difference'"),
-        ("work_precision.solvers", {"problems": ["softening"]}, "work_precision.solvers.problems lacks 'hardening'"),
         ("structure_history.stiff_soft", {"steps_per_period": 1, "every": 1}, "samples after the start"),
         ("structure_history.stiff_bar", {"problem": "fpu_chain"}, "stiff_bar.problem must be one of elastic_pendulum"),
-        ("structures", {"steps_per_period": [80]}, "structures.steps_per_period lacks 20"),
         ("energy_error", {"periods": 10}, "energy_error.periods must be 100"),
-        ("houbolt_start", {"problems": ["softening"]}, "houbolt_start.problems lacks 'hardening'"),
-        ("recommendation", {"periods": [10]}, "recommendation.periods lacks 100"),
-        ("accuracy", {"periods": [1, 100]}, "accuracy.periods lacks 3"),
-        ("agreement", {"tolerances": [1e-4, 1e-15]}, "agreement.tolerances lacks 1e-09"),
         ("large_steps", {"dt_over_period": [0.01, 0.1]}, "large_steps.dt_over_period needs a step above 0.2"),
         ("large_steps", {"dt_over_period": [0.1, 0.3]}, "large_steps.dt_over_period needs a step below 0.05"),
         ("large_steps", {"dt_over_period": [0.3, 0.01]}, "large_steps.dt_over_period must rise"),
         ("energy_drift", {"steps_per_period": {"first": 10, "last": 24, "step": 1}}, "leaves out 25"),
-        ("phase_portrait.hardening", {"duration": 0.1}, "less than"),
+        ("energy_drift.steps_per_period", {"step": 5}, "energy_drift.steps_per_period.step must be at most 0.5"),
+        ("phase_portrait.hardening", {"duration": 0.1}, "phase_portrait.hardening has a duration of less than"),
         ("atlas", {"schemes": ["rk4", "houbolt"]}, "atlas.schemes"),
         ("atlas.amplitudes", {"first": 1, "last": 2, "count": 3}, "none within a factor of 3 of the paper's"),
-        ("robustness", {"periods": [100, 10]}, "robustness.periods must rise"),
-        ("stability.roots", {"paper_dt": 7}, "stability.roots.paper_dt must be 2.5"),
-        ("stability.structures", {"excitations": [2]}, "stability.structures.excitations lacks 1"),
-        ("stability.structures", {"lengths": [{"problem": "pendulum", "periods": 1}]}, "lacks 'duffing_chaotic'"),
-        ("long_times", {"schemes": ["rk4"]}, "long_times.schemes lacks 'central_difference'"),
-        ("round_off", {"schemes": ["houbolt"]}, "round_off.schemes lacks 'rk4'"),
-        ("energy_drift", {"scheme": "houbolt"}, "energy_drift.scheme must be 'rk4'"),
-        ("energy_drift.steps_per_period", {"step": 5}, "energy_drift.steps_per_period.step must be at most 0.5"),
-        ("sensitivity", {"problem": "hardening"}, "sensitivity.problem must be 'double_well'"),
-        ("stability.bifurcation", {"problem": "hardening"}, "stability.bifurcation.problem must be 'double_well'"),
-        ("stability.bifurcation", {"scheme": "rk4"}, "stability.bifurcation.scheme must be 'average_acceleration'"),
-        ("stability.roots", {"tolerances": [1e-3]}, "stability.roots.tolerances must be 3"),
-        ("spectral", {"damping_ratios": [0.1]}, "spectral.damping_ratios lacks 0.0"),
+        ("stability.roots", {"tolerances": [1e-3]}, "stability.roots.tolerances must have 3 entries, not 1"),
         ("structures", {"lengths": [{"problem": "stiff_soft", "periods": 1}]}, "structures.lengths.problem lacks"),
-        ("structures", {"schemes": ["rk4"]}, "structures.schemes lacks"),
-        ("energy_error", {"steps_per_period": [15, 20, 50, 100, 200, 1000]}, "energy_error.steps_per_period lacks 25"),
-        ("structure_history.stiff_soft", {"schemes": ["bathe"]}, "lacks 'average_acceleration'"),
-        ("structure_history.long_times", {"problem": "elastic_pendulum"}, "must be 'fpu_chain'"),
     ],
 )
 def test_what_a_product_needs_is_asked(config, section, change, sentence):
@@ -174,7 +152,7 @@ def test_a_figure_is_one_new_file(tmp_path):
         "from paper.products import discover\n"
         "print(*[(p.module, p.caption, p.files, p.asks) for p in discover() if p.name == 'own'])"
     )
-    environment = {"PYTHONPATH": str(tmp_path), "PATH": ""}
+    environment = {"PYTHONPATH": f"{tmp_path}:{CONFIG.parent}", "PATH": ""}
     found = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert found.stdout.strip() == "('paper.figures.own', 'Own.', ['own.nc'], {'own.steps': [3]})", found.stderr
     command = [sys.executable, "-m", "paper.products", "paper.figures.own", "own", ".", "own.pdf"]

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import study
-from paper.published import printed_cpu_times, printed_energy_errors
-from paper.rounding import same, twice
+from paper.published import once, printed_cpu_times, printed_energy_errors, same, twice
 from study.problem.named import printed_periods
 
 PRINTED = printed_energy_errors()
@@ -52,3 +51,12 @@ def test_printed_tables_are_whole():
     assert PRINTED.size == 98 and np.isfinite(PRINTED).all()
     assert list(PRINTED.scheme.values) == list(study.schemes)[:7]
     assert printed_cpu_times().size == 14
+
+
+@pytest.mark.parametrize(
+    "value, rounded_once, rounded_twice",
+    [(35.904, 35.9, 35.9), (39.4477, 39.4, 39.5), (0.0489, 0.0, 0.1), (7.05, 7.1, 7.1)],
+)
+def test_rounding(value, rounded_once, rounded_twice):
+    value = PRINTED[0, 0, 0].copy(data=value)
+    assert same(once(value), rounded_once) and same(twice(value), rounded_twice)

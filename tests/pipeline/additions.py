@@ -13,8 +13,8 @@ mine = Newmark(beta=0.26, gamma=0.52, title="Mine")
 import xarray as xr
 
 from study.marching.run import run
-from study.pipeline.experiment import experiment
-from study.pipeline.options import Count, Spring
+from study.declaration.experiment import experiment
+from study.declaration.options import Count, Spring
 
 
 @experiment("last_displacement", reads=lambda options: ["reference/hardening"])
@@ -54,10 +54,10 @@ def tabulate(last):
 from paper.claims.ledger import Finding, claim
 
 
-@claim("structures", "The last displacement is finite.", "its size", reads=["last_displacement"])
-def is_finite(data):
+@claim("structures", "The last displacement is finite.", "its size")
+def is_finite(last_displacement):
     """Whether it is."""
-    size = abs(data["last_displacement"].u.item())
+    size = abs(last_displacement.u.item())
     return Finding(f"{size:.2f}", size < 10)
 ''',
     "paper/numbers/last.py": '''"""A number of one's own."""

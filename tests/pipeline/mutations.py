@@ -9,8 +9,8 @@ import yaml
 from snakemake.utils import update_config
 
 from paper import products
-from study.pipeline import configuration
-from study.pipeline.experiment import discover
+from pipeline import configuration
+from study.declaration.experiment import discover
 from tests.pipeline.pipeline import PROJECT, SMALL
 
 #: Sections on which most of the others depend, and which would all be made anew.

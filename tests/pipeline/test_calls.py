@@ -1,81 +1,102 @@
-"""What single calls of the pipeline leave to the next one, on one dataset that takes seconds."""
+"""Interrupted, killed and concurrent calls of the pipeline, on datasets that take seconds."""
 
-import json
 import os
-import platform
+import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 
+import psutil
 import pytest
 
-from study.pipeline.runs import Run
-from tests.pipeline.pipeline import SMALL, call_snakemake, copied
+from tests.pipeline.pipeline import SMALL, call_snakemake, copied, hashes_of
 
-TARGET = "results/energy_drift.nc"
+TARGETS = ["results/energy_drift.nc", "results/houbolt_start.nc"]
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """A copy of the project where the dataset is made, as every test leaves it."""
+    """A copy of the project where the datasets have been made."""
     folder = copied(tmp_path_factory.mktemp("project"))
     _call(folder)
     return folder
 
 
-def _call(folder: Path, *arguments: str) -> str:
-    """What a call that ends well says."""
-    done = call_snakemake(folder, TARGET, *arguments)
+def _call(folder: Path) -> None:
+    done = call_snakemake(folder, *TARGETS)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
-    return done.stderr
 
 
-def test_a_damaged_product_is_made_again_whatever_its_date_and_whatever_run_has_died(folder):
-    product = folder / TARGET
-    before = product.read_bytes()
-    product.write_bytes(b"damaged")
-    later = time.time() + 2 * 86_400
-    os.utime(product, (later, later))
-    died = Run(platform.node(), 2**22 - 3, 1.0)
-    (folder / ".snakemake" / "runs" / f"{died.name}.json").write_text(json.dumps(died))
-    said = _call(folder)
-    assert "is no longer what was made" in said and "dates that lay in the future" in said
-    assert product.read_bytes() == before
-    assert "is no longer what was made" not in _call(folder)
+@pytest.fixture
+def running(folder):
+    """A run that has begun to make the datasets again; they are the same after the test."""
+    before = hashes_of(folder)
+    for target in TARGETS:
+        (folder / target).unlink()
+    # who runs the tests in the background has interrupts switched off
+    code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from snakemake.cli import main; main()"
+    )
+    command = [sys.executable, "-c", code, *TARGETS, "--configfile", str(SMALL)]
+    environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
+    with (folder / "log").open("w") as log:
+        run = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment, start_new_session=True)
+    _wait(lambda: len(_processes(folder)) > 3)
+    yield run
+    if run.poll() is None:
+        run.kill()
+    run.wait()
+    _wait(lambda: not _processes(folder))
+    _call(folder)
+    made = hashes_of(folder)
+    assert {name: made[name] for name in before} == before
 
 
-def test_a_dry_run_clears_nothing_and_the_plan_stays_that_of_the_last_real_one(folder):
-    lock = folder / ".snakemake" / "locks" / "0.input.lock"  # a run that enters would lift it
-    lock.parent.mkdir(exist_ok=True)
-    lock.touch()
-    kept = folder / ".snakemake" / "plans" / "last.json"
-    before = kept.read_bytes()
-    assert json.loads(before)["configuration"]["long_times"]["runs"] == 4  # as the small study says
-    done = call_snakemake(folder, "-np", overlays=["config/full.yaml"])
-    assert done.returncode == 0 and kept.read_bytes() == before
-    lock.unlink()
+def _processes(folder: Path) -> list[psutil.Process]:
+    return [one for one in psutil.process_iter(["cwd"]) if one.info["cwd"] == str(folder)]
 
 
-def test_a_damaged_plan_is_made_anew(folder, tmp_path):
-    """Also by a call from elsewhere, which leaves nothing but the plan."""
-    kept = folder / ".snakemake" / "plans" / "last.json"
-    before = kept.read_bytes()
-    for plan in kept.parent.iterdir():
-        plan.write_text("")
-    options = "--directory", str(folder), "--snakefile", str(folder / "snakefile")
-    done = call_snakemake(tmp_path, TARGET, *options, overlays=[folder / SMALL])
-    assert done.returncode == 0, done.stderr[-4000:]
-    assert kept.read_bytes() == before
-    assert not list(tmp_path.iterdir()) and not list((folder / ".snakemake" / "runs").glob("*.json"))
+def _wait(condition, seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "what the test waits for did not happen"
+        time.sleep(0.05)
 
 
-def test_a_folder_of_logs_that_cannot_be_written_is_told_in_a_sentence(folder):
-    logs = folder / "results" / "logs"
-    kept = logs.rename(folder / "results" / "kept")
-    logs.write_text("a file where a folder should be")
-    done = call_snakemake(folder, TARGET)
-    logs.unlink()
-    kept.rename(logs)
+def test_a_second_run_in_the_folder_ends_with_a_sentence(folder, running):
+    done = call_snakemake(folder, *TARGETS)
+    assert done.returncode != 0 and f"another run is at work in '{folder}': wait for it, or end it." in done.stderr
+    assert "Traceback" not in done.stderr
+    assert call_snakemake(folder, "-n").returncode == 0
+
+
+def test_an_interrupt_ends_the_run_and_all_its_processes_within_seconds(folder, running):
+    os.killpg(running.pid, signal.SIGINT)
+    assert running.wait(timeout=15) != 0
+    _wait(lambda: not _processes(folder), 15)
+
+
+def test_no_process_outlives_a_run_that_is_killed(folder, running):
+    running.kill()
+    _wait(lambda: not _processes(folder), 15)
+
+
+def test_the_pipeline_goes_on_without_its_worker(folder, running):
+    """Jobs then run by themselves."""
+    _wait(lambda: any("pipeline.worker" in " ".join(one.cmdline()) for one in psutil.Process(running.pid).children()))
+    (worker,) = (one for one in psutil.Process(running.pid).children() if "pipeline.worker" in one.cmdline())
+    worker.kill()
+    running.wait()
+    assert call_snakemake(folder, *TARGETS).returncode == 0
+
+
+def test_results_that_cannot_be_written_are_named(folder, tmp_path):
+    (tmp_path / "results").write_text("a file where a folder should be")
+    options = "--directory", str(tmp_path), "--snakefile", str(folder / "snakefile")
+    done = call_snakemake(folder, TARGETS[0], *options)
     assert done.returncode != 0
-    assert f"the folder '{logs}' cannot be made or written" in done.stderr and "Traceback" not in done.stderr
+    assert "'results/logs' cannot be written: Not a directory." in done.stderr and "Traceback" not in done.stderr

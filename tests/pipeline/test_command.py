@@ -1,15 +1,17 @@
 """The command that runs an experiment."""
 
+import os
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from study import datasets
-from study.pipeline import command
-from study.pipeline.configuration import model_of
-from study.pipeline.experiment import Experiment, experiment
+from pipeline import command
+from pipeline.configuration import model_of
+from study import io
+from study.declaration.experiment import Experiment, experiment
+from tests.pipeline.pipeline import PROJECT
 
 MODULE = "study.experiments.energy_error"
 OPTIONS = '{"problems": ["hardening"], "schemes": ["rk4"], "steps_per_period": [15], "periods": 1}'
@@ -38,18 +40,19 @@ def test_mistakes_get_one_sentence_and_leave_no_file(dataset, options, sentence,
 def test_an_output_that_cannot_be_written_stops_before_any_work(tmp_path):
     (tmp_path / "results").write_text("a file where a folder should be")
     done = subprocess.run(
-        [sys.executable, "-m", "study.pipeline.command", MODULE, "energy_error", OUTPUT, OPTIONS],
+        [sys.executable, "-m", "pipeline.command", MODULE, "energy_error", OUTPUT, OPTIONS],
         cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(PROJECT)},
         capture_output=True,
         text=True,
     )
     assert done.returncode == 1
-    assert done.stderr.startswith("the results folder 'results' cannot be made")
+    assert done.stderr.startswith("'results/energy_error.nc' cannot be written: File exists")
 
 
 def test_a_dataset_that_is_not_declared_is_not_read():
-    with datasets.reading_only(["reference/hardening"]), pytest.raises(ValueError, match="'accuracy' is read without"):
-        datasets.open("accuracy")
+    with io.reading_only(["reference/hardening"]), pytest.raises(ValueError, match="'accuracy' is read without"):
+        io.open_dataset("accuracy")
 
 
 def _untyped(steps):

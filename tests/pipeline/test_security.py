@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 import yaml
 
-from study.pipeline import configuration
-from study.pipeline.experiment import discover
-from study.pipeline.sources import Sources
-from study.pipeline.steps import steps_of
+from pipeline import configuration
+from pipeline.datasets import steps_of
+from pipeline.sources import Sources
+from study.declaration.experiment import discover
 from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied
 
 #: Strings that a shell, a template, a path or a loader could take for more than a string.
@@ -50,13 +50,13 @@ def test_a_string_reaches_the_experiment_as_it_is(tmp_path, monkeypatch, hostile
     file.parent.mkdir()
     file.write_text("import study\nproblem = study.Problem(lambda u: u, 1.0)\n")
     whole = _whole({"assess": {"own": {"problem": f"{file}:problem", "duration": 1.0}}})
-    steps = steps_of(discover(), whole, Sources(Path(), "study", "reference"))
+    steps = steps_of(discover(), whole, Sources(PROJECT, "study", "reference", "pipeline"))
     (step,) = (one for one in steps if one.name == "assessment")
     command = step.jobs["own"].command
     words = shlex.split(command)
     assert json.loads(words[-1])["problem"] == f"{file}:problem"
-    said = subprocess.run(command.replace("python -m", "printf '%s\\0'", 1), shell=True, capture_output=True, text=True)
-    assert said.stdout.split("\0")[:-1] == words[words.index("-m") + 1 :]
+    said = subprocess.run(f"printf '%s\\0' {command}", shell=True, capture_output=True, text=True)
+    assert said.stdout.split("\0")[:-1] == words
     assert {path.name for path in tmp_path.rglob("*")} == {"problems", file.name}
 
 

@@ -17,3 +17,12 @@ def test_forces_of_named_structures_are_slopes_of_their_energies(name):
     energy, step = jax.jit(problem.potential), 1e-5
     slope = (energy(u + step * direction) - energy(u - step * direction)) / (2 * step)
     assert float(slope) == pytest.approx(float(problem.force(jnp.asarray(u)) @ direction), rel=1e-7)
+
+
+@pytest.mark.parametrize("name", list(study.problems))
+def test_a_problem_is_printed_as_its_equation(name):
+    problem = study.problems[name]
+    equation, start = repr(problem).splitlines()
+    assert equation.startswith(f"{problem.title}: ") and ("f(t)" in equation) == (problem.load is not None)
+    assert start.endswith(" unknowns") if np.ndim(problem.u0) else f"u(0) = {problem.u0}" in start
+    assert ("C u̇" in equation) == (problem.damping is not None)

@@ -6,7 +6,8 @@ import pytest
 
 import reference.diffrax
 import study
-from reference import agreement, closed_form, exact, scipy, sundials, taylor
+from reference import closed_form, exact, scipy, sundials, taylor
+from reference.experiments import agreement
 from reference.solution import RouteFailed, StepLimit
 from study.problem.named import printed_periods
 from study.problem.springs import CubicSpring

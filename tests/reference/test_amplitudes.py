@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import study
-from reference.amplitudes import amplitudes
+from reference.experiments.amplitudes import amplitudes
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 import study
 from reference import opensees
 from study.problem.named import printed_periods
-from study.scheme.alpha import hht_alpha
+from study.scheme.alpha import hht_alpha_1996
 from study.scheme.houbolt import History
 
 DT, STEPS = printed_periods["hardening"] / 20, 200
@@ -23,7 +23,7 @@ def theirs():
     return lambda scheme: opensees.trajectory("hardening", scheme, DT, STEPS)
 
 
-@pytest.mark.parametrize("scheme", [name for name in opensees.INTEGRATORS if name not in ("houbolt", "hht_alpha")])
+@pytest.mark.parametrize("scheme", [name for name in opensees.INTEGRATORS if name not in ("houbolt", "hht_alpha_1996")])
 def test_the_same_definitions_agree_to_round_off(theirs, scheme):
     ours = study.run("hardening", scheme, dt=DT, steps=STEPS)
     solution = theirs(scheme)
@@ -32,7 +32,7 @@ def test_the_same_definitions_agree_to_round_off(theirs, scheme):
 
 
 @pytest.mark.parametrize(
-    "scheme", ["average_acceleration", "newmark_dissipative", "wilson_theta", "hht_alpha_one_force", "bathe"]
+    "scheme", ["average_acceleration", "newmark_dissipative", "wilson_theta", "hht_alpha", "bathe"]
 )
 def test_the_stiff_and_soft_springs_agree(theirs, scheme):
     dt = 2 * np.pi / 1.2 / 20
@@ -42,7 +42,7 @@ def test_the_stiff_and_soft_springs_agree(theirs, scheme):
     np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-6)
 
 
-@pytest.mark.parametrize("scheme", [name for name in opensees.INTEGRATORS if name not in ("houbolt", "hht_alpha")])
+@pytest.mark.parametrize("scheme", [name for name in opensees.INTEGRATORS if name not in ("houbolt", "hht_alpha_1996")])
 def test_a_truss_that_spins_agrees(theirs, scheme):
     """Large rotations: two cells with both diagonals, six joints, eleven bars."""
     joints = np.array([[x, y] for x in (-1.0, 0.0, 1.0) for y in (-0.5, 0.5)])
@@ -65,7 +65,7 @@ def test_a_truss_that_spins_agrees(theirs, scheme):
     np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-9)
 
 
-IMPLICIT = ("average_acceleration", "newmark_dissipative", "wilson_theta", "hht_alpha_one_force", "bathe")
+IMPLICIT = ("average_acceleration", "newmark_dissipative", "wilson_theta", "hht_alpha", "bathe")
 
 
 @pytest.mark.parametrize("scheme", IMPLICIT)
@@ -133,9 +133,9 @@ def test_houbolts_recurrence_is_the_same_and_its_start_is_not(theirs):
 
 def test_the_alpha_method_of_finite_elements_weights_displacements(theirs):
     """Its balance is M ü₁ + p((1 + α) u₁ − α u₀) = 0, not the one of 1996, which weights two forces."""
-    problem, scheme = study.problems["hardening"], hht_alpha
-    u = np.concatenate([[float(problem.u0)], theirs("hht_alpha").u])
-    v = np.concatenate([[0.0], theirs("hht_alpha").v])
+    problem, scheme = study.problems["hardening"], hht_alpha_1996
+    u = np.concatenate([[float(problem.u0)], theirs("hht_alpha_1996").u])
+    v = np.concatenate([[0.0], theirs("hht_alpha_1996").v])
     a = -float(problem.force(u[0]))
     for i in range(1, 30):
         new = (u[i] - u[i - 1] - DT * v[i - 1] - DT**2 * (0.5 - scheme.beta) * a) / (scheme.beta * DT**2)

@@ -21,6 +21,16 @@ def test_an_elastic_perfectly_plastic_mass_stops_where_its_energy_is_spent():
     assert motion.evaluations == 3
 
 
+def test_a_mass_that_yields_by_two_millionths_is_seen_to_yield():
+    beyond = 2e-6
+    problem = study.Problem(materials.elastoplastic(1.0, 1.0), u0=0.0, v0=1 + beyond)
+    t = np.linspace(0.01, 2 * np.pi, 629)
+    motion = piecewise.trajectory(problem, t, places=20_000)
+    plastic = ((1 + beyond) ** 2 - 1) / 2
+    assert motion.evaluations == 3
+    assert motion.u[-1] == pytest.approx(plastic + np.cos(t[-1] - np.pi / 2), abs=1e-8)
+
+
 def test_a_bouncing_mass_keeps_its_energy_and_its_period():
     k, g, height = 400.0, 9.81, 0.5
     problem = study.Problem(materials.gap(k), u0=-height, load=study.GroundMotion([g, g], 1e3), title="bouncing")

@@ -8,7 +8,7 @@ import pytest
 import reference.diffrax
 import study
 from reference import closed_form, sundials
-from reference.structures import structure_reference
+from reference.experiments.structures import structure_reference
 from study.problem.named import time_scales
 
 RTOL = 1e-10

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import study
-from reference import exact, work_precision
+from reference import exact
+from reference.experiments import work_precision
 from reference.solution import Solution
 
 

@@ -1,5 +1,7 @@
 """What schemes say of themselves."""
 
+from typing import ClassVar
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -27,4 +29,23 @@ def test_forces_are_counted(scheme):
     jax.effects_barrier()
     # the stiffness at u = 0, of which KR-α makes its model, is the same in every step
     evaluated = [u for u in calls if np.any(u)]
-    assert len(evaluated) == scheme.evaluations + int(effort.iterations) * scheme.evaluations_per_iteration
+    assert len(evaluated) == scheme.forces_per_step + int(effort.iterations) * scheme.forces_per_iteration
+
+
+def test_a_scheme_is_printed_in_a_few_lines_with_order_limit_and_source(scheme):
+    lines = repr(scheme).splitlines()
+    assert len(lines) == 4 and max(map(len, lines)) <= 130
+    assert lines[0].startswith(f"{scheme.title}: ") and lines[1].startswith(f"{type(scheme).__name__}(")
+    assert f"order {scheme.order}" in lines[2] and "stable" in lines[2] and scheme.source in lines[3]
+
+
+def test_a_scheme_that_states_little_is_printed_too():
+    class Bare(study.OneStep):
+        title: str = "bare"
+        source: ClassVar[str] = "nobody (2000)"
+        doi: ClassVar[str] = ""
+        order = 1
+        explicit = True
+        start = increment = lambda self, *arguments: None  # type: ignore[assignment]
+
+    assert repr(Bare()) == "bare\nBare()\nexplicit, order 1\nsource: nobody (2000)"

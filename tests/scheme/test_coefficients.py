@@ -57,7 +57,7 @@ STEPS = {
     "central_difference": lambda state, t: newmark(state, t, DT, 0.0, 0.5),
     "newmark_dissipative": lambda state, t: newmark(state, t, DT, 0.3025, 0.6),
     "wilson_theta": wilson,
-    "hht_alpha": alpha,
+    "hht_alpha_1996": alpha,
 }
 
 

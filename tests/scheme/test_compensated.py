@@ -39,5 +39,5 @@ def test_compensated_sums_lower_the_round_off():
 
 @pytest.mark.parametrize("scheme", ["rk4", None, study.schemes["houbolt"]])
 def test_only_steps_that_add_can_be_compensated(scheme):
-    with pytest.raises(TypeError, match="Compensated takes a scheme whose step adds to u and u̇"):
+    with pytest.raises(TypeError, match="Compensated takes a study.OneStep, whose step adds to u and u̇"):
         study.Compensated(scheme)

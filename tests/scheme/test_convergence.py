@@ -62,14 +62,14 @@ def _observed_orders(problem, scheme, exact, duration, steps):
 
 
 def test_order_of_one_damped_and_driven_oscillator(scheme):
-    orders = _observed_orders(_driven_along(one, damping=0.3), scheme, one, 3.0, STEPS[scheme.damped_order])
-    assert orders == pytest.approx(scheme.damped_order, abs=0.1)
+    orders = _observed_orders(_driven_along(one, damping=0.3), scheme, one, 3.0, STEPS[scheme.order_with_damping])
+    assert orders == pytest.approx(scheme.order_with_damping, abs=0.1)
 
 
 def test_a_load_alone_leaves_mclachlans_method_its_order():
     """The method asks for an acceleration that does not depend on the velocity."""
     scheme = study.schemes["mclachlan4"]
-    assert scheme.damped_order < scheme.order
+    assert scheme.order_with_damping < scheme.order
     orders = _observed_orders(_driven_along(one), scheme, one, 3.0, STEPS[scheme.order])
     assert orders == pytest.approx(scheme.order, abs=0.1)
 
@@ -77,9 +77,9 @@ def test_a_load_alone_leaves_mclachlans_method_its_order():
 def test_order_of_two_coupled_unknowns(kind):
     scheme = SIXTH if study.schemes[kind].order == 12 else study.schemes[kind]
     problem = _driven_along(_two, damping=np.diag([0.2, 0.4]) + 0.1, mass=np.array([[2.0, 0.5], [0.5, 1.0]]))
-    steps = STEPS[scheme.damped_order]
+    steps = STEPS[scheme.order_with_damping]
     orders = _observed_orders(problem, scheme, _two, 3.0, steps)
-    assert orders == pytest.approx(scheme.damped_order, abs=0.1)
+    assert orders == pytest.approx(scheme.order_with_damping, abs=0.1)
 
 
 def test_order_on_the_hardening_spring(scheme):

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import study
 from study.problem.springs import CubicSpring
-from study.scheme.alpha import hht_alpha
+from study.scheme.alpha import hht_alpha_1996
 from study.scheme.backward_differences import bdf2, park
 from study.scheme.bathe import tr_bdf2
 from study.scheme.explicit_alpha import chung_lee
@@ -23,8 +23,8 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
 @pytest.mark.parametrize(
     "one, other",
     [
-        (study.HHTAlpha(alpha=0.0, beta=0.25, gamma=0.5), study.Newmark(beta=0.25, gamma=0.5)),
-        (study.HHTAlpha(alpha=0.0, beta=0.3025, gamma=0.6), study.Newmark(beta=0.3025, gamma=0.6)),
+        (study.HHTAlpha1996(alpha=0.0, beta=0.25, gamma=0.5), study.Newmark(beta=0.25, gamma=0.5)),
+        (study.HHTAlpha1996(alpha=0.0, beta=0.3025, gamma=0.6), study.Newmark(beta=0.3025, gamma=0.6)),
         (study.WilsonTheta(theta=1.0), study.Newmark(beta=1 / 6, gamma=0.5)),
         (study.WilsonTheta(theta=1.0, beta=0.25, gamma=0.5), study.Newmark(beta=0.25, gamma=0.5)),
         (study.GeneralizedAlpha(0.0, 0.0, beta=0.25, gamma=0.5), study.Newmark(beta=0.25, gamma=0.5)),
@@ -161,7 +161,7 @@ def test_central_difference_enters_no_iteration():
 
 def test_alpha_method_of_1996_weights_two_forces():
     """(1 + α) p(u₁) − α p(u₀), not p at the weighted displacement: the step satisfies eq. (12) with the former."""
-    scheme, dt = hht_alpha, 0.15 / 20
+    scheme, dt = hht_alpha_1996, 0.15 / 20
     force = study.problems["hardening"].force
     ds = study.run("hardening", scheme, dt=dt, steps=1)
     u0, u1 = ds.u.values

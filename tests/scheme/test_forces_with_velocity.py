@@ -8,7 +8,7 @@ import study
 from tests.scheme.test_convergence import SIXTH, STEPS, one
 
 #: Schemes that weight the internal force and not the damping.
-OTHERWISE = {"hht_alpha"}
+OTHERWISE = {"hht_alpha_1996"}
 #: Schemes that take the force from a potential.
 CONSERVING = {"energy_momentum"}
 
@@ -54,12 +54,12 @@ def test_the_order_with_quadratic_drag(scheme):
 
     u0, v0, _ = one(0.0)
     problem = study.Problem(force, u0, v0, load=load)
-    steps, errors = STEPS[scheme.damped_order], []
+    steps, errors = STEPS[scheme.order_with_damping], []
     for n in steps:
         end = study.run(problem, scheme, dt=3.0 / n, steps=n, every=n).isel(t=-1)
         errors.append(abs(float(end.u) - float(one(3.0)[0])))
     orders = -np.diff(np.log(errors)) / np.diff(np.log(steps))
-    assert orders == pytest.approx(scheme.damped_order, abs=0.15)
+    assert orders == pytest.approx(scheme.order_with_damping, abs=0.15)
 
 
 def test_a_force_without_velocity_compiles_as_before():

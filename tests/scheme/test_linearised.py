@@ -1,5 +1,6 @@
 """The derivative of a step, which carries a neighbour along."""
 
+import dataclasses
 from functools import partial
 
 import jax
@@ -7,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 import study
-from study.scheme.linearised import Linearised
+from study.scheme.wrapper.linearised import Linearised
 
 
 def test_the_derivative_of_a_step_is_that_of_differences(kind):
@@ -30,6 +31,19 @@ def test_the_derivative_of_a_step_is_that_of_differences(kind):
 def test_a_neighbour_that_a_step_has_brought_to_the_run_stays_with_it():
     scheme, problem, dt = Linearised(study.schemes["rk4"]), study.problems["hardening"], jnp.asarray(0.01)
     start, _ = scheme.start(problem, jnp.asarray(1.0), jnp.asarray(0.0), dt)
-    together = start._replace(distance=jax.tree.map(jnp.zeros_like, start.distance))
+    together = dataclasses.replace(start, distance=jax.tree.map(jnp.zeros_like, start.distance))
     state, _ = scheme.step(problem, together, jnp.asarray(0.0), dt)
     assert all(part == 0 for part in jax.tree.leaves(state.distance))
+
+
+def test_the_exponent_counts_the_growth_that_is_taken_from_the_distance():
+    """Beyond its limit of stability, central difference multiplies the distance by the spectral radius each step."""
+    spring, dt, steps = study.Problem(lambda u: 4.0 * u, 1.0, 0.0), jnp.asarray(2.0), 40
+    scheme = Linearised(study.schemes["central_difference"])
+    state, _ = scheme.start(spring, jnp.asarray(1.0), jnp.asarray(0.0), dt)
+    sizes = []
+    for step in range(steps):
+        state, _ = scheme.step(spring, state, step * dt, dt)
+        sizes.append(float(jnp.log2(jnp.abs(state.distance.u))) + float(state.exponent))
+    radius = float(study.LinearTheory("central_difference", np.array([4.0 / (2 * np.pi)])).spectral_radius.item())
+    np.testing.assert_allclose(np.diff(sizes)[10:], np.log2(radius), rtol=1e-9)

@@ -8,8 +8,8 @@ from scipy import sparse
 
 import study
 from study.algebra.factorisation import factorisations
-from study.problem.frequencies import frequencies
-from study.problem.sparse_tangent import SparseTangent
+from study.mechanics.frequencies import frequencies
+from study.mechanics.sparse_tangent import SparseTangent
 
 N = 24
 RNG = np.random.default_rng(4)
@@ -153,7 +153,7 @@ def test_ensembles_and_derivatives_of_sparse_models():
     )
 
     def last(factor, problem):
-        return jnp.sum(study.evolve(problem, "average_acceleration", dt=0.05, steps=5, u0=factor * START)["u"])
+        return jnp.sum(study.final_state(problem, "average_acceleration", dt=0.05, steps=5, u0=factor * START)["u"])
 
     slopes = [jax.jacfwd(last)(1.0, one) for one in (model, _model(full=True))]
     np.testing.assert_allclose(jax.jacrev(last)(1.0, model), slopes[1], rtol=1e-10)

@@ -5,37 +5,31 @@ import xarray as xr
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
 
-DAMPED = ["newmark_dissipative", "wilson_theta", "houbolt", "hht_alpha"]
-
 
 def filled(value, **coordinates) -> xr.DataArray:
     """One value everywhere."""
     return xr.DataArray(np.full([len(one) for one in coordinates.values()], value), coordinates, list(coordinates))
 
 
-def energy_error(order=2.0, **errors) -> dict[str, xr.Dataset]:
+def energy_error(order=2.0, **errors) -> xr.Dataset:
     """A dataset as energy_error.nc has it: 1 % at T/15 and less at smaller steps by the order, or what is given."""
     error = filled(1.0, period_used=["printed"], problem=PROBLEMS, steps_per_period=STEPS, scheme=SCHEMES)
     error = error * (15 / error.steps_per_period) ** order
     for scheme, value in errors.items():
         error.loc[{"scheme": scheme}] = value if np.ndim(value) == 0 else np.reshape(value, (-1, len(STEPS)))
-    return {
-        "energy_error": error.transpose("period_used", "problem", "steps_per_period", "scheme").to_dataset(
-            name="max_energy_error"
-        )
-    }
+    return error.transpose("period_used", "problem", "steps_per_period", "scheme").to_dataset(name="max_energy_error")
 
 
-def accuracy(energy=1.0, displacement=1.0, drift=0.0) -> dict[str, xr.Dataset]:
+def accuracy(energy=1.0, displacement=1.0, drift=0.0) -> xr.Dataset:
     """A dataset as accuracy.nc has it, with one error of each kind in percent."""
     along = {"problem": PROBLEMS, "scheme": SCHEMES, "steps_per_period": [16, 32], "periods": [100]}
     values = {"max_energy_error": energy, "max_trajectory_error": displacement / 100, "energy_drift": drift}
-    return {"accuracy": xr.Dataset({name: filled(value, **along) for name, value in values.items()})}
+    return xr.Dataset({name: filled(value, **along) for name, value in values.items()})
 
 
-def times(**of_schemes) -> dict[str, xr.Dataset]:
+def times(**of_schemes) -> xr.Dataset:
     """A dataset as cpu_time.nc has it: 10 ns a step in each of four repeats, or what is given."""
     time = filled(10.0, problem=PROBLEMS, scheme=SCHEMES, repeat=[0, 1, 2, 3])
     for scheme, values in of_schemes.items():
         time.loc[{"scheme": scheme}] = np.broadcast_to(values, (len(PROBLEMS), 4))
-    return {"cpu_time": time.to_dataset(name="time_per_step")}
+    return time.to_dataset(name="time_per_step")

@@ -20,7 +20,7 @@ def _large_steps(**worst):
         faithful = {"problem": problem, "scheme": ["average_acceleration", "central_difference"]}
         error.loc[faithful | {"dt_over_period": [0.01, 0.04]}] = 1.0
         error.loc[{"problem": problem, "scheme": "central_difference", "dt_over_period": 0.04}] = value
-    return {"large_steps": xr.Dataset({"max_energy_error": error})}
+    return xr.Dataset({"max_energy_error": error})
 
 
 @pytest.mark.parametrize(
@@ -62,23 +62,16 @@ def test_unsuitable_is_what_is_not_reasonable_in_most_cells(errors, verdict, our
 )
 def test_accuracy_varies_with_scheme_parameters_and_step(worst, order, verdict):
     data = energy_error(order)
-    error = data["energy_error"].max_energy_error
+    error = data.max_energy_error
     error.loc[{"scheme": "newmark_dissipative"}] = (worst * error.sel(scheme="rk4")).values
     finding = conclusions.accuracy_varies(data)
     assert finding.verdict == verdict
 
 
-def test_a_scheme_that_hardly_varies_with_the_step_is_named():
-    data = energy_error(newmark_dissipative=99.0)
-    finding = conclusions.accuracy_varies(data)
-    assert finding.verdict == Verdict.QUALIFIED
-    assert finding.qualification == "not with the step size of newmark dissipative"
-
-
 @pytest.mark.parametrize("ratio, verdict", [(9.9, False), (10.1, True)])
 def test_results_vary_greatly_and_one_is_far_better_by_the_same_factor(ratio, verdict):
     data = energy_error()
-    error = data["energy_error"].max_energy_error
+    error = data.max_energy_error
     error.loc[{"scheme": "rk4"}] = (error.sel(scheme="houbolt") / ratio).values
     assert conclusions.runge_kutta_at_small_steps(data).holds == verdict
     assert comparisons.results_vary(data).holds == verdict
@@ -89,7 +82,7 @@ def _beyond(failing=(), error=1.0):
     along = {"problem": ["hardening", "softening"], "scheme": SCHEMES, "dt_over_period": [0.1, 0.3]}
     status = filled(0, **along)
     status.loc[{"problem": "hardening", "scheme": list(failing), "dt_over_period": 0.3}] = 1
-    return {"large_steps": xr.Dataset({"status": status, "max_energy_error": filled(error, **along)})}
+    return xr.Dataset({"status": status, "max_energy_error": filled(error, **along)})
 
 
 @pytest.mark.parametrize("failing, holds", [(["central_difference", "rk4"], True), (["rk4"], False), ([], False)])
@@ -103,8 +96,8 @@ def test_both_explicit_schemes_fail_somewhere_at_large_steps(failing, holds):
 
 def test_runs_that_fail_below_a_fifth_of_the_period_are_told():
     data = _beyond(["central_difference", "rk4"])
-    data["large_steps"].status.loc[{"scheme": "rk4", "dt_over_period": 0.1}] = 1
-    data["large_steps"].status.loc[{"dt_over_period": 0.3, "scheme": "rk4"}] = 1
+    data.status.loc[{"scheme": "rk4", "dt_over_period": 0.1}] = 1
+    data.status.loc[{"dt_over_period": 0.3, "scheme": "rk4"}] = 1
     assert conclusions.explicit_schemes_at_large_steps(data).qualification == "runs of rk4 fail already below T/5"
 
 
@@ -113,12 +106,3 @@ def test_runs_that_fail_below_a_fifth_of_the_period_are_told():
 )
 def test_meaningless_results_fail_or_are_far_off(failing, error, holds):
     assert conclusions.other_schemes_at_large_steps(_beyond(failing, error)).holds == holds
-
-
-@pytest.mark.parametrize("distance, holds", [(0.09, False), (0.11, True)])
-def test_chaotic_runs_end_apart(distance, holds):
-    separation = filled(0.0, scheme=SCHEMES, t=[0.0, 1.0, 2.0])
-    separation.loc[{"scheme": "houbolt", "t": 1.0}] = distance
-    separation.loc[{"scheme": "rk4"}] = 9.0
-    data = {"sensitivity": separation.to_dataset(name="separation")}
-    assert conclusions.other_schemes_may_be_chaotic(data).holds == holds

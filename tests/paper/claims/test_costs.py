@@ -21,17 +21,7 @@ def test_much_less_is_decided_by_the_quartiles(repeats, holds, reason):
     assert (finding.verdict == Verdict.UNDECIDED) == ("do not decide" in reason)
 
 
-@pytest.mark.parametrize("time, holds", [(9.9, False), (14.9, True), (15.1, False)])
-def test_slightly_more_has_two_bounds(time, holds):
-    assert costs.runge_kutta_costs_more(times(rk4=time)).holds == holds
-
-
-@pytest.mark.parametrize("others, holds", [({}, True), ({"rk4": 8.0}, False)])
-def test_the_cheapest_costs_less_than_every_other(others, holds):
-    assert costs.central_difference_is_cheapest(times(central_difference=9.0, **others)).holds == holds
-
-
-@pytest.mark.parametrize("dearer, verdict", [(["houbolt", "hht_alpha"], True), (["houbolt"], False)])
+@pytest.mark.parametrize("dearer, verdict", [(["houbolt", "hht_alpha_1996"], True), (["houbolt"], False)])
 def test_what_costs_more_is_decided_in_most_cells(dearer, verdict):
     finding = costs.others_cost_more(times(wilson_theta=9.0, **dict.fromkeys(dearer, 12.0)))
     assert finding.holds == verdict and "Wilson" not in finding.ours
@@ -41,6 +31,6 @@ def test_what_costs_more_is_decided_in_most_cells(dearer, verdict):
 def test_twice_the_time_is_compared_repeat_by_repeat():
     data = times()
     assert not costs.softening_costs_twice(data).holds
-    data["cpu_time"].time_per_step.loc[{"problem": "softening"}] = [25.0, 50.0, 25.0, 25.0]
-    data["cpu_time"].time_per_step.loc[{"problem": "hardening", "repeat": 1}] = 20.0
+    data.time_per_step.loc[{"problem": "softening"}] = [25.0, 50.0, 25.0, 25.0]
+    data.time_per_step.loc[{"problem": "hardening", "repeat": 1}] = 20.0
     assert costs.softening_costs_twice(data).holds

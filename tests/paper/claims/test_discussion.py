@@ -6,8 +6,9 @@ import xarray as xr
 
 from paper.claims import discussion, double_well
 from paper.claims.ledger import Verdict
+from paper.claims.terms import DAMPED
 from paper.published import SCHEMES
-from tests.paper.claims.made_up import DAMPED, energy_error, filled
+from tests.paper.claims.made_up import energy_error, filled
 
 #: Of 80 neighbours, four are a twentieth.
 STEPS = [round(0.01 * k, 2) for k in range(1, 82)]
@@ -19,7 +20,7 @@ def _large_steps(*worse):
     error = error * np.arange(1, len(STEPS) + 1)
     for index in worse:
         error[..., index] = 3 * error[..., index + 1]
-    return {"large_steps": error.to_dataset(name="max_energy_error")}
+    return error.to_dataset(name="max_energy_error")
 
 
 @pytest.mark.parametrize("worse, holds", [([5], False), ([5, 15, 25, 35], False), ([5, 15, 25, 35, 45], True)])
@@ -29,37 +30,22 @@ def test_not_uncommon_is_more_than_one_case_in_twenty(worse, holds):
     assert finding.qualification == "in Tables 1 and 2 it happens 1 time in 84"
 
 
-@pytest.mark.parametrize("excess, holds", [(1.09, False), (1.11, True)])
-def test_an_error_that_is_almost_as_small_is_not_less_accurate(excess, holds):
-    data = _large_steps()
-    error = data["large_steps"].max_energy_error
-    error[..., :] = np.where(np.arange(len(STEPS)) % 2, 1.0, excess)
-    assert discussion.smaller_may_be_worse(data).holds == holds
-
-
 @pytest.mark.parametrize("small, large, holds", [(102.0, 9.9, True), (100.0, 9.9, False), (150.0, 10.1, False)])
 def test_a_smaller_step_is_unstable_beside_a_larger_reasonable_one(small, large, holds):
     data = _large_steps()
-    data["large_steps"].max_energy_error[..., :] = 50.0
-    data["large_steps"].max_energy_error[..., 3] = small
-    data["large_steps"].max_energy_error[..., 5] = large
+    data.max_energy_error[..., :] = 50.0
+    data.max_energy_error[..., 3] = small
+    data.max_energy_error[..., 5] = large
     assert discussion.smaller_may_be_unstable(data).holds == holds
-
-
-@pytest.mark.parametrize("gain, holds", [(102.0, True), (100.0, False)])
-def test_the_alpha_method_is_unstable_if_it_doubles_its_energy(gain, holds):
-    gains = xr.DataArray([[0.0, gain], [0.0, 1e3]], {"scheme": ["hht_alpha", "rk4"], "t": [0.0, 1.0]}, ["scheme", "t"])
-    finding = discussion.alpha_is_unstable({"phase_portrait/softening_large": gains.to_dataset(name="energy_error")})
-    assert finding.verdict == (Verdict.REPRODUCED if holds else Verdict.NOT_REPRODUCED)
 
 
 def _double_well(lost=900 / 7, gained=0.0, undamped=0.0):
     """Signed energy errors of all schemes, of which the damped ones end at rest."""
     error = filled(0.0, scheme=SCHEMES, t=[0.0, 2.5, 5.0])
     error.loc[{"scheme": DAMPED, "t": 5.0}] = -lost
-    error.loc[{"scheme": "hht_alpha", "t": 2.5}] = gained
+    error.loc[{"scheme": "hht_alpha_1996", "t": 2.5}] = gained
     error.loc[{"scheme": "average_acceleration", "t": 2.5}] = undamped
-    return {"phase_portrait/double_well": error.to_dataset(name="energy_error")}
+    return error.to_dataset(name="energy_error")
 
 
 @pytest.mark.parametrize(
@@ -75,29 +61,21 @@ def test_damping_is_the_cause_where_all_energy_is_lost_and_none_gained(run, verd
     finding = double_well.damping_is_the_cause(_double_well(**run))
     assert finding.verdict == verdict
     if run == {}:
-        assert finding.ours.endswith("hht alpha: 100")
+        assert finding.ours.endswith("hht alpha 1996: 100")
 
 
 @pytest.mark.parametrize("lengths, holds", [([3, 4, 5, 6, 7, 8], True), ([3, 4, 5, 6, 7, 3], False)])
 def test_jumps_are_irregular_if_the_stays_differ(lengths, holds):
     signs = [sign for k, length in enumerate([1, *lengths, 1]) for sign in [(-1.0) ** k] * length]
     u = xr.DataArray([signs], {"scheme": ["average_acceleration"]}, ["scheme", "t"])
-    assert double_well.jumps_between_wells({"phase_portrait/double_well": u.to_dataset(name="u")}).holds == holds
-
-
-@pytest.mark.parametrize("width, holds", [(0.009, True), (0.011, False)])
-def test_no_resemblance_is_rest(width, holds):
-    u = filled(1.0, scheme=SCHEMES, t=np.arange(100.0))
-    u.loc[{"scheme": "houbolt", "t": 95.0}] += width
-    finding = double_well.no_resemblance({"phase_portrait/double_well": u.to_dataset(name="u")})
-    assert finding.holds == holds
+    assert double_well.jumps_between_wells(u.to_dataset(name="u")).holds == holds
 
 
 @pytest.mark.parametrize("excess, holds", [(9e-11, True), (1.1e-10, False)])
 def test_unconditionally_stable_is_up_to_round_off(excess, holds):
     radius = filled(1 + excess, scheme=SCHEMES, damping_ratio=[0.0], dt_over_period=[0.1])
     radius.loc[{"scheme": ["central_difference", "rk4"]}] = 2.0
-    data = {"spectral": radius.to_dataset(name="spectral_radius")}
+    data = radius.to_dataset(name="spectral_radius")
     assert discussion.five_are_unconditionally_stable(data).holds == holds
     radius.loc[{"scheme": "rk4"}] = 1.0
     assert not discussion.five_are_unconditionally_stable(data).holds
@@ -106,7 +84,7 @@ def test_unconditionally_stable_is_up_to_round_off(excess, holds):
 @pytest.mark.parametrize("steps, verdict", [(20.04, Verdict.QUALIFIED), (20.06, Verdict.REPRODUCED)])
 def test_the_best_scheme_is_an_accident_only_in_a_resonance(steps, verdict):
     drift = xr.Dataset({"steps_per_oscillation": ("steps_per_period", [steps])}, {"steps_per_period": [20.0]})
-    finding = discussion.runge_kutta_is_best(energy_error(rk4=0.1) | {"energy_drift": drift})
+    finding = discussion.runge_kutta_is_best(energy_error(rk4=0.1), drift)
     assert finding.verdict == verdict
 
 
@@ -118,5 +96,5 @@ def test_explicit_schemes_find_no_solution_if_both_fail(flags, verdict):
     status = xr.DataArray(list(flags), {"scheme": ["central_difference", "rk4"]}, ["scheme"])
     status.attrs["flag_meanings"] = "complete not_finite newton_not_converged"
     portrait = xr.Dataset({"status": status, "failed_at_step": status + 6})
-    finding = double_well.explicit_schemes_fail({"phase_portrait/double_well": portrait})
+    finding = double_well.explicit_schemes_fail(portrait)
     assert finding.verdict == verdict and "rk4: " in finding.ours and finding.ours.endswith(f"at step {flags[1] + 6}")

@@ -7,7 +7,7 @@ from paper.claims.wording import joined, listed, number, title
 
 DATA = {
     "over_schemes": xr.Dataset(coords={"scheme": ["rk4"], "scheme_title": ("scheme", ["Runge-Kutta"])}),
-    "cut": xr.Dataset(coords={"scheme": ((), "hht_alpha"), "scheme_title": ((), "α-method")}),
+    "cut": xr.Dataset(coords={"scheme": ((), "hht_alpha_1996"), "scheme_title": ((), "α-method")}),
     "over_problems": xr.Dataset(coords={"problem": ["large"], "problem_title": ("problem", ["spring, large"])}),
     "portrait": xr.Dataset(attrs={"problem": "double_well", "problem_title": "double well"}),
 }
@@ -34,7 +34,7 @@ def test_a_number_is_printed_without_code(value, form, text):
     "name, words",
     [
         ("rk4", "Runge-Kutta"),
-        ("hht_alpha", "α-method"),
+        ("hht_alpha_1996", "α-method"),
         ("large", "spring, large"),
         ("double_well", "double well"),
         ("linear_acceleration", "linear acceleration"),

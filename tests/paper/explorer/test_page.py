@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper.data import SOURCE
 from paper.explorer.data import coarse, largest_safe
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import PRODUCTS, discover
+from study.io import SOURCE
 from tests.browser import WIDTHS, check_page, needs_browser, set_width, wait
 
 discover(["explorer"])
 PROBLEMS = ["hardening", "softening", "double_well"]
-SCHEMES = ["average_acceleration", "hht_alpha", "bathe"]
+SCHEMES = ["average_acceleration", "hht_alpha_1996", "bathe"]
 AMPLITUDES, PARTS = np.logspace(-1.5, 1.5, 12), np.logspace(-2, 0, 8)
 SIZES = {"scheme": 3, "problem": 3, "amplitude": 12, "dt_over_period": 8, "sample": 20, "point": 17}
 U0 = np.outer([1.5, 4.0, 0.5], AMPLITUDES)
@@ -163,7 +163,7 @@ def test_the_run_under_the_mouse_is_shown_and_a_click_keeps_it(browser, page, da
     _act(browser, 6.5 / 8, 2.5 / 12)
     wait(browser, f"return document.querySelector('.run .place').innerText !== '{first}'")
     assert _text(browser, ".run .place").startswith(_place(2, 6))
-    one = {"scheme": "hht_alpha", "problem": "softening"}
+    one = {"scheme": "hht_alpha_1996", "problem": "softening"}
     outcome = atlas.outcome.sel(one).isel(amplitude=2, dt_over_period=6).item()
     assert _text(browser, ".run [data-class]") == f"{LABELS[outcome]}: meaning {outcome}"
     run = portraits.sel(one).isel(amplitude=2, dt_over_period=6)
@@ -229,11 +229,11 @@ def test_a_map_obeys_the_keyboard(browser, page):
 def test_an_address_holds_the_whole_choice(browser, page, datasets):
     (atlas,) = datasets["atlas"]
     place = f"{AMPLITUDES[4]:.4g},{PARTS[3]:.4g}"
-    _open(browser, page, f"#problem=double_well&schemes=bathe,hht_alpha&colour=error&run={place}")
+    _open(browser, page, f"#problem=double_well&schemes=bathe,hht_alpha_1996&colour=error&run={place}")
     chosen = "return [...document.querySelectorAll('select')].map((select) => select.selectedOptions[0].text)"
     assert browser.execute_script(chosen) == ["double well", "largest energy error", "Bathe <&>", "α-method"]
     assert "to 0.1 %" in _text(browser, ".legend")
-    for side, scheme in enumerate(("bathe", "hht_alpha")):
+    for side, scheme in enumerate(("bathe", "hht_alpha_1996")):
         one = atlas.sel(scheme=scheme, problem="double_well").isel(amplitude=4)
         accurate = one.outcome.values == 0
         largest = PARTS[: accurate.argmin()][-1]

@@ -15,32 +15,39 @@ from paper.figures.large_steps import CLASSES
 from paper.figures.linear_accuracy import draw
 from paper.figures.style import OUTCOME_STYLES, letter, looks, save
 from paper.published import SCHEMES
+from study.experiments.coordinates import scheme_coordinates
 from tests.paper.figures.printing import faults
 
+EVERY = xr.Dataset(coords=scheme_coordinates(list(study.schemes)))
 
-def _names(number):
-    return xr.DataArray([f"scheme {index}" for index in range(number)])
+
+def _members(number, family="Own"):
+    """The first schemes of a family, which may be one that the study does not have."""
+    names = [f"{family} {place}" for place in range(number)]
+    of = {"scheme": names, "scheme_title": names, "family": [family] * number, "place_in_family": list(range(number))}
+    return xr.Dataset(coords={name: ("scheme", values) for name, values in of.items()})
 
 
 def test_a_scheme_looks_the_same_in_every_figure():
-    every = looks(xr.DataArray(list(study.schemes)))
-    assert looks(xr.DataArray(["rk4", "houbolt"])) == {name: every[name] for name in ("rk4", "houbolt")}
+    every, few = looks(EVERY.scheme), xr.Dataset(coords=scheme_coordinates(["rk4", "bathe"]))
+    assert looks(few.scheme) == {name: every[name] for name in ("rk4", "bathe")}
     assert len({every[name]["color"] for name in SCHEMES}) == 7
-    assert set(style._ORDER) <= set(every)
 
 
 def test_all_schemes_look_different_also_those_that_are_added():
-    many = looks(xr.DataArray([*study.schemes, *_names(50).values]))
-    assert len({str(look) for look in many.values()}) == len(many)
+    families = {scheme.family for scheme in study.schemes.values()}
+    many = [look for family in families for look in looks(_members(8, family).scheme).values()]
+    many += looks(_members(50).scheme).values()
+    assert len({str(look) for look in many}) == len(many)
 
 
-def test_schemes_of_a_family_have_different_colours():
-    every = looks(xr.DataArray(list(study.schemes)))
-    families: dict[str, list[str]] = {}
-    for name, scheme in study.schemes.items():
-        families.setdefault(scheme.family, []).append(every[name]["color"])
-    for family, colours in families.items():
-        assert len(set(colours)) == len(colours), family
+@pytest.mark.parametrize("family", [*style._LOOKS, "Own"])
+def test_eight_schemes_of_a_family_have_different_colours(family):
+    assert len({look["color"] for look in looks(_members(8, family).scheme).values()}) == 8
+
+
+def test_every_family_has_its_looks():
+    assert set(style._LOOKS) == {scheme.family for scheme in study.schemes.values()}
 
 
 def _lightness(colour):
@@ -68,15 +75,14 @@ def _spectral(number):
     """Linear theory of schemes of one family."""
     dims = ("scheme", "dt_over_period", "damping_ratio")
     values = (dims, np.linspace(0, 0.1, number * 20).reshape(number, 20, 1))
-    names = _names(number).values
-    return xr.Dataset(
+    return _members(number).assign(
         {
             "period_elongation": values,
             "algorithmic_damping": values,
             "stability_limit": (dims[::2], np.ones((number, 1))),
-        },
-        {"scheme": names, "dt_over_period": np.linspace(0.01, 0.4, 20), "damping_ratio": [0.0]}
-        | {"scheme_title": ("scheme", names), "family": ("scheme", ["Own"] * number)},
+            "dt_over_period": np.linspace(0.01, 0.4, 20),
+            "damping_ratio": [0.0],
+        }
     )
 
 
@@ -105,8 +111,8 @@ def test_a_legend_takes_the_place_of_a_missing_panel():
 def test_the_style_serves_other_figures():
     """A program of a user finds it in a checkout by name, without the modules of the paper."""
     code = (
-        "import sys, matplotlib.pyplot as plt; plt.style.use('paper.style'); "
-        "print(plt.rcParams['font.size'], 'paper.figures' in sys.modules)"
+        "import sys, matplotlib.pyplot as plt; plt.style.use('paper.figures.style'); "
+        "print(plt.rcParams['font.size'], 'paper.figures.style' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "7.0 False\n"
 

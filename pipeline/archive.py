@@ -1,0 +1,198 @@
+"""Pack a finished study for others: ``python -m pipeline.archive PROJECT OUTPUT``, where its results lie.
+
+The archive is a Workflow Run RO-Crate: the sources, the configuration that was used, with the files that it names, the
+results, and a description of the run in ``ro-crate-metadata.json``: what was made of what, by which versions, on which
+machine, and when. Datasets themselves stay free of clocks and machines. See https://w3id.org/ro/wfrun/workflow.
+"""
+
+import io
+import json
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from datetime import UTC, datetime
+from importlib.metadata import distributions
+from pathlib import Path
+from typing import Any
+
+import yaml
+from rocrate.model import ContextEntity, SoftwareApplication
+from rocrate.rocrate import ROCrate
+
+from study.io import RESULTS, NotWritten, __version__, processor, write
+
+#: Profiles that the description of the run follows.
+PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
+    "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
+    "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
+}
+#: The configuration of the last run that was no dry one.
+CONFIGURATION = RESULTS / "configuration.json"
+#: Folders of the project that hold no sources.
+_NO_SOURCES = {"results", "build", "__pycache__"}
+
+
+def sources(project: Path) -> list[Path]:
+    """The files of a checkout that Git tracks, and those that are new; without Git, all that are not hidden or made."""
+    if tracked := _listed(project, "--cached"):
+        new = [file for file in _listed(project, "--others", "--exclude-standard") if not _is_hidden(file)]
+        return [*tracked, *new]
+    files = (file.relative_to(project) for file in project.rglob("*") if file.is_file())
+    return [
+        file
+        for file in files
+        if not any(part in _NO_SOURCES or part.startswith(".venv") for part in file.parts)
+        and not file.parts[0].startswith(".")
+    ]
+
+
+def _listed(project: Path, *options: str) -> list[Path]:
+    """The files that Git lists; none without Git."""
+    listed = subprocess.run(["git", "ls-files", "-z", *options], cwd=project, capture_output=True, text=True)
+    return [Path(name) for name in listed.stdout.split("\0") if name and (project / name).is_file()]
+
+
+def products() -> list[Path]:
+    """The finished files of the results, with their logs and benchmarks."""
+    files = sorted(file for file in RESULTS.rglob("*") if file.is_file())
+    return [file for file in files if not _is_hidden(file) and file.suffix != ".zip"]
+
+
+def _is_hidden(file: Path) -> bool:
+    return any(part.startswith(".") for part in file.parts)
+
+
+def configuration() -> dict:
+    """The whole configuration of the last run, with which the study was made."""
+    return json.loads(CONFIGURATION.read_text()) if CONFIGURATION.exists() else {}
+
+
+def _files_of(part: Any) -> set[Path]:
+    """The files of problems, schemes and quantities that a configuration names."""
+    if isinstance(part, str):
+        file = part.rpartition(":")[0]
+        return {Path(file)} if file.endswith(".py") and Path(file).is_file() else set()
+    parts = part.values() if isinstance(part, dict) else part if isinstance(part, list) else ()
+    return set().union(*map(_files_of, parts))
+
+
+def own_files(configuration: dict) -> list[Path]:
+    """The files of problems, schemes and quantities that a configuration names.
+
+    Raises
+    ------
+    SystemExit
+        If one lies outside of the project, where no archive can hold it.
+    """
+    files = sorted(_files_of(configuration))
+    for file in files:
+        if file.is_absolute() or ".." in file.parts:
+            raise SystemExit(
+                f"the configuration names '{file}', which an archive cannot hold: put the file into the project, "
+                "name it by its path there, and make the study again."
+            )
+    return files
+
+
+def _time(seconds: float) -> str:
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="seconds")
+
+
+def _machine() -> str:
+    """Processor, number of cores, and system of this machine."""
+    return f"{processor()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"
+
+
+def described(project: Path) -> ROCrate:
+    """The description of a finished study: sources, results, and the run that made them."""
+    crate = ROCrate(version="1.1")  # that of the profiles
+    cited = yaml.safe_load((project / "CITATION.cff").read_text(encoding="utf-8"))
+    crate.name, crate.license = cited["title"], f"https://spdx.org/licenses/{cited['license']}"
+    crate.description = "Sources, configuration, datasets, figures, tables and manuscript of the study, with its run."
+    crate.root_dataset["conformsTo"] = [
+        crate.add(ContextEntity(crate, url, {"@type": "CreativeWork", "name": name, "version": url.rpartition("/")[2]}))
+        for url, name in PROFILES.items()
+    ]
+    made = products()
+    about = {"name": cited["title"], "version": __version__}
+    workflow = crate.add_workflow(project / "snakefile", "snakefile", main=True, lang="snakemake", properties=about)
+    given = [
+        crate.add_file(project / file, file.as_posix(), properties={"name": file.name})
+        for file in sources(project)
+        if file.name != "snakefile"
+    ]
+    used = configuration()
+    if used:
+        text = io.StringIO(yaml.safe_dump(used, sort_keys=False, allow_unicode=True))
+        about = {"name": "configuration that was used", "encodingFormat": "application/yaml"}
+        given.append(crate.add_file(text, "configuration.yaml", properties=about))
+    packed = {one.id for one in given}
+    own = own_files(used)
+    given += [
+        crate.add_file(file, file.as_posix(), properties={"name": file.name})
+        for file in own
+        if file.as_posix() not in packed
+    ]
+    results = [crate.add_file(file, file.as_posix(), properties={"name": file.name}) for file in made]
+    packages = [
+        crate.add(
+            SoftwareApplication(
+                crate,
+                f"#package-{one.metadata['Name']}",
+                {"name": one.metadata["Name"], "softwareVersion": one.version, "version": one.version},
+            )
+        )
+        for one in sorted(distributions(), key=lambda one: str(one.metadata["Name"]))
+    ]
+    workflow["softwareRequirements"] = packages
+    times = [file.stat().st_mtime for file in made]
+    run = crate.add(
+        ContextEntity(
+            crate,
+            "#run",
+            {
+                "@type": "CreateAction",
+                "name": f"Run of the study, version {__version__}",
+                "startTime": _time(min(times)),
+                "endTime": _time(max(times)),
+                "description": f"Made with Python {platform.python_version()} on: {_machine()}",
+                "actionStatus": "http://schema.org/CompletedActionStatus",
+            },
+        )
+    )
+    run["instrument"], run["result"] = workflow, results
+    run["object"] = [one for one in given if _is_input(one.id, own)]
+    crate.root_dataset["mentions"] = run
+    return crate
+
+
+def _is_input(name: str, own: list[Path]) -> bool:
+    """Whether a file of the archive is an input of the run: configuration, record, or a file that it names."""
+    return name == "configuration.yaml" or name.startswith(("config/", "study/mechanics/records/")) or Path(name) in own
+
+
+def main(project: Path, output: Path) -> None:
+    """Write the archive of a finished study as a zip file.
+
+    Raises
+    ------
+    SystemExit
+        If the study is not finished, or the archive cannot be written.
+    """
+    if not (RESULTS / "manuscript.pdf").is_file():
+        raise SystemExit("there is no finished study in 'results'; `snakemake` makes it.")
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            packed = Path(folder, "archive.zip")
+            described(project).write_zip(packed)
+            write(packed.read_bytes(), output)
+    except NotWritten as error:
+        raise SystemExit(str(error)) from None
+    print(f"written: {output}")
+
+
+if __name__ == "__main__":
+    main(*map(Path, sys.argv[1:]))

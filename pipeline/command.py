@@ -1,0 +1,122 @@
+"""The command that runs an experiment.
+
+``python -m pipeline.command [--scheme=FILE.py:NAME ...] [--steps=N] MODULE DATASET OUTPUT... 'JSON OPTIONS'`` makes the
+datasets of one job. Each ``--scheme`` is a user's own that the options name; N steps is what the experiment promises.
+"""
+
+import argparse
+import importlib
+import json
+from collections.abc import Sequence
+
+import xarray as xr
+
+from pipeline.configuration import register_own
+from study import io
+from study.declaration.experiment import DECLARED, Experiment, arguments_of, progress
+from study.io import NotWritten, check_writable, provenance, write
+from study.marching.result import Work
+from study.registry import did_you_mean
+
+#: Number of steps of a job below which its promise is not checked.
+FEW = 10_000
+
+
+def _options(experiment: Experiment, text: str) -> dict:
+    """Options of an experiment out of a JSON object, refused with a sentence when they do not fit."""
+    try:
+        options = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise SystemExit(f"the options must be a JSON object: {error}.") from None
+    if not isinstance(options, dict):
+        raise SystemExit(f"the options must be a JSON object, not {text}.")
+    known = arguments_of(experiment.function)
+    for name in options:
+        if name not in known:
+            raise SystemExit(f"there is no option '{name}'; {did_you_mean(name, known)}")
+    missing = [name for name, (_, default) in known.items() if default is ... and name not in options]
+    if missing:
+        raise SystemExit(f"the option '{missing[0]}' is missing.")
+    return options
+
+
+def _declared(module: str, dataset: str) -> Experiment:
+    importlib.import_module(module)
+    declared = DECLARED.get((module, dataset))
+    if not isinstance(declared, Experiment):
+        made = [name for of, name in DECLARED if of == module]
+        raise SystemExit(f"{module} makes no dataset '{dataset}'; {did_you_mean(dataset, made)}")
+    return declared
+
+
+def _check_labels(made: xr.Dataset, module: str) -> None:
+    """Refuse a dataset without title or a variable without ``long_name``."""
+    if "title" not in made.attrs:
+        raise SystemExit(f"the dataset of {module} needs a title among its attributes.")
+    for name, variable in made.variables.items():
+        if "long_name" not in variable.attrs:
+            raise SystemExit(f"the variable '{name}' of {module} needs the attribute 'long_name'.")
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Make the datasets of one job, one for each output, with their provenance. The outputs are checked first.
+
+    Raises
+    ------
+    SystemExit
+        If an argument is wrong, the experiment fails, or a dataset cannot be written; the message is one sentence.
+    """
+    parser = argparse.ArgumentParser("python -m pipeline.command", description="Make the datasets of one job.")
+    parser.add_argument("--scheme", action="append", default=[], metavar="FILE.py:NAME", help="a scheme of your own")
+    parser.add_argument("--steps", type=float, help="number of steps that the experiment promises")
+    parser.add_argument("module")
+    parser.add_argument("dataset")
+    parser.add_argument("outputs", nargs="+", metavar="OUTPUT")
+    parser.add_argument("options", metavar="'JSON OPTIONS'")
+    given = parser.parse_args(arguments)
+    try:
+        for place in given.scheme:
+            register_own(place)
+        _make(_declared(given.module, given.dataset), given.outputs, given.options, given.steps)
+    except (NotWritten, ValueError) as error:
+        raise SystemExit(str(error)) from None
+
+
+def _check_steps(declared: Experiment, promised: float) -> None:
+    """Refuse an experiment that takes twice the steps that it promises, or half of them.
+
+    Timed experiments repeat their runs, and in small jobs whole numbers of steps make the difference.
+    """
+    progress(f"steps: {promised:.3g} promised, {Work.steps:.3g} taken")
+    too_few = 0 < 2 * Work.steps < promised and not declared.stops_early
+    if not declared.timed and max(promised, Work.steps) > FEW and (too_few or Work.steps > 2 * promised):
+        raise SystemExit(
+            f"{declared.module} promises {promised:.3g} steps and takes {Work.steps:.3g}: correct `steps` in its "
+            "declaration, which bounds the work of a configuration."
+        )
+
+
+def _make(declared: Experiment, outputs: list[str], text: str, promised: float | None) -> None:
+    module = declared.module
+    paths, options = [check_writable(path) for path in outputs], _options(declared, text)
+    try:
+        with io.reading_only(declared.reads(options)):
+            made = declared.function(**options)
+    except (ArithmeticError, KeyError, ValueError, RuntimeError, FileNotFoundError) as error:
+        raise SystemExit(f"{module}: {error}") from error
+    if promised is not None:
+        _check_steps(declared, promised)
+    results = (made,) if isinstance(made, xr.Dataset) else made
+    if not isinstance(results, tuple) or not all(isinstance(one, xr.Dataset) for one in results):
+        raise SystemExit(f"{module} must return a dataset or a tuple of datasets, not {type(made).__name__}.")
+    for one in results:
+        _check_labels(one, module)
+    if len(results) != len(paths):
+        raise SystemExit(f"{module} makes {len(results)} datasets, for which {len(paths)} outputs were given.")
+    for one, path in zip(results, paths, strict=True):
+        one.attrs = provenance(one.attrs.pop("title"), f"python -m {module}") | one.attrs
+        write(one, path)
+
+
+if __name__ == "__main__":
+    main()

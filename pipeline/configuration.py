@@ -1,0 +1,278 @@
+"""The configuration of the pipeline: its model, put together of the experiments' own, and its check before any work.
+
+``python -m pipeline.configuration`` prints the JSON schema.
+"""
+
+import json
+import re
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+try:
+    from pydantic import BaseModel, ConfigDict, PydanticSchemaGenerationError, ValidationError, create_model
+except ImportError as error:
+    raise ImportError(f"the configuration needs the extra 'pipeline' of this package: {error}.") from None
+
+from study.declaration.experiment import Experiment, Merged, arguments_of, discover
+from study.declaration.options import OwnSchemes
+from study.problem.named import approximate_periods, problems, time_scales
+from study.registry import Registry, did_you_mean
+from study.scheme.base import OneStep, Scheme
+from study.scheme.named import register_scheme, schemes
+from study.user_files import load
+
+#: Largest number of steps of all runs together, ten times that of the full study.
+MOST_STEPS = 1e13
+#: Largest number of values that a job holds at once: less than two gigabytes.
+MOST_VALUES = 2e8
+_STRICT = ConfigDict(extra="forbid", strict=True)
+
+
+def _registries() -> dict[str, Registry]:
+    """What a configuration can name, by kind."""
+    return {
+        "spring": Registry("spring", {name: problems.resolve(name) for name in approximate_periods}),
+        "structure": Registry("structure", {name: problems.resolve(name) for name in time_scales}),
+        "problem": problems,
+        "scheme": schemes,
+        "one-step scheme": Registry("one-step scheme", {n: s for n, s in schemes.items() if isinstance(s, OneStep)}),
+    }
+
+
+def complete(configuration: Any) -> Any:
+    """The configuration with ``schemes: all`` written out as every registered scheme."""
+    if not isinstance(configuration, Mapping):
+        return configuration
+    return {
+        key: list(schemes) if (key, value) == ("schemes", "all") else complete(value)
+        for key, value in configuration.items()
+    }
+
+
+@cache
+def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
+    """The model of the whole configuration, in which every section is that of an experiment."""
+    tree: dict[str, Any] = {}
+    for one in experiments:
+        if isinstance(one, Experiment) and (one.options is None or one.model is not None):
+            *above, last = one.section.split(".")
+            place = tree
+            for key in above:
+                place = place.setdefault(key, {})
+                if not isinstance(place, dict):
+                    raise ValueError(f"{one.module} declares '{one.section}', below the section of another experiment.")
+            fields: dict[str, Any] = arguments_of(one.function)
+            if last in place:
+                raise ValueError(f"{one.module} declares the section '{one.section}', which another experiment has.")
+            try:
+                place[last] = one.model or create_model(last, __config__=_STRICT, **fields)
+            except PydanticSchemaGenerationError as error:
+                raise ValueError(
+                    f"{one.module}: the type of an argument of '{one.function.__name__}' is none that a configuration "
+                    f"can hold: {str(error).splitlines()[0]}"
+                ) from None
+    own: Any = (OwnSchemes, [])
+    return create_model("configuration", __base__=_nested("sections", tree), own_schemes=own)
+
+
+def _nested(name: str, tree: dict[str, Any]) -> type[BaseModel]:
+    fields: dict[str, Any] = {}
+    for key, value in tree.items():
+        section = _nested(key, value) if isinstance(value, dict) else value
+        known = getattr(section, "model_fields", None)
+        whole_by_default = known is not None and not any(one.is_required() for one in known.values())
+        fields[key] = (section, {} if whole_by_default else ...)
+    return create_model(name, __config__=_STRICT, **fields)
+
+
+#: What pydantic calls a type, and what a reader does.
+_TYPES = {
+    "int_type": "a whole number",
+    "float_type": "a number",
+    "string_type": "a text",
+    "list_type": "a list",
+    "dict_type": "a mapping of keys",
+    "model_type": "a mapping of keys",
+}
+
+
+def _sentence(mistake: Any, model: type[BaseModel]) -> str:
+    """One mistake that pydantic found, with the key and what would be right."""
+    location = [part for part in mistake["loc"] if part != "[key]"]
+    place, received = _place(location), mistake["input"]
+    match mistake["type"]:
+        case "extra_forbidden":
+            *above, key = location
+            section = _place(above) or "the configuration"
+            return f"{section} has no key {key!r}; {did_you_mean(str(key), _keys_of(model, above))}"
+        case "missing":
+            return f"the configuration lacks '{place}'."
+        case "value_error":
+            reason = str(mistake["ctx"]["error"])
+            return f"{place}: {reason}{'' if reason.endswith(('.', '?')) else '.'}"
+        case "list_type" if location[-1] == "schemes":
+            wanted = "a list, or the word all"
+        case kind if kind in _TYPES:
+            wanted = _TYPES[kind]
+        case "too_short" | "too_long":
+            bound, many = ("at least", "min_length") if mistake["type"] == "too_short" else ("at most", "max_length")
+            return f"{place} must have {bound} {mistake['ctx'][many]} items, not {mistake['ctx']['actual_length']}."
+        case _:
+            wanted = mistake["msg"].removeprefix("Input should be ")
+    return f"{place} must be {wanted}{'' if isinstance(received, dict | list) else f', not {received!r}'}."
+
+
+def _place(location: Iterable[Any]) -> str:
+    """The dotted key of a place; a part that is no plain name stands in quotation marks."""
+    return ".".join(str(part) if re.fullmatch(r"\w+", str(part)) else repr(part) for part in location)
+
+
+def _keys_of(kind: Any, location: Iterable[Any]) -> list[str]:
+    """The keys of the section at a place of the configuration."""
+    for key in location:
+        kind = _plain(kind)
+        if get_origin(kind) in (list, dict):
+            kind = get_args(kind)[-1]
+        else:
+            kind = kind.model_fields[key].annotation if hasattr(kind, "model_fields") else get_type_hints(kind)[key]
+    kind = _plain(kind)
+    return list(kind.model_fields if hasattr(kind, "model_fields") else get_type_hints(kind))
+
+
+def _plain(kind: Any) -> Any:
+    """A type without its annotations."""
+    return get_args(kind)[0] if get_origin(kind) is Annotated else kind
+
+
+def check_form(model: type[BaseModel], configuration: Any) -> None:
+    """Refuse unknown and missing keys, wrong types, names that are not listed, and numbers out of bounds.
+
+    Raises
+    ------
+    ValueError
+        With one sentence that names the key.
+    """
+    if not isinstance(configuration, Mapping):
+        raise ValueError(f"the configuration must be a mapping from sections to options, not {configuration!r}.")
+    strange = next(_strange_keys(configuration, ""), None)
+    if strange is not None:
+        raise ValueError(f"{strange} of the configuration is no text; put it into quotation marks.")
+    try:
+        model.model_validate(configuration, context=_registries())
+    except ValidationError as mistakes:
+        # where a key is misspelt another is missing, which tells less
+        first = min(mistakes.errors(), key=lambda mistake: mistake["type"] != "extra_forbidden")
+        raise ValueError(_sentence(first, model)) from None
+
+
+def _strange_keys(section: Any, place: str):
+    """Keys that are no texts, as YAML makes of ``1:`` or ``yes:``."""
+    if isinstance(section, Mapping):
+        for key, value in section.items():
+            if not isinstance(key, str):
+                yield f"the key {place}{key!r}"
+            yield from _strange_keys(value, f"{place}{key}.")
+    elif isinstance(section, list):
+        for index, value in enumerate(section):
+            yield from _strange_keys(value, f"{place}{index}.")
+
+
+def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dict[str, Any]:
+    """The complete configuration, if every experiment can be run with it to its end.
+
+    Raises
+    ------
+    ValueError
+        With one sentence that names the key or the dataset, and says what would be right.
+    """
+    declared = tuple(experiments)
+    _register_own_schemes(configuration)
+    whole = complete(configuration)
+    check_form(model_of(declared), whole)
+    steps, made = 0.0, set(datasets_of(declared, whole))
+    _check_makers(declared, whole)
+    for one in declared:
+        if isinstance(one, Merged):
+            continue
+        for job, options in one.jobs(whole).items():
+            place = f"{one.section}.{job}" if one.named_jobs and job else one.section
+            reason = one.check(options, whole)
+            if reason is not None:
+                raise ValueError(f"{place}.{reason}")
+            reads = one.reads(options)
+            if isinstance(reads, str):
+                raise ValueError(f"{one.module}: reads must return a list of datasets, not {reads!r}.")
+            for name in reads:
+                if name not in made:
+                    raise ValueError(
+                        f"{place} reads '{name}', a dataset that this configuration does not make; "
+                        f"{did_you_mean(name, sorted(made))}"
+                    )
+            steps += one.steps(options, whole)
+            if (values := one.values(options, whole)) > MOST_VALUES:
+                raise ValueError(
+                    f"{place} asks for {values:.1e} numbers at once, and more than {MOST_VALUES:.0e} take over "
+                    "two gigabytes: ask for fewer or shorter runs."
+                )
+    if steps > MOST_STEPS:
+        raise ValueError(
+            f"the configuration asks for {steps:.1e} steps in all, and more than {MOST_STEPS:.0e} would take days: "
+            "ask for fewer or shorter runs."
+        )
+    return whole
+
+
+def register_own(place: str) -> None:
+    """Give a scheme of a user's own, ``FILE.py:NAME``, its name in this process.
+
+    Raises
+    ------
+    ValueError
+        If there is no such scheme, it cannot have that name, or one of its attributes is unfit.
+    """
+    try:
+        register_scheme(place.rpartition(":")[2], load(place, (Scheme,)))
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"own_schemes: {error}") from error
+
+
+def _register_own_schemes(configuration: Any) -> None:
+    """Register a user's own schemes, before other sections are read that name them."""
+    listed = configuration.get("own_schemes", []) if isinstance(configuration, Mapping) else []
+    if not isinstance(listed, list) or not all(isinstance(place, str) for place in listed):
+        raise ValueError(f"own_schemes must be a list of FILE.py:NAME, not {listed!r}.")
+    for place in listed:
+        register_own(place)
+
+
+def _check_makers(experiments: Iterable[Experiment | Merged], configuration: Mapping) -> None:
+    """Refuse a dataset that two experiments make."""
+    makers: dict[str, str] = {}
+    for one in experiments:
+        maker = one.module if isinstance(one, Experiment) else one.makes
+        for name in datasets_of([one], configuration):
+            if makers.setdefault(name, maker) is not maker:
+                raise ValueError(f"the dataset '{name}' is made by {makers[name]} and by {maker}; rename one of them.")
+
+
+def datasets_of(experiments: Iterable[Experiment | Merged], configuration: Mapping) -> list[str]:
+    """The datasets that a configuration makes and keeps, by name."""
+    names: list[str] = []
+    for one in experiments:
+        if isinstance(one, Merged):
+            names.append(one.makes)
+        elif one.split is None or one.along:
+            names += [name for name in one.makes if not one.temporary]
+        else:
+            names += [f"{name}/{job}" for job in one.jobs(configuration) for name in one.makes]
+    return names
+
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of the configuration of the study and its references."""
+    return model_of(tuple(discover())).model_json_schema()
+
+
+if __name__ == "__main__":
+    print(json.dumps(schema(), indent=1))

@@ -1,0 +1,55 @@
+"""Put datasets together: ``python -m pipeline.gather OUTPUT DIMENSIONS INPUT...``.
+
+Datasets of one form are concatenated along a dimension, or along several (``rows,columns``) when they are given row by
+row. Datasets that complement each other are merged; their dimension is ``none``.
+"""
+
+import sys
+from collections.abc import Iterable
+from itertools import groupby
+from pathlib import Path
+
+import xarray as xr
+
+from study.io import NotWritten, check_writable, provenance, read, write
+
+
+def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
+    """Concatenate along the first dimension; before that, along the others what shares a place on the first."""
+    first, *others = dimensions
+    if others:
+        parts = [_along(others, group) for _, group in groupby(parts, lambda part: part[first].values.tolist())]
+    # variables without the dimension are the same in all parts
+    return xr.concat(parts, first, combine_attrs="override", data_vars="minimal", coords="minimal")
+
+
+def main(output: str, dimensions: str, inputs: list[str]) -> None:
+    """Put datasets together in the order given, under the title of the first.
+
+    Raises
+    ------
+    SystemExit
+        If a dataset is missing, damaged or not of this study, or the new one cannot be written.
+    """
+    try:
+        _gather(check_writable(output), dimensions, inputs)
+    except (ValueError, NotWritten) as error:
+        raise SystemExit(f"pipeline.gather: {error}") from None
+
+
+def _gather(path: Path, dimensions: str, inputs: list[str]) -> None:
+    parts = [read(name) for name in inputs]
+    # the encoding of the first part would cut names to its own length
+    parts = [part.drop_encoding() for part in parts]
+    if dimensions == "none":
+        dataset = xr.merge(parts, join="outer", combine_attrs="override")
+    else:
+        dataset = _along(dimensions.split(","), parts)
+    dataset.attrs = provenance(parts[0].title, "python -m pipeline.gather")
+    write(dataset, path)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 4:
+        raise SystemExit("usage: python -m pipeline.gather OUTPUT DIMENSIONS INPUT...")
+    main(sys.argv[1], sys.argv[2], sys.argv[3:])

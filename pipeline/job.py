@@ -1,0 +1,23 @@
+"""Run a module as a job of the pipeline: ``python -S pipeline/job.py MODULE ARGUMENT...``.
+
+The worker of the run, which has imported the study, forks a child for it (:mod:`pipeline.worker`). Without a worker, as
+on the node of a cluster or by hand, or in another environment than the worker's, this is ``python -m MODULE
+ARGUMENT...``. The script imports nothing of the study, so that it starts in hundredths of a second.
+"""
+
+import json
+import os
+import socket
+import sys
+
+worker = socket.socket(socket.AF_UNIX)
+of_the_worker = os.path.dirname(sys.executable) == os.environ.get("STUDY_BIN")
+if not of_the_worker or worker.connect_ex(".snakemake/worker"):
+    os.environ["PYTHONPATH"] = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    os.execv(sys.executable, [sys.executable, "-m", *sys.argv[1:]])
+socket.send_fds(worker, [b"\0"], [sys.stdout.fileno(), sys.stderr.fileno()])
+worker.sendall(json.dumps(sys.argv[1:]).encode() + b"\n")
+status = worker.recv(1)
+if not status:
+    raise SystemExit("the process of this job was killed.")
+sys.exit(status != b"0")

@@ -1,0 +1,102 @@
+"""The steps that make figures, pages, tables, claims, numbers and texts, derived from what the paper declares."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from paper.manuscript import LAYOUT, TEXTS
+from paper.products import Product
+from pipeline.sources import Sources
+from pipeline.step import Step, job
+
+#: Folder and formats of each kind of product with files of its own; the report shows the last format.
+_FILES = {"figure": ("results/figures", ("pdf", "png", "svg")), "page": ("results", ("html",))}
+#: Module that makes all products of a kind at once, its output, and the formats if each product has its own files.
+_WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "table": ("tables", "results/tables", ("csv", "tex")),
+    "claim": ("claims", "results/claims.csv", ()),
+    "numbers": ("numbers", "results/numbers.json", ()),
+}
+#: Headings of the report by name of a page, and by kind of product.
+_HEADINGS = {
+    "explorer": "Explorer",
+    "tables": "Tables",
+    "claims": "Ledger of claims",
+    "claim": "Ledger of claims",
+    "table": "Tables",
+    "figure": "Figures",
+    "page": "Pages",
+}
+#: Formats that the texts include.
+_INCLUDED = (".pdf", ".csv", ".json")
+
+
+def _data(products: Iterable[Product]) -> list[str]:
+    return [f"results/{file}" for product in products for file in product.files]
+
+
+def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
+    """The step that makes every figure or page, a job each."""
+    folder, formats = _FILES[kind]
+    jobs = {
+        one.name: job(
+            ["paper.products", one.module, one.name, "results", f"{folder}/{one.name}.{formats[0]}"],
+            [*_data([one]), *sources.of([one.module, "paper.products"])],
+        )
+        for one in products
+    }
+    outputs = tuple(f"{folder}/{{job}}.{form}" for form in formats)
+    listed = {one.name: (_HEADINGS.get(one.name, _HEADINGS[kind]), one.caption) for one in products}
+    return Step(kind, kind.capitalize(), outputs, jobs, report={outputs[-1]: listed}, group="paper")
+
+
+def _of_all(kind: str, products: list[Product], sources: Sources) -> Step:
+    """The step that makes all tables, claims or numbers, which take less time than a process to start."""
+    name, output, formats = _WHOLES[kind]
+    outputs = tuple(f"{output}/{one.name}.{form}" for one in products for form in formats) or (output,)
+    modules = [f"paper.{name}.__main__", *(one.module for one in products)]
+    one = job([f"paper.{name}", "results", output], [*_data(products), *sources.of(modules)])
+    listed = {file: {"": (_HEADINGS[kind], file.removeprefix("results/"))} for file in outputs if file.endswith(".csv")}
+    return Step(name, name.capitalize(), outputs, {"": one}, quick=True, report=listed)
+
+
+def steps_of(products: list[Product], root: Path, sources: Sources) -> list[Step]:
+    """The steps that make all products and the texts."""
+    of_kind = {kind: [one for one in products if one.kind == kind] for kind in (*_FILES, *_WHOLES)}
+    steps = [_of_each(kind, of_kind[kind], sources) for kind in _FILES]
+    steps += [_of_all(kind, of_kind[kind], sources) for kind in _WHOLES]
+    included = [file for step in steps for file in step.products if file.endswith(_INCLUDED)]
+    names = ["paper/references.bib", "CITATION.cff", *(f"paper/text/{path.name}" for path in (*TEXTS, LAYOUT))]
+    texts = [root / name for name in names]
+    one = job(["paper.compile", "results", "results"], [*included, *texts, *sources.of(["paper.compile"])])
+    outputs = tuple(f"results/{path.stem}.pdf" for path in TEXTS)
+    listed = {file: {"": ("Article", Path(file).stem)} for file in outputs}
+    return [*steps, Step("manuscript", "Article and supplement", outputs, {"": one}, quick=True, report=listed)]
+
+
+def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) -> None:
+    """Refuse files of the results that a product reads, if one is a dataset that the configuration does not make.
+
+    Raises
+    ------
+    ValueError
+        With one sentence that names both.
+    """
+    made = {f"{name}.nc" for name in datasets}
+    for file in files:
+        if file.endswith(".nc") and file not in made:
+            name = file.removesuffix(".nc")
+            raise ValueError(f"{label} reads '{name}', a dataset that this configuration does not make.")
+
+
+def check_places(products: Iterable[Product]) -> None:
+    """Refuse a table, claim or number outside of the folder in which the module of its kind looks.
+
+    Raises
+    ------
+    ValueError
+        With one sentence that names the folder.
+    """
+    for one in products:
+        folder, *_ = _WHOLES.get(one.kind, ("",))
+        if not one.module.startswith(f"paper.{folder}"):
+            raise ValueError(f"{one.label} is declared in {one.module}: move it to paper/{folder}.")

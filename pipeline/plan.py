@@ -1,0 +1,51 @@
+"""The plan of the pipeline: ``python -m pipeline.plan ROOT < CONFIGURATION`` prints it as JSON.
+
+It has the complete configuration, the products that are made by default, and the steps that make them and the site.
+"""
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from docs.plan import reads
+from paper import products as paper_products
+from pipeline import datasets, paper, site
+from pipeline.configuration import check, datasets_of
+from pipeline.sources import Sources
+from study.declaration.experiment import discover
+
+
+def plan(root: Path, given: Any) -> dict[str, Any]:
+    """The plan for a configuration.
+
+    Raises
+    ------
+    ValueError
+        If the configuration cannot be run to its end, or lacks what a product needs, with one sentence.
+    """
+    experiments, products = discover(), paper_products.discover()
+    configuration = check(experiments, given)
+    made = datasets_of(experiments, configuration)
+    paper.check_places(products)
+    for one in products:
+        paper.check_datasets(one.label, one.files, made)
+    paper.check_datasets("the site", reads(), made)
+    paper_products.check(products, configuration)
+    sources = Sources(root, "study", "reference", "pipeline", "paper")
+    data = datasets.steps_of(experiments, configuration, sources)
+    drawn = paper.steps_of(products, root, sources)
+    kept = [file for step in [*data, *drawn] if not step.temporary for file in step.products]
+    return {
+        "configuration": configuration,
+        "products": kept,
+        "steps": [asdict(step) for step in [*data, *drawn, site.step(root, configuration)]],
+    }
+
+
+if __name__ == "__main__":
+    try:
+        print(json.dumps(plan(Path(sys.argv[1]), json.load(sys.stdin))))
+    except ValueError as error:
+        raise SystemExit(str(error)) from None

@@ -1,0 +1,15 @@
+"""The step that makes the site."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from docs.plan import reads, sources
+from pipeline.step import Step, job
+
+
+def step(root: Path, configuration: Mapping) -> Step:
+    """The step that makes the site, with pages of a user's own schemes."""
+    own = configuration["own_schemes"]
+    files = [*(f"results/{file}" for file in reads()), *sources(root), *(place.rpartition(":")[0] for place in own)]
+    one = job(["docs.build", "results", "results/site", *own], files)
+    return Step("site", "Site", ("results/site/index.html",), {"": one})

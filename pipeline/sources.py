@@ -1,0 +1,39 @@
+"""The files that a job depends on, so that a changed module makes again what used it and nothing else."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import grimp
+
+#: Modules that declare options and do not touch results.
+_DECLARATIONS = ("study.declaration.experiment", "study.declaration.options", "study.declaration.checks")
+#: Modules of ``study`` that run before any other, which imports do not show.
+_FIRST = ("study.settings",)
+#: Files next to a module that it reads: printed numbers, styles, and what the explorer consists of.
+_DATA = (".csv", ".js", ".css", ".html", ".mplstyle")
+
+
+class Sources:
+    """The imports between the modules of packages below the folder ``root``."""
+
+    def __init__(self, root: Path, *packages: str):
+        self.root = root
+        self._graph = grimp.build_graph(*packages, cache_dir=None)
+        self._known: dict[str, set[str]] = {}
+        for module in _DECLARATIONS:
+            self._graph.remove_module(module)
+
+    def of(self, modules: Iterable[str]) -> list[Path]:
+        """Files of modules and of all that they import, and the data next to those of the paper."""
+        found: set[str] = set()
+        for module in modules:
+            if module not in self._known:
+                self._known[module] = {module} | self._graph.find_upstream_modules(module)
+            found |= self._known[module]
+        if any(module.startswith(("study.", "reference.")) for module in found):
+            found.update(_FIRST)
+        paths = [self.root.joinpath(*name.split(".")) for name in sorted(found)]
+        files = [path / "__init__.py" if path.is_dir() else path.with_suffix(".py") for path in paths]
+        folders = dict.fromkeys(path.parent for path in files if path.relative_to(self.root).parts[0] == "paper")
+        data = (path for folder in folders for path in sorted(folder.iterdir()) if path.suffix in _DATA)
+        return [*files, *data]

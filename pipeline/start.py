@@ -1,0 +1,112 @@
+"""The start of a call of Snakemake: its plan, lock and worker. It imports the standard library alone."""
+
+import fcntl
+import hashlib
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+#: Folders whose Python files and pages the plan depends on.
+ROOMS = ("study", "reference", "pipeline", "paper", "docs")
+#: The plan of the last call, and the files of a run: its lock, and the socket of its worker.
+PLAN, LOCK, SOCKET = (Path(".snakemake", name) for name in ("plan.json", "lock", "worker"))
+#: Bytes that must be free before a run begins.
+ROOM = 2**24
+
+
+class Refused(Exception):
+    """The pipeline cannot plan or begin; the message is a sentence."""
+
+
+def planned(root: str, configuration: Any) -> dict[str, Any]:
+    """The plan of :mod:`pipeline.plan`, which is kept until a source or the configuration changes.
+
+    Raises
+    ------
+    Refused
+        If the configuration cannot be run to its end, the folder cannot be written, or the disk is full.
+    """
+    try:
+        for folder in ("results/logs", "results/benchmarks", PLAN.parent):
+            Path(folder).mkdir(parents=True, exist_ok=True)
+        if (free := shutil.disk_usage(".").free) < ROOM:
+            raise Refused(f"only {free:,} bytes are free in '{Path.cwd()}': make room, and call again.")
+        return _planned(root, json.dumps(configuration))
+    except OSError as error:
+        raise Refused(f"'{error.filename}' cannot be written: {error.strerror}.") from None
+
+
+def _planned(root: str, configuration: str) -> dict[str, Any]:
+    files = sorted(path for room in ROOMS for path in Path(root, room).rglob("*") if path.suffix in (".py", ".md"))
+    content = b"".join(str(path).encode() + path.read_bytes() for path in files)
+    key = hashlib.sha256(f"{sys.version}{root}{configuration}".encode() + content).hexdigest()
+    if PLAN.exists() and (plan := json.loads(PLAN.read_text()))["key"] == key:
+        return plan
+    command = [sys.executable, "-m", "pipeline.plan", root]
+    done = subprocess.run(command, input=configuration, capture_output=True, text=True)
+    if done.returncode:
+        raise Refused(done.stderr if "Traceback" in done.stderr else done.stderr.splitlines()[-1])
+    plan = json.loads(done.stdout) | {"key": key}
+    unfinished = PLAN.with_suffix(f".{os.getpid()}")
+    unfinished.write_text(json.dumps(plan))
+    unfinished.replace(PLAN)
+    return plan
+
+
+def begun(configuration: Any, local: bool) -> tuple:
+    """Begin a run: take the lock of the folder, remove unfinished files, and start the worker of local jobs.
+
+    Returns
+    -------
+    tuple
+        What the process must keep until it ends. The kernel then lifts the lock, and the worker ends.
+
+    Raises
+    ------
+    Refused
+        If another run is at work in the folder.
+    """
+    lock = LOCK.open("w")
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise Refused(f"another run is at work in '{Path.cwd()}': wait for it, or end it.") from None
+    for unfinished in Path("results").rglob(".*.unfinished"):  # of a run that was killed
+        unfinished.unlink()
+    Path("results/configuration.json").write_text(json.dumps(configuration))
+    if local:
+        return lock, _worker()
+    _cancel_queued()
+    return (lock,)
+
+
+def _worker() -> subprocess.Popen:
+    SOCKET.unlink(missing_ok=True)
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(SOCKET))
+        listener.listen(1000)
+        number = listener.fileno()
+        command = [sys.executable, "-m", "pipeline.worker", str(number)]
+        environment = os.environ | {"OMP_NUM_THREADS": "1"}  # each core has a job already
+        return subprocess.Popen(
+            command, pass_fds=[number], stdin=subprocess.PIPE, start_new_session=True, env=environment
+        )
+
+
+def _cancel_queued() -> None:
+    """Cancel the jobs in Slurm's queue that a killed run has sent from this folder."""
+    if shutil.which("squeue"):
+        command = ["squeue", "--me", "--noheader", "--format=%i|%k|%Z"]
+        listed = subprocess.run(command, capture_output=True, text=True).stdout.splitlines()
+        jobs = [line.split("|", 2) for line in listed]
+        # Snakemake comments its jobs so; other jobs of the folder, one of which may be this run, stay
+        ours = [
+            job for job, comment, place in jobs if comment.startswith(("rule_", "group_")) and place == str(Path.cwd())
+        ]
+        if ours:
+            subprocess.run(["scancel", *ours])

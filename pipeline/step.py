@@ -1,0 +1,59 @@
+"""Steps of the pipeline, each of which becomes a rule, and the commands of their jobs."""
+
+import shlex
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Job:
+    """A module with its arguments, as ``python -m`` takes them, and the files that the job needs."""
+
+    command: str
+    inputs: tuple[str, ...]
+
+
+def job(arguments: Iterable[Any], inputs: Iterable[Any]) -> Job:
+    """A job that runs a module with arguments; each input counts once."""
+    return Job(shlex.join(map(str, arguments)), tuple(dict.fromkeys(map(str, inputs))))
+
+
+@dataclass(frozen=True)
+class Step:
+    """Jobs of one kind.
+
+    Attributes
+    ----------
+    name, message
+        Name of the rule, and its message when it starts.
+    outputs
+        Files that it makes, with ``{job}`` for the name of the job where there are several.
+    jobs
+        The jobs by name; the name of a single job is empty.
+    temporary
+        Whether the outputs are removed when they have been used.
+    alone
+        Whether the job measures times, so that no other may run at the same time.
+    quick
+        Whether its jobs take seconds, so that they run on the login node of a cluster.
+    group
+        Name of a group whose jobs a cluster runs as one.
+    report
+        Heading and label in the report of Snakemake, by output and name of the job.
+    """
+
+    name: str
+    message: str
+    outputs: tuple[str, ...]
+    jobs: Mapping[str, Job]
+    temporary: bool = False
+    alone: bool = False
+    quick: bool = False
+    group: str | None = None
+    report: Mapping[str, Mapping[str, tuple[str, str]]] = field(default_factory=dict)
+
+    @property
+    def products(self) -> list[str]:
+        """The files of all jobs."""
+        return [output.replace("{job}", name) for output in self.outputs for name in self.jobs]

@@ -1,0 +1,74 @@
+"""The process that forks a child for each job of a local run: ``python -m pipeline.worker LISTENER < PIPE``.
+
+It imports the study, JAX, the solvers and matplotlib once, which takes each process two seconds. LISTENER is the number
+of a listening socket, and PIPE has the run of Snakemake at its other end. Worker and children end when that run ends,
+even if it is killed, and a child ends with the command that asked for it (:mod:`pipeline.job`).
+"""
+
+import gc
+import json
+import os
+import runpy
+import select
+import signal
+import socket
+import sys
+import threading
+import traceback
+from typing import Any
+
+import matplotlib.pyplot  # noqa: F401
+
+from study.declaration.experiment import discover
+
+
+def _end_with(*ends: Any) -> None:
+    """End this process as soon as the other end of a pipe or connection is closed."""
+    select.select(ends, [], [])
+    os._exit(1)
+
+
+def _run(connection: socket.socket) -> None:
+    """Run the module that a connection names, with its output streams, and answer whether it failed."""
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    _, streams, _, _ = socket.recv_fds(connection, 1, 2)
+    for stream, number in zip(streams, (1, 2), strict=True):
+        os.dup2(stream, number)
+    sys.argv = json.loads(connection.makefile().readline())
+    threading.Thread(target=_end_with, args=(connection, sys.stdin), daemon=True).start()
+    status = b"1"
+    try:
+        runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
+        status = b"0"
+    except SystemExit as end:
+        if isinstance(end.code, str):
+            print(end.code, file=sys.stderr)
+        status = b"0" if end.code in (None, 0) else b"1"
+    except BaseException:
+        traceback.print_exc()
+    sys.stdout.flush()
+    connection.sendall(status)
+
+
+def main(listener: socket.socket) -> None:
+    """Fork a child for each connection until the run of Snakemake ends."""
+    discover()
+    gc.freeze()  # what is imported stays: the children need not look for garbage in it
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+    while True:
+        ready, _, _ = select.select([listener, sys.stdin], [], [])
+        if sys.stdin in ready:
+            os.unlink(listener.getsockname())
+            return
+        connection, _ = listener.accept()
+        if os.fork() == 0:
+            listener.close()
+            try:
+                _run(connection)
+            finally:
+                os._exit(0)
+        connection.close()
+
+
+if __name__ == "__main__":
+    main(socket.socket(fileno=int(sys.argv[1])))

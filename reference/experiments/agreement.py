@@ -1,0 +1,171 @@
+"""True errors of every route at every tolerance, over one, ten and a hundred periods."""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+
+import jax
+import numpy as np
+import xarray as xr
+from typing_extensions import TypedDict
+
+from reference import diffrax, exact, sundials, taylor
+from reference.solution import RouteFailed, Solution, StepLimit, Times, Windowed
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import FallingTolerances, Springs, section
+from study.io import flags
+from study.mechanics.definition import Problem
+from study.problem.named import approximate_periods
+from study.problem.named import problems as problems_by_name
+
+#: Trajectory and period of every route: functions of problem, times or estimated period, and tolerance.
+ROUTES: dict[str, tuple[Callable, Callable]] = {
+    "cvode_adams": (partial(sundials.trajectory, method="Adams"), partial(sundials.period, method="Adams")),
+    "cvode_bdf": (partial(sundials.trajectory, method="BDF"), partial(sundials.period, method="BDF")),
+    "dopri8": (partial(diffrax.trajectory, method="Dopri8"), partial(diffrax.period, method="Dopri8")),
+    "tsit5": (partial(diffrax.trajectory, method="Tsit5"), partial(diffrax.period, method="Tsit5")),
+    # implicit and of order five: without a limit of steps a tight tolerance takes minutes over a hundred periods
+    "kvaerno5": (
+        partial(diffrax.trajectory, method="Kvaerno5", max_steps=30_000),
+        partial(diffrax.period, method="Kvaerno5"),
+    ),
+    "heyoka": (taylor.trajectory, taylor.period),
+}
+FINISHED, STEP_LIMIT, FAILED, NOT_TRIED, LOST = range(5)
+STATUS_MEANINGS = ("finished", "step_limit", "failed", "not_tried", "lost")
+#: Error, in amplitudes, above which a solution counts as lost: it has left the orbit.
+LOST_ABOVE = 10
+#: Samples in a period: also between whole periods, where an error of the phase does not show in the displacement.
+SAMPLES = 16
+#: Numbers of periods; a window ends with the last of them.
+WINDOWS = (1, 10, 100)
+
+
+def instants(period: float) -> Times:
+    """Times at which the routes are compared with the exact solution: k T/16 up to the end of the last window."""
+    return np.arange(1, max(WINDOWS) * SAMPLES + 1) * period / SAMPLES
+
+
+def errors(problem: Problem, exact_solution: exact.ExactSolution, solution: Solution) -> dict[str, Windowed]:
+    r"""Largest errors up to the end of every window, each (windows,).
+
+    They are :math:`\max|\Delta u|/\max|u|`, :math:`\max|\Delta\dot u|/\max|\dot u|` and :math:`\max|E/E_0 - 1|`.
+    """
+    energy = np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
+    initial = float(problem.energy(np.asarray(problem.u0), np.asarray(problem.v0)))
+    histories = {
+        "u_error": np.abs(solution.u - exact_solution.u) / np.max(np.abs(exact_solution.u)),
+        "v_error": np.abs(solution.v - exact_solution.v) / np.max(np.abs(exact_solution.v)),
+        "energy_error": np.abs(energy / initial - 1),
+    }
+    largest = {name: np.array([np.max(h[: w * SAMPLES]) for w in WINDOWS]) for name, h in histories.items()}
+    # at whole periods the velocity is zero, and so is the error of first order that a delay causes
+    at_periods = histories["u_error"][SAMPLES - 1 :: SAMPLES]
+    return largest | {"u_error_at_periods": np.array([np.max(at_periods[:w]) for w in WINDOWS])}
+
+
+def _attempt(ask: Callable, *arguments):
+    """Result of a route, ``None`` if it failed, and how it ended."""
+    try:
+        return ask(*arguments), FINISHED
+    except RouteFailed as failure:
+        progress(str(failure))
+        return None, STEP_LIMIT if isinstance(failure, StepLimit) else FAILED
+
+
+@section
+class _Agreement(TypedDict):
+    tolerances: FallingTolerances
+
+
+def _options(configuration: Mapping) -> Options:
+    return {"problems": configuration["references"]["problems"], **configuration["agreement"]}
+
+
+@experiment(
+    "reference_agreement",
+    section="agreement",
+    model=_Agreement,
+    options=_options,
+    split=lambda options: {problem: {**options, "problems": [problem]} for problem in options["problems"]},
+    along="problem",
+)
+def agreement(problems: Springs, tolerances: Sequence[float]) -> xr.Dataset:
+    """Measure the true errors and the effort of every reference solver at every tolerance.
+
+    Tolerances tighter than one at which a trajectory reached the limit of steps are not tried. Errors have the shape
+    (problem, route, tolerance, periods); they are NaN for a trajectory that did not finish, and its status says why.
+
+    Raises
+    ------
+    ValueError
+        If the tolerances do not fall.
+    """
+    if list(tolerances) != sorted(tolerances, reverse=True):
+        raise ValueError(f"the tolerances must fall, not {tolerances}.")
+    parts = [_of_problem(problem, tolerances) for problem in problems]
+    return xr.concat(parts, "problem", data_vars="minimal", coords="minimal")
+
+
+def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
+    definition, estimate = problems_by_name[problem], approximate_periods[problem]
+    shape = (len(ROUTES), len(tolerances))
+    windowed = {
+        name: np.full((*shape, len(WINDOWS)), np.nan)
+        for name in ("u_error", "v_error", "energy_error", "u_error_at_periods")
+    }
+    single = {name: np.full(shape, np.nan) for name in ("period_error", "evaluations", "run_time")}
+    ended = {name: np.full(shape, NOT_TRIED, np.int32) for name in ("status", "period_status")}
+    exact_period, certified = exact.period(definition, estimate)
+    t = instants(float(exact_period))
+    exact_solution = exact.folded(definition, t, exact_period, certified)
+    for r, (route, (trajectory, period)) in enumerate(ROUTES.items()):
+        progress(f"{route} on {problem}")
+        for k, tolerance in enumerate(tolerances):
+            at = r, k
+            found, ended["period_status"][at] = _attempt(period, definition, estimate, tolerance)
+            if found is not None:
+                single["period_error"][at] = abs(found / float(exact_period) - 1)
+            if STEP_LIMIT in ended["status"][r, :k]:
+                continue
+            solution, ended["status"][at] = _attempt(trajectory, definition, t, tolerance)
+            if solution is not None:
+                single["evaluations"][at], single["run_time"][at] = solution.evaluations, solution.seconds
+                for quantity, values in errors(definition, exact_solution, solution).items():
+                    windowed[quantity][at] = values
+                if windowed["u_error"][at].max() > LOST_ABOVE:
+                    ended["status"][at] = LOST
+    dims = ("route", "tolerance")
+    described = {
+        "u_error": "largest error of the displacement, relative to its largest size",
+        "v_error": "largest error of the velocity, relative to its largest size",
+        "energy_error": "largest relative error of the energy",
+        "u_error_at_periods": "largest error of the displacement at whole periods, relative to its largest size",
+        "period_error": "relative error of the period",
+        "evaluations": f"evaluations of the right side over {max(WINDOWS)} periods: of kvaerno5 its stages, each of "
+        "which takes several; of heyoka those of a Taylor coefficient; of CVODE without those for its Jacobian",
+        "run_time": f"run time over {max(WINDOWS)} periods, without compilation, of one run beside other jobs",
+        "status": "how the trajectory ended",
+        "period_status": "how the search for the period ended",
+    }
+    variables = {
+        name: ((*dims, "periods"), values, {"long_name": described[name], "units": "1"})
+        for name, values in windowed.items()
+    } | {
+        name: (dims, values, {"long_name": described[name], "units": "s" if name == "run_time" else "1"})
+        for name, values in single.items()
+    }
+    return xr.Dataset(
+        variables
+        | {name: (dims, values, flags(described[name], STATUS_MEANINGS, np.int32)) for name, values in ended.items()},
+        coords={
+            "problem": ((), problem, {"long_name": "problem"}),
+            "route": ("route", list(ROUTES), {"long_name": "solver that was asked"}),
+            "tolerance": ("tolerance", list(tolerances), {"long_name": "relative tolerance asked for", "units": "1"}),
+            "periods": (
+                "periods",
+                list(WINDOWS),
+                {"long_name": "periods over which the error is the largest", "units": "1"},
+            ),
+        },
+        attrs={"title": "What a tolerance delivers: true errors of the reference solvers"},
+    ).expand_dims("problem")

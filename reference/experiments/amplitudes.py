@@ -1,0 +1,108 @@
+"""Exact periods and orbits of the springs over decades of amplitude, for the maps of stability."""
+
+from collections.abc import Mapping
+
+import jax
+import numpy as np
+import xarray as xr
+from jaxtyping import Float
+
+from reference import closed_form
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Springs
+from study.mechanics.definition import Problem
+from study.problem.named import problems as problems_by_name
+
+#: Decimal digits that are carried: more than the sixteen that are kept, and few enough for a hundred periods a second.
+DIGITS = 20
+#: Points of an orbit, of which the first and the last coincide.
+POINTS = 65
+#: A value, or the turning points, or the points of the orbit, of each motion.
+_ByAmplitude = Float[np.ndarray, "amplitudes"]
+_TurningPoints = Float[np.ndarray, "amplitudes 2"]
+_Orbits = Float[np.ndarray, "amplitudes points"]
+
+
+def _turning_points(problem: Problem, u0: _ByAmplitude) -> _TurningPoints:
+    """Least and largest displacement of each motion."""
+    return np.array([closed_form.turning_points(problem, value) for value in u0])
+
+
+def _highest_frequency(problem: Problem, ends: _TurningPoints) -> _ByAmplitude:
+    """√(max p′(u)) between the turning points of each motion."""
+    places = ends[:, :1] + np.diff(ends) * np.linspace(0, 1, 1001)
+    return np.sqrt(
+        np.asarray(jax.jit(jax.vmap(jax.grad(problem.static_force)))(places.ravel())).reshape(places.shape).max(1)
+    )
+
+
+def _orbit(problem: Problem, ends: _TurningPoints) -> tuple[_Orbits, _Orbits]:
+    """Displacement and velocity once around each orbit, from its largest displacement."""
+    angle = np.linspace(0, 2 * np.pi, POINTS)
+    u = ends.mean(1, keepdims=True) + np.diff(ends) / 2 * np.cos(angle)
+    potential = np.asarray(jax.jit(jax.vmap(problem.stored_energy))(u.ravel())).reshape(u.shape)
+    speed = np.sqrt(2 * np.maximum(potential[:, :1] - potential, 0))
+    return u, -np.copysign(speed, np.sin(angle))
+
+
+def _options(configuration: Mapping) -> Options:
+    return {"problems": configuration["atlas"]["problems"], "exponents": configuration["atlas"]["amplitudes"]}
+
+
+@experiment("reference/amplitudes", section="atlas", options=_options)
+def amplitudes(problems: Springs, exponents: dict[str, float]) -> xr.Dataset:
+    """Compute exact period and orbit of every spring over decades of amplitude.
+
+    The springs are released from rest at u₀ 10ˣ, with u₀ the problem's own displacement. Periods have the shape
+    (problem, amplitude), orbits (problem, amplitude, point).
+
+    Parameters
+    ----------
+    exponents
+        ``count`` values of x from ``first`` to ``last``.
+
+    Raises
+    ------
+    ValueError
+        If the period of a problem has no closed form, as at its position of equilibrium.
+    """
+    x = np.linspace(exponents["first"], exponents["last"], int(exponents["count"]))
+    u0 = np.stack([float(problems_by_name[problem].u0) * 10**x for problem in problems])
+    period, highest = np.empty_like(u0), np.empty_like(u0)
+    orbits = []
+    for p, problem in enumerate(problems):
+        progress(f"periods of {problem}")
+        definition = problems_by_name[problem]
+        period[p] = [float(closed_form.period(definition, value, DIGITS)) for value in u0[p]]
+        ends = _turning_points(definition, u0[p])
+        highest[p] = _highest_frequency(definition, ends)
+        orbits.append(_orbit(definition, ends))
+    u, v = map(np.stack, zip(*orbits, strict=True))
+    dims = ("problem", "amplitude")
+    return xr.Dataset(
+        {
+            "u0": (dims, u0, {"long_name": "initial displacement", "units": "1"}),
+            "period": (dims, period, {"long_name": "exact period", "units": "s"}),
+            "period_uncertainty": (
+                dims,
+                np.spacing(period) / 2,
+                {"long_name": "uncertainty of the period as stored", "units": "s"},
+            ),
+            "highest_frequency": (
+                dims,
+                highest,
+                {"long_name": "largest circular frequency of the tangent along the motion", "units": "s-1"},
+            ),
+            "orbit_u": ((*dims, "point"), u, {"long_name": "displacement along the exact orbit", "units": "1"}),
+            "orbit_v": ((*dims, "point"), v, {"long_name": "velocity along the exact orbit", "units": "s-1"}),
+        },
+        coords={
+            "problem": ("problem", list(problems), {"long_name": "problem"}),
+            "amplitude": (
+                "amplitude",
+                10**x,
+                {"long_name": "initial displacement over that of the problem", "units": "1"},
+            ),
+        },
+        attrs={"title": "Exact periods of the springs over decades of amplitude"},
+    )

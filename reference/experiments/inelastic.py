@@ -1,0 +1,96 @@
+"""Reference motions of the oscillators with kinks and memory, each with its uncertainty."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from reference import diffrax, exact, piecewise, sundials
+from reference.solution import Solution, Times
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Kinked
+from study.mechanics.definition import Problem
+from study.problem.inelastic import PERIOD
+from study.problem.named import approximate_periods
+from study.problem.named import problems as problems_by_name
+
+#: Tolerance of the solvers under step size control.
+RTOL = 1e-13
+
+#: Spacings at which exact pieces look for events; the difference of the motions is their uncertainty.
+PLACES = (200, 331)
+
+
+def _in_pieces(problem, t: Times) -> tuple[str, Solution, Solution]:
+    one, other = (piecewise.trajectory(problem, t, places) for places in PLACES)
+    return "exact pieces", one, other
+
+
+def from_kink_to_kink(problem: Problem, t: Times) -> tuple[str, Solution, Solution]:
+    """The route and the solutions by diffrax and CVODE, which start anew at every kink of load and force."""
+    declared = np.asarray(getattr(problem.load, "kinks", []), float)
+    of_load = declared[(declared > 0) & (declared < t[-1])]
+    of_force = sundials.kinks(problem, t[-1], of_load)
+    stops = np.union1d(np.union1d(t, of_load), of_force)
+    one = diffrax.trajectory(problem, stops, RTOL)
+    other = sundials.trajectory(problem, stops, RTOL, kinks=of_load, restarts=of_force)
+    at = np.searchsorted(stops, t)
+    one, other = (solution._replace(u=solution.u[at], v=solution.v[at]) for solution in (one, other))
+    return "diffrax Dopri8 from kink to kink", one, other
+
+
+#: How each problem is solved.
+_WAYS = {
+    "yielding": _in_pieces,
+    "bouncing": _in_pieces,
+    "hysteretic": from_kink_to_kink,
+    "shaken": from_kink_to_kink,
+}
+
+
+def _options(configuration: Mapping) -> Options:
+    section = configuration["kinks"]
+    return {key: section[key] for key in ("problems", "periods", "samples_per_period")}
+
+
+@experiment("reference/inelastic", section="kinks", options=_options)
+def inelastic(problems: Kinked, periods: int, samples_per_period: int) -> xr.Dataset:
+    """Compute the motion of oscillators with kinks and memory.
+
+    Yielding and bouncing are exact from event to event. Smooth hysteresis and the motion under a record are solved by
+    diffrax and CVODE from one kink of force or load to the next. The uncertainty is the largest difference of two
+    such solutions. A spring with a closed form is the smooth one of them, for comparison.
+    """
+    u, uncertainty, route, scale = [], [], [], []
+    for name in problems:
+        progress(f"motion of {name}")
+        problem, period = problems_by_name[name], approximate_periods.get(name, PERIOD)
+        t = np.arange(1, periods * samples_per_period + 1) * period / samples_per_period
+        if name in _WAYS:
+            way, one, other = _WAYS[name](problem, t)
+            u.append(one.u)
+            uncertainty.append(max(np.abs(one.u - other.u).max(), np.spacing(np.abs(one.u).max())))
+        else:
+            solution = exact.trajectory(problem, t.tolist())
+            way = "Taylor polynomials of many digits"
+            u.append(np.asarray(solution.u, float))
+            uncertainty.append(max(float(solution.u_certified), np.spacing(np.abs(u[-1]).max())))
+        route.append(way)
+        scale.append(period)
+    return xr.Dataset(
+        {
+            "u": (("problem", "sample"), np.stack(u), {"long_name": "displacement", "units": "1"}),
+            "u_uncertainty": ("problem", uncertainty, {"long_name": "uncertainty of the displacement", "units": "1"}),
+            "route": ("problem", route, {"long_name": "how the motion was found"}),
+            "time_scale": ("problem", scale, {"long_name": "time that measures the step", "units": "s"}),
+        },
+        coords={
+            "problem": ("problem", list(problems), {"long_name": "problem"}),
+            "sample": (
+                "sample",
+                np.arange(1, periods * samples_per_period + 1) / samples_per_period,
+                {"long_name": "time over the time scale", "units": "1"},
+            ),
+        },
+        attrs={"title": "Motion of oscillators whose force has kinks or remembers"},
+    )

@@ -1,0 +1,235 @@
+"""Work and precision of general solvers, which ``results/work_precision.nc`` compares with the schemes."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Annotated
+
+import jax
+import numpy as np
+import xarray as xr
+from annotated_types import Gt, Le
+
+from reference import diffrax, exact, scipy, sundials, taylor
+from reference.experiments.agreement import FINISHED, LOST, LOST_ABOVE, NOT_TRIED, STATUS_MEANINGS
+from reference.solution import RouteFailed, Solution
+from study.declaration.checks import unlisted
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import FallingTolerances, Repeats, RisingCounts, Springs
+from study.io import flags
+from study.mechanics.definition import Problem
+from study.problem.named import approximate_periods
+from study.problem.named import problems as problems_by_name
+
+#: Trajectory of every solver: a function of problem, times and tolerance.
+SOLVERS: dict[str, Callable[..., Solution]] = {
+    "cvode_adams": partial(sundials.trajectory, method="Adams"),
+    "cvode_bdf": partial(sundials.trajectory, method="BDF"),
+    "dopri8": partial(diffrax.trajectory, method="Dopri8"),
+    "tsit5": partial(diffrax.trajectory, method="Tsit5"),
+    "kvaerno5": partial(diffrax.trajectory, method="Kvaerno5"),
+    "scipy_dop853": partial(scipy.trajectory, method="DOP853"),
+    "scipy_radau": partial(scipy.trajectory, method="Radau"),
+    "heyoka": taylor.trajectory,
+}
+#: Whether the right side of a solver is Python or compiled.
+RIGHT_SIDES = {
+    "cvode_adams": "Python",
+    "cvode_bdf": "Python",
+    "scipy_dop853": "Python",
+    "scipy_radau": "Python",
+    "heyoka": "compiled",
+    "dopri8": "compiled",
+    "tsit5": "compiled",
+    "kvaerno5": "compiled",
+}
+#: Long name and unit of every measure of error.
+MEASURES = {
+    "max_trajectory_error": ("largest error of the displacement in the last period, relative", "1"),
+    "phase_error": ("delay of the last sample in periods, to first order", "1"),
+    "period_elongation": ("relative elongation of the period: the delay over the number of periods", "1"),
+    "amplitude_decay": ("relative loss of amplitude per period, of the energy and to first order", "1"),
+    "max_energy_error": ("largest relative error of the total energy in the last period", "percent"),
+    "energy_drift": ("signed relative error of the total energy at the end", "percent"),
+}
+#: Lengths in periods of the runs; shorter ones are beginnings of these.
+RUNS = (100, 1000)
+#: Long name of a cost.
+SHARE = "{} of a run; of less than a hundred periods its share of that"
+#: Samples of the last period of a run, in which its errors are measured.
+SAMPLES = 16
+
+
+def errors(
+    problem: Problem, exact_solution: exact.ExactSolution, solution: Solution, periods: int, period: float
+) -> dict[str, float]:
+    """Errors of a solution after ``periods`` periods, by measure as in ``MEASURES``.
+
+    Both solutions are sampled at the same times of the last period. A delay δ changes the state by −δ (u̇, ü), so δ is
+    the projection of the last error on the last rate. A loss of energy ΔE is a loss of amplitude ΔE/p(A) at the turning
+    point A.
+    """
+    scales = np.max(np.abs(exact_solution.u)), np.max(np.abs(exact_solution.v))
+    off = (solution.u - exact_solution.u) / scales[0], (solution.v - exact_solution.v) / scales[1]
+    rate = exact_solution.v[-1] / scales[0], -float(problem.static_force(exact_solution.u[-1])) / scales[1]
+    delay = -(off[0][-1] * rate[0] + off[1][-1] * rate[1]) / (rate[0] ** 2 + rate[1] ** 2)
+    initial = float(problem.energy(problem.u0, problem.v0))
+    lost = initial - np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
+    turn = float(problem.u0)
+    return {
+        "max_trajectory_error": np.max(np.abs(off[0])),
+        "phase_error": delay / period,
+        "period_elongation": delay / period / periods,
+        "amplitude_decay": lost[-1] / (float(problem.static_force(turn)) * turn) / periods,
+        "max_energy_error": 100 * np.max(np.abs(lost / initial)),
+        "energy_drift": -100 * lost[-1] / abs(initial),
+    }
+
+
+def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> list[Solution]:
+    """Solutions of up to ``repeats`` equal runs, which end once they took ``longest`` seconds; none if one failed."""
+    runs: list[Solution] = []
+    try:
+        while len(runs) < repeats and sum(run.seconds for run in runs) < longest:
+            runs.append(solve())
+    except RouteFailed as failure:
+        progress(str(failure))
+    return runs
+
+
+def _check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse problems, step sizes and lengths that the schemes are not run with, and tolerances out of reach."""
+    for key in ("problems", "steps_per_period"):
+        of_schemes = configuration["work_precision"]["schemes"][key]
+        refused = unlisted(key, options[key], f"work_precision.schemes.{key}", of_schemes)
+        if refused is not None:
+            return refused
+    tightest = min(options["tolerances"])
+    if tightest < scipy.SMALLEST_RTOL:
+        return f"tolerances must be at least {scipy.SMALLEST_RTOL:.1e}, the smallest that SciPy takes, not {tightest}."
+    if min(RUNS) not in options["periods"]:
+        return f"periods lacks {min(RUNS)}, the length of the shortest run."
+    return unlisted("periods", options["periods"], "accuracy.periods", configuration["accuracy"]["periods"])
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    """Steps of a scheme, of thirty nanoseconds each, in the time that all solvers may take together."""
+    runs = len(options["problems"]) * len(SOLVERS) * len(options["tolerances"]) * len(RUNS)
+    return runs * options["longest"] / 30e-9
+
+
+@experiment(
+    "work_precision/solvers",
+    check=_check,
+    steps=_number_of_steps,
+    timed=True,
+    temporary=True,
+)
+def work_precision(
+    problems: Springs,
+    tolerances: FallingTolerances,
+    steps_per_period: RisingCounts,
+    periods: RisingCounts,
+    repeats: Repeats,
+    longest: Annotated[float, Gt(0), Le(3600)],
+) -> xr.Dataset:
+    """Measure time and evaluations of every general solver at every tolerance, beside its errors.
+
+    Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
+    and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.
+    A run is repeated until the repeats took ``longest`` seconds. A run of 1,000 periods that would take longer is left
+    out (NaN), and so are all tolerances tighter than one at which 100 periods took longer. The classical Runge-Kutta
+    method, which is also a scheme of the study, is timed in diffrax too.
+
+    Variables of the solvers have the shape (problem, solver, tolerance, periods).
+
+    Parameters
+    ----------
+    steps_per_period
+        N in Δt = T/N of the classical Runge-Kutta method in diffrax.
+    repeats, longest
+        Largest number of repeats of a run, and the time in seconds that they may take.
+    """
+    shape = tuple(map(len, (problems, SOLVERS, tolerances, periods)))
+    measured = {name: np.full(shape, np.nan) for name in MEASURES}
+    seconds, evaluations = np.full((*shape, repeats), np.nan), np.full(shape, np.nan)
+    status = np.full(shape, NOT_TRIED, np.int32)
+    fixed = np.empty((len(problems), len(steps_per_period)))
+    for p, problem in enumerate(problems):
+        definition = problems_by_name[problem]
+        exact_period, certified = exact.period(definition, approximate_periods[problem])
+        period = float(exact_period)
+        last = np.arange(1, SAMPLES + 1) / SAMPLES - 1
+        t = period * np.concatenate([length + last for length in sorted(periods)])
+        exact_solution = exact.folded(definition, t, exact_period, certified)
+        for k, parts in enumerate(steps_per_period):
+            runs = [diffrax.classical_runge_kutta(definition, period / parts, 100 * parts) for _ in range(repeats)]
+            fixed[p, k] = 1e9 * np.median([run.seconds for run in runs]) / (100 * parts)
+        for s, (solver, trajectory) in enumerate(SOLVERS.items()):
+            progress(f"{solver} on {problem}")
+            for k, tolerance in enumerate(tolerances):
+                for length in (length for length in RUNS if length in periods):
+                    shorter = [window for window in periods if window <= length]
+                    times = t[: len(shorter) * SAMPLES]
+                    runs = _repeated(partial(trajectory, definition, times, tolerance), repeats, longest)
+                    for w, window in enumerate(shorter if runs else []):
+                        at, its = (p, s, k, w), slice(w * SAMPLES, (w + 1) * SAMPLES)
+                        seconds[at][: len(runs)] = [run.seconds * window / length for run in runs]
+                        evaluations[at] = runs[0].evaluations * window / length
+                        known = exact_solution._replace(u=exact_solution.u[its], v=exact_solution.v[its])
+                        sampled = runs[0]._replace(u=runs[0].u[its], v=runs[0].v[its])
+                        off = errors(definition, known, sampled, window, period)
+                        for measure, value in off.items():
+                            measured[measure][at] = value
+                        status[at] = LOST if off["max_trajectory_error"] > LOST_ABOVE else FINISHED
+                    if not runs or runs[0].seconds * max(RUNS) / length > longest:
+                        break
+                if not runs or runs[0].seconds * min(RUNS) / length > longest:
+                    break
+    dims = ("problem", "solver", "tolerance", "periods")
+    return xr.Dataset(
+        {
+            f"solver_{name}": (dims, values, dict(zip(("long_name", "units"), MEASURES[name], strict=True)))
+            for name, values in measured.items()
+        }
+        | {
+            "solver_time": ((*dims, "solver_repeat"), seconds, {"long_name": SHARE.format("time"), "units": "s"}),
+            "solver_time_per_run": (
+                dims,
+                np.ma.median(np.ma.masked_invalid(seconds), axis=-1).filled(np.nan),
+                {"long_name": SHARE.format("median time"), "units": "s"},
+            ),
+            "solver_status": (dims, status, flags("how the run ended", STATUS_MEANINGS, np.int32)),
+            "diffrax_rk4_time_per_step": (
+                ("problem", "steps_per_period"),
+                fixed,
+                {"long_name": "median time of a step of the classical Runge-Kutta method in diffrax", "units": "ns"},
+            ),
+            "solver_evaluations": (
+                dims,
+                evaluations,
+                {
+                    "long_name": SHARE.format("evaluations of the right side")
+                    + "; of kvaerno5 its stages, each of which takes "
+                    "several; of heyoka those of a Taylor coefficient; of CVODE without those for its Jacobian",
+                    "units": "1",
+                },
+            ),
+        },
+        coords={
+            "problem": ("problem", list(problems), {"long_name": "problem"}),
+            "solver": ("solver", list(SOLVERS), {"long_name": "adaptive solver"}),
+            "right_side": (
+                "solver",
+                [RIGHT_SIDES[solver] for solver in SOLVERS],
+                {"long_name": "what the right side is; in Python it takes most of the time"},
+            ),
+            "tolerance": ("tolerance", list(tolerances), {"long_name": "relative tolerance asked for", "units": "1"}),
+            "steps_per_period": (
+                "steps_per_period",
+                list(steps_per_period),
+                {"long_name": "steps per period", "units": "1"},
+            ),
+            "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
+        },
+        attrs={"title": "Work and precision of general solvers"},
+    )

@@ -1,0 +1,229 @@
+"""The reference solution of a problem: two routes that share nothing, on grids with all kinks of load and force."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from study.algebra.jit import jit
+from study.assessment.solution import MOST_POINTS, DenseSolution, History, Times, with_points_between
+from study.mechanics.balance import acceleration
+from study.mechanics.definition import Problem
+from study.mechanics.frequencies import frequencies
+from study.mechanics.internal_force import switches
+
+#: Points in the shortest period of small motions, or of the coarsest step, with which a grid begins.
+POINTS = 12
+
+#: Parts of a run in each of which a comparison in the load may get another answer.
+SWITCHES = 4096
+
+#: Points between two kinks of the force, at the least: a contact may be far shorter than a period.
+POINTS_BETWEEN_KINKS = 10
+
+#: Most grids that are tried.
+GRIDS = 6
+
+#: Error of the interpolant that is aimed at on a free oscillator of one unknown, where points are cheap.
+OF_FREE_OSCILLATOR = 1e-8
+
+#: Phase in radians of the highest mode over the run from which on explicit routes take too many steps.
+STIFF = 2e6
+
+#: Most steps of a route.
+MAX_STEPS = 4_000_000
+
+
+class NoReference(ValueError):
+    """No route solves the problem accurately enough; the message says how far they got and why."""
+
+
+class Kinks(NamedTuple):
+    """Times within the run at which a record has a kink, and those at which a comparison in a force or load changes.
+
+    There the load may jump, and a solver starts anew.
+    """
+
+    of_load: Times
+    of_force: Times
+
+
+class Route(NamedTuple):
+    """A way to the solution: its name, and displacement and velocity at increasing times for a tolerance."""
+
+    name: str
+    trajectory: Callable[[Times, float], tuple[History, History]]
+
+
+def _solvers():
+    """The modules of diffrax and CVODE."""
+    try:
+        from reference import diffrax, sundials
+    except ImportError as error:
+        raise NoReference(f"references need the extra 'reference' of this package: {error}.") from None
+    return diffrax, sundials
+
+
+def _switches_of_load(load: Callable | None, duration: float) -> Times:
+    """Times at which a comparison in the program of a load gets another answer; a record declares its kinks itself.
+
+    A solver would step over a load that acts for a moment, and so would its witness.
+    """
+    from scipy import optimize  # here, because importing it takes a third of the time to import the study
+
+    if load is None or hasattr(load, "kinks"):
+        return np.zeros(0)
+    at = jax.jit(lambda t: switches(load, t))
+    times = np.linspace(0.0, duration, SWITCHES + 1)
+    values = np.asarray(jax.lax.map(at, times))
+    places = np.argwhere(np.sign(values[1:]) != np.sign(values[:-1]))
+    roots = (
+        optimize.brentq(lambda t, k=k: float(at(t)[k]), times[i], times[i + 1], xtol=1e-300, rtol=1e-15)
+        for i, k in places
+        if values[i, k] * values[i + 1, k] <= 0
+    )
+    return np.unique(np.asarray(list(roots), float))
+
+
+@partial(jit, compiler=eqx.filter_jit)
+def _accelerations(problem: Problem, t, u, v):
+    def at(history, state):
+        committed = problem.remembering(history).committed(*state[1:])
+        return committed.history, acceleration(committed, *state)
+
+    return jax.lax.scan(at, problem.history, (t, u, v))[1]
+
+
+class Reference:
+    """The kinks of a problem over a duration, its grid, and the two routes that solve it.
+
+    The Taylor method of heyoka takes a free oscillator whose force translates. Otherwise diffrax and CVODE solve the
+    problem: Dopri8 and Adams' method, or, where it is stiff, Kvaerno5 and BDF. No route shares code with a scheme. They
+    solve for a force with a history from commit to commit, in between as a function of u and u̇. That is exact as long
+    as no element turns back before the next commit, so that every place where one does is a kink, and the routes agree
+    on none but such a solution.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    duration
+        Time in seconds.
+
+    Attributes
+    ----------
+    kinks
+        The kinks of load and force; those of the force are found along the motion.
+    routes
+        The two routes, the more accurate one first.
+
+    Raises
+    ------
+    NoReference
+        If an unknown has no mass, or the packages of the extra ``reference`` are not installed.
+    """
+
+    def __init__(self, problem: Problem, duration: float):
+        if problem.massless:
+            raise NoReference(f"the mass of '{problem.title}' is singular, and no reference takes such a problem.")
+        self.problem, self.duration = problem, duration
+        found = frequencies(problem)
+        self._highest = None if found is None else found[-1]
+        stiff = found is not None and found[-1] * duration > STIFF
+        self._methods = ("Kvaerno5", "BDF") if stiff else ("Dopri8", "Adams")
+        self.kinks = self._kinks()
+        self.routes = self._routes()
+
+    def _kinks(self) -> Kinks:
+        load, end = self.problem.load, self.duration
+        declared, found = np.asarray(getattr(load, "kinks", []), float), _switches_of_load(load, end)
+        of_load, of_force = (times[(times > 0) & (times < end)] for times in (declared, found))
+        if self.problem.kinked or self.problem.history is not None:
+            stops = np.union1d(of_load, of_force)
+            along = _solvers()[1].kinks(self.problem, end, stops, self._methods[1])
+            of_force = np.union1d(of_force, along)
+        return Kinks(of_load, of_force)
+
+    def _routes(self) -> tuple[Route, Route]:
+        diffrax, sundials = _solvers()
+        problem, (one_step, several_steps) = self.problem, self._methods
+
+        def by_diffrax(t, rtol):
+            return diffrax.trajectory(problem, t, rtol, one_step, MAX_STEPS)[:2]
+
+        def by_cvode(t, rtol):
+            return sundials.trajectory(problem, t, rtol, several_steps, MAX_STEPS, *self.kinks)[:2]
+
+        of_diffrax = Route(f"diffrax {one_step}", by_diffrax)
+        of_cvode = Route(f"CVODE {several_steps}", by_cvode)
+        if np.ndim(problem.u0) or not problem.conservative:
+            return of_diffrax, of_cvode
+        from reference import symbolic, taylor  # here, because importing them takes a second
+
+        def by_taylor(t, rtol):
+            return taylor.trajectory(problem, t, max(rtol * 1e-2, np.finfo(float).eps))[:2]
+
+        try:
+            symbolic.first_order(problem)
+        except symbolic.Untranslatable:
+            return of_diffrax, of_cvode
+        return Route("heyoka", by_taylor), of_diffrax
+
+    def grid(self, coarsest: float) -> Times:
+        """First times between which the solution is interpolated, with all kinks of load and force."""
+        shortest = coarsest
+        if self._highest is not None and 0 < self._highest < np.inf:
+            shortest = min(coarsest, 2 * np.pi / self._highest)
+        points = int(np.clip(np.ceil(POINTS * self.duration / shortest), 200, MOST_POINTS))
+        return self.with_kinks(np.linspace(0.0, self.duration, points + 1))
+
+    def with_kinks(self, grid: Times) -> Times:
+        """The grid with all kinks, and some points between any two of the force.
+
+        A point next to a kink would only make a short step, and is left out.
+        """
+        of_force, all_kinks = self.kinks.of_force, np.union1d(*self.kinks)
+        ends = np.concatenate([[-np.inf], all_kinks, [np.inf]])
+        after = np.searchsorted(ends, grid)
+        beside = np.minimum(grid - ends[after - 1], ends[after] - grid)
+        kept = beside > 0.1 * np.minimum(np.diff(grid, prepend=-np.inf), np.diff(grid, append=np.inf))
+        kept[[0, -1]] = True
+        merged = np.union1d(grid[kept], all_kinks)
+        few = np.diff(np.searchsorted(merged, of_force)) < POINTS_BETWEEN_KINKS
+        stretches = np.linspace(of_force[:-1], of_force[1:], POINTS_BETWEEN_KINKS + 1)
+        return np.union1d(merged, stretches[:, few])
+
+    def solution(self, route: Route, t: Times, rtol: float) -> DenseSolution:
+        """The solution of a route on a grid that begins at zero."""
+        u, v = route.trajectory(t[1:], rtol)
+        u = np.concatenate([np.asarray(self.problem.u0, float)[None], u])
+        v = np.concatenate([np.asarray(self.problem.v0, float)[None], v])
+        return DenseSolution(t, u, v, np.asarray(_accelerations(self.problem, *map(jnp.asarray, (t, u, v)))))
+
+    def solutions(self, grid: Times, rtol: float, goal: float) -> tuple[DenseSolution, DenseSolution, Times]:
+        """Solutions of both routes, and a grid fine enough for the interpolant of the first one.
+
+        The second solution has points between any two of the first, so that their difference shows the error of the
+        interpolant.
+
+        Parameters
+        ----------
+        grid
+            First grid.
+        goal
+            Error of the interpolant that is aimed at, relative to the largest value.
+        """
+        if not np.ndim(self.problem.u0) and self.problem.conservative:
+            goal = min(goal, OF_FREE_OSCILLATOR)
+        for _ in range(GRIDS):
+            one = self.solution(self.routes[0], grid, rtol)
+            other = self.solution(self.routes[1], with_points_between(grid), rtol)
+            finer = one.refined(other, goal)
+            if len(finer) == len(grid):
+                break
+            grid = finer
+        return one, other, grid

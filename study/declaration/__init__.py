@@ -1,0 +1,1 @@
+"""How experiments declare what they make, read and ask for."""

@@ -1,0 +1,199 @@
+"""What an experiment declares: the datasets that it makes and reads, its options, and how much work they ask for.
+
+    @experiment("accuracy", reads=lambda o: [f"reference/{name}" for name in o["problems"]])
+    def accuracy(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Counts) -> xr.Dataset:
+
+is an experiment whose options are the section ``accuracy`` of the configuration and whose dataset is
+``results/accuracy.nc``. The types of the arguments bound the options (:mod:`study.declaration.options`).
+"""
+
+import importlib
+import inspect
+import pkgutil
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+Options = dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A question of the study, or a reference solution.
+
+    Attributes
+    ----------
+    makes
+        The datasets, by their names in the results.
+    function
+        Makes them, one or a tuple, of its options.
+    section
+        Dotted key of the configuration that holds the options; it may be absent where all of them have defaults.
+    model
+        Type of that section, where it is not the arguments of the function; ``None`` where another experiment has it.
+    options
+        Options out of the whole configuration, where they are not the section.
+    split
+        Jobs of an experiment, by their names: the options of each. The datasets of job ``x`` are ``makes/x``.
+    along
+        Dimensions along which the jobs' datasets are put together to ``makes``; without them they stay apart.
+    parts
+        Folders of the jobs' datasets where they are kept, so that an interrupted experiment goes on with them.
+    reads
+        Names of the datasets that a job reads, by its options.
+    files
+        Other files that a job reads, by its options.
+    check
+        Sentence about options that do not fit each other or the rest of the configuration, or nothing.
+    steps, values
+        About how many steps of all runs, and how many numbers held at once, a job asks for.
+    page
+        Module that makes a page of HTML beside each dataset, of the dataset's file and its own.
+    stops_early
+        Whether runs that decide the result end a job before ``steps``, which is then a bound.
+    timed
+        Whether the experiment measures times, and so has the machine to itself.
+    temporary
+        Whether the datasets are removed once others are made of them.
+    """
+
+    makes: tuple[str, ...]
+    function: Callable
+    section: str
+    model: Any = None
+    options: Callable[[Mapping], Options] | None = None
+    split: Callable[[Options], Mapping[str, Options]] | None = None
+    along: str = ""
+    parts: tuple[str, ...] = ()
+    reads: Callable[[Options], Iterable[str]] = lambda options: ()
+    files: Callable[[Options], Iterable[str]] = lambda options: ()
+    page: str = ""
+    check: Callable[[Options, Mapping], str | None] = lambda options, configuration: None
+    steps: Callable[[Options, Mapping], float] = lambda options, configuration: 0
+    values: Callable[[Options, Mapping], float] = lambda options, configuration: 0
+    stops_early: bool = False
+    timed: bool = False
+    temporary: bool = False
+
+    @property
+    def module(self) -> str:
+        """The module that declares it."""
+        return self.function.__module__
+
+    @property
+    def name(self) -> str:
+        """Name of its rule."""
+        room, *_, last = self.module.split(".")
+        return self.function.__name__ if room == "study" else f"{room}_{last}"
+
+    def options_of(self, configuration: Mapping) -> Options:
+        """The options out of a complete configuration; what it leaves out has the defaults of the function."""
+        if self.options is not None:
+            return self.options(configuration)
+        for key in self.section.split("."):
+            configuration = configuration.get(key, {})
+        return (self.defaults if self.model is None else {}) | dict(configuration)
+
+    @property
+    def defaults(self) -> Options:
+        """The arguments of the function that have defaults, with these."""
+        return {name: default for name, (_, default) in arguments_of(self.function).items() if default is not ...}
+
+    def jobs(self, configuration: Mapping) -> dict[str, Options]:
+        """The options of every job, by the job's name, which is empty where there is only one."""
+        options = self.options_of(configuration)
+        return {"": options} if self.split is None else dict(self.split(options))
+
+    @property
+    def named_jobs(self) -> bool:
+        """Whether the jobs are keys of the section, which messages name."""
+        return self.split is not None and not self.along and self.options is None
+
+    @property
+    def folders(self) -> tuple[str, ...]:
+        """Where the datasets of the jobs lie, one folder for each dataset."""
+        return self.parts or self.makes
+
+
+@dataclass(frozen=True, eq=False)
+class Merged:
+    """A dataset that is merged from several others."""
+
+    makes: str
+    of: tuple[str, ...]
+
+
+#: Folders of the results that hold other products.
+_RESERVED = ("benchmarks", "figures", "logs", "tables")
+#: Every declaration of the modules that have been imported, by module and name.
+DECLARED: dict[tuple[str, str], Experiment | Merged] = {}
+
+
+def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Callable], Callable]:
+    """Declare the decorated function an experiment that makes datasets; see :class:`Experiment` for the rest.
+
+    Raises
+    ------
+    ValueError
+        If the experiment makes no dataset, or one whose name cannot be that of a file, or one that its module declares.
+    """
+    if not makes or not all(isinstance(name, str) for name in makes):
+        raise ValueError('an experiment names the dataset that it makes: @experiment("name").')
+
+    def declare(function: Callable) -> Callable:
+        one = Experiment(makes, function, section or makes[0].replace("/", "."), **declared)
+        for name in (*makes, *one.parts):
+            if not re.fullmatch(r"[a-z0-9_]+(/[a-z0-9_]+)*", name) or name.split("/")[0] in _RESERVED:
+                raise ValueError(
+                    f"{one.module} makes '{name}'; a dataset needs a name of small letters, digits and underscores, in "
+                    f"folders other than {', '.join(_RESERVED)}."
+                )
+        if (one.module, makes[0]) in DECLARED:
+            raise ValueError(f"{one.module} declares the dataset '{makes[0]}' twice; rename one of them.")
+        DECLARED[one.module, makes[0]] = one
+        return function
+
+    return declare
+
+
+def merged(makes: str, of: Sequence[str]) -> None:
+    """Declare a dataset that is merged of others."""
+    DECLARED["", makes] = Merged(makes, tuple(of))
+
+
+#: Packages whose modules declare experiments.
+PACKAGES = ("reference.experiments", "study.experiments", "study.assessment")
+
+
+def discover() -> list[Experiment | Merged]:
+    """All experiments that modules declare."""
+    for name in PACKAGES:
+        package = importlib.import_module(name)
+        for module in pkgutil.iter_modules(package.__path__, f"{name}."):
+            importlib.import_module(module.name)
+    return list(DECLARED.values())
+
+
+def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
+    """Types and defaults of the arguments of a function, as pydantic takes fields; ``...`` is no default."""
+    parameters = inspect.signature(function, eval_str=True).parameters
+    for name, one in parameters.items():
+        if one.annotation is one.empty or one.kind is one.VAR_KEYWORD:
+            raise ValueError(
+                f"{function.__module__}: the argument '{name}' of '{function.__name__}' needs a type, which bounds its "
+                "option in the configuration."
+            )
+        if one.annotation in (str, list[str], Sequence[str]):
+            raise ValueError(
+                f"{function.__module__}: the argument '{name}' of '{function.__name__}' needs a type of "
+                "study.declaration.options, such as ProblemName, SchemeName or Name, from which its job's files follow."
+            )
+    return {
+        name: (one.annotation, ... if one.default is one.empty else one.default) for name, one in parameters.items()
+    }
+
+
+def progress(message: str) -> None:
+    """Print what a job is doing, at once."""
+    print(message, flush=True)

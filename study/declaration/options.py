@@ -1,0 +1,215 @@
+"""Types of the options of experiments, with their bounds.
+
+The arguments of an experiment carry these types; the check of the configuration and its schema follow from them. Every
+job of the pipeline imports this module, so it does not import pydantic, which reads the types and takes a quarter of a
+second.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints, is_typeddict
+
+from annotated_types import Ge, Gt, Le, Len, Lt
+from typing_extensions import TypedDict
+
+
+def section(kind: type) -> type:
+    """A section of the configuration, a TypedDict: it takes no key but its own, and no number of another type."""
+    kind.__pydantic_config__ = {"extra": "forbid", "strict": True}  # type: ignore[attr-defined]
+    return kind
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A check beyond type and bounds.
+
+    Parameters
+    ----------
+    function
+        Takes a value and the registries of names by kind, and returns the value; a ``ValueError`` refuses it.
+    early
+        Whether the check comes before those of type and bounds.
+    """
+
+    function: Callable[[Any, Mapping[str, Any]], Any]
+    early: bool = False
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Callable) -> Any:
+        """What pydantic asks an annotation for."""
+        from pydantic_core import core_schema
+
+        def check(value, info):
+            return self.function(value, info.context)
+
+        schema = handler(source)
+        if self.early:
+            return core_schema.with_info_before_validator_function(check, schema)
+        return core_schema.with_info_after_validator_function(check, schema)
+
+
+def _distinct(values: list, registries: Mapping[str, Any]) -> list:
+    for value in values:
+        if values.count(value) > 1:
+            raise ValueError(f"{value!r} is listed twice")
+    return values
+
+
+def _listed(kind: str) -> Checked:
+    """A name of the registry of this kind, as the registry writes it: datasets and files are called by it."""
+
+    def check(name: str, registries: Mapping[str, Any]) -> str:
+        try:
+            own = registries[kind].resolve(name)
+        except KeyError as error:
+            raise ValueError(str(error.args[0]).rstrip(".")) from None
+        if name != own:
+            raise ValueError(f"write '{own}', the name that the datasets have, for '{name}'")
+        return name
+
+    return Checked(check)
+
+
+def _plain(name: str, registries: Mapping[str, Any]) -> str:
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise ValueError(f"{name!r} must be a name of small letters, digits and underscores")
+    return name
+
+
+def _in_order(span: dict, registries: Mapping[str, Any]) -> dict:
+    if not span["first"] < span["last"]:
+        raise ValueError(f"first, {span['first']}, must be less than last, {span['last']}")
+    return span
+
+
+def _falling(values: list, registries: Mapping[str, Any]) -> list:
+    if values != sorted(values, reverse=True):
+        raise ValueError(f"must fall, not {values}")
+    return values
+
+
+def _rising(values: list, registries: Mapping[str, Any]) -> list:
+    if values != sorted(values):
+        raise ValueError(f"must rise, not {values}")
+    return values
+
+
+@dataclass(frozen=True)
+class Names:
+    """Marks a string that names a ``problem`` or ``scheme``, on whose source file the job then depends."""
+
+    kind: str
+
+
+_FEW = Len(1, 1000)
+_DISTINCT = Checked(_distinct)
+#: ``first`` must be less than ``last``.
+IN_ORDER = Checked(_in_order)
+
+#: Relative damping of linear oscillators.
+DampingRatios = Annotated[list[Annotated[float, Ge(0), Lt(1)]], Len(1, 100), _DISTINCT]
+#: A number of steps, periods or repeats.
+Count = Annotated[int, Ge(1), Le(10_000_000)]
+#: Steps of a run whose every step is stored.
+RecordedSteps = Annotated[int, Ge(1), Le(1_000_000)]
+#: How often something is timed or run again.
+Repeats = Annotated[int, Ge(1), Le(1000)]
+#: The length of an axis of a dataset.
+Length = Annotated[int, Ge(2), Le(10_000)]
+#: A time, a step size or a displacement greater than zero.
+Size = Annotated[float, Ge(1e-9), Le(1e9)]
+#: A relative tolerance, error or perturbation.
+Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
+Counts = Annotated[list[Count], _FEW, _DISTINCT]
+FallingSizes = Annotated[list[Size], _FEW, _DISTINCT, Checked(_falling)]
+#: Periods in s of oscillators under a record, elastic force over strength, and seconds of the record.
+RecordPeriods = Annotated[list[Annotated[float, Ge(0.05), Le(10)]], _FEW, _DISTINCT]
+Reductions = Annotated[list[Annotated[float, Ge(1), Le(100)]], _FEW, _DISTINCT]
+RecordDuration = Annotated[float, Ge(1), Le(100)]
+RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
+Sizes = Annotated[list[Size], _FEW, _DISTINCT]
+Tolerances = Annotated[list[Tolerance], _FEW, _DISTINCT]
+#: Tolerances of solvers, which lose any motion with larger ones.
+FallingTolerances = Annotated[list[Annotated[float, Ge(1e-15), Le(0.1)]], _FEW, _DISTINCT, Checked(_falling)]
+
+#: A name that files can have, and several names.
+Name = Annotated[str, Checked(_plain)]
+PlainNames = Annotated[list[Name], _FEW, _DISTINCT]
+#: Something in a file, FILE.py:NAME, or a problem by name or in a file.
+Place = Annotated[str, Len(1, 1000)]
+ProblemPlace = Annotated[str, Len(1, 1000), Names("problem")]
+#: Any problem, a free oscillator of Xie (1996), a structure with a time scale, and a scheme, each by name.
+ProblemName = Annotated[str, _listed("problem"), Names("problem")]
+Spring = Annotated[str, _listed("spring"), Names("problem")]
+Structure = Annotated[str, _listed("structure"), Names("problem")]
+SchemeName = Annotated[str, _listed("scheme"), Names("scheme")]
+#: A scheme whose displacement and velocity are sums, which can be compensated.
+OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
+Springs = Annotated[list[Spring], _FEW, _DISTINCT]
+Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
+#: Problems whose force or load has kinks or remembers, and a smooth one to compare with.
+KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken"], Names("problem")]
+Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
+Schemes = Annotated[list[SchemeName], _FEW, _DISTINCT]
+#: Schemes of a user's own, FILE.py:NAME.
+OwnSchemes = Annotated[list[str], Len(0, 1000), _DISTINCT]
+OneStepSchemes = Annotated[list[OneStepName], _FEW, _DISTINCT]
+
+
+@section
+class _Numbers(TypedDict):
+    first: Annotated[float, Ge(-1e6), Le(1e6)]
+    last: Annotated[float, Ge(-1e6), Le(1e6)]
+    count: Length
+
+
+@section
+class _StepSizes(TypedDict):
+    first: Size
+    last: Size
+    count: Length
+
+
+@section
+class _PowersOfTen(TypedDict):
+    first: Annotated[float, Ge(-9), Le(9)]
+    last: Annotated[float, Ge(-9), Le(9)]
+    count: Length
+
+
+#: ``count`` evenly spaced numbers, or step sizes, from ``first`` to ``last``.
+Numbers = Annotated[_Numbers, IN_ORDER]
+StepSizes = Annotated[_StepSizes, IN_ORDER]
+#: ``count`` powers of ten; ``first`` and ``last`` are exponents, between which the exponents are evenly spaced.
+PowersOfTen = Annotated[_PowersOfTen, IN_ORDER]
+
+
+@section
+class StructureLength(TypedDict):
+    """How long a structure is run, in its time scale."""
+
+    problem: Structure
+    periods: Annotated[float, Gt(0), Le(10_000)]
+
+
+def _each_once(lengths: list, registries: Mapping[str, Any]) -> list:
+    return _distinct([one["problem"] for one in lengths], registries) and lengths
+
+
+StructureLengths = Annotated[list[StructureLength], Len(1, 1000), Checked(_each_once)]
+
+
+def names_in(kind: Any, value: Any) -> Iterator[tuple[str, str]]:
+    """The problems and schemes that the value of an option names, by its type: pairs of kind and name."""
+    if get_origin(kind) in (Union, UnionType):
+        kind = get_args(kind)[0] if value is not None else None
+    if get_origin(kind) is Annotated:
+        kind, *notes = get_args(kind)
+        yield from ((note.kind, value) for note in notes if isinstance(note, Names))
+    if get_origin(kind) is list:
+        for one in value:
+            yield from names_in(get_args(kind)[0], one)
+    elif is_typeddict(kind):
+        for key, one in get_type_hints(kind, include_extras=True).items():
+            yield from names_in(one, value[key]) if key in value else ()

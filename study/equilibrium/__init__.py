@@ -1,1 +1,0 @@
-"""The balance of forces at one time, and the Newton-Raphson iteration that solves it."""

@@ -1,0 +1,63 @@
+"""Coordinates that experiments share: names of problems and schemes, with their properties."""
+
+from collections.abc import Iterable, Sequence
+
+from study import io
+from study.problem.named import approximate_periods, problems
+from study.scheme.named import schemes
+
+
+def problem_coordinates(names: Sequence[str]) -> dict:
+    """Names of problems along ``problem``, with their titles."""
+    return {
+        "problem": ("problem", list(names), {"long_name": "problem"}),
+        "problem_title": ("problem", [problems[name].title for name in names], {"long_name": "title of the problem"}),
+    }
+
+
+def scheme_coordinates(names: Sequence[str]) -> dict:
+    """Names of schemes along ``scheme``, with title, family, place in it, order, kind, number of forces and source."""
+    families = [[name for name, s in schemes.items() if s.family == schemes[one].family] for one in names]
+    chosen = [schemes[name] for name in names]
+    return {
+        "scheme": ("scheme", list(names), {"long_name": "time integration scheme"}),
+        "scheme_title": ("scheme", [s.title for s in chosen], {"long_name": "title of the scheme"}),
+        "family": ("scheme", [s.family for s in chosen], {"long_name": "family of the scheme"}),
+        "place_in_family": (
+            "scheme",
+            [family.index(schemes.resolve(name)) for family, name in zip(families, names, strict=True)],
+            {"long_name": "place among all schemes of the family", "units": "1"},
+        ),
+        "order": ("scheme", [s.order for s in chosen], {"long_name": "order of accuracy", "units": "1"}),
+        "order_with_damping": (
+            "scheme",
+            [s.order_with_damping for s in chosen],
+            {"long_name": "order of accuracy with damping or a load", "units": "1"},
+        ),
+        "explicit": ("scheme", [int(s.explicit) for s in chosen], {"long_name": "1 where explicit", "units": "1"}),
+        "forces_per_step": (
+            "scheme",
+            [s.forces_per_step for s in chosen],
+            {"long_name": "forces that a step evaluates beside those of Newton's iterations", "units": "1"},
+        ),
+        "forces_per_iteration": (
+            "scheme",
+            [0 if s.explicit else s.forces_per_iteration for s in chosen],
+            {"long_name": "forces that one Newton iteration evaluates", "units": "1"},
+        ),
+        "scheme_source": ("scheme", [s.source for s in chosen], {"long_name": "source of the scheme"}),
+        "doi": ("scheme", [s.doi for s in chosen], {"long_name": "digital object identifier of the source"}),
+    }
+
+
+def steps_per_period_coordinate(values: Iterable[float]) -> dict:
+    """Steps per period along ``steps_per_period``."""
+    attributes = {"long_name": "steps per period", "units": "1"}
+    return {"steps_per_period": ("steps_per_period", list(values), attributes)}
+
+
+def periods(problem: str) -> dict[str, float]:
+    """The rounded period of a spring (of 1996 the printed one), and the exact one of the dataset of its reference."""
+    problems.resolve(problem)  # an unknown name is a clearer message than a missing dataset
+    exact = io.open_dataset(f"reference/{problem}").period.item()
+    return {"printed": approximate_periods[problem], "exact": exact}

@@ -1,0 +1,295 @@
+"""Files of the study: datasets, tables and pages are read here, and written whole or not at all."""
+
+import json
+import os
+import platform
+import secrets
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from study.registry import nearest
+
+#: Folder of the pipeline's products, relative to the folder in which it runs.
+RESULTS = Path("results")
+
+#: Value of the attribute ``source`` of every dataset of this study.
+SOURCE = "study: time integration schemes on non-linear dynamic equations"
+PAPER = (
+    "Y. M. Xie, An assessment of time integration schemes for non-linear dynamic equations, "
+    "Journal of Sound and Vibration 192(1), 1996, 321-331, doi:10.1006/jsvi.1996.0190"
+)
+
+#: Packages whose versions a dataset records. Some are needed for references only, and may be absent.
+_PACKAGES = ("numpy", "scipy", "jax", "jaxlib", "diffrax", "scikit-sundae", "heyoka", "xarray", "netCDF4")
+
+#: Name of this package among the installed ones.
+_NAME = "time-integration-study"
+
+
+def _version() -> str:
+    """Version of this package: of the checkout if there is one, whose installation may be older, or as installed."""
+    pyproject = Path(__file__).parent.parent / "pyproject.toml"
+    project = tomllib.loads(pyproject.read_text()).get("project", {}) if pyproject.exists() else {}
+    return project["version"] if project.get("name") == _NAME else version(_NAME)
+
+
+#: Version of this package, as ``pyproject.toml`` states it.
+__version__ = _version()
+
+
+def _installed() -> Iterator[str]:
+    """Installed packages with their versions."""
+    for package in _PACKAGES:
+        try:
+            yield f"{package} {version(package)}"
+        except PackageNotFoundError:
+            continue
+
+
+def _git(*arguments: str) -> str:
+    try:
+        done = subprocess.run(
+            ["git", *arguments], cwd=Path(__file__).parent, capture_output=True, text=True, check=True
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return done.stdout.strip()
+
+
+def _made_at() -> str:
+    """Date of the sources, never the time of the run, so that the same inputs give the same bytes."""
+    if "SOURCE_DATE_EPOCH" in os.environ:
+        return datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), UTC).isoformat()
+    return _git("log", "-1", "--format=%cI") or "undated"
+
+
+def provenance(title: str, made_by: str) -> dict[str, str]:
+    """Global attributes of a dataset: its title, what made it, and the versions of the sources and packages."""
+    return {
+        "Conventions": "CF-1.11",
+        "title": title,
+        "source": SOURCE,
+        "references": PAPER,
+        "history": f"{_made_at()} made by {made_by}",
+        "version": __version__,
+        "commit": _git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*") or "unknown",
+        "packages": ", ".join(_installed()),
+        "python": ".".join(map(str, sys.version_info[:2])),
+    }
+
+
+def processor() -> str:
+    """Name of this machine's processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def flags(long_name: str, meanings: Sequence[str], dtype: type[np.integer]) -> dict[str, Any]:
+    """Attributes of a variable whose values are places in ``meanings``, as the CF conventions have them.
+
+    Parameters
+    ----------
+    meanings
+        One word each, without spaces.
+    dtype
+        Type of the values of the variable, which CF asks of ``flag_values`` too.
+    """
+    return {
+        "long_name": long_name,
+        "flag_values": np.arange(len(meanings), dtype=dtype),
+        "flag_meanings": " ".join(meanings),
+    }
+
+
+class NotWritten(OSError):
+    """A file could not be written; the message names it and the reason."""
+
+
+class NotRead(ValueError):
+    """A file could not be read; the message names it, the reason, and the command that makes it again."""
+
+
+@contextmanager
+def one_sentence() -> Iterator[None]:
+    """End a command with one sentence, without a traceback, if a file cannot be read or written."""
+    try:
+        yield
+    except (NotRead, NotWritten) as error:
+        raise SystemExit(str(error)) from None
+
+
+def check_writable(path: str | Path) -> Path:
+    """Make the folder of a file and check that the file can be written.
+
+    Raises
+    ------
+    NotWritten
+        If it cannot; the message says why.
+    """
+    path = Path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+        if path.is_dir():
+            raise IsADirectoryError(None, "it is a folder")
+    except OSError as error:
+        raise NotWritten(f"'{path}' cannot be written: {error.strerror}.") from None
+    return path
+
+
+def _encoding(dataset: xr.Dataset) -> dict:
+    """Compression of large variables; no fill value on coordinates and integers, which have no missing values.
+
+    Flags that are floating point, because datasets without them were merged, are stored as integers with a fill value.
+    """
+    encoding: dict = {}
+    for name, variable in dataset.variables.items():
+        flag_type = np.asarray(variable.attrs.get("flag_values", 0.0)).dtype
+        if variable.dtype.kind == "f" and flag_type.kind == "i":
+            encoding[name] = {"dtype": flag_type, "_FillValue": np.array(-1, flag_type)}
+        elif variable.dtype.kind == "f" and name not in dataset.coords:
+            encoding[name] = {"zlib": True, "complevel": 4} if variable.size > 1024 else {}
+        elif variable.dtype.kind in "fiu":
+            encoding[name] = {"_FillValue": None}
+    return encoding
+
+
+def write(content: xr.Dataset | str | bytes, path: str | Path) -> None:
+    """Write a file whole or not at all.
+
+    The content is written to a temporary file next to ``path``, which then takes its place. Of several writers the last
+    one wins, and readers see one of the complete files.
+
+    Raises
+    ------
+    NotWritten
+        If the disk is full, or the file cannot be written for another reason. What was there before stays.
+    """
+    path = check_writable(path)
+    unfinished = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
+    try:
+        if isinstance(content, xr.Dataset):
+            content.to_netcdf(unfinished, engine="netcdf4", encoding=_encoding(content))
+        else:
+            unfinished.write_bytes(content.encode() if isinstance(content, str) else content)
+        with unfinished.open("rb") as file:
+            os.fsync(file.fileno())
+        unfinished.replace(path)
+    except (OSError, RuntimeError) as error:
+        # netCDF has errors of its own for a full disk, which do not say so
+        reason, free = getattr(error, "strerror", None) or error, shutil.disk_usage(path.parent).free
+        raise NotWritten(f"'{path}' cannot be written: {reason}, {free:,} bytes are free.") from error
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def _read_pdf(path: Path) -> bytes:
+    content = path.read_bytes()
+    if not (content.startswith(b"%PDF") and content.rstrip().endswith(b"%%EOF")):
+        raise ValueError("it has no beginning or no end")
+    return content
+
+
+_READERS = {
+    ".nc": lambda path: xr.load_dataset(path, engine="netcdf4"),
+    ".csv": lambda path: pd.read_csv(path, dtype=str, keep_default_na=False),
+    ".json": lambda path: json.loads(path.read_bytes()),
+    ".pdf": _read_pdf,
+}
+
+
+def read(path: str | Path) -> Any:
+    """Read a file of the study.
+
+    Returns
+    -------
+    xarray.Dataset, pandas.DataFrame of texts, content of JSON, or bytes of a PDF
+        According to the suffix of the file.
+
+    Raises
+    ------
+    NotRead
+        If the file is missing, empty or damaged, or is a dataset that was not written by this study.
+    """
+    path = Path(path)
+    again = f"move it away, and `snakemake {path}` makes it again."
+    if not path.is_file():
+        raise NotRead(f"there is no file '{path}'; `snakemake {path}` makes those of the study.")
+    if path.stat().st_size == 0:
+        raise NotRead(f"'{path}' cannot be used, it is empty: {again}")
+    try:
+        content = _READERS[path.suffix](path)
+    except (OSError, RuntimeError, ValueError) as error:
+        raise NotRead(f"'{path}' cannot be used, it is damaged or no {path.suffix} file ({error}): {again}") from None
+    if isinstance(content, xr.Dataset) and content.attrs.get("source") != SOURCE:
+        raise NotRead(f"'{path}' cannot be used, it was not written by this study: {again}")
+    return content
+
+
+#: The datasets that may be opened by name; all of them outside of an experiment.
+_READABLE: ContextVar[frozenset[str] | None] = ContextVar("readable", default=None)
+
+
+@contextmanager
+def reading_only(names: Iterable[str]) -> Iterator[None]:
+    """Refuse to open any other dataset by name, so that an experiment reads what it declares."""
+    token = _READABLE.set(frozenset(names))
+    try:
+        yield
+    finally:
+        _READABLE.reset(token)
+
+
+def open_dataset(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
+    """Open a dataset of the study by name, for instance ``study.open_dataset("energy_error")``.
+
+    Parameters
+    ----------
+    name
+        Name of the file without its suffix, relative to the folder: ``"reference/hardening"``.
+    folder
+        Folder of the results.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such dataset; the message gives the nearest name and the command that makes the dataset.
+    ValueError
+        If a file is given in place of a name, or if it is damaged or was not written by this study.
+    """
+    if str(name).endswith(".nc"):
+        raise ValueError(
+            "study.open_dataset takes a name such as 'accuracy' or 'reference/hardening', and the folder of results "
+            f"elsewhere as `folder`, not the file '{name}'."
+        )
+    declared = _READABLE.get()
+    if declared is not None and name not in declared:
+        raise ValueError(f"the dataset '{name}' is read without being declared; add it to the reads of the experiment.")
+    path = Path(folder) / f"{name}.nc"
+    if not path.exists():
+        present = sorted(p.relative_to(folder).with_suffix("").as_posix() for p in Path(folder).rglob("*.nc"))
+        near = nearest(str(name), present)
+        question = f"did you mean {' or '.join(map(repr, near))}? If not, " if near else ""
+        raise FileNotFoundError(
+            f"there is no dataset '{path}'; {question}`snakemake {path}` makes those of the study, in the folder of "
+            "its sources, and `folder` names results elsewhere."
+        )
+    return read(path)

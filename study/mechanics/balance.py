@@ -1,0 +1,267 @@
+r"""The balance of forces that every scheme solves, and the Newton-Raphson iteration that solves it.
+
+In every implicit scheme the new displacement and velocity are affine in one unknown acceleration a,
+
+.. math::
+
+    u &= \tilde u + c_u a, \quad \dot u = \tilde v + c_v a \\
+    M a + C (\tilde v + c_v a) + w\,p(\tilde u + c_u a) &= r
+
+The schemes differ in ũ, ṽ, c_u and c_v, in the weight w of the internal force and in the right side r. A force may take
+the velocity ṽ + c_v a too, and a history, which the iteration leaves as it was committed. A problem may have a constant
+stiffness K, so that its internal force is K u + p; then only p is differentiated.
+
+Newton corrections are never shortened where the force is smooth. Halving those that do not reduce the out-of-balance
+force was tried: it saves half of the runs that fail on softening springs with steps beyond a fifth of the period, but
+loses more runs of structures with stiff members that rotate. Where the slope of the force may jump, the iteration could
+go to and fro between two branches for ever. With one unknown it is then kept between two accelerations with residuals
+of opposite signs, and bisects where Newton's correction leaves them or does not halve. With several unknowns a
+correction that goes too far is shortened to where the residual along it is nearly zero.
+
+References
+----------
+P. Deuflhard, Newton methods for nonlinear problems, Springer, 2004.
+M. A. Crisfield, Non-linear finite element analysis of solids and structures, vol. 1, Wiley, 1991, section 9.2.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Protocol
+
+import jax.numpy as jnp
+from jax import lax
+
+from study.algebra.arrays import Matrix, ScalarLike, Vector
+from study.algebra.elimination import solve
+from study.algebra.matrices import Banded, add, dense, product, times
+from study.algebra.sparse import Sparse
+from study.mechanics.definition import Problem
+from study.mechanics.newton import TOLERANCES, iterated, narrowed, norm, opened_closure, root, shortened
+from study.mechanics.state import Effort
+from study.mechanics.tangent import FormOfTangent, force_and_tangent
+
+
+class System(Protocol):
+    """The terms of a problem that a balance needs: p, K, M, C and the form of ∂p/∂u."""
+
+    @property
+    def internal_force(self) -> Callable:
+        """The force K u + p as a function of u and u̇."""
+
+    @property
+    def varying_force(self) -> Callable:
+        """The force p as a function of u and u̇."""
+
+    @property
+    def linear(self) -> bool:
+        """Whether there is no p."""
+
+    @property
+    def stiffness(self) -> Matrix:
+        """K, zero if None."""
+
+    @property
+    def takes_velocity(self) -> bool:
+        """Whether p depends on u̇."""
+
+    @property
+    def kinked(self) -> bool:
+        """Whether the slope of p may jump."""
+
+    @property
+    def mass(self) -> Matrix:
+        """M, the identity if None."""
+
+    @property
+    def damping(self) -> Matrix:
+        """C, zero if None."""
+
+    @property
+    def tangent(self) -> FormOfTangent:
+        """Form of ∂p/∂u as in :func:`study.mechanics.tangent.force_and_tangent`."""
+
+
+def _inertia(problem: System, c_v: Matrix, n: int) -> Matrix:
+    """M + c_v C; without c_v, M keeps its form, a diagonal where C is a band."""
+    mass = 1.0 if problem.mass is None else problem.mass
+    without = problem.damping is None or (isinstance(c_v, float) and c_v == 0)
+    return mass if without else add(mass, product(problem.damping, c_v, n), n=n)
+
+
+def _less_damping(problem: System, rhs, v: Vector):
+    """The right side minus C v."""
+    return rhs if problem.damping is None else rhs - times(problem.damping, v)
+
+
+def load(problem: Problem, t: ScalarLike) -> Vector | float:
+    """f(t), or without a load the constant zero, which the compiler drops."""
+    return 0.0 if problem.load is None else problem.load(jnp.asarray(t))
+
+
+def acceleration(problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: ScalarLike = 0.0) -> Vector:
+    """Acceleration a with M a + C (v + c_v a) + p(u, v) = f(t): one force, one linear solve, no iteration."""
+    rhs = _less_damping(problem, load(problem, t) - problem.internal_force(u, v), v)
+    return solve(_inertia(problem, c_v, u.size), rhs)
+
+
+def acceleration_within(
+    problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: ScalarLike, guess: Vector
+) -> tuple[Vector, Effort]:
+    """Acceleration a with M a + C (v + c_v a) + p(u, v + c_v a) = f(t), and the effort to find it.
+
+    Where the internal force does not depend on the velocity this is :func:`acceleration`, without iteration.
+    """
+    if not problem.takes_velocity:
+        return acceleration(problem, t, u, v, c_v), Effort()
+    return balance(problem, load(problem, t), u, v, 0.0, c_v, guess)
+
+
+def initial_acceleration(problem: Problem, u0: Vector, v0: Vector) -> Vector:
+    """Acceleration at t = 0; zero for an unknown without mass, which the equation of motion leaves undetermined."""
+    if not problem.massless:
+        return acceleration(problem, 0.0, u0, v0)
+    rhs = _less_damping(problem, load(problem, 0.0) - problem.internal_force(u0, v0), v0)
+    if isinstance(problem.mass, Sparse):
+        diagonal = problem.mass.pattern.diagonal
+        massless = problem.mass.values[diagonal] == 0
+        with_ones = problem.mass.plus(massless.astype(rhs.dtype), diagonal)
+        return solve(with_ones, jnp.where(massless, 0.0, rhs))
+    if not isinstance(problem.mass, Banded) and jnp.ndim(problem.mass) == 1:
+        return jnp.where(problem.mass > 0, rhs / problem.mass, 0.0)
+    return jnp.linalg.pinv(dense(problem.mass, u0.size), hermitian=True) @ rhs
+
+
+def balance(
+    problem: System,
+    rhs: Vector | float,
+    u: Vector,
+    v: Vector,
+    c_u: Matrix,
+    c_v: Matrix,
+    guess: Vector,
+    weight: ScalarLike = 1.0,
+    force: Callable | None = None,
+    symmetric: bool = True,
+    tolerance: ScalarLike | None = None,
+) -> tuple[Vector, Effort]:
+    r"""Acceleration a that balances the forces, by Newton-Raphson iteration.
+
+    .. math::
+
+        M a + C (v + c_v a) + w\,p(u + c_u a, v + c_v a) = r
+
+    The tangent is that of the force from its committed history.
+
+    Parameters
+    ----------
+    problem
+        The terms M, C and p.
+    rhs
+        r, of the shape of ``u``.
+    u, v
+        The predictors ũ and ṽ.
+    c_u, c_v
+        Factors of the acceleration in displacement and velocity: numbers, or matrices (n, n) in any form.
+    guess
+        Acceleration at which the iteration starts.
+    weight
+        w, the weight of the internal force.
+    force
+        Internal force as a function of u + c_u a and v + c_v a, in place of the problem's p, which has no stiffness
+        beside it then.
+    symmetric
+        Whether the tangent is symmetric if M and C are.
+    tolerance
+        The iteration ends at the latest when a correction changes the displacement by less than this part of it, or
+        the velocity if the force depends on it; by default that of ``TOLERANCES``.
+
+    Returns
+    -------
+    tuple
+        The acceleration, and the :class:`Effort` with its flag of convergence within ``MAX_ITERATIONS``. A value that
+        is not finite ends the iteration at once and remains in the acceleration.
+    """
+    force, whole = (problem.varying_force, problem.internal_force) if force is None else (force, force)
+    n, tolerances = u.size, TOLERANCES[u.dtype]
+    tolerance = tolerances.displacement if tolerance is None else tolerance
+    inertia = _inertia(problem, c_v, n)
+    rhs = _less_damping(problem, rhs, v)
+    weighted = product(weight, c_u, n)
+    # assembled once; Newton's iterations add what varies
+    constant = inertia if problem.stiffness is None else add(inertia, product(problem.stiffness, weighted, n), n=n)
+    # what a correction is compared with
+    start, reach = (v, c_v) if problem.takes_velocity else (u, c_u)
+
+    def internal_force(of, a):
+        velocity = v + times(c_v, a) if problem.takes_velocity else v
+        return of(u + times(c_u, a), velocity)
+
+    def internal_and_effective(a):
+        if problem.takes_velocity:
+            value, tangent = force_and_tangent(partial(internal_force, force), a, _coupled(problem.tangent, c_u))
+            tangent = product(weight, tangent, n)
+        else:
+            value, tangent = force_and_tangent(lambda u: force(u, v), u + times(c_u, a), problem.tangent)
+            tangent = product(tangent, weighted, n)
+        if problem.stiffness is not None:
+            value = value + times(problem.stiffness, u + times(c_u, a))
+        return weight * value, add(constant, tangent, n=n)
+
+    def residual(a):
+        return times(inertia, a) + weight * internal_force(whole, a) - rhs
+
+    def solved(effective, x):
+        return solve(effective, x, symmetric and not problem.takes_velocity)
+
+    if problem.linear:
+        return guess - solved(constant, residual(guess)), Effort(jnp.ones((), int))
+
+    def iterate(a, before):
+        internal, effective = internal_and_effective(a)
+        inertial = times(inertia, a)
+        out_of_balance = inertial + internal - rhs
+        correction = solved(effective, out_of_balance)
+        if problem.kinked and jnp.ndim(u):
+            correction = shortened(residual, a, correction, out_of_balance)
+        a = a - correction
+        moved, size = norm(times(reach, correction)), norm(start) + norm(times(reach, a))
+        unfinished = moved > tolerance * size
+        if jnp.ndim(u):
+            forces = norm(inertial) + norm(internal) + norm(rhs)
+            unfinished |= (norm(out_of_balance) > tolerances.force * forces) & (moved > tolerances.round_off * size)
+        else:
+            predicted = moved**3 <= tolerances.predicted * size * before**2
+            unfinished &= ~((moved <= tolerances.near * size) & predicted)
+        return a, unfinished, moved
+
+    def iterate_between(bracket, before):
+        a = bracket[0]
+        internal, effective = internal_and_effective(a)
+        out_of_balance = times(inertia, a) + internal - rhs
+        bracket = narrowed(bracket, out_of_balance, solved(effective, out_of_balance))
+        moved, size = norm(reach * (bracket[0] - a)), norm(start) + norm(reach * bracket[0])
+        return bracket, moved > tolerance * size, moved
+
+    def differentiable(a):
+        opened, given = opened_closure(residual, a)
+        solution, fixed = opened_closure(lambda r, a: solved(internal_and_effective(a)[1], r), a, a)
+        return root(opened, solution, a, given, fixed)
+
+    nothing, bracketed = jnp.zeros((), u.dtype), problem.kinked and not jnp.ndim(u)
+    if bracketed:
+        iterate, guess = iterate_between, jnp.stack([guess, -jnp.inf, jnp.inf, jnp.inf])
+    opened, given = opened_closure(iterate, guess, nothing)
+    given = lax.stop_gradient(given)
+    a, unfinished, iterations = lax.stop_gradient(guess), jnp.ones((), bool), jnp.zeros((), int)
+    if not jnp.ndim(guess):
+        # most steps need two iterations, one to correct and one to confirm: these two are written out before the loop,
+        # which for several unknowns would double what is compiled and save little
+        once, _, moved = opened((a, nothing), given)
+        (a, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)
+    a, unfinished, iterations = iterated(opened, given, (a, unfinished, iterations))
+    return differentiable(a[0] if bracketed else a), Effort(iterations, ~unfinished)
+
+
+def _coupled(form: FormOfTangent, c_u: Matrix) -> FormOfTangent:
+    """Form of a tangent after multiplication by ``c_u``."""
+    return form + c_u.half_bandwidth if isinstance(form, int) and isinstance(c_u, Banded) else form

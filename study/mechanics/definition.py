@@ -1,0 +1,316 @@
+"""Equation (1): M ü + C u̇ + K u + p = f(t), with u(0) and u̇(0); p is of u, or also of u̇ and of a history."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import fields
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from study.algebra.arrays import Matrix, PositionsLike, Scalar, Vector, VectorLike, as_float64
+from study.algebra.matrices import add, times
+from study.algebra.sparse import is_sparse
+from study.mechanics import checks, function_checks, tangent
+from study.mechanics.forms import entries_of, form_of_tangent, stored
+from study.mechanics.ground import GroundLoad, GroundMotion
+from study.mechanics.internal_force import as_history, depends_on_last, may_have_kinks, number_of_arguments
+from study.mechanics.terms import Rayleigh, gradient, rayleigh_matrix
+
+#: Arguments of a problem that are numbers.
+NUMBERS = ("u0", "v0", *checks.MATRICES, "positions", "influence")
+
+
+class Problem(eqx.Module):
+    r"""A second-order initial value problem, Xie (1996), equation (1).
+
+    .. math::
+
+        M \ddot u + C \dot u + p(u) = f(t), \quad u(0) = u_0, \quad \dot u(0) = v_0
+
+    A problem needs a force (or a potential, or a stiffness) and ``u0``. All else is optional, and an absent term costs
+    nothing: it is not in the compiled loop.
+
+    Parameters
+    ----------
+    force
+        Internal force p(u), written with ``jax.numpy``; returns the shape of ``u``. Without it, the force is the
+        gradient of the potential, if there is one. A function of two arguments is p(u, u̇). One of three takes a
+        history too, and returns the force and the new history: see ``history``. If it branches, as contact does,
+        Newton's iteration is safeguarded.
+    u0, v0
+        Displacement and velocity at t = 0, both of shape () or (n,). The default velocity is zero.
+    history
+        What a force with a memory remembers, at rest: any arrays of real numbers, in any containers. By default the
+        attribute ``history`` of the force, as :mod:`study.materials` have it. ``force(u, u̇, history)`` is that of a
+        motion from the end of the last step, where the history was committed, to u and u̇. Newton's iterations and the
+        stages of a scheme start from the committed history; the end of the step commits the new one. At u and u̇ where
+        it was committed, the new history must give the same force and return itself.
+    stiffness
+        K, the constant part of the internal force, which is K u + p then: a number, a diagonal (n,), or a symmetric
+        matrix (n, n), dense, of :mod:`scipy.sparse`, or a ``BCOO`` of :mod:`jax.experimental.sparse`, whose entries
+        may depend on what JAX differentiates or on the lane of a family. Only p is differentiated. A problem with a
+        stiffness and no force is linear, and takes one solution a step without iteration. With sparse matrices p should
+        act on few unknowns or couple neighbours; the factorisation follows the pattern, and is kept while the matrix
+        stays.
+    potential
+        V(u) with p = ∂V/∂u, a scalar, or a :class:`study.StrainEnergy`; V(u, history) for a force with a history. Of a
+        force that dissipates it is the energy that is stored. Only energies and conserving schemes need it.
+    mass
+        M: a number, a diagonal (n,) or a symmetric matrix (n, n), dense or sparse; the identity by default. An unknown
+        without mass makes M singular. Implicit schemes that are stable at infinite frequency can step such a problem;
+        ``u0`` and ``v0`` should leave the unknown in balance, because schemes that do not damp make it oscillate from
+        step to step otherwise.
+    damping
+        C: a number, a diagonal, a matrix (dense or sparse; symmetric if the tangent is matrix-free) or
+        :class:`study.Rayleigh`; zero by default.
+    load
+        f(t), of the shape of ``u``. If its slope jumps, an attribute ``kinks`` may hold the times, which references
+        then step on.
+    ground, influence
+        Motion of the ground, and the displacement ι (of the shape of ``u``) of the unknowns for a unit displacement of
+        the ground, one for each by default. The unknowns are then relative to the ground, whose acceleration a adds the
+        load −M ι a(t).
+    tangent
+        Form of ∂p/∂u with several unknowns: ``diagonal``, ``tridiagonal``, ``dense``, ``matrix_free`` (for symmetric
+        tangents), the half bandwidth as a number, or a sparse matrix with an entry wherever ∂p/∂u has one. By default
+        it is found from the tangent at two displacements, and is sparse for more than a thousand unknowns. Declare it
+        if the force couples other unknowns later, as in contact. Bands are eliminated without pivoting between rows
+        that are far apart; a saddle point needs such pivoting, and is ``dense``. Number the joints of a mesh along its
+        short side: a narrow band is much faster. Of sparse matrices the order does not matter.
+    positions
+        Positions of the masses at u = 0, of shape (points, directions); u is their change, point by point. Only
+        momenta need them.
+    title
+        Name of the problem in figures and datasets.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If shapes do not fit each other, a number is not finite, a matrix is not symmetric, the force is not the
+        gradient of the potential, the declared form is not that of the tangent, or an argument is not a function.
+    """
+
+    force: Callable = None  # type: ignore[assignment]
+    u0: VectorLike = None
+    v0: VectorLike = None
+    history: Any = eqx.field(default=None, kw_only=True)
+    potential: Callable | None = eqx.field(default=None, kw_only=True)
+    stiffness: Matrix = eqx.field(default=None, kw_only=True)
+    mass: Matrix = eqx.field(default=None, kw_only=True)
+    damping: Matrix = eqx.field(default=None, kw_only=True)
+    load: Callable | None = eqx.field(default=None, kw_only=True)
+    ground: GroundMotion | None = eqx.field(default=None, kw_only=True)
+    influence: VectorLike = eqx.field(default=None, kw_only=True)
+    tangent: Any = eqx.field(default=None, kw_only=True, static=True)
+    positions: PositionsLike = eqx.field(default=None, kw_only=True)
+    title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
+    #: The history at rest, which stays as others are committed.
+    _at_rest: Any = eqx.field(default=None, kw_only=True, repr=False)
+    #: Whether M is singular.
+    massless: bool = eqx.field(init=False, static=True)
+    #: Number of arguments of the force.
+    arguments: int = eqx.field(init=False, static=True)
+    #: Whether the force depends on the velocity.
+    takes_velocity: bool = eqx.field(init=False, static=True)
+    #: Whether the slope of the force may jump.
+    kinked: bool = eqx.field(init=False, static=True)
+
+    @jax.enable_x64(True)  # the checks compare with round-off of double precision; a run may use single precision
+    def __post_init__(self):
+        for name in NUMBERS:
+            setattr(self, name, checks.numbers_or_matrix(name, getattr(self, name)))
+        if self.v0 is None and self.u0 is not None:
+            self.v0 = np.zeros(np.shape(self.u0))
+        checks.check_shapes(self)
+        for name in NUMBERS:
+            checks.check_finite(name, getattr(self, name))
+
+        traced = isinstance(self.u0, jax.core.Tracer)
+        derived = self.force is None and self.potential is not None
+        if derived:
+            self.force = eqx.Partial(gradient, self.potential)
+        if self.ground is not None:
+            self.load = self._with(self.ground)
+        self._count_arguments()
+        function_checks.check_functions(self)
+        self.kinked = not self.linear and may_have_kinks(self.varying_force, self.u0, self.v0)
+        self.takes_velocity = self.arguments > 1 and depends_on_last(self.varying_force, self.u0, self.v0)
+        if self.history is not None and not traced:
+            with suppress(*function_checks.NOT_TRACEABLE):
+                function_checks.check_history(self.force, self.u0, self.v0, self.history, self.title)
+        if self.linear:
+            self.potential = _nothing
+        elif self.potential is not None and not derived and not traced:
+            with suppress(*function_checks.NOT_TRACEABLE):  # numbers that JAX traces have no values to compare
+                if self.history is None:
+                    function_checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
+                else:
+                    function_checks.check_stored_energy(self.force, self.potential, self.u0, self.history, self.title)
+
+        checks.check_symmetry("mass", self.mass)
+        checks.check_symmetry("stiffness", self.stiffness)
+        # conjugate gradients need a symmetric one; otherwise damping may be gyroscopic
+        if isinstance(self.tangent, str) and self.tangent == "matrix_free":
+            checks.check_symmetry("damping", self.damping)
+        self.massless = checks.is_singular(self.mass)
+
+        force = None if self.linear else self._coupling()
+        sparse_ones = [of for name in checks.MATRICES if (of := entries_of(getattr(self, name), name)) is not None]
+        self.tangent = form_of_tangent(force, self.u0, self.tangent, self.massless, sparse_ones, self.title)
+        for name in checks.MATRICES:
+            setattr(self, name, stored(getattr(self, name), self.tangent))
+        if isinstance(self.damping, Rayleigh):
+            self.damping = self._rayleigh(self.damping)
+
+    def _count_arguments(self) -> None:
+        """The number of arguments of the force, and its history at rest."""
+        function_checks.check_defaults(self.force, self.title)
+        self.arguments = number_of_arguments(self.force) if callable(self.force) else 1
+        if self.history is None:
+            self.history = getattr(self.force, "history", None)
+        if self.history is not None:
+            self.history = self._at_rest = as_history(self.history, self.title)
+        if self.arguments > 3 or (self.arguments == 3) != (self.history is not None):
+            given = "a history" if self.history is not None else "no history"
+            raise ValueError(
+                f"force of '{self.title}' takes {self.arguments} arguments, and the problem has {given}: give "
+                "force(u), force(u, v), or force(u, v, history) with Problem(history=...)."
+            )
+
+    def _without_velocity(self) -> Callable:
+        """The force p(u, 0) as a function of u."""
+        return self.force if not self.dissipative else lambda u: self.varying_force(u, jnp.zeros_like(u))
+
+    def _coupling(self) -> Callable:
+        """A function of u whose derivative has an entry wherever ∂p/∂u or ∂p/∂u̇ has one."""
+        return self.force if not self.dissipative else lambda u: self.varying_force(u, self.v0 + (u - self.u0))
+
+    def _with(self, ground: GroundMotion) -> GroundLoad:
+        """The load with that of the moving ground."""
+        checks.check_ground(ground, self.load, self.title)
+        if self.influence is None:
+            self.influence = np.ones(np.shape(self.u0))
+        moved = self.mass @ self.influence if is_sparse(self.mass) else self.momentum(self.influence)
+        return GroundLoad(as_float64(moved), ground, self.load)
+
+    def _rayleigh(self, damping: Rayleigh) -> Matrix:
+        """C of Rayleigh damping, from the tangent at u = 0."""
+        checks.check_rayleigh(damping, self.title)
+        mass = 1.0 if self.mass is None else self.mass
+
+        def matrix(u):
+            return rayleigh_matrix(damping, mass, self.stiffness_at(u), u.size)
+
+        # a matrix-free one holds functions, which a compiled function cannot return
+        at_once = matrix if self.tangent == "matrix_free" else jax.jit(matrix)
+        return checks.finite_damping(at_once(jnp.zeros_like(self.u0)), self.title)
+
+    def untitled(self) -> "Problem":
+        """The same problem without its title: problems that differ in the title alone share a compiled program."""
+        copy = self._copy()
+        object.__setattr__(copy, "title", "untitled")
+        return copy
+
+    def _copy(self) -> "Problem":
+        """A copy that is not checked again."""
+        copy = object.__new__(type(self))
+        for field in fields(self):
+            object.__setattr__(copy, field.name, getattr(self, field.name))
+        return copy
+
+    def at(self, state: Any) -> "Problem":
+        """The problem with the history that a state has committed; without a history the problem itself."""
+        return self if self.history is None else self.remembering(state.history)
+
+    def at_rest(self) -> "Problem":
+        """The problem with its first history."""
+        return self if self.history is None else self.remembering(self._at_rest)
+
+    def remembering(self, history: Any) -> "Problem":
+        """The problem with another history."""
+        copy = self._copy()
+        object.__setattr__(copy, "history", history)
+        return copy
+
+    def committed(self, u: VectorLike, v: VectorLike) -> "Problem":
+        """The problem with the history after a motion to u and u̇; without a history the problem itself."""
+        return self if self.history is None else self.remembering(self.force(u, v, self.history)[1])
+
+    def stiffness_at(self, u: VectorLike) -> Matrix:
+        """K + ∂p/∂u at displacement u and without velocity."""
+        if self.linear:
+            return self.stiffness
+        _, varying = tangent.force_and_tangent(self._without_velocity(), u, self.tangent)
+        return varying if self.stiffness is None else add(varying, self.stiffness, n=np.size(u))
+
+    def __repr__(self) -> str:
+        force = f"p({', '.join(('u', 'u̇', 'history')[: self.arguments])})"
+        present = {
+            "ü" if self.mass is None else "M ü": True,
+            "C u̇": self.damping is not None,
+            "K u": self.stiffness is not None,
+            force: not self.linear,
+        }
+        equation = " + ".join(term for term, there in present.items() if there)
+        start = f"{np.size(self.u0)} unknowns" if np.ndim(self.u0) else f"u(0) = {self.u0}, u̇(0) = {self.v0}"
+        return f"{self.title}: {equation} = {0 if self.load is None else 'f(t)'}\n{start}"
+
+    @property
+    def linear(self) -> bool:
+        """Whether the internal force is K u alone."""
+        return self.force is None
+
+    @property
+    def damped(self) -> bool:
+        """Whether forces depend on the velocity."""
+        return self.damping is not None or self.takes_velocity
+
+    @property
+    def dissipative(self) -> bool:
+        """Whether the internal force has a velocity or a history, so that it may dissipate."""
+        return self.arguments > 1
+
+    @property
+    def conservative(self) -> bool:
+        """Whether the energy is constant: no damping, no load, and a force of the displacement alone."""
+        return self.damping is None and self.load is None and not self.dissipative
+
+    def internal_force(self, u: VectorLike, v: VectorLike) -> Vector:
+        """The force K u + p at displacement u and velocity u̇, from the committed history."""
+        if self.stiffness is None:
+            return self.varying_force(u, v)
+        elastic = times(self.stiffness, u)
+        return elastic if self.linear else elastic + self.varying_force(u, v)
+
+    def static_force(self, u: VectorLike) -> Vector:
+        """The force K u + p at displacement u and without velocity, from the committed history."""
+        return self.internal_force(u, jnp.zeros_like(u))
+
+    def varying_force(self, u: VectorLike, v: VectorLike) -> Vector:
+        """The force p, without K u."""
+        if self.history is not None:
+            return self.force(u, v, self.history)[0]
+        return self.force(u, v) if self.arguments == 2 else self.force(u)
+
+    def momentum(self, v: VectorLike) -> Vector:
+        """M u̇."""
+        return v if self.mass is None else times(self.mass, v)
+
+    def energy(self, u: VectorLike, v: VectorLike) -> Scalar:
+        """Kinetic and potential energy ½ u̇ᵀ M u̇ + ½ uᵀ K u + V, the scalar E of Xie (1996), eqs (4) and (5)."""
+        return 0.5 * jnp.vdot(v, self.momentum(v)) + self.stored_energy(u)
+
+    def stored_energy(self, u: VectorLike) -> Scalar:
+        """½ uᵀ K u + V at displacement u, with the committed history."""
+        if self.potential is None:
+            raise ValueError("the energy of a problem needs its potential: give Problem(potential=...).")
+        stored = self.potential(u) if self.history is None else self.potential(u, self.history)
+        return stored if self.stiffness is None else stored + 0.5 * jnp.vdot(u, times(self.stiffness, u))
+
+
+def _nothing(u: Vector) -> Scalar:
+    """The potential of a linear problem beside ½ uᵀ K u."""
+    return jnp.zeros((), u.dtype)

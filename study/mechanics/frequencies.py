@@ -1,0 +1,47 @@
+"""Circular frequencies of small motions about a state of a problem."""
+
+from functools import partial
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from study.algebra.arrays import VectorLike
+from study.algebra.jit import jit
+from study.algebra.matrices import dense
+from study.mechanics.definition import Problem
+from study.mechanics.tangent import FINDABLE
+
+
+@partial(jit, compiler=eqx.filter_jit)
+def _stiffness(force, u):
+    return jax.jacfwd(lambda u: force(u, jnp.zeros_like(u)))(u)
+
+
+def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | None:
+    """Circular frequencies ω in ascending order, from det(K − ω² M) = 0 with K = ∂p/∂u at ``u``, by default u₀.
+
+    A mode without mass has an infinite frequency; one that grows instead of oscillating, with ω² < 0, has zero.
+
+    Returns
+    -------
+    numpy.ndarray or None
+        Of shape (n,), at least (1,); None for more unknowns than a full matrix is worth, or a tangent that is not
+        finite.
+    """
+    n = np.size(problem.u0)
+    if n > FINDABLE:
+        return None
+    at = np.asarray(problem.u0 if u is None else u, float)
+    stiffness = np.asarray(_stiffness(problem.untitled().internal_force, at)).reshape(n, n)
+    mass = np.eye(n) if problem.mass is None else np.asarray(dense(problem.mass, n))
+    if not np.isfinite(stiffness).all():
+        return None
+    # of K⁻¹ M where the mass is singular: its zero eigenvalues are the infinite frequencies
+    if problem.massless:
+        flexibility = np.linalg.lstsq(stiffness, mass, rcond=None)[0]
+        periods_squared = np.clip(np.linalg.eigvals(flexibility).real, 0, None)
+        with np.errstate(divide="ignore"):
+            return np.sort(1 / np.sqrt(periods_squared))
+    return np.sqrt(np.clip(np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real), 0, None))

@@ -1,0 +1,206 @@
+"""Checks of a problem's functions, made once when the problem is made.
+
+Each check calls them as a run does, and refuses what a run could not use with a sentence that names the function, what
+was received and what is expected.
+"""
+
+import inspect
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from study.mechanics.terms import StrainEnergy
+
+#: Names of arguments that a force takes from the motion.
+NEVER_OPTIONAL = ("v", "velocity", "history")
+
+#: A potential and its force may differ by this part of the force: the error of a central difference.
+GRADIENT_AGREEMENT = 1e-5
+
+
+#: What a function raises that JAX cannot trace.
+NOT_TRACEABLE = (
+    jax.errors.ConcretizationTypeError,
+    jax.errors.TracerArrayConversionError,
+    jax.errors.TracerIntegerConversionError,
+)
+
+
+def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
+    """For each function of a problem: what it is given, in words and as arrays, and the shape of what it returns."""
+    shape = np.shape(problem.u0)
+    u, v, history = ("the displacement", problem.u0), ("the velocity", problem.v0), ("the history", problem.history)
+    memory = () if problem.history is None else (history,)
+    given = {
+        "force": (shape, u, *((v,) if problem.arguments > 1 else ()), *memory),
+        "load": (shape, ("the time", 0.0)),
+        "potential": ((), u, *memory),
+    }
+    return {
+        name: (
+            ", ".join(what for what, _ in of) + (" alone" if len(of) == 1 else ""),
+            tuple(x for _, x in of),
+            expected,
+        )
+        for name, (expected, *of) in given.items()
+    }
+
+
+def check_defaults(force: Callable, title: str) -> None:
+    """Refuse a default for the velocity or the history, with which the force would never receive them."""
+    try:
+        parameters = inspect.signature(force).parameters.values()
+    except (TypeError, ValueError):  # no function, or a built-in one, which tells nothing
+        return
+    for parameter in parameters:
+        if parameter.default is not parameter.empty and parameter.name in NEVER_OPTIONAL:
+            raise ValueError(
+                f"force of '{title}' gives '{parameter.name}' a default, so that it would never receive it: "
+                f"drop the default."
+            )
+
+
+def check_functions(problem) -> None:
+    """Refuse functions that JAX cannot trace, or whose values have the wrong shape or type.
+
+    Each function is called as a run calls it, with an array that JAX traces.
+    """
+    for name, (given, arguments, expected) in _calls(problem).items():
+        function = getattr(problem, name)
+        needed = name == "force" and problem.stiffness is None
+        if not callable(function) and (function is not None or needed):
+            raise TypeError(f"{name} must be a function, not {function!r}.")
+        if function is None:
+            continue
+        try:
+            # arrays in the function are traced too, as in a run
+            received = eqx.filter_eval_shape(lambda f, *x: f(*x), function, *jax.tree.map(jnp.asarray, arguments))
+        except Exception as error:  # a user's function may raise anything
+            reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
+            if isinstance(error, NOT_TRACEABLE):
+                raise ValueError(f"{name} of '{problem.title}' must be written with jax.numpy: {reason}") from error
+            raise ValueError(f"{name} of '{problem.title}' fails for {given}: {reason}") from error
+        if name == "force" and problem.history is not None:
+            received = _without_history(received, problem.history, problem.title)
+        if not hasattr(received, "shape") or received.shape != expected:
+            got = getattr(received, "shape", type(received).__name__)
+            raise ValueError(f"{name} must return the shape {expected}, not {got}.")
+        if received.dtype != float:
+            raise ValueError(f"{name} must return float64, not {received.dtype}.")
+    if isinstance(problem.potential, StrainEnergy):
+        _check_strain_energy(problem.potential, problem.u0)
+
+
+def _without_history(returned, history, title: str):
+    """The force out of what a force with a history returned, after a check of the new history."""
+    if not (isinstance(returned, tuple) and len(returned) == 2):
+        raise ValueError(f"force of '{title}' must return the force and its new history, a tuple of two.")
+    start, new = (
+        (str(jax.tree.structure(one)), [(jnp.shape(x), jnp.result_type(x)) for x in jax.tree.leaves(one)])
+        for one in (history, returned[1])
+    )
+    if start != new:
+        raise ValueError(
+            f"force of '{title}' must return a history with the containers, shapes and types of its start, "
+            f"{jax.tree.map(_kind, history)}, not {jax.tree.map(_kind, returned[1])}."
+        )
+    return returned[0]
+
+
+def _check_strain_energy(potential: StrainEnergy, u0) -> None:
+    strains = jax.eval_shape(potential.strains, u0).shape
+    energies = jax.eval_shape(lambda u: potential.density(potential.strains(u)), u0).shape
+    if len(strains) != 1 or energies != strains:
+        raise ValueError(
+            f"a StrainEnergy needs strains of shape (m,) and a density of the same shape, not {strains} and {energies}."
+        )
+
+
+def check_gradient(force: Callable, potential: Callable, u0, title: str) -> None:
+    """Refuse a force that is not the gradient of the potential, along one direction near u₀."""
+    u, direction, h = _near(u0)
+    _compare(force, potential, u, direction, h, title)
+
+
+def _kind(array) -> str:
+    """Type and shape of an array in short."""
+    return f"{jnp.result_type(array)}{list(jnp.shape(array))}"
+
+
+def check_history(force: Callable, u0, v0, history, title: str) -> None:
+    """Refuse a force whose new history does not give the same force again and return itself."""
+    u, _, _ = _near(u0)
+
+    @jax.jit
+    def twice(u, v, history):
+        p, new = force(u, v, history)
+        return (p, new), force(u, v, new)
+
+    with jax.ensure_compile_time_eval():
+        once, again = (jax.tree.leaves(one) for one in twice(u, v0, history))
+    round_off = 1e-12 * max(np.abs(x).max() for x in once)
+    changes = [
+        np.abs(np.asarray(x) - y).max() > GRADIENT_AGREEMENT * np.abs(x).max() + round_off
+        for x, y in zip(once, again, strict=True)
+    ]
+    if any(changes):
+        what = "another force" if changes[0] else "another history"
+        raise ValueError(
+            f"force of '{title}' gives {what} when it is called again with the same displacement and the history that "
+            "it returned; a committed history must give the same force and return itself."
+        )
+
+
+def check_stored_energy(force: Callable, potential: Callable, u0, history, title: str) -> None:
+    """Refuse a stored energy whose slope is not the force where a motion leaves the history as it is.
+
+    That is so after a reversal in springs that yield. Where the history changes on both ways, nothing is compared.
+    """
+    u, direction, h = _near(u0)
+
+    @jax.jit
+    def after(u, history):
+        return force(u, jnp.zeros_like(u), history)[1]
+
+    with jax.ensure_compile_time_eval():
+        committed = after(u, history)
+        for way in (-1, 1):
+            place = u + way * 2 * h * direction
+            changes = jax.tree.map(lambda old, new: jnp.abs(new - old).max(), committed, after(place, committed))
+            if max(map(float, jax.tree.leaves(changes))) < 1e-4 * h:
+                _compare(
+                    lambda u: force(u, jnp.zeros_like(u), committed)[0],
+                    lambda u: potential(u, committed),
+                    place,
+                    direction,
+                    h,
+                    title,
+                )
+                return
+
+
+def _near(u0):
+    """A place near u₀, a direction, and a small distance."""
+    scale = max(np.abs(u0).max(), 1.0)
+    direction, offset = np.random.default_rng(0).uniform(0.5, 1.5, (2, *np.shape(u0)))
+    return u0 + 0.05 * scale * offset, direction, 1e-5 * scale
+
+
+def _compare(force: Callable, potential: Callable, u, direction, h, title: str) -> None:
+    @jax.jit
+    def values(ahead, behind, u):
+        return potential(ahead), potential(behind), jnp.vdot(direction, force(u))
+
+    with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
+        ahead, behind, expected = map(float, values(u + h * direction, u - h * direction, u))
+    slope = (ahead - behind) / (2 * h)
+    round_off = 1e-14 * max(abs(ahead), abs(behind)) / h
+    # a value that is not finite passes here; the run reports it
+    if abs(slope - expected) > GRADIENT_AGREEMENT * max(abs(slope), abs(expected)) + round_off:
+        raise ValueError(
+            f"the force of '{title}' is not the gradient of its potential: along a direction near u0 it is "
+            f"{expected:g}, and the slope of the potential {slope:g}."
+        )

@@ -1,0 +1,142 @@
+"""What an internal force depends on, whether its slope may jump, and where: all are read off what it computes."""
+
+import inspect
+from collections.abc import Callable
+from functools import partial
+from itertools import islice
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.extend import core
+from jaxtyping import Array, Float
+
+#: Operations whose slope jumps where they do so for no other reason than the value of their argument.
+KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "rem", "while"}
+KINKS |= {"reduce_max", "reduce_min", "cummax", "cummin", "sort", "top_k"}
+#: Operations of which the truth of a comparison becomes a number, as in ``u * (u > 0)``.
+CONVERSION = "convert_element_type"
+#: Operations that branch by their first argument.
+BRANCHES = {"select_n", "cond"}
+
+
+def number_of_arguments(force: Callable) -> int:
+    """Number of arguments that a force must be given: 1 for p(u), 2 for p(u, u̇), 3 for a force with a history."""
+    try:
+        parameters = inspect.signature(force).parameters.values()
+    except (TypeError, ValueError):  # built-in functions tell nothing
+        return 1
+    needed = [p for p in parameters if p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    return max(len(needed), 1)
+
+
+def as_history(start: Any, title: str) -> Any:
+    """A history at rest as float64 arrays.
+
+    Raises
+    ------
+    ValueError
+        If it holds something else than finite real numbers, or nothing.
+    """
+    leaves, structure = jax.tree.flatten(start)
+    arrays = [np.asarray(leaf) if not isinstance(leaf, jax.core.Tracer) else leaf for leaf in leaves]
+    if not leaves or any(array.dtype.kind not in "fiu" for array in arrays):
+        raise ValueError(f"the history of '{title}' must be arrays of real numbers, in any containers, not {start!r}.")
+    if any(isinstance(array, np.ndarray) and not np.isfinite(array).all() for array in arrays):
+        raise ValueError(f"the history of '{title}' must be finite, not {start!r}.")
+    return jax.tree.unflatten(structure, [array.astype(np.float64) for array in arrays])
+
+
+def _inner(equation: core.JaxprEqn) -> list[core.Jaxpr]:
+    """Programs inside an operation."""
+    kinds = core.Jaxpr | core.ClosedJaxpr
+    found = jax.tree.leaves(list(equation.params.values()), is_leaf=lambda x: isinstance(x, kinds))
+    return [one.jaxpr if isinstance(one, core.ClosedJaxpr) else one for one in found if isinstance(one, kinds)]
+
+
+def _kinked(jaxpr: core.Jaxpr, depends: list[bool]) -> tuple[bool, list[bool]]:
+    """Whether a program has a kink in those arguments that ``depends`` marks, and which results depend on them."""
+    marked = {variable for variable, does in zip(jaxpr.invars, depends, strict=True) if does}
+    kinked = False
+    for equation in jaxpr.eqns:
+        given = [not isinstance(x, core.Literal) and x in marked for x in equation.invars]
+        name, results = equation.primitive.name, [any(given)] * len(equation.outvars)
+        kinked |= (name in KINKS and any(given)) or (name in BRANCHES and given[0])
+        kinked |= name == CONVERSION and given[0] and equation.invars[0].aval.dtype == bool  # type: ignore[attr-defined]
+        for inner in _inner(equation) if any(given) else ():
+            same = len(inner.invars) == len(given)
+            inside, found = _kinked(inner, given if same else [True] * len(inner.invars))
+            kinked |= inside
+            if same and len(found) == len(results):
+                results = found
+        marked.update(out for out, does in zip(equation.outvars, results, strict=True) if does)
+    return kinked, [not isinstance(x, core.Literal) and x in marked for x in jaxpr.outvars]
+
+
+def _program(force: Callable, arguments: tuple) -> core.Jaxpr:
+    """What a force computes, as a program of its arguments and the arrays in it."""
+    return eqx.filter_make_jaxpr(force)(*map(jnp.asarray, arguments))[0].jaxpr
+
+
+def may_have_kinks(force: Callable, *arguments: Any) -> bool:
+    """Whether the force branches by an argument, or takes its size, its sign, or the larger of two values of it.
+
+    A root is taken for smooth, as in the length of a bar, although it has a kink where its argument is zero.
+    """
+    program = _program(force, arguments)
+    return _kinked(program, [True] * len(program.invars))[0]
+
+
+#: Differences whose sign tells on which side of a kink an operation is, by its operands.
+_SWITCHES: dict[str, Callable] = dict.fromkeys(("lt", "le", "gt", "ge", "max", "min"), lambda a, b: [a - b])
+_SWITCHES |= dict.fromkeys(("abs", "sign"), lambda a: [a])
+_SWITCHES["clamp"] = lambda low, a, high: [a - low, a - high]
+#: Operations that are programs of their own, by the parameter that holds the program.
+_CALLS = {"jit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
+
+
+def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array) -> list[Array]:
+    """The switches of a program in those arguments that ``depends`` marks."""
+    jaxpr = program.jaxpr
+    marked = {variable for variable, does in zip(jaxpr.invars, depends, strict=True) if does}
+    wanted = []
+    for equation in jaxpr.eqns:
+        given = [not isinstance(x, core.Literal) and x in marked for x in equation.invars]
+        name = equation.primitive.name
+        if any(given):
+            marked.update(equation.outvars)
+            # whole numbers, such as places in a table, jump across their kinks
+            if name in _SWITCHES and all(jnp.issubdtype(x.aval.dtype, jnp.floating) for x in equation.invars):
+                wanted.append((_SWITCHES[name], equation.invars))
+            elif name in _CALLS:
+                wanted.append((partial(_switches, equation.params[_CALLS[name]], given), equation.invars))
+    # the same program, with the operands for its results
+    operands = [operand for _, operands in wanted for operand in operands]
+    to_operands = core.ClosedJaxpr(jaxpr.replace(outvars=operands), program.consts)
+    values = iter(core.jaxpr_as_fun(to_operands)(*arguments))
+    return [switch for function, operands in wanted for switch in function(*islice(values, len(operands)))]
+
+
+def switches(force: Callable, *arguments: Any) -> Float[Array, "switches"]:
+    """Numbers whose sign changes where the slope of a force may jump.
+
+    Where the force compares two numbers, or takes the larger or smaller of them, it is their difference. Where the
+    force takes the size or the sign of a number, it is that number. Loops, branches and tables are not searched.
+
+    Parameters
+    ----------
+    arguments
+        Displacement, or displacement and velocity.
+    """
+    given = list(map(jnp.asarray, arguments))
+    program = eqx.filter_make_jaxpr(force)(*given)[0]
+    found = _switches(program, [True] * len(program.jaxpr.invars), *given)
+    return jnp.concatenate([jnp.zeros(0), *(jnp.ravel(switch).astype(float) for switch in found)])
+
+
+def depends_on_last(force: Callable, *arguments: Any) -> bool:
+    """Whether the force depends on its last argument."""
+    program = _program(force, arguments)
+    return any(_kinked(program, [False] * (len(program.invars) - 1) + [True])[1])

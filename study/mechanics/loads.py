@@ -1,0 +1,67 @@
+"""Loads f(t) of the named problems."""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from study.algebra.arrays import Scalar, Vector, VectorLike
+from study.mechanics.definition import Problem
+
+
+class HarmonicLoad(eqx.Module):
+    """A harmonic load f(t) = amplitude · cos(ωt − phase), with an amplitude of the shape of u."""
+
+    amplitude: VectorLike = eqx.field(converter=np.asarray)
+    frequency: float = eqx.field(converter=np.float64)
+    phase: float = eqx.field(converter=np.float64)
+
+    def __call__(self, t: Scalar) -> Vector:
+        """f(t)."""
+        return self.amplitude * jnp.cos(self.frequency * t - self.phase)
+
+
+class _Scaled(eqx.Module):
+    """A load multiplied by a factor."""
+
+    load: Callable
+    factor: float = eqx.field(converter=np.float64)
+
+    def __call__(self, t):
+        return self.factor * self.load(t)
+
+    @property
+    def kinks(self):
+        return getattr(self.load, "kinks", ())
+
+
+def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem:
+    """The problem with its initial velocity, its load and its ground motion multiplied by ``factor``.
+
+    All factors share one program.
+
+    With ``displaced``, its initial displacement is multiplied too.
+    """
+    problem = eqx.tree_at(lambda p: p.v0, problem, factor * problem.v0)
+    if displaced:
+        problem = eqx.tree_at(lambda p: p.u0, problem, factor * problem.u0)
+    if problem.load is None:
+        return problem
+    load, before = (
+        (problem.load.load, problem.load.factor) if isinstance(problem.load, _Scaled) else (problem.load, 1.0)
+    )
+    return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before))
+
+
+class Pulse(eqx.Module):
+    """A force on the first unknown: half a period of a sine, then zero."""
+
+    n: int = eqx.field(static=True)
+    amplitude: float = eqx.field(converter=np.float64)
+    duration: float = eqx.field(converter=np.float64)
+
+    def __call__(self, t: Scalar) -> Vector:
+        """f(t)."""
+        pulse = jnp.where(t < self.duration, self.amplitude * jnp.sin(jnp.pi * t / self.duration), 0.0)
+        return jnp.zeros(self.n).at[0].set(pulse)

@@ -1,0 +1,185 @@
+"""The Newton-Raphson iteration."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from study.algebra.arrays import Scalar, Vector
+
+
+class Tolerances(NamedTuple):
+    """Criteria by which Newton's iteration ends, for one precision of the numbers.
+
+    Parameters
+    ----------
+    displacement
+        The iteration ends when a correction changes the displacement by less than this part of it. Convergence is
+        quadratic, so the remaining error is of the order of the square: round-off.
+    near, predicted
+        With one unknown it also ends after the second correction if that is smaller than ``near`` and predicts that the
+        third would be smaller than ``predicted``, both as parts of the displacement. Corrections of the sizes d₁ and d₂
+        are followed by one of about :math:`d_2^3/d_1^2` (Deuflhard, 2004, section 2.1).
+    force, round_off
+        With several unknowns the force that the last correction removed must also be less than the part ``force`` of
+        the forces in balance, unless the correction itself was below ``round_off``: the force of a stiff member is not
+        known more accurately.
+    """
+
+    displacement: float
+    near: float
+    predicted: float
+    force: float
+    round_off: float
+
+
+TOLERANCES = {
+    np.dtype("float64"): Tolerances(1e-12, near=1e-8, predicted=1e-17, force=1e-8, round_off=1e-14),
+    np.dtype("float32"): Tolerances(5e-6, near=1e-4, predicted=5e-9, force=1e-4, round_off=5e-6),
+}
+
+#: Iterations after which a balance counts as not converged.
+MAX_ITERATIONS = 50
+
+#: A correction is short enough if the residual along it keeps its sign, or at most this part of its size.
+OVERSHOOT = 0.1
+
+#: Most residuals that are taken to shorten a correction: every second one halves the bracket, and the slopes of a force
+#: may differ by as many powers of two.
+MOST_LOOKS = 100
+
+
+def norm(x: Vector | float) -> Scalar:
+    """Euclidean norm."""
+    return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.sum(x * x))
+
+
+def _goes_on(carry):
+    _, unfinished, iterations = carry
+    return unfinished & (iterations < MAX_ITERATIONS)
+
+
+def _any(flags):
+    """Whether any flag (lanes,) is set, by repeated halving: XLA's own reduction takes one flag at a time."""
+    lanes = len(flags)
+    while lanes > 8 and lanes % 2 == 0:
+        lanes //= 2
+        flags = flags[:lanes] | flags[lanes:]
+    return jnp.any(flags)
+
+
+def iterated(iterate: Callable, given, carry: tuple) -> tuple:
+    """Repeat ``a, unfinished, _ = iterate((a, 0), given)`` while ``unfinished``, up to ``MAX_ITERATIONS``.
+
+    ``carry`` is ``(a, unfinished, iterations)`` before and after. The zero in place of the last correction disables the
+    prediction of the next one: carrying the last correction costs more than it saves.
+    """
+
+    def again(carry, given):
+        a, _, iterations = carry
+        a, unfinished, _ = iterate((a, jnp.zeros((), a.dtype)), given)
+        return a, unfinished, iterations + 1
+
+    @jax.custom_batching.custom_vmap
+    def to_the_end(carry, given):
+        def loop(carry):
+            return lax.while_loop(_goes_on, partial(again, given=given), carry)
+
+        # after two iterations that are written out, most steps skip the loop
+        return loop(carry) if carry[0].ndim else lax.cond(_goes_on(carry), loop, lambda carry: carry, carry)
+
+    @to_the_end.def_vmap
+    def in_lanes(lanes, batched, carry, given):
+        carry = jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x, (lanes, *x.shape)), carry, batched[0])
+        each = jax.vmap(again, in_axes=(0, jax.tree.map(lambda b: 0 if b else None, batched[1])))
+
+        def those_that_go_on(carry):
+            def newest(goes_on, new, old):
+                return jax.tree.map(partial(jnp.where, goes_on), new, old)
+
+            return jax.vmap(newest)(_goes_on(carry), each(carry, given), carry)
+
+        return lax.while_loop(lambda carry: _any(_goes_on(carry)), those_that_go_on, carry), (True,) * 3
+
+    return to_the_end(carry, given)
+
+
+def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
+    """The next acceleration of one unknown, between two whose residuals have opposite signs once such are known.
+
+    ``bracket`` (4,) holds the acceleration, those with a negative and with a positive residual, and the last change.
+    """
+    a, negative, positive, last = bracket
+    negative, positive = jnp.where(residual < 0, a, negative), jnp.where(residual < 0, positive, a)
+    new = a - correction
+    leaves = (new - negative) * (new - positive) > 0
+    crawls = jnp.abs(correction) > jnp.abs(last) / 2
+    bisects = jnp.isfinite(negative) & jnp.isfinite(positive) & (leaves | crawls)
+    new = jnp.where(bisects, (negative + positive) / 2, new)
+    return jnp.stack([new, negative, positive, new - a])
+
+
+def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
+    """A Newton correction of several unknowns, shortened to where the residual along it is nearly zero.
+
+    Where the tangent is symmetric and positive, that is the least energy along the correction, and the iteration comes
+    nearer with every correction. The place is found by secants, where the value at an end that stays is halved
+    (Illinois), and by bisection in turn.
+    """
+
+    def along(part):
+        return jnp.vdot(correction, residual(a - part * correction))
+
+    def searches(carry):
+        *_, found, looks = carry
+        return ~found & (looks < MOST_LOOKS)
+
+    def look(carry):
+        low, at_low, high, at_high, _, looks = carry
+        secant = (low * at_high - high * at_low) / (at_high - at_low)
+        part = jnp.where(looks % 2 == 0, jnp.clip(secant, 0.99 * low + 0.01 * high, high), (low + high) / 2)
+        value = along(part)
+        beyond, found = value * before < 0, jnp.abs(value) <= OVERSHOOT * jnp.abs(before)
+        low, at_low = jnp.where(beyond, low, part), jnp.where(beyond, at_low / 2, value)
+        high, at_high = jnp.where(beyond | found, part, high), jnp.where(beyond, value, at_high / 2)
+        return low, at_low, high, at_high, found, looks + 1
+
+    before, whole = jnp.vdot(correction, out_of_balance), along(jnp.ones((), a.dtype))
+    found = ~((whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before)))
+    ends = jnp.zeros((), a.dtype), before, jnp.ones((), a.dtype), whole
+    _, _, part, *_ = lax.while_loop(searches, look, (*ends, found, jnp.zeros((), int)))
+    return part * correction
+
+
+def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:
+    """The function with its captured arrays as further arguments, and these arrays.
+
+    Batching sees the lanes of arguments, but not those of captured arrays.
+    """
+    closed, structure = jax.tree.flatten(eqx.filter_closure_convert(function, *examples))
+    arrays, rest = eqx.partition(closed, eqx.is_array)
+
+    def opened(arguments, arrays):
+        return jax.tree.unflatten(structure, eqx.combine(arrays, rest))(*arguments)
+
+    return opened, arrays
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def root(residual: Callable, solution: Callable, a: Vector, given, fixed) -> Vector:
+    """The root a of ``residual((a,), given)``, with a derivative; ``solution((r, a), fixed)`` solves with its slope."""
+    return a
+
+
+@root.defjvp
+def _derivative_of_root(residual, solution, primals, tangents):
+    """Derivative by the implicit function theorem, not through the iteration."""
+    _, given, fixed = primals
+    a = root(residual, solution, *primals)
+    _, change = jax.jvp(lambda given: residual((a,), given), (given,), (tangents[1],))
+    return a, -solution((change, a), fixed)

@@ -1,0 +1,43 @@
+"""The state that a scheme carries from step to step, and the effort of a step."""
+
+from typing import Any, NamedTuple
+
+import jax
+
+from study.algebra.arrays import Vector
+
+
+class Effort(NamedTuple):
+    """Effort of a step.
+
+    Attributes
+    ----------
+    iterations, converged
+        Newton iterations, each with one tangent and one solution, and whether they converged.
+    committed
+        The history of the force at the end of the last sub-step, if the step commits it there; see
+        :class:`study.scheme.wrapper.with_history.WithHistory`.
+    """
+
+    iterations: jax.Array | int = 0
+    converged: jax.Array | bool = True
+    committed: Any = None
+
+    def then(self, other: "Effort", committed: Any = None) -> "Effort":
+        """Effort of two balances one after the other."""
+        return Effort(self.iterations + other.iterations, self.converged & other.converged, committed)
+
+
+class Phase(NamedTuple):
+    """Displacement u and velocity v = u̇, each of shape () or (n,)."""
+
+    u: Vector
+    v: Vector
+
+
+class Motion(NamedTuple):
+    """Displacement u, velocity v and (algorithmic) acceleration a at one time, each of shape () or (n,)."""
+
+    u: Vector
+    v: Vector
+    a: Vector

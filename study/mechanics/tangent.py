@@ -1,0 +1,175 @@
+"""The tangent ∂p/∂u by automatic differentiation, in the form that a problem declares or that is found."""
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from study.algebra.arrays import Matrix, Vector
+from study.algebra.matrices import Banded, MatrixFree, times
+from study.mechanics.sparse_tangent import SparseTangent
+
+#: Names that a problem may declare for the form of its tangent. A whole number is a half bandwidth.
+FORMS: dict[str, int | str] = {"diagonal": 0, "tridiagonal": 1, "dense": "dense", "matrix_free": "matrix_free"}
+
+#: Largest number of unknowns for which the form is found, from the full tangent.
+FINDABLE = 1000
+
+#: Number of vectors that estimate the diagonal of a matrix-free tangent.
+PROBES = 8
+
+#: Up to this many products with the tangent are written out one by one.
+WRITTEN_OUT = 3
+
+#: Distances from u₀, relative to its size, at which the tangent is examined: the first one at which it is finite.
+PROBED = (0.05, 1e-3, 1e-6, 1e-9)
+
+#: Another distance, within which springs have not yielded yet.
+ELASTIC = 1e-6
+
+#: The true tangent and that of the declared form may differ by this part, for round-off.
+AGREEMENT = 1e-8
+
+
+def _directions(count: int, n: int):
+    """Vectors (count, n) of zeros and ones: vector k has ones at the places k, k + count, k + 2 count, ..."""
+    return (jnp.arange(n, dtype=jnp.int32)[None] % count == jnp.arange(count, dtype=jnp.int32)[:, None]).astype(float)
+
+
+def _bands(slope: Callable, half_bandwidth: int, n: int) -> Banded:
+    """All bands from 2k + 1 products: columns 2k + 1 apart share no row (Curtis, Powell and Reid, 1974)."""
+    count = 2 * half_bandwidth + 1
+    directions = _directions(count, n)
+    # XLA merges the loops of a few products that are written out
+    place, offset = jnp.arange(n, dtype=jnp.int32), range(-half_bandwidth, half_bandwidth + 1)
+    if count <= WRITTEN_OUT:
+        products = [slope(d) for d in directions]
+        return Banded(tuple(jax.lax.select_n((place + d) % count, *products) for d in offset))
+    column = (place[None] + jnp.asarray(offset, dtype=jnp.int32)[:, None]) % count
+    return Banded(jnp.take_along_axis(jax.vmap(slope)(directions), column, axis=0))
+
+
+#: Form of a tangent: a half bandwidth, ``"dense"``, ``"matrix_free"`` or sparse; None for one unknown.
+FormOfTangent: TypeAlias = int | str | SparseTangent | None
+
+
+def force_and_tangent(force: Callable, u: Vector, form: FormOfTangent) -> tuple[Vector, Matrix]:
+    """p(u) and ∂p/∂u: a number for one unknown, otherwise a matrix in the given form.
+
+    Parameters
+    ----------
+    force
+        p as a function of u.
+    u
+        Displacement, () or (n,).
+    form
+        Half bandwidth, ``"dense"``, ``"matrix_free"`` or sparse; None for one unknown.
+    """
+    if jnp.ndim(u) == 0:
+        return jax.jvp(force, (u,), (jnp.ones_like(u),))
+    if isinstance(form, SparseTangent):
+        return form.force_and_tangent(force, u)
+    if form == "dense":
+        tangent, value = jax.jacfwd(lambda x: (force(x),) * 2, has_aux=True)(u)
+        return value, tangent
+    value, slope = jax.linearize(force, u)
+    n = len(u)
+    if form == "matrix_free":
+        directions = _directions(PROBES, n)
+        return value, MatrixFree(slope, jnp.sum(directions * jax.vmap(slope)(directions), axis=0))
+    if form == 0:
+        return value, slope(jnp.ones_like(u))
+    return value, _bands(slope, form, n)  # type: ignore[arg-type]
+
+
+def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarray]:
+    """Displacements at which the derivative of the force is examined, and is finite.
+
+    Two of them lie around u₀, scattered so that no entry of the derivative is zero by chance. Where springs yield or
+    slip there already, their coupling shows closer to u₀, in u₀ and in zero.
+    """
+    scatter = np.random.default_rng(0).uniform(0.5, 1.5, (2, len(u0)))
+    slope = jax.jit(lambda u: jax.jvp(force, (u,), (jnp.ones_like(u),))[1])
+    scale = max(np.abs(u0).max(), 1.0)
+    # the smallest distance is far below any displacement, whatever its units
+    for size in np.array(PROBED) * scale:
+        around = [u0 + size * scatter[0], u0 - size / 2 * scatter[1]]
+        if all(np.isfinite(slope(u)).all() for u in around):
+            close = [u0 + ELASTIC * scale * scatter[0], u0, np.zeros_like(u0)]
+            return around + [u for u in close if np.isfinite(slope(u)).all()]
+    raise ValueError(f"the derivative of the force of '{title}' is not finite near u0.")
+
+
+def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | str:
+    """Form of the tangent near u₀ and in zero, up to ``FINDABLE`` unknowns: a half bandwidth, or ``"dense"``.
+
+    It is ``"dense"`` too if the mass is singular and an unknown has no stiffness of its own, because bands are
+    eliminated without pivoting.
+
+    Raises
+    ------
+    ValueError
+        If the derivative is not finite near u₀.
+    """
+    n = len(u0)
+    jacobian = jax.jit(jax.jacfwd(force))
+    entries = sum(np.abs(np.asarray(jacobian(u))) for u in probed_states(force, u0, title))
+    rows, columns = np.nonzero(entries)
+    half_bandwidth = int(np.abs(rows - columns).max(initial=0))
+    if massless and not np.diagonal(entries).all():
+        return "dense"
+    # at a quarter of n the elimination of blocks takes about as long as LAPACK's of the full matrix
+    return half_bandwidth if 4 * half_bandwidth <= n else "dense"
+
+
+def form_named(declared: int | str, n: int, title: str) -> int | str:
+    """The form that a problem declares for its n unknowns.
+
+    Raises
+    ------
+    ValueError
+        If there is no such form.
+    """
+    declared = int(declared) if isinstance(declared, np.integer) else declared
+    known = FORMS.get(declared, declared) if isinstance(declared, str) else declared
+    if isinstance(declared, str) and isinstance(known, int):
+        known = min(known, n - 1)
+    is_width = isinstance(known, int) and not isinstance(known, bool) and 0 <= known < n
+    if not is_width and known not in ("dense", "matrix_free"):
+        raise ValueError(
+            f"tangent={declared!r} of '{title}': give one of {', '.join(FORMS)}, or the half bandwidth as a "
+            f"whole number below {n}."
+        )
+    return known
+
+
+def check_declared_form(force: Callable, u0: np.ndarray, declared: int | str, title: str) -> None:
+    """Refuse a form, of those that are not dense, in which the tangent is not the derivative of the force.
+
+    Raises
+    ------
+    ValueError
+        If its product with a random direction differs from the derivative along it.
+    """
+    known = form_named(declared, len(u0), title)
+    one, other = np.random.default_rng(1).normal(size=(2, len(u0)))
+    if known == "matrix_free":
+        reason = "it is not symmetric, as conjugate gradients need"
+    else:
+        reason = "the derivative of the force has entries outside it"
+
+    @jax.jit
+    def misfit(u):
+        _, slope = jax.linearize(force, u)
+        along = slope(one)
+        if known == "matrix_free":
+            return jnp.abs(other @ along - one @ slope(other)), jnp.linalg.norm(other) * jnp.linalg.norm(along)
+        _, tangent = force_and_tangent(force, u, known)
+        return jnp.abs(times(tangent, one) - along).max(), jnp.abs(along).max()
+
+    for u in probed_states(force, u0, title):
+        wrong, scale = misfit(u)
+        if not wrong <= AGREEMENT * scale:
+            raise ValueError(f"tangent={declared!r} does not fit the force of '{title}': {reason}.")

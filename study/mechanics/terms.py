@@ -1,0 +1,54 @@
+"""Terms of the equation of motion with a form of their own: strain energy and Rayleigh damping."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+
+from study.algebra.arrays import Matrix, Scalar, Vector, as_float64
+from study.algebra.matrices import add, product
+
+
+class StrainEnergy(eqx.Module):
+    """A potential V(u) = Σ w(ε(u)) of strains ε.
+
+    A conserving scheme needs the strains: a rigid motion leaves them unchanged.
+
+    Parameters
+    ----------
+    strains
+        ε(u), of shape (m,): polynomials in u of degree two or less, such as the elongations of springs in a row or the
+        squared lengths of bars.
+    density
+        w(ε), the energy of each strain, of shape (m,).
+    """
+
+    strains: Callable
+    density: Callable
+
+    def __call__(self, u: Vector) -> Scalar:
+        """V(u)."""
+        return jnp.sum(self.density(self.strains(u)))
+
+
+def gradient(potential: Callable, u: Vector) -> Vector:
+    """∂V/∂u by automatic differentiation."""
+    return jax.grad(potential)(u)
+
+
+class Rayleigh(NamedTuple):
+    r"""Damping C = a M + b K with the stiffness K = ∂p/∂u of the undeformed structure.
+
+    A mode of circular frequency ω has the damping ratio :math:`\xi = (a/\omega + b\omega)/2`.
+    """
+
+    a: float
+    b: float
+
+
+def rayleigh_matrix(damping: Rayleigh, mass: Matrix, stiffness: Matrix, n: int) -> Matrix:
+    """C = a M + b K for n unknowns."""
+    a, b = damping
+    return add(product(as_float64(a), mass, n), product(as_float64(b), stiffness, n), n=n)

@@ -1,0 +1,102 @@
+"""Diagnostics of a run: Newton iterations, the Lyapunov exponent, and errors of momentum."""
+
+import jax.numpy as jnp
+
+from study.mechanics.definition import Problem
+from study.observer.base import Reduction
+
+
+class NewtonIterations(Reduction):
+    """Newton iterations of a run: their sum, and the largest number in one step."""
+
+    variables = {
+        "newton_iterations": {"long_name": "Newton iterations in all steps", "units": "1"},
+        "max_newton_iterations": {"long_name": "most Newton iterations in one step", "units": "1"},
+    }
+
+    def start(self, problem, state):
+        return jnp.zeros((), int), jnp.zeros((), int)
+
+    def update(self, carried, problem, state, t, effort):
+        total, most = carried
+        return total + effort.iterations, jnp.maximum(most, effort.iterations)
+
+    def result(self, carried, problem, state):
+        return dict(zip(self.variables, carried, strict=True))
+
+
+#: log₂ of the growth that lifts round-off to the size of the motion.
+APART = 33
+
+
+class LyapunovExponent(Reduction):
+    r"""Largest Lyapunov exponent of the numerical map, and the time from which on neighbours are far apart.
+
+    It is :math:`\lambda = \ln|\delta(t)|/t`, where δ is the distance in displacement and velocity that
+    :class:`study.scheme.wrapper.linearised.Linearised` carries; at the start, its displacement has length one. For
+    regular motions λ is of the order of ln t/t. Neighbours are far apart if a component of δ has grown to 2³³ = 8.6e9.
+    """
+
+    variables = {
+        "lyapunov_exponent": {"long_name": "largest Lyapunov exponent of the numerical map", "units": "s-1"},
+        "apart_from": {"long_name": "time from which on a perturbation is 8.6e9 times as large", "units": "s"},
+    }
+    needs_neighbour = True
+
+    def start(self, problem, state):
+        return jnp.zeros(()), jnp.full((), jnp.inf)
+
+    def update(self, carried, problem, state, t, effort):
+        _, first = carried
+        return t, jnp.where(state.exponent >= APART, jnp.minimum(first, t), jnp.inf)
+
+    def result(self, carried, problem, state):
+        t, first = carried
+        size = jnp.sqrt(jnp.sum(state.distance.u**2 + state.distance.v**2))
+        growth = jnp.log(size) + jnp.log(2.0) * state.exponent.astype(size.dtype)
+        return {"lyapunov_exponent": growth / t, "apart_from": first}
+
+
+def _momenta(problem: Problem, state):
+    """Linear and angular momentum of every point, of shape (points, directions) and (points, 3)."""
+    points, directions = jnp.shape(problem.positions)
+    p = problem.momentum(state.v).reshape(points, directions)
+    x = problem.positions + state.u.reshape(points, directions)
+    in_space = [(0, 0), (0, 3 - directions)]
+    return p, jnp.cross(jnp.pad(x, in_space), jnp.pad(p, in_space))
+
+
+class MomentumErrors(Reduction):
+    """Largest change of total linear and angular momentum, each relative to the largest sum of its size over points.
+
+    NaN if no point has any.
+    """
+
+    variables = {
+        "max_linear_momentum_error": {"long_name": "largest change of linear momentum, relative", "units": "1"},
+        "max_angular_momentum_error": {"long_name": "largest change of angular momentum, relative", "units": "1"},
+    }
+    needs_positions = True
+
+    def start(self, problem, state):
+        momenta = _momenta(problem, state)
+        return [m.sum(axis=0) for m in momenta], jnp.zeros(2), jnp.stack([_sizes(m) for m in momenta])
+
+    def update(self, carried, problem, state, t, effort):
+        at_start, errors, scales = carried
+        momenta = _momenta(problem, state)
+        changes = [jnp.linalg.norm(m.sum(axis=0) - before) for m, before in zip(momenta, at_start, strict=True)]
+        return (
+            at_start,
+            jnp.maximum(errors, jnp.stack(changes)),
+            jnp.maximum(scales, jnp.stack([_sizes(m) for m in momenta])),
+        )
+
+    def result(self, carried, problem, state):
+        _, errors, scales = carried
+        return dict(zip(self.variables, errors / scales, strict=True))
+
+
+def _sizes(momenta):
+    """Sum over points of |momentum|."""
+    return jnp.linalg.norm(momenta, axis=1).sum()

@@ -1,0 +1,207 @@
+"""Events that decide the outcome of a run: its energy becomes inaccurate, decays or grows, or it crosses a barrier."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from study.mechanics.definition import Problem
+from study.observer.base import Record, Reduction
+from study.problem.named import problems
+
+#: Largest |H − H₀|/H₀ of an accurate run, and largest H/H₀ of one at rest.
+ACCURATE = AT_REST = 0.01
+
+#: Smallest H/H₀ of a run that has grown.
+GROWN = 100.0
+
+#: Minima farther than this multiple of |u₀| are rejected.
+FARTHEST = 1e6
+
+#: Errors of the energy in percent that :class:`Excursions` observes.
+LEVELS = (1, 5, 10)
+
+
+def _refusal(problem: Problem) -> str | None:
+    """Why the outcome of runs of the problem is undefined, in one sentence; None if it is defined."""
+    if np.ndim(problem.u0):
+        return f"the outcome of '{problem.title}' is undefined: it has more than one unknown."
+    if problem.damping is not None or problem.load is not None:
+        return f"the outcome of '{problem.title}' is undefined: damping or a load change its energy."
+    if problem.potential is None:
+        return f"the outcome of '{problem.title}' needs Problem(potential=...), which it was made without."
+    return None
+
+
+class _Events(NamedTuple):
+    """Times of the events, infinite for those that did not happen."""
+
+    inaccurate: jax.Array
+    at_rest: jax.Array
+    grown: jax.Array
+    crossed: jax.Array | None
+
+
+class OutcomeObserver(Reduction):
+    r"""Times at which a run becomes inaccurate, comes to rest, grows or crosses a barrier; infinite for never.
+
+    All follow from the height H = E − E_rest of the energy above that of the rest position:
+
+    - inaccurate from the first time with :math:`|H - H_0| > 0.01 H_0`;
+    - at rest from the last time at which H falls below 0.01 H₀ and stays there;
+    - grown from the last time at which H exceeds :math:`100 \max(H_0, H_\text{barrier})` and stays there;
+    - crossed at the first time on the other side of u = 0, if H₀ < H_barrier.
+
+    The problem must have one unknown, a potential, and neither damping nor load, which change the energy. For a run
+    that starts at rest, H₀ = 0 and the error is NaN.
+
+    Parameters
+    ----------
+    rest
+        E_rest, the potential energy of the rest position about which the run oscillates.
+    barrier
+        Potential energy at u = 0 if that is a barrier between two wells. No run that starts below it should cross it.
+    """
+
+    rest: float = eqx.field(converter=np.float64)
+    barrier: float | None = eqx.field(
+        default=None, converter=lambda energy: None if energy is None else np.float64(energy)
+    )
+
+    variables = {
+        "max_height_error": {"long_name": "largest error of the energy over its height above rest", "units": "percent"},
+        "max_newton_iterations": {"long_name": "most Newton iterations in one step", "units": "1"},
+        "inaccurate_from": {"long_name": "first time with an error of the energy of more than 1 percent", "units": "s"},
+        "at_rest_from": {"long_name": "time from which on less than 1 percent of the energy is left", "units": "s"},
+        "grown_from": {"long_name": "time from which on there is a hundred times the energy", "units": "s"},
+        "crossed_at": {"long_name": "first time beyond a barrier that is too high", "units": "s"},
+    }
+    needs_energy = True
+
+    @classmethod
+    def of(cls, problem: str | Problem) -> "OutcomeObserver":
+        """The observer of a problem: rest at the minimum of the potential downhill of u₀, barrier at a hill at u = 0.
+
+        Raises
+        ------
+        KeyError
+            If there is no problem of that name.
+        TypeError
+            If it is neither a problem nor a name.
+        ValueError
+            If the problem has several unknowns, damping, a load or no potential, or if the potential has no minimum
+            downhill of u₀.
+        """
+        from scipy import optimize  # here, because importing it takes a third of the time to import the study
+
+        if not isinstance(problem, str | Problem):
+            raise TypeError(f"OutcomeObserver.of takes a problem or its name, not {problem!r}.")
+        problem = problems[problem] if isinstance(problem, str) else problem
+        if refusal := _refusal(problem):
+            raise ValueError(refusal)
+        potential = eqx.filter_jit(problem.stored_energy)
+        u0 = float(problem.u0)
+        try:
+            found = optimize.minimize_scalar(potential, bracket=(u0, 0.99 * u0 if u0 else 0.01), tol=1e-12)
+        except RuntimeError:
+            found = optimize.OptimizeResult(fun=-np.inf)
+        if not np.isfinite(found.fun) or abs(found.x) > FARTHEST * max(abs(u0), 1):
+            raise ValueError(f"the potential of '{problem.title}' has no minimum downhill of u0 = {u0:g}.")
+        barrier, start = float(potential(0.0)), float(potential(u0))
+        return cls(found.fun, barrier if barrier - found.fun > AT_REST * (start - found.fun) else None)
+
+    def refusal(self, problem):
+        return _refusal(problem)
+
+    def start(self, problem, state):
+        never = jnp.full((), jnp.inf)
+        height = problem.energy(state.u, state.v) - self.rest
+        side, crossed = (None, None) if self.barrier is None else (state.u, never)
+        return (height, side), jnp.zeros(()), jnp.zeros((), int), _Events(never, never, never, crossed)
+
+    def update(self, carried, problem, state, t, effort):
+        (height, side), error, iterations, first = carried
+        # H/H₀ rather than H: XLA does not repeat a division, and so computes the energy once for all events
+        now = (problem.energy(state.u, state.v) - self.rest) / height
+        change = jnp.abs(now - 1)
+
+        def first_time(event, before):
+            return jnp.where(event & (before == jnp.inf), t, before)
+
+        def since(event, before):
+            return jnp.where(event, jnp.minimum(before, t), jnp.inf)
+
+        highest: float | jax.Array = 1.0
+        crossed = None
+        if self.barrier is not None:
+            highest = jnp.maximum(1.0, (self.barrier - self.rest) / height)
+            crossed = first_time((state.u * side < 0) & (height + self.rest < self.barrier), first.crossed)
+        events = _Events(
+            inaccurate=first_time(change > ACCURATE, first.inaccurate),
+            at_rest=since(now < AT_REST, first.at_rest),
+            grown=since(now > GROWN * highest, first.grown),
+            crossed=crossed,
+        )
+        iterations = jnp.maximum(iterations, effort.iterations)
+        return (height, side), jnp.maximum(error, change), iterations, events
+
+    def result(self, carried, problem, state):
+        _, error, iterations, first = carried
+        values = dict(zip(self.variables, (100 * error, iterations, *first), strict=True))
+        return {name: value for name, value in values.items() if value is not None}
+
+
+class Excursions(Reduction):
+    """Times at which the relative error of the height H first exceeds 1, 5 and 10 percent, infinite for never.
+
+    Parameters
+    ----------
+    rest
+        E_rest, as in :class:`OutcomeObserver`.
+    """
+
+    rest: float = eqx.field(converter=np.float64)
+
+    variables = {
+        f"beyond_{level}_percent": {
+            "long_name": f"first time with an error of the energy of more than {level} percent",
+            "units": "s",
+        }
+        for level in LEVELS
+    }
+    needs_energy = True
+
+    def start(self, problem, state):
+        return problem.energy(state.u, state.v) - self.rest, (jnp.full((), jnp.inf),) * len(LEVELS)
+
+    def update(self, carried, problem, state, t, effort):
+        height, first = carried
+        change = jnp.abs((problem.energy(state.u, state.v) - self.rest) / height - 1)
+        return height, tuple(
+            jnp.where((change > level / 100) & (before == jnp.inf), t, before)
+            for level, before in zip(LEVELS, first, strict=True)
+        )
+
+    def result(self, carried, problem, state):
+        return dict(zip(self.variables, carried[1], strict=True))
+
+
+class Height(Record):
+    """H/H₀ along time, with the height H = E − E_rest of the energy above that of the rest position.
+
+    Parameters
+    ----------
+    rest
+        E_rest, as in :class:`OutcomeObserver`.
+    """
+
+    rest: float = eqx.field(converter=np.float64)
+
+    variables = {"height": {"long_name": "height of the energy above rest over that at the start", "units": "1"}}
+    needs_energy = True
+
+    def sample(self, problem, initial, state, t):
+        first, now = (problem.energy(at.u, at.v) - self.rest for at in (initial, state))
+        return {"height": now / first}

@@ -1,1 +1,0 @@
-"""What connects experiments to files: options, products, commands, configuration."""

@@ -1,0 +1,1 @@
+"""Schemes that step another scheme and add to its state."""

@@ -1,0 +1,62 @@
+"""A scheme on a force with a history: the history is committed at the end of every step."""
+
+from typing import Any, ClassVar
+
+import equinox as eqx
+
+from study.mechanics.state import Effort
+from study.scheme.base import Scheme, Wrapper, WrapperState
+
+
+class StateWithHistory(WrapperState):
+    """State of the scheme, and the history that the last step committed."""
+
+    inner: Any
+    history: Any
+
+
+class WithHistory(Wrapper):
+    r"""Another scheme on a force with a history, h.
+
+    .. math::
+
+        (p, h_1) = \text{force}(u_1, \dot u_1, h_0)
+
+    Within a step every iteration and every stage takes the force from the history h₀ that the step before committed, as
+    if the motion led straight from u₀ to the displacement of the stage. The end of the step commits h₁; the start
+    commits that of a motion from rest straight to the first displacement. A scheme of sub-steps, each with a balance at
+    its end, commits at the end of each of them, and hands the last but one out in its effort. A march wraps its scheme
+    in this one if the problem has a history. Carries the state of the scheme and the history; one force a step more.
+
+    Parameters
+    ----------
+    scheme
+        Any scheme.
+
+    References
+    ----------
+    J. C. Simo, T. J. R. Hughes, Computational inelasticity, Springer, 1998, section 1.4.
+    """
+
+    scheme: Scheme
+    title: str = eqx.field(default="With history", kw_only=True, static=True)
+
+    family: ClassVar[str] = "With history"
+    source: ClassVar[str] = "Simo and Hughes (1998)"
+    doi: ClassVar[str] = "10.1007/b98904"
+
+    @property
+    def forces_per_step(self) -> int:
+        return self.scheme.forces_per_step + 1
+
+    def start(self, problem, u0, v0, dt):
+        problem = problem.committed(u0, v0)
+        inner, effort = self.scheme.start(problem, u0, v0, dt)
+        return StateWithHistory(inner, problem.history), effort
+
+    def step(self, problem, state, t, dt) -> tuple[StateWithHistory, Effort]:
+        problem = problem.at(state)
+        inner, effort = self.scheme.step(problem, state.inner, t, dt)
+        if effort.committed is not None:
+            problem = problem.remembering(effort.committed)
+        return StateWithHistory(inner, problem.committed(inner.u, inner.v).history), effort._replace(committed=None)

@@ -1,0 +1,70 @@
+"""Numbers, lists and pages as readers see them. This module imports the standard library only."""
+
+import html
+import math
+import re
+from collections.abc import Iterable
+from typing import Any
+
+#: Digits and a minus as exponents.
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+# no part of a word, such as the name of a commit, is a number
+_POWER = re.compile(r"(?<![\w.])(\d(?:\.\d+)?)e([+-]?)0*(\d{1,3})(?!\w)")
+#: Below this a fraction is zero to round-off.
+_ZERO = 1e-6
+
+
+def _power_of_ten(match: re.Match) -> str:
+    factor, sign, exponent = match.groups()
+    if float(factor) == 0:
+        return "0"
+    raised = f"10{(sign.replace('+', '') + exponent).translate(RAISED)}"
+    # with no-break spaces
+    return raised if factor == "1" else f"{factor}\u00a0×\u00a0{raised}"
+
+
+def printed(text: str) -> str:
+    """A text as it is printed: ``5e-05`` as 5 × 10⁻⁵, and a minus sign before numbers, but no hyphen of a name."""
+    return re.sub(r"(?<![^\W\de])-(?=\d)", "−", _POWER.sub(_power_of_ten, text))
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number with some digits; ∞, and a dash if it is not a number."""
+    if math.isnan(value):
+        return "–"
+    # rounded first, so that up to six figures are written without a power of ten
+    return printed(f"{float(f'{value:.{digits}g}'):g}".replace("inf", "∞"))
+
+
+def percent(fraction: float, digits: int = 2) -> str:
+    """A fraction in percent, zero if it is zero to round-off."""
+    if math.isnan(fraction):
+        return "–"
+    return f"{number(100 * fraction, digits)} %" if abs(fraction) > _ZERO else "0 %"
+
+
+def span(values: Any, form: str = ".2f") -> str:
+    """The smallest and the largest of some values, or one number if both are printed alike."""
+    low, high = format(float(values.min()), form), format(float(values.max()), form)
+    return low if low == high else f"{low} to {high}"
+
+
+def listed(words: Iterable[str], separator: str = ", ") -> str:
+    """Words as they stand in a sentence: a, b and c."""
+    *others, last = words
+    return f"{separator.join(others)} and {last}" if others else last
+
+
+def text_of(value: object) -> str:
+    """A text as HTML."""
+    return html.escape(str(value))
+
+
+def document(title: str, parts: Iterable[str], style: str) -> str:
+    """A page of HTML that loads nothing, with its style sheet."""
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">'
+        f"<title>{text_of(title)}</title><style>\n{style}</style></head>\n"
+        f"<body><h1>{text_of(title)}</h1>\n{''.join(parts)}</body></html>\n"
+    )

@@ -1,0 +1,251 @@
+"""What a problem with several unknowns is told, what it finds by itself, and what it refuses with a sentence."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from study.algebra.matrices import Banded
+from study.mechanics.balance import balance
+
+N = 5
+
+
+ZERO = np.zeros(N)
+
+
+def _chain(u):
+    """Springs r + r³ in a row, the first of which hangs on a wall."""
+    stretch = jnp.concatenate([u[:1], jnp.diff(u)])
+    pull = stretch + stretch**3
+    return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])
+
+
+def _all_to_all(u):
+    return jnp.sinh(u) + jnp.sum(u)
+
+
+def _lopsided(u):
+    return u + 0.5 * jnp.concatenate([u[1:], jnp.zeros(1)])
+
+
+def test_a_diagonal_matrix_is_as_regular_as_its_diagonal():
+    mass = np.array([1e8, 1e-8, 1.0])
+    assert not study.Problem(jnp.sinh, np.zeros(3), mass=np.diag(mass)).massless
+    assert not study.Problem(jnp.sinh, np.zeros(3), mass=mass).massless
+
+
+def test_numbers_of_numpy_are_numbers():
+    problem = _problem(tangent=np.int64(1), damping=study.Rayleigh(np.int64(1), np.float32(0.5)))
+    assert problem.tangent == 1
+
+
+def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
+    return study.Problem(force, u0, np.zeros_like(u0) if v0 is None else v0, title="tried", **keywords)
+
+
+@pytest.mark.parametrize(
+    "keywords, sentence",
+    [
+        ({"tangent": "diagonal"},
+         "tangent='diagonal' does not fit the force of 'tried': the derivative of the force has entries outside it."),
+        ({"force": _all_to_all, "tangent": 2},
+         "tangent=2 does not fit the force of 'tried': the derivative of the force has entries outside it."),
+        ({"force": _lopsided, "tangent": "matrix_free"},
+         "tangent='matrix_free' does not fit the force of 'tried': it is not symmetric, as conjugate gradients need."),
+        ({"tangent": "triangular"},
+         "tangent='triangular' of 'tried': give one of diagonal, tridiagonal, dense, matrix_free, or the half"),
+        ({"tangent": N}, "or the half bandwidth as a whole number below 5."),
+        ({"tangent": -1}, "or the half bandwidth as a whole number below 5."),
+        ({"tangent": True}, "tangent=True of 'tried': give one of diagonal"),
+        ({"tangent": 1.0}, "tangent=1.0 of 'tried': give one of diagonal"),
+        ({"force": jnp.sinh, "u0": 0.0, "tangent": "diagonal"},
+         "tangent='diagonal' of 'tried': the tangent of one unknown is a number; leave it out."),
+        ({"mass": np.eye(N) + np.eye(N, k=1)}, "mass must be symmetric; it differs from its transpose by 1."),
+        ({"tangent": "matrix_free", "damping": np.eye(N) + np.eye(N, k=1)},
+         "damping must be symmetric; it differs from its transpose by 1."),
+        ({"mass": [1.0, 1.0, -0.5, 1.0, 1.0]}, "mass must not be negative; its smallest value is -0.5."),
+        ({"mass": -2.0}, "mass must not be negative; its smallest value is -2."),
+        ({"mass": np.diag([1.0, 1.0, -0.5, 1.0, 1.0])}, "mass must not be negative; its smallest value is -0.5."),
+        ({"mass": ZERO}, "mass must not be zero everywhere: the problem would have no dynamics."),
+        ({"positions": np.zeros((2, 2))},
+         "at most three directions, with one number for each of u0's 5, not (2, 2)."),
+        ({"positions": np.zeros((1, 5))}, "at most three directions"),
+        ({"positions": np.zeros(5)}, "positions must be of shape (points, directions)"),
+        ({"positions": np.full((5, 1), np.nan)}, "positions must be finite"),
+        ({"tangent": [1]}, "tangent=[1] of 'tried': give one of diagonal"),
+        ({"mass": True}, "mass must be a real number or an array of real numbers, not True."),
+        ({"u0": np.full(N, 1j)}, "u0 must be a real number or an array of real numbers, not array("),
+        ({"potential": lambda u: jnp.sum(u**2)}, "the force of 'tried' is not the gradient of its potential: along"),
+        ({"force": lambda u: {"mass": 1.0}["stiffness"] * u},
+         "force of 'tried' fails for the displacement alone: KeyError: 'stiffness'"),
+        ({"force": lambda u: u / jnp.sqrt(jnp.sum(u * u)), "u0": np.ones(N), "damping": study.Rayleigh(0.1, 0.1)},
+         "the stiffness of 'tried' at u = 0, on which its Rayleigh damping is based, is not finite."),
+        ({"damping": study.Rayleigh(0.1, "b")}, "a and b must be finite numbers."),
+        ({"positions": "here"}, "positions must be a real number or an array of real numbers, not 'here'."),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_refused(keywords, sentence):
+    with pytest.raises(ValueError) as caught:
+        _problem(**keywords)
+    assert sentence in str(caught.value)
+
+
+@pytest.mark.parametrize("density", [lambda e: e[:-1], lambda e: jnp.sum(e * e), lambda e: e[None]])
+def test_a_strain_energy_has_one_energy_for_each_strain(density):
+    energy = study.StrainEnergy(lambda u: jnp.diff(u), density)
+    with pytest.raises(ValueError, match=r"a StrainEnergy needs strains of shape \(m,\) and a density of the same"):
+        study.Problem(jnp.sinh, ZERO, ZERO, potential=energy)
+
+
+def test_a_strain_energy_sums_over_its_strains():
+    energy = study.StrainEnergy(lambda u: jnp.diff(u), lambda e: e * e / 2)
+    assert energy(jnp.array([0.0, 1.0, 3.0])) == 2.5
+
+
+def test_a_force_is_the_gradient_of_the_potential():
+    energy = study.StrainEnergy(
+        lambda u: jnp.concatenate([u[:1], jnp.diff(u)]), lambda r: r * r / 2 + r * r * r * r / 4
+    )
+    problem = study.Problem(potential=energy, u0=ZERO, v0=ZERO)
+    u = np.linspace(-1, 2, N)
+    np.testing.assert_allclose(problem.force(u), _chain(u), rtol=1e-14)
+    assert problem.tangent == 1
+
+
+def test_neither_force_nor_potential_is_refused():
+    with pytest.raises(TypeError, match="force must be a function, not None."):
+        study.Problem(u0=ZERO, v0=ZERO)
+
+
+@pytest.mark.parametrize(
+    "mass, massless",
+    [
+        (None, False),
+        (2.0, False),
+        (np.arange(1.0, 6.0), False),
+        (np.arange(5.0), True),
+        (np.diag([1.0, 1.0, 0.0, 1.0, 1.0]), True),
+        # a mass that moves with the sum of two unknowns only; the rank is lost to round-off
+        (np.eye(5) - np.full((5, 5), 0.2), True),
+        (np.eye(5) - np.full((5, 5), 0.19), False),
+    ],
+)
+def test_a_singular_mass_is_noticed(mass, massless):
+    assert _problem(mass=mass).massless == massless
+
+
+def test_a_narrow_mass_is_held_as_a_band():
+    n = 12
+    mass = 4 * np.eye(n) + np.eye(n, k=1) + np.eye(n, k=-1)
+    problem = _problem(u0=np.zeros(n), mass=mass)
+    assert isinstance(problem.mass, Banded) and problem.mass.half_bandwidth == 1
+    np.testing.assert_allclose(problem.momentum(jnp.arange(1.0, n + 1)), mass @ np.arange(1, n + 1))
+
+
+@pytest.mark.parametrize("scheme", ["rk4", "central_difference", "kr_alpha", "linear_acceleration", "fox_goodwin"])
+def test_schemes_with_a_limit_of_stability_need_a_mass_everywhere(scheme):
+    with pytest.raises(ValueError) as caught:
+        study.run(_problem(mass=[1.0, 1.0, 0.0, 1.0, 1.0]), scheme, dt=0.1, steps=1)
+    assert "needs a mass at every unknown, and that of 'tried' is singular: take an implicit scheme" in str(
+        caught.value
+    )
+
+
+@pytest.mark.parametrize("mass", [[1.0, 1.0, 0.0, 1.0, 1.0], np.diag([1.0, 1.0, 0.0, 1.0, 1.0])])
+def test_an_implicit_scheme_takes_a_massless_unknown(mass):
+    """At a massless unknown the springs are in balance."""
+    problem = _problem(u0=np.array([0.0, 0.3, 0.6, 0.9, 1.2]), mass=mass)
+    ds = study.run(problem, "average_acceleration", dt=0.1, steps=10)
+    assert ds.status == 0
+    np.testing.assert_allclose(_chain(ds.u.values[-1])[2], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf])
+def test_a_load_that_is_no_number_is_refused_before_the_run(number):
+    problem = _problem(load=lambda t: jnp.where(t > 0.5, number, 1.0) * jnp.ones(N))
+    with pytest.raises(ValueError, match="the load of 'tried' is not finite at t = 0.5"):
+        study.run(problem, "rk4", dt=0.01, steps=100)
+    assert study.run(problem, "rk4", dt=0.01, steps=40).status == 0
+
+
+@pytest.mark.parametrize("structure", ["dense", "tridiagonal", "matrix_free"])
+@pytest.mark.parametrize("mass", [None, 2.0, np.arange(1.0, 6.0), 4 * np.eye(N) + np.eye(N, k=1) + np.eye(N, k=-1)],
+                         ids=["none", "number", "diagonal", "matrix"])  # fmt: skip
+def test_rayleigh_damping_is_of_mass_and_stiffness(structure, mass):
+    """C = aM + bK with the stiffness at rest, wherever the motion starts."""
+    a, b = 0.3, 0.05
+    problem = _problem(u0=np.linspace(0, 2, N), mass=mass, damping=study.Rayleigh(a, b), tangent=structure)
+    whole = np.eye(N) if mass is None else np.diag(np.broadcast_to(mass, N)) if np.ndim(mass) < 2 else mass
+    damping = a * whole + b * np.asarray(jax.jacfwd(_chain)(jnp.zeros(N)))
+    u, v, rhs = np.linspace(0, 1, N), np.linspace(1, 2, N), np.ones(N)
+    acceleration, effort = eqx.filter_jit(balance)(problem, *map(jnp.asarray, (rhs, u, v, 0.01, 0.1, ZERO)))
+    found = np.asarray(acceleration)
+    assert effort.converged
+    residual = whole @ found + damping @ (v + 0.1 * found) + np.asarray(_chain(jnp.asarray(u + 0.01 * found))) - rhs
+    np.testing.assert_allclose(residual, 0.0, atol=1e-8)
+
+
+def test_rayleigh_damping_of_one_unknown():
+    problem = study.Problem(lambda u: 4 * u + u**3, u0=1.0, mass=2.0, damping=study.Rayleigh(0.3, 0.05))
+    assert float(problem.damping) == pytest.approx(0.3 * 2 + 0.05 * 4)
+
+
+def test_without_a_velocity_it_starts_at_rest():
+    np.testing.assert_array_equal(study.Problem(lambda u: u, u0=[1.0, 2.0]).v0, np.zeros(2))
+
+
+@pytest.mark.parametrize(
+    "damping", [study.Rayleigh(float("nan"), 1.0), study.Rayleigh("a", 1.0), study.Rayleigh(None, 1)]
+)
+def test_rayleigh_damping_takes_finite_numbers(damping):
+    with pytest.raises(ValueError, match="a and b must be finite numbers"):
+        _problem(damping=damping)
+
+
+@pytest.mark.parametrize(
+    "force, sentence",
+    [
+        (np.sin, "must be written with jax.numpy"),
+        (lambda u: u.astype(complex), "force must return float64, not complex128"),
+        (lambda u: jnp.dot(jnp.ones((3, 3)), u), "fails for the displacement alone: TypeError: "),
+        (lambda u, v, w: u, "takes 3 arguments, and the problem has no history: give force\\(u\\), force\\(u, v\\)"),
+        (lambda u, v: v[0], r"force must return the shape \(5,\), not \(\)"),
+        (lambda u: [u], "force must return the shape"),
+    ],
+)
+def test_a_force_that_cannot_be_used_is_refused(force, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        study.Problem(force, u0=np.ones(5))
+
+
+@pytest.mark.parametrize(
+    "arguments, sentence",
+    [
+        ({"u0": [[1.0]]}, "u0 must be a number or a vector (n,), not an array of shape (1, 1)."),
+        ({"u0": [1.0, 2.0], "v0": 0.0}, "v0 must have the shape of u0, (2,), not ()."),
+        ({"mass": [1.0, 2.0]}, "mass must be a number, a diagonal or a matrix for u0 of shape (); got (2,)."),
+        ({"force": lambda u: u.sum() * np.ones(3)}, "force must return the shape (), not (3,)."),
+        ({"potential": lambda u: np.ones(3)}, "potential must return the shape (), not (3,)."),
+        ({"load": lambda t: np.ones(3)}, "load must return the shape (), not (3,)."),
+        ({"u0": float("nan")}, "u0 must be finite, not nan."),
+        ({"force": 3.0}, "force must be a function, not 3.0."),
+        ({"force": None}, "force must be a function, not None."),
+        ({"u0": "x"}, "u0 must be a real number or an array of real numbers, not 'x'."),
+        ({"u0": [], "v0": []}, "u0 must be a number or a vector (n,), not an array of shape (0,)."),
+        ({"mass": 0.0}, "mass must not be zero everywhere: the problem would have no dynamics."),
+        ({"u0": [1.0, 2.0], "v0": [0.0, 0.0], "mass": [[1.0, 2.0], [2.0, 1.0]]}, "its smallest value is -1."),
+    ],
+)
+def test_problems_that_do_not_fit_are_refused(arguments, sentence):
+    with pytest.raises((ValueError, TypeError)) as caught:
+        study.Problem(**({"force": lambda u: u, "u0": 1.0} | arguments))
+    assert sentence in str(caught.value)
+
+
+def test_the_stored_energy_is_that_of_the_constant_stiffness_and_of_the_potential():
+    stiffness, u = np.array([[3.0, -1.0], [-1.0, 2.0]]), np.array([0.5, -0.4])
+    problem = study.Problem(lambda u: u**3, u, potential=lambda u: (u**4).sum() / 4, stiffness=stiffness)
+    assert float(problem.stored_energy(u)) == pytest.approx(0.5 * u @ stiffness @ u + (u**4).sum() / 4, rel=1e-15)

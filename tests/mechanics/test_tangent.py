@@ -1,0 +1,103 @@
+"""The structure of the tangent: found, or declared and checked."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from study.algebra.matrices import times
+from study.mechanics import tangent
+from study.mechanics.sparse_tangent import SparseTangent
+
+
+def _chain(u):
+    """Springs r + r³ in a row, the first of which hangs on a wall."""
+    stretch = jnp.concatenate([u[:1], jnp.diff(u)])
+    pull = stretch + stretch**3
+    return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])
+
+
+def _all_to_all(u):
+    return jnp.sinh(u) + jnp.sum(u)
+
+
+@pytest.mark.parametrize(
+    "force, structure",
+    [
+        (jnp.sinh, 0),
+        (lambda u: u * u * u, 0),
+        (_chain, 1),
+        (_all_to_all, "dense"),
+        # coupled over half of the unknowns: elimination of blocks would gain nothing
+        (lambda u: u + jnp.roll(u, 4) + jnp.roll(u, -4), "dense"),
+    ],
+    ids=["uncoupled", "zero at the start", "chain", "all", "far"],
+)
+def test_the_structure_of_the_tangent_is_found(force, structure):
+    assert study.Problem(force, np.zeros(8), np.zeros(8)).tangent == structure
+
+
+def test_an_unknown_without_mass_and_stiffness_needs_pivots():
+    """Only its neighbour holds it: elimination of a band without pivoting would divide by zero."""
+    stiffness = 2 * np.eye(8) - np.eye(8, k=1) - np.eye(8, k=-1)
+    stiffness[0, 0] = 0
+    mass = np.ones(8)
+    assert study.Problem(lambda u: stiffness @ u, np.zeros(8), mass=mass).tangent == 1
+    mass[0] = 0
+    problem = study.Problem(lambda u: stiffness @ u, np.zeros(8), v0=np.append(np.zeros(7), 1.0), mass=mass)
+    assert problem.tangent == "dense"
+    assert study.run(problem, "bathe", dt=0.1, steps=20).status == 0
+
+
+def test_few_unknowns_are_eliminated_whole():
+    assert study.Problem(_chain, np.zeros(4), np.zeros(4)).tangent == "dense"
+
+
+def test_one_unknown_has_no_structure():
+    assert study.Problem(jnp.sin, 0.5).tangent is None
+
+
+@pytest.mark.parametrize(
+    "declared, structure",
+    [("diagonal", 0), ("tridiagonal", 1), (1, 1), (4, 4), ("dense", "dense"), ("matrix_free", "matrix_free")],
+)
+def test_a_structure_may_be_declared_that_holds_more(declared, structure):
+    problem = study.Problem(jnp.sinh, np.zeros(5), tangent=declared)
+    assert problem.tangent == structure
+
+
+def test_of_many_unknowns_the_places_of_the_tangent_are_found():
+    many = np.zeros(tangent.FINDABLE + 1)
+    assert study.Problem(_chain, many).tangent == 1
+    far = study.Problem(lambda u: _chain(u) + u - jnp.roll(u, 5), many).tangent
+    assert isinstance(far, SparseTangent) and not far.pattern.symmetric
+    assert study.Problem(_chain, many, tangent="tridiagonal").tangent == 1
+
+
+def test_a_structure_is_sought_where_the_force_has_a_derivative():
+    """The potential is real near the start only; its far coupling is found, and a narrow band refused."""
+    n = 200
+
+    def potential(u):
+        return jnp.sum((1 + n * jnp.diff(u)) ** 1.5) / n + 50 * (u[0] - u[100]) ** 2
+
+    assert study.Problem(potential=potential, u0=np.zeros(n)).tangent == "dense"
+    with pytest.raises(ValueError, match="has entries outside it"):
+        study.Problem(potential=potential, u0=np.zeros(n), tangent="tridiagonal")
+
+
+@pytest.mark.parametrize("slip", [2e5, 2.0])
+def test_the_coupling_of_contacts_that_slip_near_the_start_is_found(slip):
+    """Already a small motion makes all of them slip, where the tangent is a diagonal."""
+    contacts = study.materials.elements(study.materials.friction(slip, 1e9), lambda u: u - jnp.pad(u[:-1], (1, 0)), 8)
+
+    def force(u, v, history):
+        p, history = contacts(u, v, history)
+        return 1e7 * u + p, history
+
+    options = {"u0": np.zeros(8), "history": contacts.history, "damping": study.Rayleigh(0.0, 0.02)}
+    found = study.Problem(force, **options)
+    assert found.tangent == 1
+    declared = study.Problem(force, tangent="dense", **options)
+    v = np.arange(8.0)
+    np.testing.assert_allclose(times(found.damping, v), times(declared.damping, v), rtol=1e-12)

@@ -1,0 +1,102 @@
+"""Claims beyond the paper, on stability, structures and materials: each check can come out either way."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from paper.claims import materials, stability, structures
+from paper.numbers.kinks import KINKED
+from tests.paper.claims.made_up import filled
+
+
+@pytest.mark.parametrize(
+    "a_step, apart, holds, ours",
+    [(0.051, 75, True, "0.05; 75"), (0.049, 75, False, "0.05; 75"), (0.1, -1, False, "0.10; never")],
+)
+def test_a_map_is_chaotic_by_its_exponent_and_its_perturbation(a_step, apart, holds, ours):
+    variables = {"lyapunov_exponent": ("dt", [a_step / 2.5]), "steps_until_apart": ("dt", [apart])}
+    finding = stability.chaos_of_average_acceleration(xr.Dataset(variables, {"dt": [2.5]}))
+    assert (finding.holds, finding.ours) == (holds, ours)
+
+
+@pytest.mark.parametrize(
+    "steps, holds, reason",
+    [
+        ([20, 20, 20], True, ""),
+        ([20, np.nan, 20], True, "only on hardening and double well"),
+        ([20, 21, np.nan], False, "only on hardening"),
+        ([32, 21, np.nan], False, "only on none"),
+    ],
+)
+def test_a_twentieth_is_reasonable_where_twenty_steps_suffice(steps, holds, reason):
+    problems = ["hardening", "softening", "double_well"]
+    needed = filled(99.0, problem=problems, scheme=["average_acceleration"], level=[1.0, 10.0], periods=[10, 100])
+    needed.loc[{"level": 10.0, "periods": 100}] = np.reshape(steps, (3, 1))
+    data = xr.Dataset({"steps_needed": needed, "most_steps": 128})
+    finding = stability.a_twentieth_at_every_amplitude(data)
+    assert (finding.holds, finding.qualification) == (holds, reason)
+    assert ("more than 128" in finding.ours) == bool(np.isnan(steps).any())
+
+
+def _structures(error=0.01, imbalance=1.0):
+    """Runs on two structures that keep the balance of energies, and those of one scheme as they are given."""
+    schemes = ["average_acceleration", "central_difference", "newmark_dissipative", "wilson_theta", "houbolt", "rk4"]
+    along = {"problem": ["stiff_soft", "fpu_chain"], "scheme": schemes, "steps_per_period": [20]}
+    runs = xr.Dataset({"status": filled(0, **along), "displacement_error": filled(error, **along)})
+    return runs.assign(max_energy_imbalance=filled(imbalance, **along))
+
+
+@pytest.mark.parametrize("error, holds", [(0.099, True), (0.101, False), (np.nan, False)])
+def test_a_twentieth_on_structures_is_decided_by_the_displacement(error, holds):
+    finding = structures.a_twentieth_on_structures(_structures(error))
+    assert finding.holds == holds and ("failed" in finding.ours) == np.isnan(error)
+
+
+def _kinks(gain=10.0, order=2.0, imbalance=1e-13, equal=1.0):
+    error = np.full((3, 3, 2), 1e-2)
+    error[:, 1] /= gain
+    error[:, 2] *= equal
+    return xr.Dataset(
+        {
+            "error": (("problem", "scheme", "steps_per_period"), error),
+            "observed_order": (("problem", "scheme"), np.full((3, 3), order)),
+            "max_energy_imbalance": (("problem", "scheme", "steps_per_period"), np.full((3, 3, 2), imbalance)),
+        },
+        {
+            "problem": KINKED,
+            "scheme": ["average_acceleration", "rk4", "central_difference"],
+            "steps_per_period": [64, 256],
+        },
+    )
+
+
+@pytest.mark.parametrize(
+    "gain, order, equal, verdict",
+    [
+        (1.0, 2.0, 1.0, "reproduced"),
+        (1.0, 4.0, 1.0, "not reproduced"),
+        (10.0, 2.0, 0.1, "reproduced with a qualification"),  # a smaller error at equal steps, not at equal forces
+        (10.0, 2.0, 1.0, "not reproduced"),
+    ],
+)
+def test_the_order_does_not_matter_if_neither_order_nor_error_at_equal_forces_does(gain, order, equal, verdict):
+    assert materials.order_does_not_matter(_kinks(gain, order, equal=equal)).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    "imbalance, error, holds", [(9e-7, 1.1e-3, False), (1.1e-6, 1.1e-3, True), (9e-7, 0.9e-3, True)]
+)
+def test_a_balance_that_is_kept_by_a_wrong_motion_is_no_verdict(imbalance, error, holds):
+    kinks = _kinks(imbalance=imbalance)
+    kinks["error"][:] = error
+    assert materials.balance_is_a_verdict(kinks).holds == holds
+
+
+@pytest.mark.parametrize("step, holds", [(1 / 19, True), (1 / 21, False), (np.nan, False)])
+def test_twenty_steps_are_enough_where_no_oscillator_needs_more(step, holds):
+    needed = xr.DataArray(
+        [[[0.1, step]]],
+        dims=("scheme", "period", "reduction"),
+        coords={"scheme": ["average_acceleration"], "period": [1.0], "reduction": [1.0, 4.0]},
+    )
+    assert materials.twenty_steps_for_the_peak(needed.to_dataset(name="step_needed")).holds == holds

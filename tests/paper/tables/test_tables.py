@@ -1,0 +1,82 @@
+"""What tables read off maps, off the steps that suffice, and off the ledger."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from paper.tables import claims, outcomes_near_1996, robustness
+from paper.tables.outcomes_near_1996 import accurate_up_to, first_of, near_1996
+
+NAMES = ["accurate", "bounded", "damped_to_rest", "in_the_wrong_well", "chaotic", "growing", "newton_not_converged"]
+
+
+def atlas() -> xr.Dataset:
+    """One scheme on two springs, three amplitudes and four step sizes; the first amplitude is left out of the table."""
+    outcome = np.zeros((1, 2, 3, 4), np.int8)
+    outcome[0, :, 0] = 5
+    outcome[0, 0, 1] = [0, 0, 1, 4]
+    outcome[0, 0, 2] = [0, 1, 0, 6]
+    outcome[0, 1, 1] = [0, 0, 0, 2]
+    meanings = " ".join([*NAMES, "not_finite"])
+    return xr.Dataset(
+        {"outcome": (("scheme", "problem", "amplitude", "dt_over_period"), outcome, {"flag_meanings": meanings})},
+        coords={
+            "scheme": ["own"],
+            "scheme_title": ("scheme", ["Own"]),
+            "family": ("scheme", ["Own"]),
+            "problem": ["hardening", "softening"],
+            "amplitude": [0.1, 1.0, 2.0],
+            "dt_over_period": [0.01, 0.1, 0.2, 0.5],
+        },
+    )
+
+
+def test_boundaries():
+    near = near_1996(atlas())
+    assert near.amplitude.values.tolist() == [1.0, 2.0]
+    # accurate again beyond a step that is not does not count
+    assert accurate_up_to(near).sel(scheme="own").values.tolist() == [0.01, 0.2]
+    assert first_of(near, "chaotic").sel(scheme="own").values.tolist() == [0.5, np.inf]
+    assert np.isinf(first_of(near, "growing")).all()
+
+
+def test_the_table_names_the_spring_that_comes_first():
+    (row,) = outcomes_near_1996.tabulate(atlas()).to_dict("records")
+    assert row["1 % up to"] == "0.01 (h)" and row["Chaotic"] == "0.5 (h)" and row["Damped to rest"] == "0.5 (s)"
+    assert row["Growing"] == row["Not finite"] == "–" and row["Newton fails"] == "0.5 (h)"
+
+
+def test_the_longest_runs_count_and_the_most_steps_stand_for_failure():
+    needed = np.array([[[20.0, 40.0], [10.0, np.nan]]])  # one problem: levels, then lengths of runs
+    steps = xr.Dataset(
+        {
+            "steps_needed": (("problem", "scheme", "level", "periods"), needed[:, None]),
+            "most_steps": ((), 256),
+        },
+        coords={
+            "problem": ["softening"],
+            "problem_title": ("problem", ["softening spring"]),
+            "scheme": ["own"],
+            "scheme_title": ("scheme", ["Own"]),
+            "level": [5, 1],
+            "periods": [10, 100],
+        },
+    )
+    (row,) = robustness.tabulate(steps).to_dict("records")
+    assert row == {"Scheme": "Own", "Softening 5 %": "40", "Softening 1 %": "> 256"}
+
+
+_ROW = {"number": "1", "claim": "It grows.", "quantity": "size", "printed": "", "ours": "2", "verdict": "reproduced"}
+
+
+def test_the_table_tells_whose_a_claim_is():
+    ledger = pd.DataFrame(
+        [
+            _ROW | {"section": "3.1", "whose": "Xie", "words": "is growing", "reason": "but slowly"},
+            _ROW | {"section": "stability", "whose": "practice", "words": "", "reason": ""},
+        ]
+    )
+    first, second = claims.tabulate(ledger).to_dict("records")
+    assert first["Whose"] == "Xie, 3.1" and second["Whose"] == "practice"
+    assert first["Claim"] == "It grows. “is growing”" and second["Claim"] == "It grows."
+    assert first["Verdict"] == "reproduced; but slowly" and second["Verdict"] == "reproduced"

@@ -1,0 +1,73 @@
+"""The plan of the pipeline."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import yaml
+
+from paper import products
+from pipeline import paper
+from pipeline.plan import plan
+from pipeline.step import Job
+from tests.pipeline.pipeline import PROJECT
+
+
+@pytest.fixture(scope="module")
+def jobs() -> dict[tuple[str, str], Job]:
+    """The jobs of the default study by step and name."""
+    planned = plan(Path(), yaml.safe_load((PROJECT / "config" / "study.yaml").read_text()))
+    return {(step["name"], name): Job(**one) for step in planned["steps"] for name, one in step["jobs"].items()}
+
+
+def _that_read(jobs, source: str) -> set[tuple[str, str]]:
+    return {key for key, one in jobs.items() if source in one.inputs}
+
+
+def _names(keys: Iterable[tuple[str, str]]) -> set[str]:
+    return {step for step, _ in keys}
+
+
+def test_an_edited_scheme_concerns_what_runs_it(jobs):
+    runge_kutta, alpha = (_that_read(jobs, f"study/scheme/{name}.py") for name in ("runge_kutta", "alpha"))
+    assert {"energy_error", "energy_drift", "large_steps", "phase_portrait"} <= _names(runge_kutta)
+    assert "energy_error" in _names(alpha) and not {"energy_drift", "houbolt_start"} & _names(alpha)
+    assert not any(name.startswith("reference_") for name in _names(runge_kutta | alpha))
+
+
+def test_an_edited_problem_concerns_what_runs_it_and_a_new_one_nothing_else(jobs):
+    chains = _that_read(jobs, "study/problem/chains.py")
+    assert ("reference_structures", "fpu_chain") in chains and ("structures", "fpu_chain") in chains
+    assert _names(chains) <= {"reference_structures", "structures", "structure_history", "site"}
+    springs = _that_read(jobs, "study/problem/springs.py")
+    assert {"reference_springs", "energy_error", "accuracy", "kinks"} <= _names(springs)
+    assert ("kinks", "hardening") in springs and ("kinks", "yielding") not in springs
+
+
+def test_every_job_of_the_study_depends_on_the_settings_of_jax(jobs):
+    made = {key for key, one in jobs.items() if one.command.startswith("pipeline.command")}
+    assert len(made) > 50 and made <= _that_read(jobs, "study/settings.py")
+
+
+def test_what_is_drawn_depends_on_the_style_and_what_is_counted_does_not(jobs):
+    assert "paper/figures/style.mplstyle" in jobs["figure", "instability"].inputs
+    assert "paper/figures/style.mplstyle" not in jobs["claims", ""].inputs
+
+
+def test_a_product_outside_of_the_folder_of_its_kind_is_refused():
+    found = products.discover()
+    paper.check_places(found)
+    claim = next(product for product in found if product.kind == "claim")
+    with pytest.raises(ValueError, match="is declared in paper.figures.own: move it to paper/claims"):
+        paper.check_places([replace(claim, module="paper.figures.own")])
+
+
+def test_a_dataset_that_is_not_made_is_named_with_its_reader():
+    files = ["reference/softening_large.nc", "phase_portrait/softening_large.nc"]
+    with pytest.raises(ValueError) as caught:
+        paper.check_datasets("figure 'instability'", files, ["reference/softening_large"])
+    assert str(caught.value) == (
+        "figure 'instability' reads 'phase_portrait/softening_large', a dataset that this configuration does not make."
+    )
+    paper.check_datasets("figure 'instability'", files, ["reference/softening_large", "phase_portrait/softening_large"])

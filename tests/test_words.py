@@ -1,0 +1,21 @@
+"""How numbers are printed, for the paper and the site alike."""
+
+import pytest
+
+from study.words import printed
+
+
+@pytest.mark.parametrize(
+    "text, expected",
+    [
+        ("6e4523684f94, 1e5023684512", "6e4523684f94, 1e5023684512"),
+        ("5e-05", "5\u00a0×\u00a010⁻⁵"),
+        ("1e-15", "10⁻¹⁵"),
+        ("2.3e+05", "2.3\u00a0×\u00a010⁵"),
+        ("0e+00", "0"),
+        ("Houbolt: -1.0; Bathe: 2e-16", "Houbolt: −1.0; Bathe: 2\u00a0×\u00a010⁻¹⁶"),
+        ("Fermi-Pasta-Ulam, ρ∞-Bathe, T-20, a1e5", "Fermi-Pasta-Ulam, ρ∞-Bathe, T-20, a1e5"),
+    ],
+)
+def test_powers_of_ten_and_minus_signs(text, expected):
+    assert printed(text) == expected

@@ -1,0 +1,89 @@
+"""Ensembles against single runs, against C, and against themselves in other numbers and company."""
+
+import os
+from collections.abc import Iterator
+
+import numpy as np
+import peer
+from case import Case, step_size, timed
+
+import study
+from study.marching.timing import Timed
+from study.observer.energy import MaxEnergyError
+from study.observer.outcome import OutcomeObserver
+
+STEPS, LONG = 1_000, 10_000
+FEW, MANY = 1_024, 16_384
+
+
+def cases(folder: str) -> Iterator[Case]:
+    """Everything on ensembles that is timed; compiled C stands in the folder."""
+
+    def run(spring, lanes, steps=STEPS, dt=1.0, scheme="average_acceleration", observe=("max_energy_error",)):
+        u0 = np.linspace(0.5, 1.0, lanes) * float(study.problems[spring].u0)
+        arguments = {"u0": u0, "dt": dt * step_size(spring), "steps": steps, "observe": observe}
+        return timed(lambda: study.run(spring, scheme, **arguments))
+
+    for spring, (to_single, to_c) in {"hardening": (0.08, 1.7), "softening": (0.3, 1.0)}.items():
+        single = Timed(study.problems[spring], study.schemes["average_acceleration"], (MaxEnergyError(),))
+        yield Case(
+            f"{FEW} lanes, {spring} : single runs",
+            lambda spring=spring: run(spring, FEW, LONG),
+            lambda spring=spring, single=single: single.run(step_size(spring), FEW * LONG // 64)[0] * 64,
+            to_single,
+            FEW * LONG,
+        )
+        if peer.compiler():
+            u0 = np.linspace(0.5, 1.0, FEW) * float(study.problems[spring].u0)
+            arguments = spring, u0, step_size(spring), LONG, study.problems[spring].force, folder
+            ends = study.run(spring, "average_acceleration", u0=u0, dt=step_size(spring), steps=LONG, every=LONG).u[
+                :, -1
+            ]
+            np.testing.assert_allclose(ends, peer.ensemble(*arguments)[1], atol=1e-6, err_msg="SIMD C differs")
+            yield Case(
+                f"{FEW} lanes, {spring} : SIMD C",
+                lambda spring=spring: run(spring, FEW, LONG),
+                lambda arguments=arguments: peer.ensemble(*arguments)[0],
+                to_c,
+                FEW * LONG,
+            )
+    for lanes in (8 * MANY, 1_000_000):
+        yield Case(
+            f"{lanes} lanes : {MANY} lanes, as often",
+            lambda lanes=lanes: run("hardening", lanes, STEPS // 4),
+            lambda lanes=lanes: run("hardening", MANY, STEPS // 4) * (lanes / MANY),
+            1.1,
+            lanes * STEPS // 4,
+        )
+    maps = OutcomeObserver.of(study.problems["hardening"]), "lyapunov_exponent"
+    yield Case(
+        "as for the maps of stability : energy alone",
+        lambda: run("hardening", FEW, LONG, dt=20, observe=maps),
+        lambda: run("hardening", FEW, LONG, dt=20),
+        2.0,
+        FEW * LONG,
+    )
+    mixed = np.linspace(1, 2 * STEPS, MANY).astype(int)
+    yield Case(
+        f"lanes with 1 to {2 * STEPS} steps : with {STEPS} each",
+        lambda: run("hardening", MANY, mixed),
+        lambda: run("hardening", MANY),
+        1.3,
+        MANY * STEPS,
+    )
+    unstable = np.where(np.arange(MANY) % 2, 1.0, 1e3)
+    yield Case(
+        "central difference, every second lane fails : none fails",
+        lambda: run("hardening", MANY, dt=unstable, scheme="central_difference"),
+        lambda: run("hardening", MANY, scheme="central_difference"),
+        1.3,
+        MANY * STEPS,
+    )
+
+    def on_all_cores():
+        granted = os.environ.pop("OMP_NUM_THREADS")
+        seconds = run("hardening", MANY)
+        os.environ["OMP_NUM_THREADS"] = granted
+        return seconds
+
+    yield Case("all cores : one core", on_all_cores, lambda: run("hardening", MANY), 0.6, MANY * STEPS)

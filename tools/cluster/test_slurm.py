@@ -1,0 +1,142 @@
+"""The pipeline on a Slurm of one node: the bytes of a local run, and what a cluster does to jobs."""
+
+import os
+import platform
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from tests.pipeline.pipeline import SMALL, call_snakemake, copied
+
+#: What is made: jobs on the node, figures that travel together, a table on the spot, and one that measures times.
+PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "figures/roots.pdf", "cpu_time.nc"]
+#: Those whose bytes are those of a local run.
+UNTIMED = PRODUCTS[:-1]
+#: Without accounting the state of a job is that in the queue.
+OPTIONS = "--workflow-profile profiles/slurm --slurm-status-command squeue --slurm-no-account".split()
+#: Short runs look at the queue sooner than the profile says.
+SOON = "--slurm-init-seconds-before-status-checks", "2"
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module", autouse=True)
+def slurm():
+    """A Slurm that runs; skipped with a sentence where there is none."""
+    if shutil.which("slurmctld") is None or find_spec("snakemake_executor_plugin_slurm") is None or os.getuid():
+        pytest.skip("a Slurm needs root, Debian's slurm-wlm and munge, and the extra 'slurm' of this package")
+    subprocess.run([Path(__file__).with_name("start")], check=True)
+
+
+@pytest.fixture(scope="module")
+def local(tmp_path_factory) -> Path:
+    """A copy of the project with products of a local run."""
+    folder = copied(tmp_path_factory.mktemp("local"))
+    done = call_snakemake(folder, *_targets(UNTIMED))
+    assert done.returncode == 0, done.stderr[-4000:]
+    return folder
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    """A copy of the project where nothing is made."""
+    return copied(tmp_path)
+
+
+def _targets(products: list[str]) -> list[str]:
+    return [f"results/{name}" for name in products]
+
+
+def _started(folder: Path, products: list[str], *options: str) -> subprocess.Popen:
+    command = [sys.executable, "-m", "snakemake", *_targets(products), *OPTIONS, *options, "--configfile", str(SMALL)]
+    environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
+    with (folder / "slurm.log").open("a") as log:
+        return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment)
+
+
+def _made(folder: Path, products: list[str]) -> str:
+    run = _started(folder, products, *SOON)
+    run.wait(timeout=400)
+    said = (folder / "slurm.log").read_text()
+    assert run.returncode == 0, said[-4000:]
+    return said
+
+
+def _same(folder: Path, local: Path, products: list[str]) -> None:
+    for name in products:
+        assert (folder / "results" / name).read_bytes() == (local / "results" / name).read_bytes(), name
+
+
+def _queue(folder: Path, *states: str) -> list[str]:
+    chosen = [f"--states={','.join(states)}"] if states else []
+    listed = subprocess.run(
+        ["squeue", "--noheader", "--format=%i %Z", *chosen], capture_output=True, text=True, check=True
+    )
+    return [line.split()[0] for line in listed.stdout.splitlines() if Path(line.split(None, 1)[1]) == folder]
+
+
+def _wait(condition: Callable[[], object], seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "what the test waits for did not happen"
+        time.sleep(0.2)
+
+
+def test_a_cluster_makes_the_bytes_of_a_local_run_and_sends_figures_together(folder, local):
+    said = _made(folder, PRODUCTS)
+    _same(folder, local, UNTIMED)
+    assert said.count("has been submitted with SLURM jobid") == 5
+    assert (folder / "results" / "cpu_time.nc").exists()
+
+
+def test_a_job_that_is_cancelled_starts_again(folder, local):
+    run = _started(folder, UNTIMED[:2], *SOON)
+    _wait(lambda: _queue(folder, "RUNNING"))
+    subprocess.run(["scancel", _queue(folder, "RUNNING")[0]], check=True)
+    run.wait(timeout=300)
+    assert run.returncode == 0, (folder / "slurm.log").read_text()[-4000:]
+    _same(folder, local, UNTIMED[:2])
+
+
+def test_a_node_that_goes_and_comes_back_is_survived(folder, local):
+    run, node = _started(folder, UNTIMED[:2], *SOON), platform.node().split(".")[0]
+    _wait(lambda: _queue(folder, "RUNNING"))
+    subprocess.run(["scontrol", "update", f"nodename={node}", "state=down", "reason=test"], check=True)
+    try:
+        _wait(lambda: not _queue(folder, "RUNNING"))
+    finally:
+        # a node that has come back by itself cannot be resumed
+        subprocess.run(["scontrol", "update", f"nodename={node}", "state=resume"], check=False)
+        for number in _queue(folder, "PENDING"):  # Slurm lets such jobs wait for two minutes
+            subprocess.run(["scontrol", "update", f"jobid={number}", "starttime=now"], check=True)
+    run.wait(timeout=300)
+    assert run.returncode == 0, (folder / "slurm.log").read_text()[-4000:]
+    _same(folder, local, UNTIMED[:2])
+
+
+def test_jobs_of_a_killed_run_are_cancelled_by_the_next(folder, local):
+    run = _started(folder, UNTIMED[:2])
+    _wait(lambda: _queue(folder))
+    before = set(_queue(folder))
+    run.kill()
+    run.wait()
+    _made(folder, UNTIMED[:2])
+    assert not before & set(_queue(folder))
+    _same(folder, local, UNTIMED[:2])
+
+
+def test_a_run_that_is_interrupted_ends_within_seconds_and_leaves_no_jobs(folder):
+    run = _started(folder, UNTIMED[:2])
+    _wait(lambda: _queue(folder, "RUNNING"))
+    run.send_signal(signal.SIGINT)
+    run.wait(timeout=15)
+    assert run.returncode != 0
+    assert not _queue(folder, "PENDING", "RUNNING")
+    _wait(lambda: not _queue(folder))  # Slurm waits half a minute for a process that does not end by itself

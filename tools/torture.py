@@ -1,0 +1,167 @@
+"""Kill the pipeline at random moments, and compare what the next calls make with an undisturbed run.
+
+``python tools/torture.py KILLS OUTPUT`` works in copies of the project. Before every kill some products are removed, so
+that there is work; after it a plain call must end well. OUTPUT is a table of kills, restarts and differences.
+"""
+
+import hashlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import pandas as pd
+import psutil
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from tests.pipeline.pipeline import SMALL, call_snakemake, copied
+
+#: Products that are made, removed and compared, below the results.
+PRODUCTS = (
+    "energy_drift.nc",
+    "energy_error.nc",
+    "houbolt_start.nc",
+    "phase_portrait/hardening.nc",
+    "phase_portrait/softening.nc",
+    "round_off.nc",
+    "sensitivity.nc",
+    "figures/energy_drift.pdf",
+    "figures/hardening.pdf",
+    "figures/round_off.pdf",
+)
+#: Products that are removed before a kill.
+REMOVED = 3
+
+
+def _everything(run: subprocess.Popen, moment: float) -> bool:
+    time.sleep(moment)
+    at_work = run.poll() is None
+    os.killpg(run.pid, signal.SIGKILL)
+    return at_work
+
+
+def _snakemake_alone(run: subprocess.Popen, moment: float) -> bool:
+    time.sleep(moment)
+    at_work = run.poll() is None
+    run.kill()
+    return at_work
+
+
+def _one_job(run: subprocess.Popen, moment: float) -> bool:
+    """Kill a job: the first one that comes, if none is at work at that moment."""
+    time.sleep(moment)
+    jobs: list[psutil.Process] = []
+    while not jobs and run.poll() is None:
+        jobs = [job for job in _descendants(run) if "python" in job.name()]
+    if jobs:
+        random.choice(jobs).kill()
+    return bool(jobs)
+
+
+def _a_writer(run: subprocess.Popen, moment: float) -> bool:
+    """Kill all jobs at the first moment at which a file is unfinished; whether there was one."""
+    folders = {Path(psutil.Process(run.pid).cwd(), "results", name).parent for name in PRODUCTS}
+    seen = False
+    while not seen and run.poll() is None:
+        seen = any(name.endswith(".unfinished") for one in folders if one.is_dir() for name in os.listdir(one))
+    for job in _descendants(run):
+        job.kill()
+    return seen
+
+
+def _descendants(run: subprocess.Popen) -> list[psutil.Process]:
+    try:
+        return psutil.Process(run.pid).children(recursive=True)
+    except psutil.NoSuchProcess:
+        return []
+
+
+MODES = {
+    "everything": _everything,
+    "Snakemake alone": _snakemake_alone,
+    "one job": _one_job,
+    "jobs while a file is written": _a_writer,
+}
+
+
+def _hashes(folder: Path) -> dict[str, str]:
+    return {name: hashlib.sha256((folder / "results" / name).read_bytes()).hexdigest() for name in PRODUCTS}
+
+
+def _killed(folder: Path, mode: str, moment: float) -> bool:
+    """Start the pipeline and kill it; whether it was still at work then."""
+    command = [sys.executable, "-m", "snakemake", *_targets(), "--configfile", str(SMALL)]
+    environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
+    with (folder / "torture.log").open("a") as log:
+        run = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment, start_new_session=True)
+        try:
+            at_work = MODES[mode](run, moment)
+        except (ProcessLookupError, psutil.NoSuchProcess):  # it ended in that moment
+            at_work = False
+        run.wait()
+    return at_work
+
+
+def _remove(folder: Path, choose: random.Random) -> None:
+    for name in choose.sample(PRODUCTS, REMOVED):
+        (folder / "results" / name).unlink()
+
+
+def _undisturbed(folder: Path, choose: random.Random) -> float:
+    """Seconds that a call takes which makes as much as those that are killed."""
+    _remove(folder, choose)
+    start = time.monotonic()
+    restarted(folder)
+    return time.monotonic() - start
+
+
+def _targets() -> list[str]:
+    return [f"results/{name}" for name in PRODUCTS]
+
+
+def torture(undisturbed: Path, tortured: Path, kills: int, seed: int = 0) -> pd.DataFrame:
+    """Kill the pipeline in a copy of the project where everything is made; a row for each kind of kill.
+
+    The moments of the kills spread evenly over the time that an undisturbed call takes.
+
+    Raises
+    ------
+    RuntimeError
+        If a call after a kill does not end well.
+    """
+    choose, expected, rows = random.Random(seed), _hashes(undisturbed), []
+    latest = min(_undisturbed(tortured, choose) for _ in range(2))  # the first call in a copy plans anew
+    for number in range(kills):
+        mode = list(MODES)[number % len(MODES)]
+        _remove(tortured, choose)
+        at_work = _killed(tortured, mode, choose.uniform(0.0, latest))
+        restarted(tortured)
+        found = _hashes(tortured)
+        leftover = len(list((tortured / "results").rglob(".*.unfinished")))
+        rows.append((mode, 1, at_work, len(found), sum(found[name] != expected[name] for name in found), leftover))
+        print(f"{number + 1} of {kills}: {mode}", file=sys.stderr)
+    columns = ["killed", "kills", "of runs at work", "products compared", "differences", "unfinished files left"]
+    return pd.DataFrame(rows, columns=columns).groupby("killed", sort=False).sum().astype(int).reset_index()
+
+
+def restarted(folder: Path) -> None:
+    """Make the products with a plain call."""
+    done = call_snakemake(folder, *_targets())
+    if done.returncode:
+        raise RuntimeError(f"a plain call did not end well in {folder}:\n{(done.stdout + done.stderr)[-4000:]}")
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as place:
+        undisturbed, tortured = (copied(Path(place, name)) for name in ("undisturbed", "tortured"))
+        for one in (undisturbed, tortured):
+            restarted(one)
+        summary = torture(undisturbed, tortured, int(sys.argv[1]))
+    Path(sys.argv[2]).write_text(summary.to_csv(index=False))
+    print(summary.to_string(index=False))
+    sys.exit(bool(summary[["differences", "unfinished files left"]].to_numpy().any()))
