@@ -39,7 +39,7 @@ benchmark: .venv/ready
 	  { echo "Python 3.11 or later is needed; name one with 'make PYTHON=...'." >&2; exit 1; }
 	@echo "installing the pinned packages into .venv, which takes a minute or two"
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --require-hashes -r requirements.txt
+	$(BIN)/pip install --quiet --require-hashes --no-deps -r requirements.txt
 	$(BIN)/pip install --quiet --no-deps --no-build-isolation --editable .
 	touch $@
 
