@@ -14,14 +14,17 @@ WITHOUT_ACCOUNTING = $(shell sacct > /dev/null 2>&1 || echo --slurm-status-comma
 
 KILLS ?= 100
 
-.PHONY: study site test benchmark check lock torture cluster archive latex citation clean
+.PHONY: study site test coverage benchmark check lock torture cluster archive latex citation clean
 
 # the pages of the site, results/site/index.html, are made on request, with what is missing of the study
 study site: .venv/ready
 	$(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG)
 
-# pyproject.toml states the least coverage
 test: .venv/ready
+	$(BIN)/pytest -n auto
+
+# the tests with the lines that they run, of which pyproject.toml states the least share
+coverage: .venv/ready
 	$(BIN)/pytest -n auto --cov=study --cov=reference --cov-report=term
 
 # style, format and types

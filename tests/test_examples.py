@@ -16,11 +16,11 @@ FOLDER = Path(__file__).parent.parent / "examples"
 
 #: Objects of the files, with the time over which they are run and what is asked.
 PROBLEMS = {
-    "frame.py:frame": (6.0, "frame.py:quantities"),
-    "yielding_frame.py:frame": (6.0, "yielding_frame.py:quantities"),
-    "driven.py:driven": (30.0, "driven.py:quantities"),
+    "frame.py:frame": (3.0, "frame.py:quantities"),
+    "yielding_frame.py:frame": (2.0, "yielding_frame.py:quantities"),
+    "driven.py:driven": (15.0, "driven.py:quantities"),
     "truss.py:truss": (0.5, None),
-    "pendulum.py:pendulum": (40.0, None),
+    "pendulum.py:pendulum": (10.0, None),
 }
 
 
@@ -47,7 +47,7 @@ def test_the_scheme_of_the_examples_has_its_order():
     heun = load(f"{FOLDER / 'scheme.py'}:heun", (study.Scheme,))
     assert study.LinearTheory(heun, np.logspace(-3, 0, 31)).order() == pytest.approx(2, abs=0.05)
     driven = load(f"{FOLDER / 'driven.py'}:driven", (study.Problem,))
-    ds = study.assess(driven, {"heun": heun}, duration=30.0, errors=[0.01], maps=False)
+    ds = study.assess(driven, {"heun": heun}, duration=10.0, errors=[0.01], maps=False)
     assert ds.verdict.sel(quantity="displacement").item() == 0
 
 

@@ -120,10 +120,7 @@ def _mesh(side):
     return scipy.sparse.csc_array(scipy.sparse.kron(row, one) + scipy.sparse.kron(one, row))
 
 
-_ROW = scipy.sparse.csc_array(_mesh(40)[:40, :40])
-
-
-@pytest.mark.parametrize("stiffness", [_mesh(8), _ROW, scipy.sparse.eye_array(64)], ids=["mesh", "row", "diagonal"])
+@pytest.mark.parametrize("stiffness", [_mesh(6), scipy.sparse.eye_array(36)], ids=["mesh", "diagonal"])
 def test_sparse_matrices_of_jax_depend_on_the_lane_and_are_differentiated(stiffness):
     n = stiffness.shape[0]
     u0, cubic = np.linspace(0.5, 1.0, n), lambda u: u**3

@@ -67,14 +67,12 @@ def _wait(condition, seconds: float = 60.0) -> None:
         time.sleep(0.05)
 
 
-def test_a_second_run_in_the_folder_ends_with_a_sentence(folder, running):
+def test_a_second_run_ends_with_a_sentence_and_an_interrupt_the_first(folder, running):
     done = call_snakemake(folder, *TARGETS)
     assert done.returncode != 0 and f"another run is at work in '{folder}': wait for it, or end it." in done.stderr
     assert "Traceback" not in done.stderr
     assert call_snakemake(folder, "-n").returncode == 0
-
-
-def test_an_interrupt_ends_the_run_and_all_its_processes_within_seconds(folder, running):
+    # an interrupt ends the run and all its processes within seconds
     os.killpg(running.pid, signal.SIGINT)
     assert running.wait(timeout=15) != 0
     _wait(lambda: not _processes(folder), 15)

@@ -3,13 +3,14 @@
 import csv
 import json
 import shutil
-import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+import xarray as xr
 import yaml
+from snakemake.utils import update_config
 
 import study
 from tests.browser import needs_browser
@@ -89,13 +90,18 @@ def test_datasets_explain_themselves(project):
 
 
 def test_datasets_keep_the_cf_conventions(project, tmp_path):
-    files = sorted((project / "results").rglob("*.nc"))
+    """One file of every kind: those of one experiment differ in their numbers."""
+    of_kind = {}
+    for path in sorted((project / "results").rglob("*.nc")):
+        with xr.open_dataset(path) as ds:
+            of_kind[frozenset(ds.variables)] = path
+    files = sorted(of_kind.values())
     report = tmp_path / "report.json"
     checker = Path(sys.executable).with_name("compliance-checker")
     options = ["--test", "cf:1.11", "--format", "json_new", "--output", report]
     subprocess.run([checker, *options, *files], capture_output=True, check=False)
     found = json.loads(report.read_text())
-    assert len(found) == len(files) > 40
+    assert len(found) == len(files) > 20
     for file, checks in found.items():
         assert [one for one in checks["cf:1.11"]["all_priorities"] if one["msgs"]] == [], file
 
@@ -112,13 +118,20 @@ def test_a_second_call_has_nothing_to_do(project):
     assert _would_run(project) == set()
 
 
-def test_a_failed_job_is_made_again(copy):
+def test_a_failed_job_tells_why_and_is_made_again(copy):
     product, module = copy / "results" / "houbolt_start.nc", copy / "study" / "experiments" / "houbolt_start.py"
     before, source = product.read_bytes(), module.read_text()
     module.write_text(source.replace("error = np.empty(", "raise ValueError('broken')\n    error = np.empty("))
     assert module.read_text() != source
-    done = call_snakemake(copy, "results/houbolt_start.nc")
+    undeclared = ADDED["study/experiments/last_displacement.py"].replace('["reference/hardening"]', "[]")
+    undeclared = undeclared.replace(
+        "    end = run(", '    from study import io\n\n    io.open_dataset("spectral")\n    end = run('
+    )
+    (copy / "study/experiments/last_displacement.py").write_text(undeclared)
+    done = call_snakemake(copy, "--keep-going", "results/houbolt_start.nc", "results/last_displacement.nc")
     assert done.returncode != 0 and "study.experiments.houbolt_start: broken" in done.stderr
+    log = (copy / "results" / "logs" / "last_displacement.log").read_text()
+    assert "the dataset 'spectral' is read without being declared" in log
     module.write_text(source)
     make(copy, "houbolt_start.nc")
     assert product.read_bytes() == before
@@ -131,7 +144,7 @@ def test_the_linter_of_snakemake_has_nothing_to_say(project):
 
 def test_one_core_gives_the_same_bytes_as_two(project, tmp_path):
     again = copied(tmp_path)
-    products = {"energy_drift.nc", "sensitivity.nc", "figures/energy_drift.svg", "stability/tiles/rk4_0.nc"}
+    products = {"figures/energy_drift.svg", "stability/tiles/rk4_0.nc"}
     done = call_snakemake(again, "--cores", "1", *(f"results/{product}" for product in products))
     assert done.returncode == 0, done.stderr[-4000:]
     made = hashes_of(again)
@@ -143,30 +156,6 @@ def test_an_edited_figure_script_redraws_that_figure(copy):
     script = copy / "paper" / "figures" / "instability.py"
     script.write_text(script.read_text() + "\n# edited\n")
     assert _would_run(copy) == {"figures/instability", "manuscript", "supplement"}
-
-
-def test_an_interrupted_atlas_goes_on_with_the_tiles_it_has(project, copy):
-    stability = copy / "results" / "stability"
-    missing = [stability / "tiles" / f"{scheme}_0.nc" for scheme in ("central_difference", "rk4")]
-    for path in (*missing, stability / "atlas.nc"):
-        path.unlink()
-    # who runs the tests in the background has interrupts switched off
-    code = (
-        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-        "from snakemake.cli import main; main()"
-    )
-    target = "results/stability/atlas.nc"
-    command = [sys.executable, "-c", code, "--cores", "1", target, "--configfile", str(SMALL)]
-    with subprocess.Popen(command, cwd=copy, stderr=subprocess.PIPE, text=True) as interrupted:
-        assert interrupted.stderr is not None
-        assert any("Finished jobid" in line for line in interrupted.stderr)
-        interrupted.send_signal(signal.SIGINT)
-        interrupted.communicate()
-    assert interrupted.returncode != 0 and sum(path.exists() for path in missing) == 1
-    there = {path: path.stat().st_mtime_ns for path in (stability / "tiles").iterdir()}
-    make(copy, "stability/atlas.nc")
-    assert {path: path.stat().st_mtime_ns for path in there} == there
-    assert hashes_of(copy)["stability/atlas.nc"] == hashes_of(project)["stability/atlas.nc"]
 
 
 def test_a_wrong_configuration_stops_before_any_work(project, tmp_path):
@@ -224,16 +213,6 @@ def test_what_is_added_in_one_file_is_made(copy):
     assert "last_displacement" in json.loads((results / "numbers.json").read_text())
 
 
-def test_an_undeclared_read_fails_before_any_run(copy):
-    text = ADDED["study/experiments/last_displacement.py"].replace('["reference/hardening"]', "[]")
-    text = text.replace("    end = run(", '    from study import io\n\n    io.open_dataset("spectral")\n    end = run(')
-    (copy / "study/experiments/last_displacement.py").write_text(text)
-    done = call_snakemake(copy, "results/last_displacement.nc")
-    assert done.returncode != 0
-    log = (copy / "results" / "logs" / "last_displacement.log").read_text()
-    assert "the dataset 'spectral' is read without being declared" in log
-
-
 #: Short runs, coarse and other values: what some product once could not bear.
 UNUSUAL = {
     "phase_portrait": {"hardening": {"dt": 0.011, "duration": 0.5}},
@@ -244,7 +223,8 @@ UNUSUAL = {
 }
 
 
-@pytest.mark.parametrize("changes", [UNUSUAL, mutated(2)], ids=["unusual", "mutated"])
-def test_what_is_accepted_runs_to_the_end(copy, changes):
+def test_what_is_accepted_runs_to_the_end(copy):
+    changes = mutated(2)
+    update_config(changes, UNUSUAL)
     (copy / "changes.yaml").write_text(yaml.safe_dump(changes))
     make(copy, overlays=[SMALL, "changes.yaml"])

@@ -40,15 +40,15 @@ def _motion(problem, scheme, **options):
     return study.run(problem, scheme, **{"dt": 0.05, "steps": 40, "observe": ["trajectory"]} | options)
 
 
-def test_every_kind_of_scheme_gives_the_numbers_of_full_matrices(kind):
+def test_every_kind_of_state_gives_the_numbers_of_full_matrices(state_kind):
     sparse_model, full_model = _model(title="sparse"), _model(full=True, title="full")
     assert isinstance(sparse_model.tangent, SparseTangent) and full_model.tangent == 0
-    if reason := study.schemes[kind].refusal(sparse_model):
-        assert kind in {"energy_momentum", "average_vector_field", "gauss4"}, reason
+    if reason := study.schemes[state_kind].refusal(sparse_model):
+        assert state_kind in {"energy_momentum", "average_vector_field", "gauss4"}, reason
         with pytest.raises(ValueError, match=r"'sparse'"):
-            _motion(sparse_model, kind)
+            _motion(sparse_model, state_kind)
         return
-    one, other = _motion(sparse_model, kind), _motion(full_model, kind)
+    one, other = _motion(sparse_model, state_kind), _motion(full_model, state_kind)
     assert one.status == other.status
     np.testing.assert_allclose(one.u, other.u, atol=1e-11)
 
