@@ -221,6 +221,13 @@ def assess(
         )
     reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
+    if length < asked_for:
+        warnings.warn(
+            f"the references of '{equation.title}' agree up to t = {length:.4g} of {asked_for:g} s: nothing is said "
+            "beyond.",
+            RuntimeWarning,
+            stacklevel=2,
+        )
     cases = cases_of(equation, reference, asked, allowed[-1])
     if of_energy and (lacking := _lack_of_energy(equation, reference.solution)):
         warnings.warn(lacking, RuntimeWarning, stacklevel=2)

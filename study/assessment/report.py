@@ -270,8 +270,10 @@ def report(assessed: xr.Dataset, path: str | Path) -> Path:
     ValueError
         If the dataset is no assessment.
     OSError
-        If the file cannot be written.
+        If there is no such folder, or the file cannot be written.
     """
+    if not Path(path).parent.is_dir():
+        raise FileNotFoundError(f"the folder '{Path(path).parent}' does not exist; make it first.")
     write(page(assessed), path)
     return Path(path)
 

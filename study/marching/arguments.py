@@ -4,7 +4,6 @@ Each function returns its argument in the form that the march takes, or raises a
 argument, what it should be and what it is.
 """
 
-import os
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
@@ -12,6 +11,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+import psutil
 
 from study.algebra.arrays import real_numbers
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
@@ -140,7 +140,7 @@ def number_of_lanes(
 
 
 def check_memory(records: Mapping[str, int], samples: int) -> None:
-    """Refuse records that are larger than the memory of this machine.
+    """Refuse records that are larger than the free memory of this machine, which they pass through twice.
 
     Parameters
     ----------
@@ -149,13 +149,9 @@ def check_memory(records: Mapping[str, int], samples: int) -> None:
     samples
         Number of samples.
     """
-    try:
-        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError):  # this system does not tell
-        return
-    needed = samples * sum(records.values())
+    memory, needed = psutil.virtual_memory().available, 2 * samples * sum(records.values())
     if needed > memory:
         raise ValueError(
             f"{samples} samples of {', '.join(map(repr, records))} need {needed / 2**30:.0f} GiB, and this machine has "
-            f"{memory / 2**30:.0f} GiB of memory: store fewer with every=, or observe single values instead."
+            f"{memory / 2**30:.0f} GiB of free memory: store fewer with every=, or observe single values instead."
         )

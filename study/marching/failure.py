@@ -27,12 +27,18 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
             "Newton's iteration found no balance: the force changes too much over a step, or the effective equation "
             "has no or several roots; take smaller steps."
         )
-    if scheme.explicit:
+    if not np.isfinite(problem.internal_force(problem.u0, problem.v0)).all():
+        return "the force is not finite at the start."
+    if scheme.explicit and not (highest and highest * dt < 1):
         return (
             "the step may be beyond the limit of stability of an explicit scheme, where ωΔt of the stiffest mode is "
             f"about 2{at_start}; take smaller steps or an implicit scheme."
         )
-    return "the motion grows without bound; take smaller steps or a scheme that conserves or dissipates energy."
+    massless = ", or an unknown without mass has no stiffness" if problem.massless else ""
+    return (
+        f"the motion grows without bound, or its force is not finite where it has gone{massless}; take smaller steps, "
+        "or a scheme that conserves or dissipates energy."
+    )
 
 
 def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun) -> str:

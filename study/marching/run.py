@@ -7,6 +7,7 @@ from typing import Any
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 from tqdm import tqdm
@@ -162,6 +163,7 @@ def run(
     >>> print(f"{ds.max_energy_error.item():.1f} {ds.max_energy_error.units}")
     4.1 percent
     """
+    _check_not_traced((problem, dt, u0, v0, over))
     method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     chosen, step_size = checked_observers(observe), checked_step_size(dt)
     count, every = checked_steps(steps), positive_integer("every", every)
@@ -207,6 +209,15 @@ def run(
     return ds.assign_coords(
         {name: (("lane", *(f"{name}_{axis}" for axis in range(1, x.ndim))), x) for name, x in values.items()}
     )
+
+
+def _check_not_traced(arguments: Any) -> None:
+    """Refuse a call within ``jit``, where all arrays are traced, ``grad`` or ``vmap``, where some of them are."""
+    leaves = [jnp.zeros(()), *jax.tree.leaves(arguments)]
+    for leaf in leaves.copy():
+        leaves += [cell.cell_contents for cell in getattr(leaf, "__closure__", None) or ()]
+    if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
+        raise TypeError("study.run takes numbers, not what jit, grad or vmap trace: call study.final_state there.")
 
 
 def _check_on_failure(on_failure: str) -> None:

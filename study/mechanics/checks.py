@@ -128,8 +128,8 @@ def check_rayleigh(damping: Rayleigh, title: str) -> None:
     """Refuse coefficients of Rayleigh damping that are not finite numbers."""
     if any(isinstance(c, jax.core.Tracer) for c in damping):
         return
-    if not all(np.ndim(c) == 0 and np.asarray(c).dtype.kind in "fiu" and np.isfinite(c) for c in damping):
-        raise ValueError(f"{damping} of '{title}': a and b must be finite numbers.")
+    if not all(np.ndim(c) == 0 and np.asarray(c).dtype.kind in "fiu" and 0 <= c < np.inf for c in damping):
+        raise ValueError(f"{damping} of '{title}': a and b must be finite numbers that are not negative.")
 
 
 def finite_damping(damping: Matrix, title: str) -> Matrix:

@@ -17,6 +17,9 @@ from study.mechanics.terms import StrainEnergy
 #: Names of arguments that a force takes from the motion.
 NEVER_OPTIONAL = ("v", "velocity", "history")
 
+#: Names that suggest the time, which a force does not take.
+TIME = ("t", "time")
+
 #: A potential and its force may differ by this part of the force: the error of a central difference.
 GRADIENT_AGREEMENT = 1e-5
 
@@ -27,6 +30,32 @@ NOT_TRACEABLE = (
     jax.errors.TracerArrayConversionError,
     jax.errors.TracerIntegerConversionError,
 )
+
+
+class AsArrays(eqx.Module):
+    """A function whose numbers and lists are made arrays."""
+
+    function: Callable
+
+    def __call__(self, *arguments):
+        """The value as an array."""
+        return jnp.asarray(self.function(*arguments), float)
+
+
+def index_beyond(function: Callable, *arguments) -> str | None:
+    """What NumPy says of an index beyond the end of its arrays; None if it says nothing.
+
+    JAX would silently take the last entry. A function that only arrays of JAX can pass through is not checked.
+    """
+    try:
+        # within `eval_shape` JAX computes nothing
+        with np.errstate(all="ignore"):
+            jax.eval_shape(lambda: jax.tree.map(jnp.asarray, function(*jax.tree.map(np.asarray, arguments))))
+    except IndexError as error:
+        return str(error)
+    except Exception:  # a user's function may raise anything on arrays for which it is not written
+        return None
+    return None
 
 
 def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
@@ -49,13 +78,18 @@ def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
     }
 
 
-def check_defaults(force: Callable, title: str) -> None:
-    """Refuse a default for the velocity or the history, with which the force would never receive them."""
+def check_arguments(force: Callable, title: str) -> None:
+    """Refuse a force of the time, and a default with which the force would never receive velocity or history."""
     try:
         parameters = inspect.signature(force).parameters.values()
     except (TypeError, ValueError):  # no function, or a built-in one, which tells nothing
         return
     for parameter in parameters:
+        if parameter.name in TIME:
+            raise ValueError(
+                f"force of '{title}' takes '{parameter.name}', and is called as force(u), force(u, v) or force(u, v, "
+                "history): what depends on the time goes into load=, a function of t."
+            )
         if parameter.default is not parameter.empty and parameter.name in NEVER_OPTIONAL:
             raise ValueError(
                 f"force of '{title}' gives '{parameter.name}' a default, so that it would never receive it: "
@@ -72,6 +106,8 @@ def check_functions(problem) -> None:
         function = getattr(problem, name)
         needed = name == "force" and problem.stiffness is None
         if not callable(function) and (function is not None or needed):
+            if np.ndim(function):
+                raise TypeError(f"{name} must be a function, not an array: jnp.interp makes one of samples.")
             raise TypeError(f"{name} must be a function, not {function!r}.")
         if function is None:
             continue
@@ -83,8 +119,13 @@ def check_functions(problem) -> None:
             if isinstance(error, NOT_TRACEABLE):
                 raise ValueError(f"{name} of '{problem.title}' must be written with jax.numpy: {reason}") from error
             raise ValueError(f"{name} of '{problem.title}' fails for {given}: {reason}") from error
+        if wrong := index_beyond(function, *arguments):
+            raise ValueError(f"{name} of '{problem.title}' takes an entry that does not exist: {wrong}.")
         if name == "force" and problem.history is not None:
             received = _without_history(received, problem.history, problem.title)
+        if name != "potential" and isinstance(received, int | float | list):
+            setattr(problem, name, AsArrays(function))
+            received = eqx.filter_eval_shape(getattr(problem, name), *jax.tree.map(jnp.asarray, arguments))
         if not hasattr(received, "shape") or received.shape != expected:
             got = getattr(received, "shape", type(received).__name__)
             raise ValueError(f"{name} must return the shape {expected}, not {got}.")

@@ -6,11 +6,12 @@ from collections.abc import Callable
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from study.algebra.arrays import ScalarLike, Vector
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
-from study.mechanics.function_checks import NOT_TRACEABLE
+from study.mechanics.function_checks import NOT_TRACEABLE, index_beyond
 from study.observer.base import Observer, Record, Reduction
 
 #: Arguments that the function of a quantity may have.
@@ -95,14 +96,19 @@ def _arguments_of(function: Callable) -> tuple[str, ...]:
 class Quantity(Record):
     r"""Your own quantity, a function of t, u, u̇ and ü: along time, or reduced to one value a run.
 
-    Parameters ---------- function Function of some of the arguments ``t``, ``u``, ``v``, ``a`` and ``ground``, which it
-    gets by these names: the time, and displacement, velocity and acceleration, each of shape () or (n,). It returns a
-    number or a vector and must be written with ``jax.numpy``. The acceleration is that of the equation of motion,
-    :math:`M^{-1} (f - C \dot u - p(u))`, whatever the scheme carries; on moving ground it is relative, ``ground`` is ι
-    a(t), that of the ground at each unknown, and ``lambda a, ground: a + ground`` is the absolute one. name, long_name,
-    units Name and attributes of the variable in the dataset. reduce ``"peak"`` for the largest size over all steps,
-    ``"final"`` for the last value, ``"rms"`` for the root mean square over time by the trapezoidal rule, each of every
-    component; None for the record along time.
+    Parameters
+    ----------
+    function
+        Function of some of the arguments ``t``, ``u``, ``v``, ``a`` and ``ground``, which it gets by these names: the
+        time, and displacement, velocity and acceleration, each of shape () or (n,). It returns a number or a vector and
+        must be written with ``jax.numpy``. The acceleration is that of the equation of motion,
+        :math:`M^{-1} (f - C \dot u - p(u))`, whatever the scheme carries; on moving ground it is relative, ``ground``
+        is ι a(t), that of the ground at each unknown, and ``lambda a, ground: a + ground`` is the absolute one.
+    name, long_name, units
+        Name and attributes of the variable in the dataset.
+    reduce
+        ``"peak"`` for the largest size over all steps, ``"final"`` for the last value, ``"rms"`` for the root mean
+        square over time by the trapezoidal rule, each of every component; None for the record along time.
 
     Raises
     ------
@@ -146,10 +152,17 @@ class Quantity(Record):
             reason = f"{type(error).__name__}: {(str(error).splitlines() or [''])[0]}"
             hint = "must be written with jax.numpy" if isinstance(error, NOT_TRACEABLE) else "cannot be computed"
             return f"the quantity '{self.name}' {hint} for '{problem.title}': {reason}"
+        if wrong := index_beyond(self._at_start, problem.u0, problem.v0):
+            return f"the quantity '{self.name}' takes an entry that '{problem.title}' does not have: {wrong}."
         fits = isinstance(value, jax.ShapeDtypeStruct) and value.ndim <= 1 and value.size
         if not fits or jnp.issubdtype(value.dtype, jnp.complexfloating):
             return f"the quantity '{self.name}' must return a real number or a vector of them, not {value}."
         return None
+
+    def _at_start(self, u, v):
+        """The function of what NumPy knows without a computation."""
+        given = {"t": 0.0, "u": u, "v": v, "a": np.zeros_like(u), "ground": np.zeros_like(u)}
+        return self.function(**{name: given[name] for name in _arguments_of(self.function)})
 
     def value(self, problem: Problem, t: ScalarLike, u: Vector, v: Vector) -> jax.Array:
         """The quantity at one time: a number, or a vector (m,)."""

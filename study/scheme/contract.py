@@ -59,6 +59,8 @@ def _check_motion(of: str, state: Any, u: Any) -> None:
     for name in ("u", "v"):
         if not hasattr(state, name) or jnp.shape(getattr(state, name)) != u.shape:
             raise TypeError(f"{of} must return a state with '{name}' of shape {u.shape}.")
+        if (kind := jnp.result_type(getattr(state, name))) != u.dtype:
+            raise TypeError(f"{of} must return '{name}' in {u.dtype}, not in {kind}.")
 
 
 def started(scheme: Any, problem: Any, u0: Any, v0: Any, dt: Any) -> tuple[Any, Effort]:

@@ -101,6 +101,11 @@ class _ArrayIncrement(_Plain):
         return dt * state.v, Effort()
 
 
+class _Single(_Plain):
+    def increment(self, problem, state, t, dt):
+        return Phase((dt * state.v).astype("float32"), -dt * state.u), Effort()
+
+
 class _Branching(_Plain):
     def increment(self, problem, state, t, dt):
         return Phase(dt * state.v if state.v > 0 else state.v, -dt * state.u), Effort()
@@ -113,6 +118,7 @@ class _Branching(_Plain):
         (_NoIncrement(), "increment of _NoIncrement must return a state and a study.building.Effort, not NoneType."),
         (_ArrayIncrement(), "increment of _ArrayIncrement must return a named tuple with u and v, not"),
         (_Branching(), "increment of _Branching branches on a number that JAX traces"),
+        (_Single(), "increment of _Single must return 'u' in float64, not in float32."),
         (_NoField(), "increment of _NoField raises AttributeError: 'Phase' object has no attribute 'w'"),
         (_NoNumbers(), "increment of _NoNumbers must return a study.building.Effort of iterations and"),
         (_NoEffort(), "step of _NoEffort must return a state and a study.building.Effort, not Phase."),

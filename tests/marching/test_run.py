@@ -2,6 +2,8 @@
 
 from concurrent.futures import ThreadPoolExecutor
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -24,6 +26,23 @@ def test_vectors_have_components():
     lanes = study.run(problem, "average_acceleration", dt=0.1, steps=5, u0=[[1.0, 2.0], [3.0, 4.0], [0.0, 1.0]])
     assert lanes.u.dims == ("lane", "t", "component") and lanes.sizes["lane"] == 3
     np.testing.assert_allclose(lanes.u[0], ds.u, rtol=1e-12)
+
+
+@pytest.mark.parametrize("transform", [jax.jit, jax.grad])
+def test_a_run_that_jax_traces_names_the_function_for_it(transform):
+    def end(stiffness):
+        return study.run(study.Problem(lambda u: stiffness * u, 1.0), "rk4", dt=0.1, steps=3).u.values[-1]
+
+    with pytest.raises(TypeError, match="not what jit, grad or vmap trace: call study.final_state there"):
+        transform(end)(2.0)
+
+
+def test_a_force_that_is_not_finite_is_the_likely_cause():
+    falling, below = (study.Problem(lambda u: jnp.log(u) + 1, u0=u0) for u0 in (1.0, -1.0))
+    with pytest.raises(RuntimeError, match="grows without bound, or its force is not finite where it has gone"):
+        study.run(falling, "rk4", dt=0.1, steps=300, on_failure="raise")
+    with pytest.raises(RuntimeError, match="Likely cause: the force is not finite at the start."):
+        study.run(below, "rk4", dt=0.1, steps=3, on_failure="raise")
 
 
 def test_problems_and_schemes_of_the_user():
@@ -72,9 +91,11 @@ def test_problems_and_schemes_of_the_user():
         ({"observe": study.Quantity(lambda u: u, "status")}, ValueError, "would have the name 'status'"),
         ({"observe": study.Quantity(lambda u: u[0], "first")}, ValueError,
          "the quantity 'first' cannot be computed for 'hardening spring': IndexError"),
+        ({"problem": "fpu_chain", "observe": study.Quantity(lambda a: a[99], "far")}, ValueError,
+         "the quantity 'far' takes an entry that 'Fermi-Pasta-Ulam chain' does not have: index 99 is out of bounds"),
         ({"on_failure": "stop"}, ValueError, "on_failure must be one of 'warn', 'raise', 'ignore', not 'stop'."),
-        ({"steps": 10**12}, ValueError, "1000000000001 samples of 'u', 'v' need 14901 GiB, and this machine has "),
-        ({"steps": 10**9, "u0": [1.0] * 1000}, ValueError, "samples of 'u', 'v' need 14901"),
+        ({"steps": 10**12}, ValueError, "1000000000001 samples of 'u', 'v' need 29802 GiB, and this machine has "),
+        ({"steps": 10**9, "u0": [1.0] * 1000}, ValueError, "samples of 'u', 'v' need 29802"),
         ({"problem": "fpu_chain", "observe": [study.OutcomeObserver(0.0)]}, ValueError, "more than one unknown"),
         ({"problem": "duffing_chaotic", "observe": study.OutcomeObserver(0.0)}, ValueError, "damping or a load"),
         ({"problem": study.Problem(lambda u: u, u0=1.0, title="bare"), "observe": ["max_energy_error"]}, ValueError,

@@ -83,7 +83,12 @@ def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
          "force of 'tried' fails for the displacement alone: KeyError: 'stiffness'"),
         ({"force": lambda u: u / jnp.sqrt(jnp.sum(u * u)), "u0": np.ones(N), "damping": study.Rayleigh(0.1, 0.1)},
          "the stiffness of 'tried' at u = 0, on which its Rayleigh damping is based, is not finite."),
-        ({"damping": study.Rayleigh(0.1, "b")}, "a and b must be finite numbers."),
+        ({"damping": study.Rayleigh(0.1, "b")}, "a and b must be finite numbers that are not negative."),
+        ({"damping": study.Rayleigh(-0.1, 0.1)}, "a and b must be finite numbers that are not negative."),
+        ({"force": lambda u: u * u[N]},
+         "force of 'tried' takes an entry that does not exist: index 5 is out of bounds for axis 0 with size 5."),
+        ({"load": lambda t: [1.0] * (N - 1)}, "load must return the shape (5,), not (4,)."),
+        ({"force": lambda t, u: u}, "force of 'tried' takes 't', and is called as force(u), force(u, v) or"),
         ({"positions": "here"}, "positions must be a real number or an array of real numbers, not 'here'."),
     ],
 )  # fmt: skip
@@ -113,6 +118,16 @@ def test_a_force_is_the_gradient_of_the_potential():
     u = np.linspace(-1, 2, N)
     np.testing.assert_allclose(problem.force(u), _chain(u), rtol=1e-14)
     assert problem.tangent == 1
+
+
+def test_constants_and_lists_are_loads():
+    one = study.Problem(lambda u: u, u0=0.0, load=lambda t: 5.0)
+    two = study.Problem(lambda u: u, u0=np.zeros(2), load=lambda t: [5.0, jnp.cos(t)])
+    ends = [study.run(problem, "rk4", dt=0.01, steps=100).u[-1] for problem in (one, two)]
+    np.testing.assert_allclose(ends[0], 5 * (1 - np.cos(1.0)), rtol=1e-8)
+    np.testing.assert_allclose(ends[1], [5 * (1 - np.cos(1.0)), np.sin(1.0) / 2], rtol=1e-8)
+    with pytest.raises(TypeError, match="load must be a function, not an array: jnp.interp makes one of samples."):
+        study.Problem(lambda u: u, u0=0.0, load=np.ones(100))
 
 
 def test_neither_force_nor_potential_is_refused():
