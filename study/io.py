@@ -78,10 +78,17 @@ def _made_at() -> str:
 
 
 def provenance(title: str, made_by: str) -> dict[str, str]:
-    """Global attributes of a dataset: its title, what made it, and the versions of the sources and packages."""
+    """Global attributes of a dataset: its title, what made it, and the versions of the sources and packages.
+
+    Their names are those of the CF conventions and of the Attribute Convention for Data Discovery (ACDD).
+    """
     return {
-        "Conventions": "CF-1.11",
+        "Conventions": "CF-1.11, ACDD-1.3",
         "title": title,
+        "creator_name": "The founders of the study",
+        "creator_type": "group",
+        "license": "MIT",
+        "date_created": _made_at(),
         "source": SOURCE,
         "references": PAPER,
         "history": f"{_made_at()} made by {made_by}",

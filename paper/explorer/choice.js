@@ -35,7 +35,7 @@ function choiceOf(address) {
   if (problem >= 0) choice.problem = problem
   const schemes = (given.get("schemes") ?? "").split(",").map((name) => indexOf(meta.schemes, name))
   choice.schemes = choice.schemes.map((s, side) => (schemes[side] >= 0 ? schemes[side] : s))
-  if (given.get("colour") in COLOURS) choice.colour = given.get("colour")
+  if (Object.hasOwn(COLOURS, given.get("colour"))) choice.colour = given.get("colour")
   const k = indexOf(meta.cases, given.get("run"))
   const [amplitude, step] = (given.get("run") ?? "").split(",").map(Number)
   if (k >= 0) choice.run = caseRun(k)

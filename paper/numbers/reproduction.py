@@ -8,6 +8,7 @@ from paper.claims.terms import DISSIPATIVE, FAITHFUL
 from paper.data import of_the_tables
 from paper.products import numbers
 from paper.published import SCHEMES, once, printed_energy_errors, same, twice
+from study.words import span
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.
 _GROWING = ["average_acceleration", "central_difference", "hht_alpha_1996"]
@@ -111,12 +112,13 @@ def of_instability(portrait: xr.Dataset) -> dict:
     },
 )
 def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
-    """Chaos in the double well."""
-    u = portrait.u.sel(scheme="average_acceleration").values
-    apart = sensitivity.separation.sel(scheme="average_acceleration").values > 0.1
+    """Chaos in the double well, over starts next to each other."""
+    runs = sensitivity.sel(scheme="average_acceleration")
+    parted = runs.parted_at_step.sel(start=[-1, 1])
     return {
-        "jumps": int((np.diff(np.sign(u)) != 0).sum()),
-        "steps_to_diverge": int(np.argmax(apart)) if apart.any() else None,
+        "jumps": span(runs.changes_of_sign, ".0f"),
+        "starts": runs.sizes["start"],
+        "steps_to_diverge": span(parted, ".0f") if parted.min() > 0 else None,
         "fails_central_difference": int(portrait.failed_at_step.sel(scheme="central_difference")),
         "fails_rk4": int(portrait.failed_at_step.sel(scheme="rk4")),
     }

@@ -8,7 +8,6 @@ from paper.claims.ledger import by_name
 from paper.claims.structures import SAMPLES_OF_SAWTOOTH, kept, sawtooth
 from paper.claims.wording import joined
 from paper.data import TURNING
-from paper.figures.oscillatory_energies import total
 from paper.products import numbers
 from paper.tables.structures import STEPS_PER_PERIOD
 
@@ -64,8 +63,7 @@ def of_structures(
     runs = kept(structures, TURNING)
     lost = by_name((~runs).sum(["problem", "steps_per_period"]))
     alternating = sawtooth(stiff_soft.v.isel(component=0))
-    oscillatory = total(long_times)
-    change = by_name(100 * abs(oscillatory / oscillatory.isel(t=0) - 1).max("t"))
+    change = by_name(100 * long_times.max_sum_change)
     return {
         "structure_schemes": structures.sizes["scheme"],
         "most_unknowns": int(structures.unknowns.max()),

@@ -14,6 +14,7 @@ from tqdm import tqdm
 from study.assessment import errors, failures, ladder, oscillation
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
+from study.assessment.errors import DEFAULT
 from study.assessment.ladder import ENERGY, Ladder
 from study.assessment.solution import DenseSolution
 from study.io import processor
@@ -252,6 +253,9 @@ def assess(
         [uncertainty[name] for name in names],
         {"long_name": "difference of the reference from its witness, relative", "units": "1"},
     )
+    titles = {name: one.long_name or name for name, one in (quantities or DEFAULT).items()}
+    titles |= {ENERGY: "balance of energies, relative to the energy that was put in"} | oscillation.TITLES
+    ds = ds.assign_coords(quantity_title=("quantity", [titles[name] for name in names], {"long_name": "what it is"}))
     ds.attrs |= {
         "reference": reference.route.name,
         "witness": reference.witness.name,

@@ -14,6 +14,12 @@ from study.observer.errors import AmplitudeDecay, PeriodError
 #: Names of the quantities, and the variables that hold their errors.
 QUANTITIES = {"period": "period_elongation", "phase": "phase_error", "amplitude": "amplitude_decay"}
 
+#: What they are.
+TITLES = {
+    name: (PeriodError.variables | AmplitudeDecay.variables)[variable]["long_name"]
+    for name, variable in QUANTITIES.items()
+}
+
 #: Fewest upward crossings of a run whose period, phase and amplitude are judged.
 FEWEST = 3
 

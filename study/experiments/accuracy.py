@@ -102,5 +102,10 @@ def errors_of(
             **coordinates.steps_per_period_coordinate(steps_per_period),
             "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
             "measure": ("measure", measures, {"long_name": "measure of error, a variable of this dataset"}),
+            "measure_title": (
+                "measure",
+                [attributes[measure]["long_name"] for measure in measures],
+                {"long_name": "what the measure is"},
+            ),
         },
     )

@@ -9,6 +9,8 @@ from study import io
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, Kinked, RisingCounts, Schemes
 from study.experiments import coordinates
+from study.io import flags
+from study.marching.result import STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
@@ -16,6 +18,9 @@ from study.scheme.named import schemes as schemes_by_name
 #: An error counts towards the order if it exceeds the uncertainty of the reference by this factor, and if it lies
 #: between round-off and a tenth of the motion.
 ABOVE, SMALLEST, LARGEST = 100.0, 1e-11, 0.1
+
+#: How a run can end; a scheme that does not fit a problem has no run.
+STATUSES = (*STATUS_ATTRIBUTES["flag_meanings"].split(), "not_run")
 
 #: Most periods of a run.
 LONGEST = 30
@@ -67,7 +72,7 @@ def kinks(
     reference = io.open_dataset("reference/inelastic")
     shape = (len(problems), len(schemes), len(steps_per_period))
     error, imbalance, iterations = (np.full(shape, np.nan) for _ in range(3))
-    order = np.full(shape[:2], np.nan)
+    order, status = np.full(shape[:2], np.nan), np.full(shape, STATUSES.index("not_run"), np.int8)
     for p, problem in enumerate(problems):
         known, definition = reference.sel(problem=problem), problems_by_name[problem]
         size, scale = np.abs(known.u.values).max(), known.time_scale.item()
@@ -85,6 +90,7 @@ def kinks(
                     every=steps // samples_per_period,
                     on_failure="ignore",
                 )
+                status[p, s, k] = ds.status
                 error[p, s, k] = np.abs(ds.u.values[1:] - known.u.values).max() / size
                 imbalance[p, s, k] = ds.max_energy_imbalance
                 iterations[p, s, k] = ds.newton_iterations / (periods * steps)
@@ -98,6 +104,7 @@ def kinks(
                 imbalance,
                 {"long_name": "largest error of the balance of energies", "units": "percent"},
             ),
+            "status": (dims, status, flags("how the run ended", STATUSES, np.int8)),
             "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations a step", "units": "1"}),
             "observed_order": (dims[:2], order, {"long_name": "order that the errors show", "units": "1"}),
         },

@@ -1,4 +1,4 @@
-"""Sensitivity to the initial displacement: the distance of two runs that start next to each other."""
+"""Sensitivity to the initial displacement: the distance of runs that start next to each other."""
 
 from collections.abc import Mapping
 
@@ -12,41 +12,62 @@ from study.experiments import coordinates
 from study.marching.run import run
 from study.problem.named import problems as problems_by_name
 
+#: Starts, in multiples of the perturbation from that of the problem.
+STARTS = (0, *(way * k for k in range(1, 5) for way in (1, -1)))
+
+#: Distance at which two displacements have parted.
+APART = 0.1
+
 
 def _check(options: Options, configuration: Mapping) -> str | None:
     return less_than_a_step("duration", options["duration"], options["dt"])
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return 2 * len(options["schemes"]) * options["duration"] / options["dt"]
+    return len(STARTS) * len(options["schemes"]) * options["duration"] / options["dt"]
 
 
 def _numbers_held(options: Options, configuration: Mapping) -> float:
-    return 2 * _number_of_steps(options, configuration)
+    return _number_of_steps(options, configuration)
 
 
 @experiment("sensitivity", check=_check, steps=_number_of_steps, values=_numbers_held)
 def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, perturbation: Tolerance) -> xr.Dataset:
-    """Compute the distance over time of two runs that start next to each other, for every scheme.
+    """Compute the distance over time of runs that start next to each other, for every scheme.
 
-    The distance |Δu| has the shape (scheme, t). The initial displacements differ by ``perturbation``; ``dt`` and
+    The distance |Δu| of two of them has the shape (scheme, t); their initial displacements differ by ``perturbation``.
+    What differs from run to run where the motion is chaotic is counted in nine runs, (scheme, start). ``dt`` and
     ``duration`` are in seconds.
     """
     progress(f"sensitivity of {problem}")
-    u0 = float(problems_by_name[problem].u0) + np.array([0.0, perturbation])
-    pairs = [
-        run(problem, scheme, dt=dt, steps=round(duration / dt), u0=u0, on_failure="ignore").u for scheme in schemes
-    ]
-    separation = np.stack([np.abs(u.values[1] - u.values[0]) for u in pairs])
+    u0 = float(problems_by_name[problem].u0) + perturbation * np.array(STARTS)
+    runs = [run(problem, scheme, dt=dt, steps=round(duration / dt), u0=u0, on_failure="ignore").u for scheme in schemes]
+    u = np.stack([one.values for one in runs])
+    distance = np.abs(u - u[:, :1])
+    parted = distance > APART
     return xr.Dataset(
         {
             "separation": (
                 ("scheme", "t"),
-                separation,
+                distance[:, 1],
                 {"long_name": "distance of the displacements of two runs", "units": "1"},
+            ),
+            "parted_at_step": (
+                ("scheme", "start"),
+                np.where(parted.any(axis=-1), parted.argmax(axis=-1), -1),
+                {"long_name": f"step at which the distance from the first run exceeds {APART:g}, or -1", "units": "1"},
+            ),
+            "changes_of_sign": (
+                ("scheme", "start"),
+                (u[..., 1:] * u[..., :-1] < 0).sum(axis=-1),
+                {"long_name": "changes of sign of the displacement", "units": "1"},
             ),
             "perturbation": ((), perturbation, {"long_name": "initial distance", "units": "1"}),
         },
-        coords={"t": pairs[0].t, **coordinates.scheme_coordinates(schemes)},
+        coords={
+            "t": runs[0].t,
+            "start": ("start", list(STARTS), {"long_name": "initial distance in perturbations", "units": "1"}),
+            **coordinates.scheme_coordinates(schemes),
+        },
         attrs={"title": f"Sensitivity of the schemes to the initial displacement: {problems_by_name[problem].title}"},
     )

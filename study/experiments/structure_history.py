@@ -22,9 +22,20 @@ from study.problem.named import problems as problems_by_name
 from study.problem.named import time_scales
 
 
+def _sum_of_energies(u, v):
+    return sum(oscillatory_energy(spring, u, v) for spring in range(3))
+
+
 def _observers(problem: str, definition: Problem) -> list[str | Observer]:
     if problem == "fpu_chain":
-        return [
+        at_start = float(_sum_of_energies(definition.u0, definition.v0))
+        change = Quantity(
+            lambda u, v: _sum_of_energies(u, v) / at_start - 1,
+            "max_sum_change",
+            "largest change of the sum of the oscillatory energies over all steps, relative",
+            reduce="peak",
+        )
+        along_time = [
             Quantity(
                 partial(oscillatory_energy, spring),
                 f"oscillatory_energy_{spring + 1}",
@@ -32,6 +43,7 @@ def _observers(problem: str, definition: Problem) -> list[str | Observer]:
             )
             for spring in range(3)
         ]
+        return [*along_time, change]
     from_rest = float(definition.energy(definition.u0, definition.v0)) == 0
     return ["trajectory"] if from_rest else ["trajectory", "energy_error"]
 
@@ -102,7 +114,7 @@ def structure_history(
     reference = io.open_dataset(f"reference/{problem}")
     exact = {"u": reference.u.values, "v": reference.v.values}
     for quantity in observe:
-        if isinstance(quantity, Quantity):
+        if isinstance(quantity, Quantity) and quantity.reduce is None:
             exact[quantity.name] = np.asarray(jax.vmap(quantity.function)(exact["u"], exact["v"]))
     for name, values in exact.items():
         if name in dataset:

@@ -80,6 +80,9 @@ def test_neighbours_part_only_where_the_motion_is_chaotic():
     assert parted.separation.isel(t=0).values == pytest.approx(perturbation, rel=1e-3)
     assert last.sel(scheme="average_acceleration") > 0.1
     assert last.sel(scheme="newmark_dissipative") < 1e-3
+    chaotic, damped = (parted.sel(scheme=name) for name in ("average_acceleration", "newmark_dissipative"))
+    assert (chaotic.parted_at_step[1:] > 40).all() and len(set(chaotic.changes_of_sign.values)) > 3
+    assert (damped.parted_at_step == -1).all() and len(set(damped.changes_of_sign.values)) == 1
 
 
 def test_linear_theory_of_two_schemes_that_are_known():

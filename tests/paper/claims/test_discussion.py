@@ -68,7 +68,9 @@ def test_damping_is_the_cause_where_all_energy_is_lost_and_none_gained(run, verd
 def test_jumps_are_irregular_if_the_stays_differ(lengths, holds):
     signs = [sign for k, length in enumerate([1, *lengths, 1]) for sign in [(-1.0) ** k] * length]
     u = xr.DataArray([signs], {"scheme": ["average_acceleration"]}, ["scheme", "t"])
-    assert double_well.jumps_between_wells(u.to_dataset(name="u")).holds == holds
+    changes = xr.DataArray([[7, 9]], {"scheme": ["average_acceleration"]}, ["scheme", "start"])
+    finding = double_well.jumps_between_wells(u.to_dataset(name="u"), changes.to_dataset(name="changes_of_sign"))
+    assert finding.holds == holds and finding.ours.startswith("7 to 9; ")
 
 
 @pytest.mark.parametrize("excess, holds", [(9e-11, True), (1.1e-10, False)])

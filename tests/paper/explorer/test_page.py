@@ -242,7 +242,9 @@ def test_an_address_holds_the_whole_choice(browser, page, datasets):
             f"Largest safe step at u₀ = {U0[2, 4]:.3g}: Δt = {2 * largest:.3g} = T/{1 / largest:.3g}."
         )
     # another address, as after a step back; what it does not name is as at first
-    browser.execute_script("location.hash = '#problem=hardening&run=hardening&schemes=bathe,nonsense'")
+    browser.execute_script(
+        "location.hash = '#problem=hardening&run=hardening&schemes=bathe,nonsense&colour=constructor'"
+    )
     wait(browser, "return document.querySelector('h2').innerText.startsWith('Hardening')")
     assert "no run of this scheme" in _text(browser, ".run[data-side='0']")
     assert "The run of 1996" in _text(browser, ".run[data-side='1']")
