@@ -1,7 +1,7 @@
 # `make` installs everything and makes the study; `make test` installs everything and runs the tests;
-# `make check` checks style and types; `make benchmark` measures speed; `make torture` kills the pipeline
-# again and again; `make cluster` runs it on a Slurm of this machine; `make archive` packs what it has made; `make latex` writes the LaTeX source of its texts; `make site`
-# makes the pages of the site from it; `make CLUSTER=slurm` makes the study on a cluster.
+# `make coverage` measures their coverage; `make check` checks style and types; `make benchmark` measures speed;
+# `make torture` kills the pipeline again and again; `make cluster` runs it on a Slurm of this machine; `make archive`
+# packs what it has made; `make latex` writes the LaTeX source of its texts; `make site` makes the pages of the site; `make CLUSTER=slurm` makes the study on a cluster.
 
 PYTHON ?= python3
 CONFIG ?= config/study.yaml

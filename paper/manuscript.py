@@ -54,6 +54,7 @@ def check_uses(text: Path, results: Path) -> None:
 _ASKS = {
     "large_steps.problems": ["hardening", "softening", "softening_large", "double_well"],
     "sensitivity.problem": "double_well",
+    "sensitivity.perturbation": 1e-10,
     "stability.roots.paper_dt": 2.5,
     "stability.numerical_map.problem": "double_well",
     "atlas.problems": as_many(3),

@@ -14,6 +14,7 @@ from typing import ClassVar
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import yaml
 
 import study
 from study import building, io
@@ -82,6 +83,9 @@ def test_the_version_is_that_of_the_project(monkeypatch):
     monkeypatch.setattr(io, "_PACKAGES", ("numpy", "no-such-package"))
     provenance = io.provenance("a title", "a test")
     assert provenance["version"] == written
+    citation = yaml.safe_load((PROJECT / "CITATION.cff").read_text())
+    assert [provenance["creator_name"]] == [author["name"] for author in citation["authors"]]
+    assert provenance["license"] == citation["license"]
     assert re.fullmatch(r"numpy [\d.]+", provenance["packages"])
 
 

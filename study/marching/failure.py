@@ -36,8 +36,8 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
         )
     massless = ", or an unknown without mass has no stiffness" if problem.massless else ""
     return (
-        f"the motion grows without bound, or its force is not finite where it has gone{massless}; take smaller steps, "
-        "or a scheme that conserves or dissipates energy."
+        f"the motion grows without bound, or the force is not finite along it{massless}; take smaller steps, or a "
+        "scheme that conserves or dissipates energy."
     )
 
 

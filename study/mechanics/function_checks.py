@@ -41,6 +41,11 @@ class AsArrays(eqx.Module):
         """The value as an array."""
         return jnp.asarray(self.function(*arguments), float)
 
+    @property
+    def kinks(self):
+        """Times at which the slope of a load jumps, if it names them."""
+        return getattr(self.function, "kinks", ())
+
 
 def index_beyond(function: Callable, *arguments) -> str | None:
     """What NumPy says of an index beyond the end of its arrays; None if it says nothing.
@@ -123,7 +128,7 @@ def check_functions(problem) -> None:
             raise ValueError(f"{name} of '{problem.title}' takes an entry that does not exist: {wrong}.")
         if name == "force" and problem.history is not None:
             received = _without_history(received, problem.history, problem.title)
-        if name != "potential" and isinstance(received, int | float | list):
+        if name != "potential" and problem.history is None and isinstance(received, int | float | list):
             setattr(problem, name, AsArrays(function))
             received = eqx.filter_eval_shape(getattr(problem, name), *jax.tree.map(jnp.asarray, arguments))
         if not hasattr(received, "shape") or received.shape != expected:

@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 import study
+from paper.claims import terms
 from paper.published import printed_cpu_times, printed_energy_errors, same, twice
 from study import io
 from study.experiments.cpu_time import cpu_time
@@ -13,7 +14,7 @@ from study.experiments.energy_error import energy_error
 from study.experiments.houbolt_start import houbolt_start
 from study.experiments.large_steps import large_steps
 from study.experiments.phase_portrait import phase_portrait
-from study.experiments.sensitivity import sensitivity
+from study.experiments.sensitivity import APART, sensitivity
 from study.experiments.spectral import spectral
 
 PRINTED = printed_energy_errors()
@@ -80,6 +81,7 @@ def test_neighbours_part_only_where_the_motion_is_chaotic():
     assert parted.separation.isel(t=0).values == pytest.approx(perturbation, rel=1e-3)
     assert last.sel(scheme="average_acceleration") > 0.1
     assert last.sel(scheme="newmark_dissipative") < 1e-3
+    assert APART == terms.APART  # the claims name this distance
     chaotic, damped = (parted.sel(scheme=name) for name in ("average_acceleration", "newmark_dissipative"))
     assert (chaotic.parted_at_step[1:] > 40).all() and len(set(chaotic.changes_of_sign.values)) > 3
     assert (damped.parted_at_step == -1).all() and len(set(damped.changes_of_sign.values)) == 1

@@ -126,6 +126,22 @@ def test_constants_and_lists_are_loads():
     ends = [study.run(problem, "rk4", dt=0.01, steps=100).u[-1] for problem in (one, two)]
     np.testing.assert_allclose(ends[0], 5 * (1 - np.cos(1.0)), rtol=1e-8)
     np.testing.assert_allclose(ends[1], [5 * (1 - np.cos(1.0)), np.sin(1.0) / 2], rtol=1e-8)
+
+
+class _Switched(eqx.Module):
+    """A load that ends, as a list."""
+
+    kinks = (0.5,)
+
+    def __call__(self, t):
+        return [1.0, jnp.where(t < 0.5, 1.0, 0.0)]
+
+
+def test_a_load_as_a_list_keeps_its_kinks():
+    assert getattr(study.Problem(lambda u: u, u0=np.zeros(2), load=_Switched()).load, "kinks", None) == (0.5,)
+
+
+def test_an_array_is_no_load():
     with pytest.raises(TypeError, match="load must be a function, not an array: jnp.interp makes one of samples."):
         study.Problem(lambda u: u, u0=0.0, load=np.ones(100))
 

@@ -43,7 +43,7 @@ def of_dense_tangent(damped_chain):
         *((scheme, "tridiagonal", 1e-11) for scheme in WAYS),
         ("kr_alpha", 2, 1e-11),
         # iterations end at ten digits of a solution
-        *((scheme, "matrix_free", 1e-9) for scheme in MATRICES),
+        *((scheme, "matrix_free", 1e-9) for scheme in WAYS),
     ],
 )
 def test_the_form_of_the_tangent_makes_no_difference(damped_chain, of_dense_tangent, scheme, structure, tolerance):
