@@ -68,11 +68,14 @@ def _wait(condition, seconds: float = 60.0) -> None:
 
 
 def test_a_second_run_ends_with_a_sentence_and_an_interrupt_the_first(folder, running):
+    # the first one pauses, or it might be done before the second one looks
+    os.killpg(running.pid, signal.SIGSTOP)
     done = call_snakemake(folder, *TARGETS)
     assert done.returncode != 0 and f"another run is at work in '{folder}': wait for it, or end it." in done.stderr
     assert "Traceback" not in done.stderr
     assert call_snakemake(folder, "-n").returncode == 0
     # an interrupt ends the run and all its processes within seconds
+    os.killpg(running.pid, signal.SIGCONT)
     os.killpg(running.pid, signal.SIGINT)
     assert running.wait(timeout=15) != 0
     _wait(lambda: not _processes(folder), 15)
