@@ -27,7 +27,7 @@ _MEASURES = {
     "max_energy_error": "energy",
 }
 #: What the ways to fail are called.
-_FAILURES = {"newton_not_converged": "Newton's iteration does not converge", "not_finite": "the motion overflows"}
+_FAILURES = {"no_solution_found": "no balance of forces is found", "unbounded": "the motion grows without bound"}
 #: Length in periods of the runs of work and precision.
 _LONG = 100
 _LIMIT = " Dashed: linear limit of stability at the stiffest place of the motion."

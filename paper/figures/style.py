@@ -46,13 +46,14 @@ SOLVERS = {
 #: that can be told apart in greyscale.
 OUTCOME_STYLES = {
     "accurate": ("accurate", "#ffffff"),
+    "energy_kept": ("energy kept", "#ffffff"),
     "bounded": ("bounded", "#cbdff2"),
     "damped_to_rest": ("damped to rest", "#84c0e2"),
     "in_the_wrong_well": ("in the wrong well", "#cc8c11"),
     "chaotic": ("chaotic", "#bd519f"),
     "growing": ("growing", "#b22c0e"),
-    "newton_not_converged": ("Newton did not converge", "#4b1c70"),
-    "not_finite": ("not finite", "#000000"),
+    "no_solution_found": ("no solution found", "#4b1c70"),
+    "unbounded": ("unbounded", "#000000"),
 }
 
 #: Colour of the exact solution where it lies below the curves of schemes.

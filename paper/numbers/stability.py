@@ -118,7 +118,7 @@ def of_stability(
     near = near_1996(atlas)
     by_scheme = {name: is_outcome(near, name).any(["problem", "amplitude", "dt_over_period"]) for name in FAILURES}
     at_rest = by_scheme["damped_to_rest"]
-    untouched = ~(by_scheme["chaotic"] | by_scheme["growing"] | by_scheme["not_finite"])
+    untouched = ~(by_scheme["chaotic"] | by_scheme["growing"] | by_scheme["unbounded"])
     return {
         "maps": atlas.sizes["scheme"] * atlas.sizes["problem"],
         "map_points": atlas.sizes["amplitude"] * atlas.sizes["dt_over_period"],

@@ -15,8 +15,8 @@ FAILURES = {
     "in_the_wrong_well": "Wrong well",
     "chaotic": "Chaotic",
     "growing": "Growing",
-    "newton_not_converged": "Newton fails",
-    "not_finite": "Not finite",
+    "no_solution_found": "Newton fails",
+    "unbounded": "Unbounded",
 }
 
 

@@ -108,10 +108,11 @@ def _widened(matrix, form: Form, n: int):
         return _as_band(matrix, n)
     if form == Form.FULL:
         return dense(matrix, n)
-    return MatrixFree(lambda x: times(matrix, x), _diagonal(matrix))
+    return MatrixFree(lambda x: times(matrix, x), diagonal(matrix))
 
 
-def _diagonal(matrix):
+def diagonal(matrix: Matrix) -> jax.Array | float:
+    """The diagonal of a matrix in any form, a number or (n,)."""
     match form_of(matrix):
         case Form.BAND:
             return matrix.bands[matrix.half_bandwidth]
@@ -204,7 +205,7 @@ def product(one: Matrix, other: Matrix, n: int) -> Matrix:
             return MatrixFree(lambda x: number * matrix.product(x), number * matrix.diagonal)
         return jax.tree.map(lambda part: number * part, matrix)
     if Form.FREE in forms:
-        return MatrixFree(lambda x: times(one, times(other, x)), _diagonal(one) * _diagonal(other))
+        return MatrixFree(lambda x: times(one, times(other, x)), diagonal(one) * diagonal(other))
     if Form.FULL in forms:
         return _written_out(dense(one, n), dense(other, n)) if n <= SMALL else dense(one, n) @ dense(other, n)
     one, other = _as_band(one, n), _as_band(other, n)

@@ -7,7 +7,7 @@ import xarray as xr
 from jaxtyping import Float, Int8
 
 from study.io import flags
-from study.marching.result import NEWTON_FAILED, NOT_FINITE
+from study.marching.result import COMPLETED, NO_SOLUTION
 from study.observer.diagnostics import APART
 from study.observer.outcome import ACCURATE, AT_REST, GROWN
 
@@ -16,7 +16,7 @@ class Outcome(enum.IntEnum):
     """How a run can end, from best to worst.
 
     ``ACCURATE``, ``BOUNDED``, ``DAMPED_TO_REST``, ``IN_THE_WRONG_WELL``, ``CHAOTIC``, ``GROWING``,
-    ``NEWTON_NOT_CONVERGED`` and ``NOT_FINITE``, with the values 0 to 7.
+    ``NO_SOLUTION_FOUND`` and ``UNBOUNDED``, with the values 0 to 7.
     """
 
     ACCURATE = 0
@@ -25,22 +25,27 @@ class Outcome(enum.IntEnum):
     IN_THE_WRONG_WELL = 3
     CHAOTIC = 4
     GROWING = 5
-    NEWTON_NOT_CONVERGED = 6
-    NOT_FINITE = 7
+    NO_SOLUTION_FOUND = 6
+    UNBOUNDED = 7
 
 
 OUTCOME_ATTRIBUTES = flags("how the run ended", [one.name.lower() for one in Outcome], np.int8)
 
+#: Of runs that only their balance of energies judges, which says nothing of the displacement.
+BALANCE_ATTRIBUTES = flags(
+    "how the run ended", ["energy_kept", *(one.name.lower() for one in Outcome if one != Outcome.ACCURATE)], np.int8
+)
+
 #: What each outcome of :func:`outcomes` means, for readers of the maps.
 EXPLANATIONS = (
-    f"the energy above rest stays within {100 * ACCURATE:g} % of that at the start",
-    f"the energy is wrong by more than {100 * ACCURATE:g} %, but none of what follows happens",
+    f"energy above rest and period stay within {100 * ACCURATE:g} % of the exact ones",
+    f"energy or period is wrong by more than {100 * ACCURATE:g} %, but none of what follows happens",
     f"less than {100 * AT_REST:g} % of the energy is left at the end",
     "the motion crosses a barrier for which it lacks the energy",
     "neighbouring runs part until a difference of round-off is as large as the motion",
     f"at the end the energy is more than {GROWN:g} times that at the start, or of the barrier if that is higher",
-    "Newton's iteration does not find the next step",
-    "the numbers overflow",
+    "no balance of forces is found for the next step, not even with a bracket",
+    "the displacement leaves all bounds or the numbers overflow",
 )
 
 #: An :class:`Outcome` for each lane, shape (lanes,).
@@ -59,20 +64,24 @@ _EVENTS = {
 }
 
 
-def outcomes(runs: xr.Dataset) -> tuple[Outcomes, Times]:
+def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcomes, Times]:
     """Classify how each run of an ensemble ended.
 
     Parameters
     ----------
     runs
         Ensemble from :func:`study.run`, observed by ``OutcomeObserver.of(problem)`` and ``"lyapunov_exponent"``.
+    period
+        Exact period of each run (lanes,). An accurate run must then keep it too, for which ``"oscillations"`` are to be
+        observed; otherwise only the energy counts.
 
     Returns
     -------
     outcome
         Values of :class:`study.Outcome`, of shape (lanes,).
     began
-        Times at which the outcomes began, of shape (lanes,); NaN for accurate and for failed runs.
+        Times at which the outcomes began, of shape (lanes,); NaN for accurate and for failed runs, and for those that
+        are wrong in their period alone.
 
     Raises
     ------
@@ -96,35 +105,40 @@ def outcomes(runs: xr.Dataset) -> tuple[Outcomes, Times]:
             times = runs[event].values
             happened = np.isfinite(times)
             outcome[happened], at[happened] = ended, times[happened]
-    outcome[runs.status == NEWTON_FAILED] = Outcome.NEWTON_NOT_CONVERGED
-    outcome[runs.status == NOT_FINITE] = Outcome.NOT_FINITE
+    if period is not None:
+        keeps_period = np.abs(runs.mean_period.values / period - 1) <= ACCURATE  # false without a period
+        outcome[(outcome == Outcome.ACCURATE) & ~keeps_period] = Outcome.BOUNDED
+    outcome[runs.status != COMPLETED] = Outcome.UNBOUNDED
+    outcome[runs.status == NO_SOLUTION] = Outcome.NO_SOLUTION_FOUND
     return outcome, at
 
 
 def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndarray:
     """Classify how runs ended that may be damped and loaded, by their balance of energies.
 
-    An imbalance of at most 1 % of the energy put in is accurate, one of more than a hundred times that energy growing.
-    A run is chaotic if a perturbation grows from round-off to the size of the motion. Rest and wells do not count.
+    With an imbalance of at most 1 % of the energy put in, the run keeps its energy; with one of more than a hundred
+    times that energy it is growing. A run is chaotic if a perturbation grows from round-off to the size of the motion.
+    Rest and wells do not count.
 
     Parameters
     ----------
     runs
         A run or an ensemble from :func:`study.run`. Without ``"energy_balance"`` among its observers no run counts as
-        accurate or growing.
+        keeping its energy or growing.
     growth
         Natural logarithm of the factor by which a perturbation grows over each run.
 
     Returns
     -------
     numpy.ndarray
-        Values of :class:`study.Outcome`, of the shape of ``runs.status``.
+        Values of :class:`study.Outcome`, of the shape of ``runs.status``; that of accurate runs for those that keep
+        their energy, as ``BALANCE_ATTRIBUTES`` say.
     """
     status = runs.status.values
     imbalance = runs["max_energy_imbalance"].values if "max_energy_imbalance" in runs else np.full(status.shape, np.nan)
     ends = {
-        Outcome.NEWTON_NOT_CONVERGED: status == NEWTON_FAILED,
-        Outcome.NOT_FINITE: status == NOT_FINITE,
+        Outcome.NO_SOLUTION_FOUND: status == NO_SOLUTION,
+        Outcome.UNBOUNDED: status != COMPLETED,
         Outcome.GROWING: imbalance > 100 * GROWN,
         Outcome.CHAOTIC: np.asarray(growth) > APART * np.log(2),
         Outcome.ACCURATE: imbalance <= 100 * ACCURATE,

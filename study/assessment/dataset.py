@@ -10,6 +10,7 @@ from study import io
 from study.assessment import ladder
 from study.assessment.ladder import Ladder, Recommendation
 from study.io import flags
+from study.marching.result import STATUSES
 from study.marching.timing import Timed
 from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
@@ -19,8 +20,8 @@ from study.scheme.wrapper.with_history import WithHistory
 REPEATS, ENOUGH, MOST_TIMED = 5, 0.02, 20_000
 
 #: How a run of a ladder can end; most steps of a scheme are not tried.
-STATUSES = ("completed", "newton_not_converged", "not_finite", "not_tried")
-NOT_TRIED = STATUSES.index("not_tried")
+ENDS = (*STATUSES, "not_tried")
+NOT_TRIED = ENDS.index("not_tried")
 
 
 class Assessed(NamedTuple):
@@ -114,7 +115,7 @@ def dataset_of(
     ds = xr.Dataset(
         {
             "error": ((*runs, "quantity"), error, {"long_name": "error relative to the largest value", "units": "1"}),
-            "status": (runs, status, flags("how the run ended", STATUSES, np.int8)),
+            "status": (runs, status, flags("how the run ended", ENDS, np.int8)),
             "on_ladder": (
                 runs,
                 on_ladder,

@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from study.analysis.outcomes import OUTCOME_ATTRIBUTES, Outcome, outcomes_of_balance
+from study.analysis.outcomes import BALANCE_ATTRIBUTES, Outcome, outcomes_of_balance
 from study.marching.failure import likely_cause
-from study.marching.result import NEWTON_FAILED, NOT_FINITE
+from study.marching.result import NO_SOLUTION, UNBOUNDED
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
@@ -26,7 +26,7 @@ def _cure(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
             "Neighbouring runs part exponentially, so that a long run holds in its statistics only. If finer steps do "
             "not show this, the step makes it; otherwise the problem does."
         )
-    cause = likely_cause(problem, scheme, NEWTON_FAILED if outcome == Outcome.NEWTON_NOT_CONVERGED else NOT_FINITE, dt)
+    cause = likely_cause(problem, scheme, NO_SOLUTION if outcome == Outcome.NO_SOLUTION_FOUND else UNBOUNDED, dt)
     return cause[0].upper() + cause[1:]
 
 
@@ -73,7 +73,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float) -
     dims = ("excitation", "map_dt")
     return xr.Dataset(
         {
-            "outcome": (dims, outcome, OUTCOME_ATTRIBUTES),
+            "outcome": (dims, outcome, BALANCE_ATTRIBUTES),
             "lyapunov_exponent": (dims, exponent, {"long_name": "largest Lyapunov exponent", "units": "s-1"}),
             "max_newton_iterations": (
                 dims,

@@ -17,9 +17,8 @@ from study.declaration.checks import step_beyond_run
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, PowersOfTen, SchemeName, Schemes, Springs, section
 from study.experiments import coordinates
-from study.marching.result import NEWTON_FAILED
 from study.marching.run import run
-from study.mechanics.newton import MAX_ITERATIONS
+from study.observer.crossings import Oscillations
 from study.observer.outcome import Height, OutcomeObserver
 from study.problem.named import problems as problems_by_name
 
@@ -42,16 +41,16 @@ def _single(values: np.ndarray) -> np.ndarray:
         return values.astype(np.float32)
 
 
-def _column(runs: xr.Dataset, dt: np.ndarray) -> dict[str, np.ndarray]:
+def _column(runs: xr.Dataset, dt: np.ndarray, period: np.ndarray) -> dict[str, np.ndarray]:
     """Variables of the maps at one step size, each (amplitudes,), out of the ensemble of its runs."""
-    outcome, began = outcomes(runs)
-    iterations = np.where(runs.status == NEWTON_FAILED, MAX_ITERATIONS, runs.max_newton_iterations)
+    outcome, began = outcomes(runs, period)
     step = np.where(np.isnan(began), -1, np.rint(began / dt))
     return {
         "outcome": outcome,
         "at_step": np.where(runs.status > 0, runs.failed_at_step, step).astype(np.int32),
         "max_energy_error": _single(runs.max_height_error.values),
-        "max_newton_iterations": _single(iterations),
+        "period_error": _single(100 * np.abs(runs.mean_period.values / period - 1)),
+        "max_newton_iterations": _single(runs.max_newton_iterations.values),
         "lyapunov_exponent": _single(runs.lyapunov_exponent.values),
     }
 
@@ -200,12 +199,18 @@ def atlas(
                 dt=part * period,
                 steps=round(periods / part),
                 u0=u0,
-                observe=[observer, "lyapunov_exponent", "trajectory", Height(observer.rest)],
+                observe=[
+                    observer,
+                    Oscillations(observer.rest_at),
+                    "lyapunov_exponent",
+                    "trajectory",
+                    Height(observer.rest),
+                ],
                 every=int(apart),
                 samples=portraits["samples"],
                 on_failure="ignore",
             )
-            for variable, column in _column(runs, part * period).items():
+            for variable, column in _column(runs, part * period, period).items():
                 maps.setdefault(variable, []).append(column)
             if not is_sampled:
                 continue
@@ -225,13 +230,20 @@ def atlas(
     dims = ("problem", "amplitude", "dt_over_period")
     attributes = {
         "outcome": {**OUTCOME_ATTRIBUTES, "flag_explanations": "; ".join(EXPLANATIONS)},
-        "at_step": {"long_name": "step at which it began, -1 where the run is accurate", "units": "1"},
+        "at_step": {
+            "long_name": "step at which it began, -1 where the run is accurate or only its period is wrong",
+            "units": "1",
+        },
         "max_energy_error": {
             "long_name": "largest error of the energy over its height above rest, NaN where the run failed",
             "units": "percent",
         },
+        "period_error": {
+            "long_name": "relative error of the mean period, NaN where there is none",
+            "units": "percent",
+        },
         "max_newton_iterations": {
-            "long_name": f"most Newton iterations in one step, {MAX_ITERATIONS} where they did not converge",
+            "long_name": "most Newton iterations in one step, NaN where the run failed",
             "units": "1",
         },
         "lyapunov_exponent": {"long_name": "largest Lyapunov exponent of the numerical map", "units": "s-1"},

@@ -6,14 +6,13 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
-from study.analysis.outcomes import OUTCOME_ATTRIBUTES, outcomes_of_balance
+from study.analysis.outcomes import BALANCE_ATTRIBUTES, outcomes_of_balance
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Counts, Schemes, Sizes, StructureLengths
 from study.experiments import coordinates
-from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, NEWTON_FAILED, STATUS_ATTRIBUTES
+from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.mechanics.loads import excited
-from study.mechanics.newton import MAX_ITERATIONS
 from study.problem.named import problems as problems_by_name
 from study.problem.named import time_scales
 
@@ -87,11 +86,11 @@ def structure_stability(
                 status[at], failed_at_step[at] = whole.status, whole.failed_at_step
                 apart = whole.apart_from * parts / scale
                 apart_at_step[at] = np.rint(apart) if np.isfinite(apart) else -1
-                iterations[at] = MAX_ITERATIONS if whole.status == NEWTON_FAILED else whole.max_newton_iterations
+                iterations[at] = whole.max_newton_iterations
     dims = ("problem", "scheme", "excitation", "steps_per_period")
     return xr.Dataset(
         {
-            "outcome": (dims, outcome, OUTCOME_ATTRIBUTES),
+            "outcome": (dims, outcome, BALANCE_ATTRIBUTES),
             "lyapunov_exponent": (
                 dims,
                 exponent,
@@ -109,7 +108,7 @@ def structure_stability(
                 dims,
                 iterations,
                 {
-                    "long_name": f"most Newton iterations in one step, {MAX_ITERATIONS} where they did not converge",
+                    "long_name": "most Newton iterations in one step, NaN where the run failed",
                     "units": "1",
                 },
             ),

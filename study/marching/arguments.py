@@ -14,6 +14,7 @@ import numpy as np
 import psutil
 
 from study.algebra.arrays import real_numbers
+from study.algebra.matrices import diagonal
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
@@ -23,9 +24,25 @@ from study.registry import Registry, did_you_mean
 T = TypeVar("T")
 
 #: Names in every result, which no observer may have.
-RESERVED = ("status", "failed_at_step", "t", "lane", "sample", "component", "dt", "steps", "u0", "v0")
+RESERVED = (
+    "status",
+    "failed_at_step",
+    "newton_restarts",
+    "t",
+    "lane",
+    "sample",
+    "component",
+    "dt",
+    "steps",
+    "u0",
+    "v0",
+)
 
-#: Sampling of the load after a failed run: maximum, minimum, cap on samples × unknowns.
+#: Largest displacement of a run without a bound of its own, as multiples of u₀ + T u̇₀ and of T² f/M. A motion that is
+#: unstable by nature may start from a tiny displacement and still be of an ordinary size.
+OF_START, OF_LOAD = 1e9, 1e5
+
+#: Sampling of the load before a run: maximum, minimum, cap on samples × unknowns.
 MOST_LOOKS, FEWEST_LOOKS, LOOKED_AT = 1001, 65, 10_000_000
 
 
@@ -39,8 +56,8 @@ def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
 
 
 def _most_steps() -> int:
-    """Half of the largest integer, which in single precision has 32 bits: march and observers add to step counts."""
-    return jnp.iinfo(jnp.result_type(int)).max // 2
+    """A quarter of the largest integer, which in single precision has 32 bits: a march counts three times the steps."""
+    return jnp.iinfo(jnp.result_type(int)).max // 4
 
 
 def positive_integer(name: str, value: Any) -> int:
@@ -112,18 +129,41 @@ def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tup
     return chosen
 
 
-def check_load(problem: Problem, duration: float) -> None:
-    """Refuse a load that is not finite at some time of a run, which has ended for that reason or another."""
+def checked_bound(
+    bound: float | None, problem: Problem, u0: Displacements, v0: Displacements, duration: float
+) -> float:
+    """Largest displacement of a run: as given, or far beyond what start and load can bring about.
+
+    Raises
+    ------
+    ValueError
+        If it is no positive number, or the load is not finite at some time of the run.
+    """
+    if bound is not None:
+        if isinstance(bound, bool) or not isinstance(bound, int | float | np.number) or not bound > 0:
+            raise ValueError(f"bound must be a displacement greater than zero, np.inf for none, not {bound!r}.")
+        return float(bound)
+    farthest = OF_START * (np.abs(u0).max() + duration * np.abs(v0).max())
+    if problem.load is not None:
+        masses = np.asarray(diagonal(1.0 if problem.mass is None else problem.mass))
+        farthest += OF_LOAD * duration**2 * _largest_load(problem, duration) / masses[masses > 0].min()
+    return float(farthest) or np.inf
+
+
+def _largest_load(problem: Problem, duration: float) -> float:
     looks = int(np.clip(LOOKED_AT // np.size(problem.u0), FEWEST_LOOKS, MOST_LOOKS))
     times = np.linspace(0.0, duration, looks)
-    finite = np.asarray(_are_finite(problem.load, times))
-    if not finite.all():
-        raise ValueError(f"the load of '{problem.title}' is not finite at t = {times[np.argmin(finite)]:g}.")
+    sizes = np.asarray(_sizes(problem.load, times))
+    if not np.isfinite(sizes).all():
+        raise ValueError(
+            f"the load of '{problem.title}' is not finite at t = {times[np.argmin(np.isfinite(sizes))]:g}."
+        )
+    return sizes.max()
 
 
 @eqx.filter_jit
-def _are_finite(load, times):
-    return jax.lax.map(lambda t: jnp.isfinite(load(t)).all(), times)
+def _sizes(load, times):
+    return jax.lax.map(lambda t: jnp.abs(load(t)).max(), times)
 
 
 def number_of_lanes(

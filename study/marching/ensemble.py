@@ -137,6 +137,7 @@ def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: in
     return Result(
         gathered([r.status for r in results]),
         gathered([r.failed_at_step for r in results]),
+        gathered([r.restarts for r in results]),
         {name: gathered([r.values[name] for r in results]) for name in results[0].values},
         {name: gathered([r.samples[name] for r in results], lane_axis=2) for name in results[0].samples},
     )

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from study.marching.result import COMPLETED, NEWTON_FAILED, Result
+from study.marching.result import COMPLETED, NO_SOLUTION, NOT_FINITE, UNBOUNDED, Result
 from study.marching.shapes import PerRun
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies
@@ -10,6 +10,13 @@ from study.scheme.base import Scheme
 
 #: What :func:`study.run` does about a failed run.
 ON_FAILURE = ("warn", "raise", "ignore")
+
+
+_HOW = {
+    NO_SOLUTION: "Newton's iteration found no balance of forces, with a safeguard neither",
+    NOT_FINITE: "the state was no longer finite",
+    UNBOUNDED: "the displacement left its bound",
+}
 
 
 class RunFailedWarning(RuntimeWarning):
@@ -22,10 +29,10 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
     highest = None if found is None else found[-1]
     beyond = ", and may be larger beyond the kinks of the force" if problem.kinked else ""
     at_start = "" if highest is None else f" (it is {highest * dt:.3g} at the start{beyond})"
-    if status == NEWTON_FAILED:
+    if status == NO_SOLUTION:
         return (
-            "Newton's iteration found no balance: the force changes too much over a step, or the effective equation "
-            "has no or several roots; take smaller steps."
+            "the force changes too much over a step, or the effective equation has no or several roots; take smaller "
+            "steps."
         )
     if not np.isfinite(problem.internal_force(problem.u0, problem.v0)).all():
         return "the force is not finite at the start."
@@ -49,7 +56,7 @@ def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun) -> st
     first = failed[0]
     status, step = (int(np.ravel(values)[first]) for values in (result.status, result.failed_at_step))
     size = float(np.broadcast_to(dt, np.shape(result.status)).ravel()[first])
-    how = "Newton's iteration did not converge" if status == NEWTON_FAILED else "the state was no longer finite"
+    how = _HOW[status]
     many = f"{failed.size} of {result.status.size} runs failed, the first of them, lane {first}: "
     where = f"'{scheme.title}' failed on '{problem.title}' at step {step}, t = {step * size:.6g}, with dt = {size:.6g}"
     cause = likely_cause(problem, scheme, status, size)

@@ -19,7 +19,6 @@ from study.marching.shapes import CountOfLanes, OfLanes
 from study.mechanics.definition import Problem
 from study.mechanics.function_checks import NOT_TRACEABLE
 from study.observer.base import Observer
-from study.scheme.base import Scheme
 
 
 def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Observer]) -> dict[str, np.ndarray]:
@@ -84,8 +83,7 @@ def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) 
 def march_family(
     make: Callable[..., Problem],
     over: Mapping[str, np.ndarray],
-    scheme: Scheme,
-    observers: Sequence[Observer],
+    march_of: Callable[[Problem], March],
     dt: OfLanes,
     steps: CountOfLanes,
     every: int,
@@ -97,6 +95,8 @@ def march_family(
     ----------
     make, over
         Function that makes the problem, and its arguments, each (lanes, ...).
+    march_of
+        The march on a problem that it makes.
     dt, steps
         Step sizes and numbers of steps (lanes,).
     every, samples
@@ -114,7 +114,7 @@ def march_family(
     place = np.minimum(np.arange(tiles * tile), lanes - 1).reshape(tiles, tile)
 
     def one(arguments, dt, steps):
-        march = March.of(make(**arguments), scheme, observers)
+        march = march_of(make(**arguments))
         begin = jnp.asarray(march.problem.u0), jnp.asarray(march.problem.v0)
         progress, initial, stored = march.start(*begin, dt, samples + 1)
         each_step = every == 1 and begin[0].ndim == 0

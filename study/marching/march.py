@@ -13,6 +13,7 @@ from jax import lax
 from study.algebra.matrices import SMALL
 from study.mechanics.definition import Problem
 from study.observer.base import Observer, Record, Reduction
+from study.observer.diagnostics import Restarts
 from study.scheme.base import Scheme
 from study.scheme.contract import started, stepped
 from study.scheme.wrapper.linearised import Linearised
@@ -38,8 +39,8 @@ class Progress(NamedTuple):
     step
         Number of steps taken.
     failure
-        0 while the run goes on. After a failure at step k: k + 1 if the state was not finite, −(k + 1) if Newton's
-        iteration did not converge.
+        0 while the run goes on. After a failure at step k: 3 (k + 1), plus 0 if no balance was found, 1 if the state
+        was not finite, or 2 if the displacement left its bound.
     state
         State of the scheme.
     carried
@@ -64,17 +65,29 @@ class March(eqx.Module):
     reductions: tuple[Reduction, ...]
     records: tuple[Record, ...]
     lanes: bool = eqx.field(static=True, default=False)
+    #: Largest displacement, beyond which a run ends as unbounded.
+    bound: float = eqx.field(default=np.inf, converter=np.float64)
 
     @classmethod
-    def of(cls, problem: Problem, scheme: Scheme, observers: Sequence[Observer], lanes: bool = False) -> "March":
+    def of(
+        cls,
+        problem: Problem,
+        scheme: Scheme,
+        observers: Sequence[Observer],
+        lanes: bool = False,
+        bound: float = np.inf,
+    ) -> "March":
         """The march of a scheme on a problem, with the history and the neighbour that problem and observers need."""
         if problem.history is not None:
             scheme = WithHistory(scheme)
         if any(observer.needs_neighbour for observer in observers):
             scheme = Linearised(scheme)
         parts = [observer.marched() for observer in observers]
+        if problem.safeguarded:
+            parts.append(Restarts())
         reductions = tuple(part for part in parts if isinstance(part, Reduction))
-        return cls(problem, scheme, reductions, tuple(part for part in parts if isinstance(part, Record)), lanes)
+        records = tuple(part for part in parts if isinstance(part, Record))
+        return cls(problem, scheme, reductions, records, lanes, bound)
 
     def _each(self, function):
         """A function of one run, mapped over the lanes if there are any."""
@@ -83,7 +96,9 @@ class March(eqx.Module):
     def _failure(self, state, effort, step):
         """``Progress.failure`` after this step."""
         finite = jnp.all(jnp.isfinite(state.u)) & jnp.all(jnp.isfinite(state.v))
-        return jnp.where(finite, jnp.where(effort.converged, 0, -(step + 1)), step + 1)
+        bounded = jnp.all(jnp.abs(state.u) <= self.bound)
+        kind = jnp.where(finite, jnp.where(bounded, 0, 2), 1)
+        return jnp.where(finite & bounded & effort.converged, 0, 3 * (step + 1) + kind)
 
     def _sample(self, initial, state, t) -> dict[str, jax.Array]:
         problem = self.problem.at(state)

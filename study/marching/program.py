@@ -13,7 +13,7 @@ from jax import lax
 
 from study.algebra.jit import jit
 from study.marching.march import March
-from study.marching.result import COMPLETED, NEWTON_FAILED, NOT_FINITE, Result
+from study.marching.result import COMPLETED, NO_SOLUTION, Result
 from study.marching.shapes import CountPerRun, Displacements, PerRun
 from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
@@ -125,8 +125,9 @@ def _stretches(steps: int, every: int, samples: int, room: int, pause: int) -> I
 def as_result(result: tuple, samples: dict[str, np.ndarray]) -> Result:
     """``Progress.failure`` and the values and samples of a march as its result."""
     failure, values = jax.tree.map(np.asarray, result)
-    status = np.where(failure == 0, COMPLETED, np.where(failure < 0, NEWTON_FAILED, NOT_FINITE))
-    return Result(status, np.abs(failure) - 1, values, samples)
+    restarts = values.pop("newton_restarts", np.zeros(failure.shape, int))
+    status = np.where(failure == 0, COMPLETED, NO_SOLUTION + failure % 3)
+    return Result(status, failure // 3 - 1, restarts, values, samples)
 
 
 class Program:

@@ -11,11 +11,14 @@ from study.io import __version__, flags
 from study.marching.shapes import CountPerRun, Displacements, Flags, Observed, PerRun
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
+from study.observer.diagnostics import Restarts
 from study.scheme.base import Scheme
 
-COMPLETED, NEWTON_FAILED, NOT_FINITE = 0, 1, 2
+COMPLETED, NO_SOLUTION, NOT_FINITE, UNBOUNDED = range(4)
 
-STATUS_ATTRIBUTES = flags("how the run ended", ("completed", "newton_not_converged", "not_finite"), np.int32)
+STATUSES = "completed", "no_solution_found", "not_finite", "unbounded"
+
+STATUS_ATTRIBUTES = flags("how the run ended", STATUSES, np.int32)
 
 FAILED_AT_STEP_ATTRIBUTES = {"long_name": "step at which the run failed, -1 where it did not", "units": "1"}
 
@@ -38,9 +41,11 @@ class Result(NamedTuple):
     Attributes
     ----------
     status
-        ``COMPLETED``, ``NEWTON_FAILED`` or ``NOT_FINITE``.
+        ``COMPLETED``, ``NO_SOLUTION``, ``NOT_FINITE`` or ``UNBOUNDED``.
     failed_at_step
         Step at which the run failed, −1 if it completed.
+    restarts
+        Newton iterations that failed and were started again with a safeguard.
     values
         Variables of the reductions; meaningless if the run failed.
     samples
@@ -50,6 +55,7 @@ class Result(NamedTuple):
 
     status: Flags
     failed_at_step: Flags
+    restarts: Flags
     values: dict[str, Observed]
     samples: dict[str, Observed]
 
@@ -86,7 +92,11 @@ class Labels:
     """What makes results of one scheme on one problem into datasets."""
 
     def __init__(self, problem: Problem, scheme: Scheme, observers: Sequence[Observer]):
-        self._attributes = {"status": STATUS_ATTRIBUTES, "failed_at_step": FAILED_AT_STEP_ATTRIBUTES}
+        self._attributes = {
+            "status": STATUS_ATTRIBUTES,
+            "failed_at_step": FAILED_AT_STEP_ATTRIBUTES,
+            **Restarts.variables,
+        }
         self._attributes |= {name: a for observer in observers for name, a in observer.variables.items()}
         self._of_dataset = {
             "title": f"{scheme.title} on the {problem.title}",
@@ -128,6 +138,7 @@ class Labels:
         values: dict[str, np.ndarray] = {
             "status": result.status.astype(np.int32),
             "failed_at_step": result.failed_at_step,
+            "newton_restarts": result.restarts,
         }
         for name, value in result.values.items():
             along_lanes = failed.reshape(failed.shape + (1,) * (value.ndim - failed.ndim))

@@ -14,8 +14,8 @@ from tqdm import tqdm
 
 from study.marching import failure
 from study.marching.arguments import (
-    check_load,
     check_memory,
+    checked_bound,
     checked_observers,
     checked_start,
     checked_step_size,
@@ -29,7 +29,7 @@ from study.marching.failure import ON_FAILURE
 from study.marching.family import checked_family, checked_lanes, march_family
 from study.marching.march import March
 from study.marching.program import Program
-from study.marching.result import NOT_FINITE, Labels, Result
+from study.marching.result import NO_SOLUTION, NOT_FINITE, Labels, Result
 from study.marching.shapes import CountPerRun, CountPerRunLike, Displacements, DisplacementsLike, PerRun, PerRunLike
 from study.mechanics.definition import Problem
 from study.observer.base import Observer, Record
@@ -44,18 +44,11 @@ ANY_MEMORY = 10_000_000
 LONG = 2**24
 
 
-def _march(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...], lanes: bool) -> March:
-    """The march of a scheme on a problem.
-
-    Raises
-    ------
-    ValueError
-        If the scheme cannot step the problem, or an observer cannot observe it.
-    """
+def _check_fit(problem: Problem, scheme: Scheme, observers: tuple[Observer, ...]) -> None:
+    """Refuse a scheme that cannot step the problem, or an observer that cannot observe it."""
     for reason in (scheme.refusal(problem), *(observer.refusal(problem) for observer in observers)):
         if reason:
             raise ValueError(reason)
-    return March.of(problem, scheme, observers, lanes)
 
 
 def _march_alone(
@@ -109,9 +102,14 @@ def run(
     over: Mapping[str, Any] | None = None,
     every: int = 1,
     samples: int | None = None,
+    bound: float | None = None,
     on_failure: str = "warn",
 ) -> xr.Dataset:
-    """March one scheme on one problem and return what was observed.
+    r"""March one scheme on one problem and return what was observed.
+
+    A run whose Newton iteration fails is marched once more with a safeguard: with one unknown a bracket, which finds a
+    root wherever the residual changes its sign, and with several unknowns shorter corrections
+    (:mod:`study.mechanics.balance`). ``newton_restarts`` counts the iterations that needed it.
 
     Parameters
     ----------
@@ -134,17 +132,22 @@ def run(
         Steps between two samples of a record; it must divide ``steps`` unless ``samples`` is given.
     samples
         Number of samples to store after the first; those after the end of the run are NaN. By default all that fit.
+    bound
+        Largest displacement of any unknown: a run beyond it ends as unbounded. By default
+        :math:`10^9 (|u_0| + T |\dot u_0|) + 10^5\,T^2 f/m` with the duration T, the largest load f and the smallest
+        mass m; ``np.inf`` for none.
     on_failure
         What a failed run does: ``"warn"``, with scheme, step, time and likely cause, ``"raise"`` or ``"ignore"``.
 
     Returns
     -------
     xarray.Dataset
-        The observed variables, ``status`` and ``failed_at_step``. Records lie along ``t``, the elapsed time; the runs
-        of an ensemble along ``lane``, with the ``dt``, ``steps``, ``u0`` and ``v0`` of each as coordinates where they
-        differ. If lanes have their own step sizes, records lie along ``sample`` and ``t`` is a coordinate over (lane,
-        sample). Values of a failed run are NaN, and its samples from the failure on. The attributes name problem,
-        scheme, its parameters, version, and the ``dt``, ``steps``, ``u0`` and ``v0`` that all runs share.
+        The observed variables, ``status`` (completed, no solution found, not finite, unbounded), ``failed_at_step`` and
+        ``newton_restarts``. Records lie along ``t``, the elapsed time; the runs of an ensemble along ``lane``, with the
+        ``dt``, ``steps``, ``u0`` and ``v0`` of each as coordinates where they differ. If lanes have their own step
+        sizes, records lie along ``sample`` and ``t`` is a coordinate over (lane, sample). Values of a failed run are
+        NaN, and its samples from the failure on. The attributes name problem, scheme, its parameters, version, and the
+        ``dt``, ``steps``, ``u0`` and ``v0`` that all runs share.
 
     Raises
     ------
@@ -181,24 +184,41 @@ def run(
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     lanes = number_of_lanes(equation, start, velocity, step_size, count, values)
     few = lanes <= FEW and np.ndim(equation.u0) > 0 and jax.default_backend() == "cpu"
-    march = _march(equation, method, chosen, bool(lanes) and not few and not values)
-    program = Program(march)
-    room = _samples(march.records, count, every, samples)
+    side_by_side = bool(lanes) and not few and not values
+    _check_fit(equation, method, chosen)
+    limit = checked_bound(bound, equation, start, velocity, float(np.max(step_size * count)))
+    plain = March.of(equation, method, chosen, side_by_side, limit)
+    room = _samples(plain.records, count, every, samples)
     begin = start, velocity, step_size
     if lanes:
         shape = (lanes, *np.shape(equation.u0))
         begin = np.broadcast_to(start, shape), np.broadcast_to(velocity, shape), np.broadcast_to(step_size, lanes)
-    _check_memory(march, *begin, room)
-    if values:
-        counts = np.broadcast_to(count, lanes)
-        result = march_family(problem, values, method, chosen, begin[-1], counts, every, room)  # type: ignore[arg-type]
-    elif lanes:
+    _check_memory(plain, *begin, room)
+
+    def marched(prepared: Callable[[Problem], Problem], place: Any = slice(None)) -> Result:
+        """March the lanes in some places, or the single run, on the problem as prepared."""
+
+        def march_of(one: Problem) -> March:
+            return March.of(prepared(one), method, chosen, side_by_side, limit)
+
+        if values:
+            of_lanes = {name: value[place] for name, value in values.items()}
+            counts = np.broadcast_to(count, lanes)[place]
+            return march_family(problem, of_lanes, march_of, begin[-1][place], counts, every, room)  # type: ignore[arg-type]
+        program = Program(march_of(equation))
+        if not lanes:
+            return _march_alone(program, *begin, int(count), every, room)
         march_lanes = march_one_by_one if few else march_in_tiles
-        result = march_lanes(program, begin, count, every, room)
-    else:
-        result = _march_alone(program, *begin, int(count), every, room)
-    if equation.load is not None and np.any(result.status == NOT_FINITE) and not values:
-        check_load(equation, float(np.max(step_size * count)))
+        u0, v0, dt = (one[place] for one in begin)
+        return march_lanes(program, (u0, v0, dt), count[place] if count.ndim else count, every, room)
+
+    result = marched(lambda one: one)
+    unsolved = result.status == NO_SOLUTION
+    if not (method.explicit or equation.linear):  # a correction may lead to where the force is not finite
+        unsolved |= result.status == NOT_FINITE
+    if unsolved.any():
+        again = marched(Problem.with_safeguard, unsolved)
+        result = jax.tree.map(lambda all_, new: _replaced(all_, unsolved, new), result, again) if lanes else again
     _tell(result, equation, method, step_size, on_failure)
     labels = Labels(equation, method, chosen)
     ds = labels.dataset(result, start, velocity, step_size, count, every, room, bool(lanes))
@@ -209,6 +229,12 @@ def run(
     return ds.assign_coords(
         {name: (("lane", *(f"{name}_{axis}" for axis in range(1, x.ndim))), x) for name, x in values.items()}
     )
+
+
+def _replaced(values: np.ndarray, place: np.ndarray, new: np.ndarray) -> np.ndarray:
+    values = np.array(values)
+    values[place] = new
+    return values
 
 
 def _check_not_traced(arguments: Any) -> None:

@@ -11,12 +11,14 @@ The schemes differ in ũ, ṽ, c_u and c_v, in the weight w of the internal forc
 the velocity ṽ + c_v a too, and a history, which the iteration leaves as it was committed. A problem may have a constant
 stiffness K, so that its internal force is K u + p; then only p is differentiated.
 
-Newton corrections are never shortened where the force is smooth. Halving those that do not reduce the out-of-balance
-force was tried: it saves half of the runs that fail on softening springs with steps beyond a fifth of the period, but
-loses more runs of structures with stiff members that rotate. Where the slope of the force may jump, the iteration could
-go to and fro between two branches for ever. With one unknown it is then kept between two accelerations with residuals
-of opposite signs, and bisects where Newton's correction leaves them or does not halve. With several unknowns a
-correction that goes too far is shortened to where the residual along it is nearly zero.
+Newton corrections are not shortened where the force is smooth. Where the slope of the force may jump, the iteration
+could go to and fro between two branches for ever. With one unknown it is then kept between two accelerations with
+residuals of opposite signs, and bisects where Newton's correction leaves them or does not halve. With several unknowns
+a correction that goes too far is shortened to where the residual along it is nearly zero.
+
+An iteration of a problem that is ``safeguarded`` starts again where it fails: with one unknown between a bracket, which
+finds a root of every continuous residual; with several unknowns by corrections that are halved until the norm of the
+residual falls (Dennis and Schnabel, 1983, section 6.3).
 
 References
 ----------
@@ -36,7 +38,17 @@ from study.algebra.elimination import solve
 from study.algebra.matrices import Banded, add, dense, product, times
 from study.algebra.sparse import Sparse
 from study.mechanics.definition import Problem
-from study.mechanics.newton import TOLERANCES, iterated, narrowed, norm, opened_closure, root, shortened
+from study.mechanics.newton import (
+    MAX_SAFEGUARDED,
+    TOLERANCES,
+    backtracked,
+    iterated,
+    narrowed,
+    norm,
+    opened_closure,
+    root,
+    shortened,
+)
 from study.mechanics.state import Effort
 from study.mechanics.tangent import FormOfTangent, force_and_tangent
 
@@ -67,6 +79,10 @@ class System(Protocol):
     @property
     def kinked(self) -> bool:
         """Whether the slope of p may jump."""
+
+    @property
+    def safeguarded(self) -> bool:
+        """Whether an iteration that fails starts again with a safeguard."""
 
     @property
     def mass(self) -> Matrix:
@@ -178,8 +194,9 @@ def balance(
     Returns
     -------
     tuple
-        The acceleration, and the :class:`Effort` with its flag of convergence within ``MAX_ITERATIONS``. A value that
-        is not finite ends the iteration at once and remains in the acceleration.
+        The acceleration, and the :class:`Effort` with its flag of convergence within ``MAX_ITERATIONS``, or with a
+        safeguard ``MAX_SAFEGUARDED`` more. A value that is not finite ends the iteration at once and remains in the
+        acceleration.
     """
     force, whole = (problem.varying_force, problem.internal_force) if force is None else (force, force)
     n, tolerances = u.size, TOLERANCES[u.dtype]
@@ -216,15 +233,17 @@ def balance(
     if problem.linear:
         return guess - solved(constant, residual(guess)), Effort(jnp.ones((), int))
 
-    def iterate(a, before):
+    def iterate(a, before, shorten=shortened if problem.kinked else None):
         internal, effective = internal_and_effective(a)
         inertial = times(inertia, a)
         out_of_balance = inertial + internal - rhs
-        correction = solved(effective, out_of_balance)
-        if problem.kinked and jnp.ndim(u):
-            correction = shortened(residual, a, correction, out_of_balance)
+        correction = whole_correction = solved(effective, out_of_balance)
+        if shorten and jnp.ndim(u):
+            correction = shorten(residual, a, correction, out_of_balance)
         a = a - correction
-        moved, size = norm(times(reach, correction)), norm(start) + norm(times(reach, a))
+        # a correction that was halved many times is short and no sign of convergence
+        moved = norm(times(reach, whole_correction if shorten is backtracked else correction))
+        size = norm(start) + norm(times(reach, a))
         unfinished = moved > tolerance * size
         if jnp.ndim(u):
             forces = norm(inertial) + norm(internal) + norm(rhs)
@@ -247,19 +266,33 @@ def balance(
         solution, fixed = opened_closure(lambda r, a: solved(internal_and_effective(a)[1], r), a, a)
         return root(opened, solution, a, given, fixed)
 
-    nothing, bracketed = jnp.zeros((), u.dtype), problem.kinked and not jnp.ndim(u)
-    if bracketed:
-        iterate, guess = iterate_between, jnp.stack([guess, -jnp.inf, jnp.inf, jnp.inf])
-    opened, given = opened_closure(iterate, guess, nothing)
+    nothing, first = jnp.zeros((), u.dtype), lax.stop_gradient(guess)
+    iterates: Callable = iterate
+    safeguarded: Callable = partial(iterate, shorten=backtracked)
+    begin = first
+    if not jnp.ndim(u):
+        safeguarded, begin = iterate_between, jnp.stack([first, -jnp.inf, jnp.inf, jnp.inf])
+        if problem.kinked:
+            iterates, first = safeguarded, begin
+    opened, given = opened_closure(iterates, first, nothing)
     given = lax.stop_gradient(given)
-    a, unfinished, iterations = lax.stop_gradient(guess), jnp.ones((), bool), jnp.zeros((), int)
-    if not jnp.ndim(guess):
+    found, unfinished, iterations = first, jnp.ones((), bool), jnp.zeros((), int)
+    if not jnp.ndim(first):
         # most steps need two iterations, one to correct and one to confirm: these two are written out before the loop,
         # which for several unknowns would double what is compiled and save little
-        once, _, moved = opened((a, nothing), given)
-        (a, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)
-    a, unfinished, iterations = iterated(opened, given, (a, unfinished, iterations))
-    return differentiable(a[0] if bracketed else a), Effort(iterations, ~unfinished)
+        once, _, moved = opened((first, nothing), given)
+        (found, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)
+    found, unfinished, iterations = iterated(opened, given, (found, unfinished, iterations))
+    a = found if found.shape == u.shape else found[0]
+    if not problem.safeguarded:
+        return differentiable(a), Effort(iterations, ~unfinished)
+
+    failed = unfinished | ~jnp.all(jnp.isfinite(a))
+    opened, given = opened_closure(safeguarded, begin, nothing)
+    carry = begin, failed, jnp.zeros((), int)
+    found, unfinished, more = iterated(opened, lax.stop_gradient(given), carry, MAX_SAFEGUARDED)
+    a = jnp.where(failed, found if jnp.ndim(u) else found[0], a)
+    return differentiable(a), Effort(iterations + more, ~unfinished, restarts=failed.astype(int))
 
 
 def _coupled(form: FormOfTangent, c_u: Matrix) -> FormOfTangent:

@@ -117,6 +117,8 @@ class Problem(eqx.Module):
     takes_velocity: bool = eqx.field(init=False, static=True)
     #: Whether the slope of the force may jump.
     kinked: bool = eqx.field(init=False, static=True)
+    #: Whether a Newton iteration that fails starts again with a safeguard; see :mod:`study.mechanics.balance`.
+    safeguarded: bool = eqx.field(default=False, init=False, static=True)
 
     @jax.enable_x64(True)  # the checks compare with round-off of double precision; a run may use single precision
     def __post_init__(self):
@@ -212,6 +214,12 @@ class Problem(eqx.Module):
         """The same problem without its title: problems that differ in the title alone share a compiled program."""
         copy = self._copy()
         object.__setattr__(copy, "title", "untitled")
+        return copy
+
+    def with_safeguard(self) -> "Problem":
+        """The same problem, whose Newton iterations start again with a safeguard where they fail."""
+        copy = self._copy()
+        object.__setattr__(copy, "safeguarded", True)
         return copy
 
     def _copy(self) -> "Problem":

@@ -43,11 +43,15 @@ TOLERANCES = {
     np.dtype("float32"): Tolerances(5e-6, near=1e-4, predicted=5e-9, force=1e-4, round_off=5e-6),
 }
 
-#: Iterations after which a balance counts as not converged.
-MAX_ITERATIONS = 50
+#: Iterations after which Newton's iteration has failed, and after which one with a safeguard has.
+MAX_ITERATIONS, MAX_SAFEGUARDED = 50, 100
 
 #: A correction is short enough if the residual along it keeps its sign, or at most this part of its size.
 OVERSHOOT = 0.1
+
+#: Part of the decrease that a linear model of the residual promises, which a shortened correction must reach, and most
+#: halvings of a correction.
+DECREASE, HALVINGS = 1e-4, 20
 
 #: Most residuals that are taken to shorten a correction: every second one halves the bracket, and the slopes of a force
 #: may differ by as many powers of two.
@@ -59,9 +63,9 @@ def norm(x: Vector | float) -> Scalar:
     return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.sum(x * x))
 
 
-def _goes_on(carry):
+def _goes_on(carry, most):
     _, unfinished, iterations = carry
-    return unfinished & (iterations < MAX_ITERATIONS)
+    return unfinished & (iterations < most)
 
 
 def _any(flags):
@@ -73,12 +77,13 @@ def _any(flags):
     return jnp.any(flags)
 
 
-def iterated(iterate: Callable, given, carry: tuple) -> tuple:
-    """Repeat ``a, unfinished, _ = iterate((a, 0), given)`` while ``unfinished``, up to ``MAX_ITERATIONS``.
+def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS) -> tuple:
+    """Repeat ``a, unfinished, _ = iterate((a, 0), given)`` while ``unfinished``, up to ``most`` iterations.
 
     ``carry`` is ``(a, unfinished, iterations)`` before and after. The zero in place of the last correction disables the
     prediction of the next one: carrying the last correction costs more than it saves.
     """
+    goes_on = partial(_goes_on, most=most)
 
     def again(carry, given):
         a, _, iterations = carry
@@ -88,10 +93,10 @@ def iterated(iterate: Callable, given, carry: tuple) -> tuple:
     @jax.custom_batching.custom_vmap
     def to_the_end(carry, given):
         def loop(carry):
-            return lax.while_loop(_goes_on, partial(again, given=given), carry)
+            return lax.while_loop(goes_on, partial(again, given=given), carry)
 
         # after two iterations that are written out, most steps skip the loop
-        return loop(carry) if carry[0].ndim else lax.cond(_goes_on(carry), loop, lambda carry: carry, carry)
+        return loop(carry) if carry[0].ndim else lax.cond(goes_on(carry), loop, lambda carry: carry, carry)
 
     @to_the_end.def_vmap
     def in_lanes(lanes, batched, carry, given):
@@ -99,18 +104,21 @@ def iterated(iterate: Callable, given, carry: tuple) -> tuple:
         each = jax.vmap(again, in_axes=(0, jax.tree.map(lambda b: 0 if b else None, batched[1])))
 
         def those_that_go_on(carry):
-            def newest(goes_on, new, old):
-                return jax.tree.map(partial(jnp.where, goes_on), new, old)
+            def newest(unfinished, new, old):
+                return jax.tree.map(partial(jnp.where, unfinished), new, old)
 
-            return jax.vmap(newest)(_goes_on(carry), each(carry, given), carry)
+            return jax.vmap(newest)(goes_on(carry), each(carry, given), carry)
 
-        return lax.while_loop(lambda carry: _any(_goes_on(carry)), those_that_go_on, carry), (True,) * 3
+        return lax.while_loop(lambda carry: _any(goes_on(carry)), those_that_go_on, carry), (True,) * 3
 
     return to_the_end(carry, given)
 
 
 def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
-    """The next acceleration of one unknown, between two whose residuals have opposite signs once such are known.
+    """The next acceleration of one unknown: Newton's, or by bisection where that leaves the bracket or crawls.
+
+    Until the signs of the residuals differ, a correction that is not half of the last one is replaced by twice the last
+    one against the sign of the residual, which far from the root is that of the inertia.
 
     ``bracket`` (4,) holds the acceleration, those with a negative and with a positive residual, and the last change.
     """
@@ -118,10 +126,31 @@ def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
     negative, positive = jnp.where(residual < 0, a, negative), jnp.where(residual < 0, positive, a)
     new = a - correction
     leaves = (new - negative) * (new - positive) > 0
-    crawls = jnp.abs(correction) > jnp.abs(last) / 2
-    bisects = jnp.isfinite(negative) & jnp.isfinite(positive) & (leaves | crawls)
-    new = jnp.where(bisects, (negative + positive) / 2, new)
+    crawls = ~(jnp.abs(correction) <= jnp.abs(last) / 2)
+    farther = jnp.where(crawls & jnp.isfinite(last), a - 2 * jnp.sign(residual) * jnp.abs(last), new)
+    nearer = jnp.where(leaves | crawls, (negative + positive) / 2, new)
+    new = jnp.where(jnp.isfinite(negative) & jnp.isfinite(positive), nearer, farther)
     return jnp.stack([new, negative, positive, new - a])
+
+
+def backtracked(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
+    """A Newton correction of several unknowns, halved until the norm of the residual falls.
+
+    References
+    ----------
+    J. E. Dennis, R. B. Schnabel, Numerical methods for unconstrained optimization and nonlinear equations,
+    Prentice-Hall, 1983, section 6.3.
+    """
+    before = norm(out_of_balance)
+
+    def too_long(carry):
+        part, halvings = carry
+        after = norm(residual(a - part * correction))
+        return ~(after <= (1 - DECREASE * part) * before) & (halvings < HALVINGS)
+
+    whole = jnp.ones((), a.dtype), jnp.zeros((), int)
+    part, _ = lax.while_loop(too_long, lambda carry: (carry[0] / 2, carry[1] + 1), whole)
+    return part * correction
 
 
 def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:

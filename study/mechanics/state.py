@@ -17,15 +17,23 @@ class Effort(NamedTuple):
     committed
         The history of the force at the end of the last sub-step, if the step commits it there; see
         :class:`study.scheme.wrapper.with_history.WithHistory`.
+    restarts
+        Iterations that failed and were started again with a safeguard.
     """
 
     iterations: jax.Array | int = 0
     converged: jax.Array | bool = True
     committed: Any = None
+    restarts: jax.Array | int = 0
 
     def then(self, other: "Effort", committed: Any = None) -> "Effort":
         """Effort of two balances one after the other."""
-        return Effort(self.iterations + other.iterations, self.converged & other.converged, committed)
+        return Effort(
+            self.iterations + other.iterations,
+            self.converged & other.converged,
+            committed,
+            self.restarts + other.restarts,
+        )
 
 
 class Phase(NamedTuple):

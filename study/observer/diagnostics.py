@@ -25,6 +25,21 @@ class NewtonIterations(Reduction):
         return dict(zip(self.variables, carried, strict=True))
 
 
+class Restarts(Reduction):
+    """Newton iterations of a run that failed and were started again with a safeguard."""
+
+    variables = {"newton_restarts": {"long_name": "Newton iterations started again with a safeguard", "units": "1"}}
+
+    def start(self, problem, state):
+        return jnp.zeros((), int)
+
+    def update(self, carried, problem, state, t, effort):
+        return carried + effort.restarts
+
+    def result(self, carried, problem, state):
+        return {"newton_restarts": carried}
+
+
 #: log₂ of the growth that lifts round-off to the size of the motion.
 APART = 33
 

@@ -63,12 +63,15 @@ class OutcomeObserver(Reduction):
         E_rest, the potential energy of the rest position about which the run oscillates.
     barrier
         Potential energy at u = 0 if that is a barrier between two wells. No run that starts below it should cross it.
+    rest_at
+        Displacement of the rest position.
     """
 
     rest: float = eqx.field(converter=np.float64)
     barrier: float | None = eqx.field(
         default=None, converter=lambda energy: None if energy is None else np.float64(energy)
     )
+    rest_at: float = eqx.field(default=0.0, converter=np.float64)
 
     variables = {
         "max_height_error": {"long_name": "largest error of the energy over its height above rest", "units": "percent"},
@@ -110,7 +113,8 @@ class OutcomeObserver(Reduction):
         if not np.isfinite(found.fun) or abs(found.x) > FARTHEST * max(abs(u0), 1):
             raise ValueError(f"the potential of '{problem.title}' has no minimum downhill of u0 = {u0:g}.")
         barrier, start = float(potential(0.0)), float(potential(u0))
-        return cls(found.fun, barrier if barrier - found.fun > AT_REST * (start - found.fun) else None)
+        is_barrier = barrier - found.fun > AT_REST * (start - found.fun)
+        return cls(found.fun, barrier if is_barrier else None, found.x)
 
     def refusal(self, problem):
         return _refusal(problem)

@@ -124,6 +124,7 @@ class _Twice(NamedTuple):
     linear: bool
     takes_velocity: bool
     kinked: bool
+    safeguarded: bool
     stiffness: Matrix
     mass: Matrix
     damping: Matrix
@@ -155,6 +156,7 @@ def _twice(problem: Problem, u) -> _Twice:
         problem.linear,
         problem.takes_velocity,
         problem.kinked,
+        problem.safeguarded,
         doubled(problem.stiffness),
         doubled(problem.mass),
         doubled(problem.damping),

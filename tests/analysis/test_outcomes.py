@@ -18,8 +18,8 @@ from study.observer.outcome import OutcomeObserver
         ("double_well", -0.5, "rk4", 0.02, 1000, "accurate"),
         ("double_well", 0.5, "average_acceleration", 2.5, 400, "chaotic"),
         ("softening", 0.05, "central_difference", 0.25, 400, "growing"),
-        ("softening", 4.0, "houbolt", 1.0, 400, "newton_not_converged"),
-        ("hardening", 1.5, "central_difference", 0.15, 400, "not_finite"),
+        ("softening", 4.0, "houbolt", 1.0, 400, "damped_to_rest"),
+        ("hardening", 1.5, "central_difference", 0.15, 400, "unbounded"),
     ],
 )
 def test_how_runs_end(problem, u0, scheme, dt, steps, outcome):
@@ -31,6 +31,17 @@ def test_how_runs_end(problem, u0, scheme, dt, steps, outcome):
     assert Outcome(ended[0]).name.lower() == outcome
     assert np.isnan(began[0]) == (outcome == "accurate" or runs.status.item() > 0)
     assert np.isnan(began[0]) or 0 < began[0] <= steps * dt
+
+
+def test_an_accurate_run_keeps_the_period_too():
+    """The energy-momentum method keeps the energy at every step size."""
+    observer = OutcomeObserver.of("softening")
+    u0, period = [10.0], 2.0
+    observe = [observer, "lyapunov_exponent", "oscillations"]
+    runs = study.run("softening", "energy_momentum", dt=0.2, steps=200, u0=u0, observe=observe)
+    period = runs.mean_period.values
+    assert outcomes(runs)[0] == outcomes(runs, 1.009 * period)[0] == Outcome.ACCURATE
+    assert outcomes(runs, 1.011 * period)[0] == Outcome.BOUNDED
 
 
 def test_a_motion_that_is_damped_out_of_chaos_was_not_chaotic():

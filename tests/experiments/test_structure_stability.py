@@ -18,8 +18,9 @@ def test_structures_end_as_their_energies_say():
     outcome = ds.outcome.values
     # four steps in its time scale are beyond the limit of stability of its small oscillations, 2
     assert (outcome[0, :, 0] == Outcome.GROWING).all() and (outcome[:, :, 1] == Outcome.ACCURATE).all()
-    assert outcome[1, 0, 0] == Outcome.NEWTON_NOT_CONVERGED and ds.status.sel(scheme="energy_momentum")[0, 0] == 1
+    # the energy-momentum method keeps the energy there too, where Newton's iteration needs a bracket
+    assert (outcome[1, :, 0] == Outcome.ACCURATE).all() and not ds.status.any()
     iterations = ds.max_newton_iterations
     assert (iterations.sel(scheme="central_difference") == 0).all()
-    assert iterations.sel(scheme="energy_momentum").values[:, 1].max() < MAX_ITERATIONS == iterations.max()
+    assert iterations.sel(scheme="energy_momentum").values[:, 1].max() < MAX_ITERATIONS < iterations.max()
     assert ds.apart_at_step.max() < 20 * 320 and ds.apart_at_step.min() == -1

@@ -15,6 +15,7 @@ import xarray as xr
 import study
 from study.marching import program
 from study.marching.march import March
+from study.marching.result import UNBOUNDED
 from study.problem import chains
 
 
@@ -73,7 +74,7 @@ def test_a_pause_changes_nothing(monkeypatch, every):
 def test_a_failure_ends_a_run_at_its_pause(monkeypatch):
     monkeypatch.setattr(program, "PAUSE", 8)
     ds = study.run("double_well", "central_difference", dt=2.5, steps=10**12, observe=["max_energy_error"])
-    assert ds.status == 2 and ds.failed_at_step < 100
+    assert ds.status == UNBOUNDED and ds.failed_at_step < 100
 
 
 @pytest.mark.parametrize("u0", ["1.5", "[1.0] * 2000"], ids=["alone", "ensemble"])
@@ -99,24 +100,27 @@ def test_a_long_run_can_be_interrupted(tmp_path, u0):
     assert xr.load_dataset(tmp_path / "kept.nc").status == 0
 
 
-def test_blow_up_is_recorded_with_its_step():
-    ds = study.run("double_well", "central_difference", dt=2.5, steps=1000)
+@pytest.mark.parametrize("bound, meaning", [(None, "unbounded"), (100.0, "unbounded"), (np.inf, "not_finite")])
+def test_blow_up_is_recorded_with_its_step(bound, meaning):
+    ds = study.run("double_well", "central_difference", dt=2.5, steps=1000, bound=bound)
     step = ds.failed_at_step.item()
-    assert ds.status.attrs["flag_meanings"].split()[ds.status.item()] == "not_finite"
+    assert ds.status.attrs["flag_meanings"].split()[ds.status.item()] == meaning
     assert np.isfinite(ds.u[:step]).all() and np.isnan(ds.u[step:]).all()
+    if bound == 100.0:
+        assert abs(ds.u[step - 1]) <= bound < abs(2 * ds.u[step - 1] - ds.u[step - 2] - 2.5**2 * _cubic(ds.u[step - 1]))
 
 
-def test_failure_of_newton_is_recorded_with_its_step():
-    ds = study.run("softening", "average_acceleration", dt=1.14, steps=100, observe=["max_energy_error"])
-    assert ds.status.attrs["flag_meanings"].split()[ds.status.item()] == "newton_not_converged"
-    assert ds.failed_at_step >= 1
-    assert np.isnan(ds.max_energy_error)
+def _cubic(u):
+    """The restoring force of the double well."""
+    return u**3 - u
 
 
-def test_failure_of_the_start_is_step_zero():
-    ds = study.run("softening_large", "houbolt", dt=0.54, steps=10)
-    assert ds.status == 1
-    assert ds.failed_at_step == 0
+def test_a_step_without_a_solution_is_recorded():
+    """The first step solves u = ũ + u² with ũ = 2, which has no real root."""
+    problem = study.Problem(lambda u: -u * u, u0=1.0)
+    ds = study.run(problem, "average_acceleration", dt=2.0, steps=10, on_failure="ignore")
+    assert ds.status.attrs["flag_meanings"].split()[ds.status.item()] == "no_solution_found"
+    assert ds.failed_at_step == 1 and np.isnan(ds.u[1:]).all()
 
 
 def test_step_size_and_count_share_one_compilation(caplog):

@@ -68,7 +68,7 @@ def test_problems_and_schemes_of_the_user():
         ({"dt": "fast"}, ValueError, "dt must be a real number or an array of real numbers, not 'fast'."),
         ({"steps": 0}, ValueError, "steps must be a whole number of at least 1, not 0."),
         ({"steps": 1.5}, ValueError, "steps must be a whole number of at least 1, not 1.5."),
-        ({"steps": 10**20}, ValueError, "steps must be a whole number of at least 1 and at most 46"),
+        ({"steps": 10**20}, ValueError, "steps must be a whole number of at least 1 and at most 23"),
         ({"dt": True}, ValueError, "dt must be a real number or an array of real numbers, not True."),
         ({"observe": None}, TypeError, "observe must be a list of observers; known are trajectory"),
         ({"steps": True}, ValueError, "steps must be a whole number of at least 1, not True."),

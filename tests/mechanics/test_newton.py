@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import study
 from study.mechanics.balance import balance
@@ -54,6 +55,36 @@ def test_failure_is_reported_within_the_bound():
     _, effort = balance(problem, 0.0, jnp.asarray(1.0), jnp.asarray(0.0), 1e9, 1.0, jnp.asarray(1.0))
     assert not effort.converged
     assert effort.iterations <= MAX_ITERATIONS
+
+
+@pytest.mark.parametrize("u, guess", [(1.0, 1.0), (-3.0, 50.0), (1e-3, 0.0)])
+def test_a_safeguard_finds_the_root_where_newton_jumps_from_side_to_side(u, guess):
+    problem = study.Problem(lambda u: jnp.cbrt(u), u0=1.0).with_safeguard()
+    a, effort = balance(problem, *map(jnp.asarray, (0.0, u, 0.0, 1e9, 1.0, guess)))
+    assert effort.converged and effort.restarts == 1
+    root = brentq(lambda a: a + np.cbrt(u + 1e9 * a), -1e6, 1e6, xtol=1e-30, rtol=1e-15)
+    assert float(u + 1e9 * a) == pytest.approx(u + 1e9 * root, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("scheme", ["average_acceleration", "wilson_theta", "houbolt", "bathe", "energy_momentum"])
+def test_every_step_of_a_rising_force_has_its_root(scheme):
+    """Plain Newton fails on the softening spring at these steps, though each equation has one root."""
+    dt = 1.79 * np.logspace(-1, 0, 24)
+    ds = study.run("softening_large", scheme, dt=dt, steps=200, observe=["max_energy_error"])
+    assert not ds.status.any() and ds.newton_restarts.max() > 0
+    if scheme == "energy_momentum":
+        assert ds.max_energy_error.max() < 1e-6
+
+
+def test_a_family_and_several_unknowns_have_the_safeguard_too():
+    def springs(scale):
+        return study.Problem(lambda u: 100.0 * jnp.tanh(u), u0=scale * jnp.array([4.0, -3.0, 2.0]))
+
+    scale, arguments = [0.01, 1.0, 2.0], {"dt": 0.5, "steps": 100, "observe": "newton_iterations"}
+    family = study.run(springs, "average_acceleration", over={"scale": scale}, **arguments)
+    alone = [study.run(springs(one), "average_acceleration", **arguments) for one in scale]
+    assert not family.status.any() and family.newton_restarts[0] == 0 < family.newton_restarts[2]
+    assert [int(one.status) for one in alone] == [0, 0, 0]
 
 
 def test_a_number_that_is_not_finite_ends_the_iteration():

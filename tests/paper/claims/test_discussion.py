@@ -96,7 +96,7 @@ def test_the_best_scheme_is_an_accident_only_in_a_resonance(steps, verdict):
 )
 def test_explicit_schemes_find_no_solution_if_both_fail(flags, verdict):
     status = xr.DataArray(list(flags), {"scheme": ["central_difference", "rk4"]}, ["scheme"])
-    status.attrs["flag_meanings"] = "complete not_finite newton_not_converged"
+    status.attrs["flag_meanings"] = "complete not_finite no_solution_found"
     portrait = xr.Dataset({"status": status, "failed_at_step": status + 6})
     finding = double_well.explicit_schemes_fail(portrait)
     assert finding.verdict == verdict and "rk4: " in finding.ours and finding.ours.endswith(f"at step {flags[1] + 6}")

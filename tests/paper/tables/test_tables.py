@@ -7,7 +7,7 @@ import xarray as xr
 from paper.tables import claims, outcomes_near_1996, robustness
 from paper.tables.outcomes_near_1996 import accurate_up_to, first_of, near_1996
 
-NAMES = ["accurate", "bounded", "damped_to_rest", "in_the_wrong_well", "chaotic", "growing", "newton_not_converged"]
+NAMES = ["accurate", "bounded", "damped_to_rest", "in_the_wrong_well", "chaotic", "growing", "no_solution_found"]
 
 
 def atlas() -> xr.Dataset:
@@ -17,7 +17,7 @@ def atlas() -> xr.Dataset:
     outcome[0, 0, 1] = [0, 0, 1, 4]
     outcome[0, 0, 2] = [0, 1, 0, 6]
     outcome[0, 1, 1] = [0, 0, 0, 2]
-    meanings = " ".join([*NAMES, "not_finite"])
+    meanings = " ".join([*NAMES, "unbounded"])
     return xr.Dataset(
         {"outcome": (("scheme", "problem", "amplitude", "dt_over_period"), outcome, {"flag_meanings": meanings})},
         coords={
