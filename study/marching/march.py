@@ -97,7 +97,7 @@ class March(eqx.Module):
         """``Progress.failure`` after this step."""
         finite = jnp.all(jnp.isfinite(state.u)) & jnp.all(jnp.isfinite(state.v))
         bounded = jnp.all(jnp.abs(state.u) <= self.bound)
-        kind = jnp.where(finite, jnp.where(bounded, 0, 2), 1)
+        kind = jnp.where(effort.converged, jnp.where(finite, 2, 1), 0)
         return jnp.where(finite & bounded & effort.converged, 0, 3 * (step + 1) + kind)
 
     def _sample(self, initial, state, t) -> dict[str, jax.Array]:
