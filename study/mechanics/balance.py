@@ -233,16 +233,20 @@ def balance(
     if problem.linear:
         return guess - solved(constant, residual(guess)), Effort(jnp.ones((), int))
 
-    def iterate(a, before, shorten=shortened if problem.kinked else None):
+    def iterate(a, before, halved=False):
         internal, effective = internal_and_effective(a)
         inertial = times(inertia, a)
         out_of_balance = inertial + internal - rhs
-        correction = whole_correction = solved(effective, out_of_balance)
-        if shorten and jnp.ndim(u):
-            correction = shorten(residual, a, correction, out_of_balance)
-        a = a - correction
-        # a correction that was halved many times is short and no sign of convergence
-        moved = norm(times(reach, whole_correction if shorten is backtracked else correction))
+        correction = solved(effective, out_of_balance)
+        if halved:
+            # a correction that was halved many times is short and no sign of convergence
+            moved = norm(times(reach, correction))
+            a = a - backtracked(residual, a, correction, partial(solved, effective))
+        else:
+            if problem.kinked and jnp.ndim(u):
+                correction = shortened(residual, a, correction, out_of_balance)
+            a = a - correction
+            moved = norm(times(reach, correction))
         size = norm(start) + norm(times(reach, a))
         unfinished = moved > tolerance * size
         if jnp.ndim(u):
@@ -268,7 +272,7 @@ def balance(
 
     nothing, first = jnp.zeros((), u.dtype), lax.stop_gradient(guess)
     iterates: Callable = iterate
-    safeguarded: Callable = partial(iterate, shorten=backtracked)
+    safeguarded: Callable = partial(iterate, halved=True)
     begin = first
     if not jnp.ndim(u):
         safeguarded, begin = iterate_between, jnp.stack([first, -jnp.inf, jnp.inf, jnp.inf])

@@ -44,14 +44,13 @@ TOLERANCES = {
 }
 
 #: Iterations after which Newton's iteration has failed, and after which one with a safeguard has.
-MAX_ITERATIONS, MAX_SAFEGUARDED = 50, 100
+MAX_ITERATIONS, MAX_SAFEGUARDED = 50, 1000
 
 #: A correction is short enough if the residual along it keeps its sign, or at most this part of its size.
 OVERSHOOT = 0.1
 
-#: Part of the decrease that a linear model of the residual promises, which a shortened correction must reach, and most
-#: halvings of a correction.
-DECREASE, HALVINGS = 1e-4, 20
+#: Most halvings of a correction.
+HALVINGS = 20
 
 #: Most residuals that are taken to shorten a correction: every second one halves the bracket, and the slopes of a force
 #: may differ by as many powers of two.
@@ -133,20 +132,20 @@ def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
     return jnp.stack([new, negative, positive, new - a])
 
 
-def backtracked(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
-    """A Newton correction of several unknowns, halved until the norm of the residual falls.
+def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Callable) -> Vector:
+    """A Newton correction of several unknowns, halved until the next one of the same tangent is shorter.
+
+    This natural monotonicity test does not depend on the units of the unknowns and forces, nor on how stiff a member is.
 
     References
     ----------
-    J. E. Dennis, R. B. Schnabel, Numerical methods for unconstrained optimization and nonlinear equations,
-    Prentice-Hall, 1983, section 6.3.
+    P. Deuflhard, Newton methods for nonlinear problems, Springer, 2004, section 3.3.
     """
-    before = norm(out_of_balance)
 
     def too_long(carry):
         part, halvings = carry
-        after = norm(residual(a - part * correction))
-        return ~(after <= (1 - DECREASE * part) * before) & (halvings < HALVINGS)
+        following = solved(residual(a - part * correction))
+        return ~(norm(following) <= (1 - part / 4) * norm(correction)) & (halvings < HALVINGS)
 
     whole = jnp.ones((), a.dtype), jnp.zeros((), int)
     part, _ = lax.while_loop(too_long, lambda carry: (carry[0] / 2, carry[1] + 1), whole)
