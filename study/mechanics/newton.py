@@ -135,7 +135,7 @@ def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
 def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Callable) -> Vector:
     """A Newton correction of several unknowns, halved until the next one of the same tangent is shorter.
 
-    This natural monotonicity test does not depend on the units of the unknowns and forces, nor on how stiff a member is.
+    This natural monotonicity test depends neither on units nor on how stiff a member is.
 
     References
     ----------
