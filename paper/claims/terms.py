@@ -16,6 +16,8 @@ REASONABLE = 10.0
 FAR_OFF = 50.0
 #: Energy error in percent of an "unstable" run. A run that only loses energy stays below 100, up to round-off.
 UNSTABLE = 101.0
+#: Gain of the energy in percent, in the second half of a run, from which on it grows.
+GROWN = 100.0
 #: Ratio of errors up to which a scheme is "almost as accurate" as another, and above which a run is "less accurate".
 ALMOST = 1.1
 #: Least ratio of errors for an accuracy that is improved "significantly".

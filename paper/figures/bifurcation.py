@@ -42,10 +42,8 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     )
     measured = np.where(bifurcation.steps_until_apart > 0, bifurcation.steps_until_apart, np.nan)
     axes[2].semilogy(dt, measured, ".", markersize=2, color="black", label="of two runs")
-    failed = np.where(bifurcation.failed_at_step >= 0, bifurcation.failed_at_step, np.nan)
-    axes[2].semilogy(dt, failed, "x", markersize=2.5, markeredgewidth=0.6, color="#7A1F4B", label="Newton fails")
     axes[2].set(ylabel="steps", xlabel="step size Δt (s)", xlim=(dt[0], dt[-1]))
-    figure.legend(handles=axes[2].get_legend_handles_labels()[0], loc="outside lower center", ncols=3, markerscale=1.5)
+    figure.legend(handles=axes[2].get_legend_handles_labels()[0], loc="outside lower center", ncols=2, markerscale=1.5)
     until = f"steps until $10^{{{np.log10(small):.0f}}}$ has become {large:g}"
     for index, title in enumerate(("last displacements of each run", "Lyapunov exponent", until)):
         axes[index].axvline(2.5, color="#D55E00", linewidth=0.8, linestyle="--")

@@ -20,8 +20,8 @@ CLASSES = {
     "below 50 %": "#8dbcde",
     "above 50 %": "#cc8c11",
     "damped away": "#1c679e",
-    "Newton did not converge": "#4b1c70",
-    "not finite": "#000000",
+    "no solution found": "#4b1c70",
+    "unbounded": "#000000",
 }
 _BOUNDS = [1, 10, 50]
 _DAMPED, _FAILED = 4, 4
@@ -35,7 +35,8 @@ def classify(run: xr.Dataset) -> np.ndarray:
     error, drift = run.max_energy_error, run.energy_drift
     completed = np.digitize(np.nan_to_num(error, nan=0.0), _BOUNDS)
     completed = np.where((error > _BOUNDS[-1]) & (-drift > 0.9 * error), _DAMPED, completed)
-    return np.where(run.status == 0, completed, _FAILED + run.status)
+    unsolved = run.status == run.status.flag_meanings.split().index("no_solution_found")
+    return np.where(run.status == 0, completed, np.where(unsolved, _FAILED + 1, _FAILED + 2))
 
 
 @figure(

@@ -94,6 +94,7 @@ def of_stability(
 ) -> dict:
     """Maps, roots, chaos, and steps that are enough."""
     chaotic, failed = bifurcation.lyapunov_exponent * bifurcation.dt > CHAOTIC, bifurcation.status != 0
+    bracketed = bifurcation.newton_restarts > 0
     at = bifurcation.sel(dt=roots.paper_dt.item(), method="nearest")
     a_step = at.lyapunov_exponent.item() * at.dt.item()
     beyond = (roots.dt >= bifurcation.dt.values[chaotic.values.argmax()]) & (
@@ -136,7 +137,7 @@ def of_stability(
             bifurcation.dt.values[chaotic.values.argmax()] < roots.unique_up_to.sel(scheme="average_acceleration")
         ),
         "chaos_from": f"{bifurcation.dt.values[chaotic.values.argmax()]:.2f}",
-        "newton_fails_from": f"{bifurcation.dt.values[failed.values.argmax()]:.2f}",
+        "bracket_from": f"{bifurcation.dt.values[bracketed.values.argmax()]:.2f}",
         "together": f"{in_chaos.median().item():.0f}",
         "together_span": span(in_chaos, ".0f"),
         "exponent_at_paper": f"{a_step:.2f}",
@@ -150,7 +151,8 @@ def of_stability(
             at_all_amplitudes.sel(problem="softening") > at_all_amplitudes.sel(problem="hardening")
         ),
         "needed_periods": f"{robustness.periods.values[-1]:,}",
-        "newton_fails_in": f"{100 * failed.values[failed.values.argmax() :].mean():.0f}",
+        "bracket_in": f"{100 * bracketed.values[bracketed.values.argmax() :].mean():.0f}",
+        "bracket_used": bool(bracketed.any()),
         # the hill is as high as the potential at √2
         "needed_nearest_hill": f"{100 * abs(atlas.u0.sel(problem='double_well') / 2**0.5 - 1).min().item():.1g}",
         **{

@@ -15,7 +15,7 @@ FAILURES = {
     "in_the_wrong_well": "Wrong well",
     "chaotic": "Chaotic",
     "growing": "Growing",
-    "no_solution_found": "Newton fails",
+    "no_solution_found": "No solution",
     "unbounded": "Unbounded",
 }
 

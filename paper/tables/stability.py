@@ -10,17 +10,18 @@ from paper.products import table
 
 #: The problems with positive energy, on which a gain can be distinguished from a loss.
 PROBLEMS = ["hardening", "softening", "softening_large"]
-#: Error of the energy in percent above which energy was gained; a loss alone is at most 100.
-GAIN = 101.0
+#: Gain of the energy in percent in the second half of a run from which on it counts as growth.
+GAIN = 100.0
 
 
 def _first(run: xr.Dataset) -> str:
-    """The smallest step size at which the energy has more than doubled, or the run has failed and how."""
-    gained, failed = run.max_energy_error.values > GAIN, run.status.values != 0
+    """The smallest step size at which the energy is doubled in the second half of the run, or the run failed."""
+    gained, failed = run.late_energy_gain.values > GAIN, run.status.values != 0
     if not (gained | failed).any():
         return "–"
     at = int(np.argmax(gained | failed))
-    how = {0: "", 1: " N", 2: " ∞"}[int(run.status.values[at])]
+    meanings = run.status.flag_meanings.split()
+    how = {"no_solution_found": " N"}.get(meanings[int(run.status.values[at])], " ∞" if failed[at] else "")
     return f"{run.dt_over_period.values[at]:g}{how}"
 
 

@@ -20,7 +20,7 @@ def _percent(value: float) -> str:
 def _cell(run: xr.Dataset) -> str:
     """Both errors in percent, or how the run failed; after a blow-up round-off decides at which step."""
     if run.status != 0:
-        return {1: "N", 2: "∞"}[run.status.item()]
+        return "N" if run.status == 1 else "∞"
     return f"{_percent(100 * run.displacement_error.item())}, {_percent(run.max_energy_imbalance.item())}"
 
 

@@ -90,6 +90,7 @@ def bifurcation(
             ),
             "perturbation": ((), perturbation, {"long_name": "initial distance of two runs", "units": "1"}),
             "order_one": ((), ORDER_ONE, {"long_name": "distance that counts as of order one", "units": "1"}),
+            "newton_restarts": ("dt", pairs.newton_restarts.values[::2], pairs.newton_restarts.attrs),
             "status": ("dt", status, STATUS_ATTRIBUTES),
             "failed_at_step": ("dt", failed_at_step, FAILED_AT_STEP_ATTRIBUTES),
             "steps": ((), steps, {"long_name": "steps of a run that does not fail", "units": "1"}),
