@@ -16,8 +16,8 @@ from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
 #: An error counts towards the order if it exceeds the uncertainty of the reference by this factor, and if it lies
-#: between round-off and a tenth of the motion.
-ABOVE, SMALLEST, LARGEST = 100.0, 1e-11, 0.1
+#: between round-off and a tenth of the motion, at steps that resolve the motion.
+ABOVE, SMALLEST, LARGEST, RESOLVED = 100.0, 1e-11, 0.1, 64
 
 #: How a run can end; a scheme that does not fit a problem has no run.
 STATUSES = (*STATUS_ATTRIBUTES["flag_meanings"].split(), "not_run")
@@ -46,7 +46,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 def _order(steps: np.ndarray, error: np.ndarray, uncertainty: float) -> float:
     """Slope of the error over the step size, by least squares of their logarithms; NaN of fewer than three errors."""
-    counts = np.isfinite(error) & (error > max(ABOVE * uncertainty, SMALLEST)) & (error < LARGEST)
+    counts = (steps >= RESOLVED) & (error > max(ABOVE * uncertainty, SMALLEST)) & (error < LARGEST)
     if counts.sum() < 3:
         return np.nan
     return float(-np.polyfit(np.log(steps[counts]), np.log(error[counts]), 1)[0])

@@ -43,7 +43,7 @@ def test_boundaries():
 def test_the_table_names_the_spring_that_comes_first():
     (row,) = outcomes_near_1996.tabulate(atlas()).to_dict("records")
     assert row["1 % up to"] == "0.01 (h)" and row["Chaotic"] == "0.5 (h)" and row["Damped to rest"] == "0.5 (s)"
-    assert row["Growing"] == row["Not finite"] == "–" and row["Newton fails"] == "0.5 (h)"
+    assert row["Growing"] == row["Unbounded"] == "–" and row["No solution"] == "0.5 (h)"
 
 
 def test_the_longest_runs_count_and_the_most_steps_stand_for_failure():
