@@ -37,6 +37,8 @@ def final_state(
     iteration is differentiated by the implicit function theorem, exactly and not iteration by iteration. Backward
     derivatives keep about 2√steps states and march twice.
 
+    Newton's iteration has no safeguard here unless the problem is one of ``with_safeguard()``, and a run has no bound.
+
     Second derivatives of implicit schemes are right if the first is taken forward: ``jax.jacfwd(jax.jacfwd(f))`` or
     ``jax.grad(jax.jacfwd(f))``. They are wrong if the first is taken backward, as by ``jax.hessian``: JAX 0.10 forgets
     the rule for derivatives of an implicit root where it differentiates a scan backward and then once more, also that

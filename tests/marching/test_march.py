@@ -110,6 +110,40 @@ def test_blow_up_is_recorded_with_its_step(bound, meaning):
         assert abs(ds.u[step - 1]) <= bound < abs(2 * ds.u[step - 1] - ds.u[step - 2] - 2.5**2 * _cubic(ds.u[step - 1]))
 
 
+def _shaken(frequency: float) -> study.Problem:
+    return study.Problem(lambda u: frequency**2 * u, u0=0.0, ground=study.GroundMotion.el_centro())
+
+
+@pytest.mark.parametrize(
+    "problem, scheme, dt, steps",
+    [
+        (study.Problem(lambda u: u, u0=1.0), "central_difference", 2.5, 100),
+        (study.Problem(lambda u: -u, u0=1.0), "rk4", 0.1, 2000),
+        (_shaken(140.0), "rk4", 0.0205, 1500),
+    ],
+    ids=["beyond the limit", "negative stiffness", "under a record"],
+)
+def test_growth_without_bound_is_no_result(problem, scheme, dt, steps):
+    ds = study.run(problem, scheme, dt=dt, steps=steps, on_failure="ignore")
+    assert ds.status == UNBOUNDED and 0 < ds.failed_at_step < steps
+    lanes = study.run(problem, scheme, dt=[dt, dt / 100], steps=steps, observe="oscillations", on_failure="ignore")
+    assert lanes.status[0] == UNBOUNDED and lanes.failed_at_step[0] == ds.failed_at_step
+
+
+@pytest.mark.parametrize(
+    "problem, scheme, reach",
+    [
+        (study.Problem(lambda u: u**3 - u, u0=1e-6), "average_acceleration", 1.41),
+        (study.Problem(lambda u: 0.0 * u, u0=0.0, load=lambda t: 9.81), "central_difference", 40_000.0),
+        (study.Problem(lambda u: u, u0=0.0, load=jnp.sin), "average_acceleration", 40.0),
+    ],
+    ids=["from the top of a hill", "free fall", "resonance"],
+)
+def test_large_motion_is_a_result(problem, scheme, reach):
+    ds = study.run(problem, scheme, dt=0.1, steps=1000)
+    assert ds.status == 0 and abs(ds.u).max() > reach
+
+
 def _cubic(u):
     """The restoring force of the double well."""
     return u**3 - u
