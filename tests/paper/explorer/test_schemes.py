@@ -11,8 +11,10 @@ import pytest
 import paper.explorer
 import study
 from reference import closed_form
+from study.observer.crossings import Oscillations
+from study.scheme.named import OF_1996
 
-NODE = shutil.which("node")
+NODE = shutil.which("node") or ""
 pytestmark = pytest.mark.skipif(not NODE, reason="needs node (Debian: nodejs)")
 FOLDER = Path(paper.explorer.__file__).parent
 #: Step sizes of about a twentieth of a period.
@@ -53,7 +55,7 @@ def test_a_scheme_marches_as_in_the_study(runs, problem):
 
 
 def test_the_schemes_of_the_short_study_are_there(runs):
-    assert set(runs["softening"]) >= {*study.scheme.named.OF_1996, "bathe", "energy_momentum"}
+    assert set(runs["softening"]) >= {*OF_1996, "bathe", "energy_momentum"}
 
 
 def test_springs_and_their_periods_are_exact():
@@ -75,6 +77,6 @@ def test_a_balance_is_found_however_far_off_the_guess():
 
 
 def test_the_period_of_a_run_is_that_of_its_passages():
-    run = study.run("softening", "rk4", dt=0.06, steps=1000, observe=[study.observer.crossings.Oscillations(0.0)])
+    run = study.run("softening", "rk4", dt=0.06, steps=1000, observe=[Oscillations(0.0)])
     found = _computed("meanPeriod(march(SPRINGS.softening, SCHEMES.rk4, 4, 0.06, 1000), 0)")
     assert found == pytest.approx(run.mean_period.item(), rel=1e-6)
