@@ -39,7 +39,7 @@ function build() {
   }
   sides.forEach((one, side) => {
     one.run.innerHTML = `<div aria-live="polite"></div><div class="figures"></div>`
-    one.map.innerHTML = `<select aria-label="scheme"></select> <a>about it</a><div class="plane" tabindex="0" role="application"
+    one.map.innerHTML = `<p><select aria-label="scheme"></select><a></a></p><div class="plane" tabindex="0" role="application"
       aria-roledescription="map of runs" aria-describedby="keys"><canvas></canvas><svg aria-hidden="true"></svg></div>`
     $("select", one.map).onchange = ({target}) =>
       choose({schemes: choice.schemes.map((s, k) => (k === side ? +target.value : s))})
@@ -82,7 +82,7 @@ function rowsOf(explicit) {
 function drawAnswer() {
   const {u0} = cellOf(choice)
   $("#question").textContent = `Largest safe steps: ${meta.problems[choice.problem].title}, u₀ = ${short(u0)}, ` +
-    `energy and period within ${choice.error} %`
+    `energy and period within ${choice.error}\u00a0%`
   $("#answer").innerHTML = [["Implicit schemes", 0], ["Explicit schemes", 1]].map(([title, explicit]) => `<table>
     <caption>${title}</caption><thead><tr><th scope="col">scheme</th><th scope="col">Δt</th>
     <th scope="col">steps a period</th><th scope="col">forces</th></tr></thead><tbody>${rowsOf(explicit)}</tbody></table>`
@@ -124,7 +124,7 @@ function draw() {
     $(`label[for="side${side}"]`).textContent = title
     fill($("select", one.map), meta.schemes.map(({title}, s) => [String(s), title]), s)
     link.href = `${SITE}schemes/${name}.html`
-    link.setAttribute("aria-label", `about ${title}`)
+    link.textContent = `about ${title}`
     one.plane.setAttribute("aria-label", `${title}: ${COLOURS[choice.colour]} over step size and amplitude`)
     one.frame = frameOf(wide, choice)
     one.plane.style.height = `${one.frame.height}px`

@@ -134,7 +134,7 @@ def _cell(address):
 def test_it_opens_on_a_plain_run_at_every_width(browser, page, width):
     _open(browser, page, width=width)
     assert _text(browser, "#question") == (
-        "Largest safe steps: hardening spring, u₀ = 1.5, energy and period within 1 %"
+        "Largest safe steps: hardening spring, u₀ = 1.5, energy and period within 1\u00a0%"
     )
     assert "Average acceleration, Central difference" in browser.title and "hardening spring" in browser.title
     sides = [browser.find_elements("css selector", f"[data-side='{side}']") for side in (0, 1)]
