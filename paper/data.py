@@ -48,11 +48,15 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
     return size.sel(periods=longer).where(np.logical_or.reduce(ends))
 
 
+def keeps(atlas: xr.Dataset, error: float) -> xr.DataArray:
+    """Whether the runs of the maps keep energy and period within an error in percent."""
+    return (atlas.max_energy_error <= error) & (abs(atlas.period_error) <= error)
+
+
 def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
     """Largest Δt/T from which on all finer steps of the maps keep energy and period within an error in percent.
 
     It is zero where already the finest step does not.
     """
-    within = (atlas.max_energy_error <= error) & (abs(atlas.period_error) <= error)
-    unbroken = within.sortby("dt_over_period").astype(int).cumprod("dt_over_period")
-    return (np.sort(atlas.dt_over_period) * unbroken).max("dt_over_period")
+    unbroken = keeps(atlas, error).sortby("dt_over_period").astype(int).cumprod("dt_over_period")
+    return (unbroken.dt_over_period * unbroken).max("dt_over_period")
