@@ -4,6 +4,7 @@ const SITE = $("#site").getAttribute("href").replace("index.html", "")
 const escaped = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;")
 const sides = [0, 1].map((side) => ({map: $(`.map[data-side="${side}"]`), run: $(`.run[data-side="${side}"]`)}))
 let choice = choiceOf(location.hash)
+let answer // the tables of safe steps; they stay while they hold, so that a button in them keeps the focus
 let keeping // the timer that puts the choice into the address, which browsers allow a few times a second
 
 function choose(change) {
@@ -34,9 +35,18 @@ function build() {
   for (const button of document.querySelectorAll("[data-move]"))
     button.onclick = () => choose(runMoved(...button.dataset.move.split(",").map(Number)))
   $("#answer").onclick = ({target: {dataset: {scheme, step}}}) => {
-    const cell = cellOf(choice)
-    if (step) choose({schemes: [+scheme, choice.schemes[1]], u0: cell.u0, step: meta.steps[nearest(meta.steps, +step)]})
+    if (!step) return
+    $("#side0").checked = true
+    const run = {u0: cellOf(choice).u0, step: meta.steps[nearest(meta.steps, +step)]}
+    choose({schemes: [+scheme, choice.schemes[1]], ...run})
+    $(".sides").scrollIntoView({block: "nearest"})
   }
+  $("#cases").append(...meta.cases.map(({problem, u0, dt}) => {
+    const button = document.createElement("button"), p = indexOf(meta.problems, problem)
+    button.textContent = `★ ${meta.problems[p].title}, u₀ = ${short(u0)}`
+    button.onclick = () => choose({problem: p, u0, step: dt / periodAt({problem: p, u0})})
+    return button
+  }))
   sides.forEach((one, side) => {
     one.run.innerHTML = `<div aria-live="polite"></div><div class="figures"></div>`
     one.map.innerHTML = `<p><select aria-label="scheme"></select><a></a></p><div class="plane" tabindex="0" role="application"
@@ -83,10 +93,11 @@ function drawAnswer() {
   const {u0} = cellOf(choice)
   $("#question").textContent = `Largest safe steps: ${meta.problems[choice.problem].title}, u₀ = ${short(u0)}, ` +
     `energy and period within ${choice.error}\u00a0%`
-  $("#answer").innerHTML = [["Implicit schemes", 0], ["Explicit schemes", 1]].map(([title, explicit]) => `<table>
+  const tables = [["Implicit schemes", 0], ["Explicit schemes", 1]].map(([title, explicit]) => `<table>
     <caption>${title}</caption><thead><tr><th scope="col">scheme</th><th scope="col">Δt</th>
     <th scope="col">steps a period</th><th scope="col">forces</th></tr></thead><tbody>${rowsOf(explicit)}</tbody></table>`
   ).join("")
+  if (tables !== answer) $("#answer").innerHTML = answer = tables
 }
 
 function drawLegend() {
@@ -108,12 +119,6 @@ function draw() {
   $("#u0").value = +choice.u0.toPrecision(4)
   $("#steps").value = +(1 / choice.step).toPrecision(4)
   document.title = `${titles.join(", ")}: which step can be trusted on the ${problem}?`
-  $("#cases").replaceChildren(...meta.cases.map(({problem, u0, dt}) => {
-    const button = document.createElement("button"), p = indexOf(meta.problems, problem)
-    button.textContent = `★ ${meta.problems[p].title}, u₀ = ${short(u0)}`
-    button.onclick = () => choose({problem: p, u0, step: dt / periodAt({problem: p, u0})})
-    return button
-  }))
   drawAnswer()
   const runs = choice.schemes.map((s) => runOf(choice, s)), computed = runs.filter(Boolean)
   const window = computed.length && {u: limits(computed, "u"), v: limits(computed, "v")}

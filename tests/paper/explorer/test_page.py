@@ -175,7 +175,8 @@ def test_the_largest_safe_step_of_every_scheme_is_told_best_first(browser, page,
     (title, step, steps, _), *_ = tables[1]
     browser.find_element("css selector", "#answer table:nth-child(2) button").click()
     assert _text(browser, ".run .place").endswith(f"Δt = {step} = T/{steps}")
-    assert _text(browser, ".switch label") == title or title in browser.title
+    assert browser.title.startswith(title)
+    assert browser.execute_script("return document.activeElement.innerText") == step  # the focus stays
     check_page(browser)
 
 
@@ -252,6 +253,11 @@ def test_an_address_holds_the_whole_choice(browser, page):
     browser.find_element("css selector", "#cases button:nth-child(3)").click()
     assert _text(browser, ".run .place").startswith("u₀ = 10, Δt = 0.225 = T/7.9")
     check_page(browser)
+
+
+def test_the_page_leads_to_the_site_in_one_place(page):
+    # which the site, of which the page becomes a part, replaces
+    assert page.read_text().count('href="site/') == 1
 
 
 def test_the_same_data_gives_the_same_page(datasets, page, tmp_path):
