@@ -16,7 +16,7 @@ function runOf(choice, s) {
     ...run, step, failed,
     exact: march(spring, SCHEMES.kahan_li8, u0, period / 128, 128),
     energyError: failed ? NaN : 100 * run.height.reduce((most, one) => Math.max(most, Math.abs(one - 1)), 0),
-    periodError: failed ? NaN : 100 * Math.abs(meanPeriod(run, spring.rest(u0)) / period - 1),
+    periodError: failed ? NaN : 100 * Math.abs(meanPeriod(run, spring.rest) / period - 1),
   }
 }
 

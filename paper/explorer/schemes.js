@@ -1,23 +1,28 @@
 // The schemes on a spring of unit mass without damping and load: `step` takes the state {u, v, a} one h on, and a scheme
 // of several steps makes its memory in `start`.
 
-// The acceleration a with a + weight p(u + c a) = right, by Newton's iteration, which bisects between two accelerations
-// with residuals of opposite signs where a correction leaves them or does not halve; NaN where it does not converge.
-function balance({force, slope}, u, c, guess, weight = 1, right = 0) {
+// The acceleration a with a + weight p(u + c a) = right, by Newton's iteration. Where that fails it starts again with a
+// safeguard: once two accelerations have residuals of opposite signs, it bisects where a correction leaves them or is
+// not half of the last one; before, it goes twice as far as last. NaN where that fails too.
+function balance(p, u, c, guess, weight = 1, right = 0, safely = false) {
   let a = guess, negative = -Infinity, positive = Infinity, last = Infinity
-  for (let k = 0; k < 50; k++) {
-    const residual = a + weight * force(u + c * a) - right
+  for (let k = 0; k < (safely ? 100 : 50); k++) {
+    const residual = a + weight * p.force(u + c * a) - right
+    let change = -residual / (1 + weight * c * p.slope(u + c * a))
     if (residual < 0) negative = a
     else positive = a
-    let change = -residual / (1 + weight * c * slope(u + c * a))
-    const leaves = (a + change - negative) * (a + change - positive) > 0
-    if (Number.isFinite(positive - negative) && (leaves || Math.abs(change) > Math.abs(last) / 2))
-      change = (negative + positive) / 2 - a
+    if (safely) {
+      const leaves = (a + change - negative) * (a + change - positive) > 0
+      const crawls = !(Math.abs(change) <= Math.abs(last) / 2)
+      if (!Number.isFinite(positive - negative)) change = crawls ? -2 * Math.sign(residual) * Math.abs(last) : change
+      else if (leaves || crawls) change = (negative + positive) / 2 - a
+    }
     a += change
-    if (!(Math.abs(c * change) > 1e-12 * (Math.abs(u) + Math.abs(c * a)))) return a
+    if (!Number.isFinite(a)) break
+    if (Math.abs(c * change) <= 1e-12 * (Math.abs(u) + Math.abs(c * a))) return a
     last = change
   }
-  return NaN
+  return safely ? NaN : balance(p, u, c, guess, weight, right, true)
 }
 
 const newmark = (beta, gamma, alpha = 0) => (p, {u, v, a}, h) => {
@@ -252,11 +257,11 @@ const SCHEMES = {
 }
 
 // A run from rest at u0: displacements, velocities, and energies above rest over that at the start. It ends before a
-// step at which numbers overflow or Newton's iteration does not converge.
+// step at which no balance is found or the displacement leaves all bounds.
 function march(p, {start = (p, state) => state, step}, u0, h, steps) {
   const u = [], v = [], height = [], above = (u, v) => (v * v) / 2 + p.potential(u) - p.lowest
   let state = start(p, {u: u0, v: 0, a: -p.force(u0)}, h)
-  for (let k = 0; k <= steps && Number.isFinite(state.u) && Number.isFinite(state.v); k++) {
+  for (let k = 0; k <= steps && Math.abs(state.u) <= 1e9 * Math.abs(u0) && Number.isFinite(state.v); k++) {
     u.push(state.u)
     v.push(state.v)
     height.push(above(state.u, state.v) / above(u0, 0))

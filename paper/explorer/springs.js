@@ -6,18 +6,18 @@ const cubic = (S1, S2) => ({
   potential: (u) => 0.5 * S1 * u * u * (1 + 0.5 * S2 * u * u),
 })
 const SPRINGS = {
-  hardening: {...cubic(100, 10), lowest: 0, rest: () => 0, turn: (u0) => -u0},
+  hardening: {...cubic(100, 10), lowest: 0, rest: 0, turn: (u0) => -u0},
   softening: {
     force: (u) => 100 * Math.tanh(u),
     slope: (u) => 100 / Math.cosh(u) ** 2,
     potential: (u) => 100 * (Math.abs(u) + Math.log1p(Math.exp(-2 * Math.abs(u))) - Math.LN2),
-    lowest: 0, rest: () => 0, turn: (u0) => -u0,
+    lowest: 0, rest: 0, turn: (u0) => -u0,
   },
-  // below the barrier the motion stays in one well
   double_well: {
     ...cubic(-0.5, -1),
     lowest: -1 / 8,
-    rest: (u0) => (u0 * u0 < 2 ? 1 : 0),
+    rest: 1,
+    // below the barrier the motion stays in one well
     turn: (u0) => (u0 * u0 < 2 ? Math.sqrt(2 - u0 * u0) : -u0),
   },
 }

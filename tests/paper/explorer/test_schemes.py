@@ -54,6 +54,19 @@ def test_a_scheme_marches_as_in_the_study(runs, problem):
         assert error == pytest.approx(exact.max_height_error.item(), abs=1e-9), name
 
 
+@pytest.mark.parametrize("scheme", ["average_acceleration", "newmark_dissipative", "energy_momentum"])
+def test_a_step_at_which_newton_fails_is_taken_as_in_the_study(scheme):
+    run = study.run("softening", scheme, dt=1.1, steps=20)
+    assert run.newton_restarts > 0
+    found = _computed(f"march(SPRINGS.softening, SCHEMES.{scheme}, 4, 1.1, 20).u")
+    assert abs(np.array(found) - run.u.values).max() < 1e-9 * abs(run.u).max()
+
+
+def test_a_run_ends_where_it_leaves_all_bounds():
+    run = study.run("hardening", "central_difference", dt=0.1, steps=100, on_failure="ignore")
+    assert len(_computed("march(SPRINGS.hardening, SCHEMES.central_difference, 1.5, 0.1, 100).u")) == run.failed_at_step
+
+
 def test_the_schemes_of_the_short_study_are_there(runs):
     assert set(runs["softening"]) >= {*OF_1996, "bathe", "energy_momentum"}
 
