@@ -90,6 +90,8 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
         (unfinished / ".buildinfo").unlink()  # a sum over paths of this machine, for builds that go on
         for name in PRODUCTS:
             shutil.copy(results / name, unfinished)
+        explorer = unfinished / "explorer.html"  # which links to the site from the folder above it
+        explorer.write_text(explorer.read_text("utf-8").replace('href="site/', 'href="'), "utf-8")
         shutil.rmtree(output, ignore_errors=True)
         unfinished.rename(output)
     finally:

@@ -46,3 +46,17 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
     steady = ((ratio > 0.5) & (ratio < 2)).rolling(steps_per_period=neighbours).sum() == neighbours
     ends = [steady.shift(steps_per_period=-ahead, fill_value=False) for ahead in range(neighbours)]
     return size.sel(periods=longer).where(np.logical_or.reduce(ends))
+
+
+def keeps(atlas: xr.Dataset, error: float) -> xr.DataArray:
+    """Whether the runs of the maps keep energy and period within an error in percent."""
+    return (atlas.max_energy_error <= error) & (abs(atlas.period_error) <= error)
+
+
+def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
+    """Largest Δt/T from which on all finer steps of the maps keep energy and period within an error in percent.
+
+    It is zero where already the finest step does not.
+    """
+    unbroken = keeps(atlas, error).sortby("dt_over_period").astype(int).cumprod("dt_over_period")
+    return (unbroken.dt_over_period * unbroken).max("dt_over_period")

@@ -1,54 +1,56 @@
-// What is chosen: an oscillator, two schemes, a colour, and a run, which is a cell of the map or a run of the paper.
-// The address of the page holds it all.
-const COLOURS = {outcome: "how the run ended", error: "largest energy error", exponent: "Lyapunov exponent × T"}
+// What is chosen: a spring, an initial displacement, a step size over the period, an allowed error, two schemes and a
+// colour. The address of the page holds it all.
+const COLOURS = {
+  error: "larger error of energy and period",
+  energy: "largest energy error",
+  period: "error of the period",
+  outcome: "how the run ended",
+}
 const indexOf = (list, name) => list.findIndex((one) => one.name === name)
+const within = (values, x) => Math.min(Math.max(x, values[0]), values.at(-1))
+const springOf = ({problem}) => SPRINGS[meta.problems[problem].name]
+const periodAt = (choice) => periodOf(springOf(choice), choice.u0)
+const amplitudesOf = ({problem}) => meta.amplitudes.map((amplitude) => amplitude * meta.problems[problem].unit)
 
-function caseRun(k) {
-  const one = meta.cases[k], p = indexOf(meta.problems, one.problem)
-  const step = one.dt / one.period
-  return {case: k, i: nearest(Array.from(part("u0", p)), one.u0), j: nearest(meta.parts, step)}
+// The cell nearest to the chosen run, and whether that is its run.
+function cellOf(choice) {
+  const amplitudes = amplitudesOf(choice)
+  const i = nearest(amplitudes, choice.u0), j = nearest(meta.steps, choice.step)
+  const apart = Math.max(Math.abs(amplitudes[i] / choice.u0 - 1), Math.abs(meta.steps[j] / choice.step - 1))
+  return {i, j, u0: amplitudes[i], step: meta.steps[j], exact: apart < 1e-4}
 }
 
-function cellRun(i, j) {
-  const clamp = (index, {length}) => Math.min(Math.max(index, 0), length - 1)
-  return {i: clamp(i, meta.amplitudes), j: clamp(j, meta.parts)}
+// The next value of an axis of the maps, up or down by so many.
+function moved(values, value, by) {
+  const next = by > 0 ? values.findIndex((one) => one > 1.0001 * value) : values.findLastIndex((one) => one < 0.9999 * value)
+  return next < 0 ? value : values[within([0, values.length - 1], next + by - Math.sign(by))]
 }
 
-function first() {
-  const run = caseRun(indexOf(meta.cases, meta.first.run))
-  const [a, b] = meta.first.schemes.map((name) => indexOf(meta.schemes, name))
-  return {problem: indexOf(meta.problems, meta.cases[run.case].problem), schemes: [a, b], colour: "outcome", run}
-}
+const first = () => ({
+  ...meta.first,
+  problem: indexOf(meta.problems, meta.first.problem),
+  schemes: meta.first.schemes.map((name) => indexOf(meta.schemes, name)),
+})
 
-function addressOf(choice) {
-  const run = choice.run.case === undefined
-    ? `${meta.amplitudes[choice.run.i].toPrecision(4)},${meta.parts[choice.run.j].toPrecision(4)}`
-    : meta.cases[choice.run.case].name
-  const schemes = choice.schemes.map((s) => meta.schemes[s].name).join(",")
-  return `#problem=${meta.problems[choice.problem].name}&schemes=${schemes}&colour=${choice.colour}&run=${run}`
+function addressOf({problem, u0, step, error, schemes, colour}) {
+  const short = (x) => +x.toPrecision(6)
+  return `#problem=${meta.problems[problem].name}&u0=${short(u0)}&steps=${short(1 / step)}&error=${error}` +
+    `&schemes=${schemes.map((s) => meta.schemes[s].name).join(",")}&colour=${colour}`
 }
 
 // The choice that an address holds; what it lacks or gets wrong is as at first.
 function choiceOf(address) {
   const given = new URLSearchParams(address.replace(/^#/, "")), choice = first()
   const problem = indexOf(meta.problems, given.get("problem"))
-  if (problem >= 0) choice.problem = problem
+  if (problem >= 0) Object.assign(choice, {problem, u0: meta.problems[problem].unit})
   const schemes = (given.get("schemes") ?? "").split(",").map((name) => indexOf(meta.schemes, name))
   choice.schemes = choice.schemes.map((s, side) => (schemes[side] >= 0 ? schemes[side] : s))
   if (Object.hasOwn(COLOURS, given.get("colour"))) choice.colour = given.get("colour")
-  const k = indexOf(meta.cases, given.get("run"))
-  const [amplitude, step] = (given.get("run") ?? "").split(",").map(Number)
-  if (k >= 0) choice.run = caseRun(k)
-  else if (amplitude > 0 && step > 0) choice.run = {i: nearest(meta.amplitudes, amplitude), j: nearest(meta.parts, step)}
-  return ofProblem(choice)
+  if (meta.errors.includes(Number(given.get("error")))) choice.error = Number(given.get("error"))
+  if (given.get("u0") > 0) choice.u0 = within(amplitudesOf(choice), Number(given.get("u0")))
+  if (given.get("steps") > 0) choice.step = within(meta.steps, 1 / given.get("steps"))
+  return choice
 }
 
-// A run of the paper belongs to one oscillator; on another, the choice falls on one of its own, or on the same cell.
-function ofProblem(choice) {
-  const {name} = meta.problems[choice.problem]
-  if (choice.run.case === undefined || meta.cases[choice.run.case].problem === name) return choice
-  const own = meta.cases.findIndex((one) => one.problem === name)
-  return {...choice, run: own >= 0 ? caseRun(own) : cellRun(choice.run.i, choice.run.j)}
-}
-
-const sameRun = (a, b) => a.case === b.case && a.i === b.i && a.j === b.j
+// The largest safe step over the period, for the allowed error at an amplitude of the maps; zero without one.
+const safeStep = ({problem, error}, s, i) => part("safe", meta.errors.indexOf(error), problem, s, i)[0]

@@ -18,40 +18,27 @@ function slanted(pen, sign) {
   pen.stroke()
 }
 
-const OF_OUTCOMES = ["none", "dots", "level", "upright", "cross", "rising", "falling", "none"]
-const FAILED = {label: "the run failed", colour: "#000000", hatching: "none", note: ""}
-const band = (colour, label, hatching, note = "") => ({colour, label, hatching, note})
-const ERRORS = [
-  band("#ffffff", "up to 0.01 %", "none"),
-  band("#ffeda0", "to 0.1 %", "dots"),
-  band("#feb24c", "to 1 %", "level"),
-  band("#fd7632", "to 10 %", "rising"),
-  band("#d01c20", "to 100 %", "upright"),
-  band("#7a0024", "more", "cross"),
-  FAILED,
+const OF_OUTCOMES = Object.keys(HATCHINGS)
+const BOUNDS = [0.1, 1, 10, 100]
+const BANDS = [
+  {colour: "#ffffff", label: "up to 0.1 %", hatching: "none"},
+  {colour: "#ffeda0", label: "to 1 %", hatching: "dots"},
+  {colour: "#fd9a45", label: "to 10 %", hatching: "rising"},
+  {colour: "#d01c20", label: "to 100 %", hatching: "upright"},
+  {colour: "#7a0024", label: "more", hatching: "cross"},
+  {colour: "#000000", label: "failed, or without a period", hatching: "none"},
 ]
-const EXPONENTS = [
-  band("#2166ac", "below −0.5", "falling", "runs approach each other fast, as where they are damped away"),
-  band("#92c5de", "to −0.1", "level", "runs approach each other"),
-  band("#ffffff", "to 0.2", "none", "neighbouring runs part in proportion to time at most, as exact ones do"),
-  band("#f4a582", "to 0.5", "dots", "runs part slowly"),
-  band("#b2182b", "above 0.5", "cross", "runs part by a factor of 1.6 or more each period"),
-  FAILED,
-]
-const CLASSES = {
-  outcome: meta.outcomes.map((one, k) => ({...one, hatching: OF_OUTCOMES[k]})),
-  error: ERRORS,
-  exponent: EXPONENTS,
-}
-const BOUNDS = {error: [0.01, 0.1, 1, 10, 100], exponent: [-0.5, -0.1, 0.2, 0.5]}
+const classesFor = (colour) => (colour === "outcome"
+  ? meta.outcomes.map((one, k) => ({...one, hatching: OF_OUTCOMES[k % OF_OUTCOMES.length]})) : BANDS)
 
 // Index of the class of each cell of a map.
 function classesOf(colour, p, s) {
   if (colour === "outcome") return part("outcome", p, s)
-  const bounds = BOUNDS[colour], value = colour === "error" ? fromLogarithm : fromExponent
-  return Uint8Array.from(part(colour, p, s), (code) => {
-    const x = value(code)
-    return Number.isNaN(x) ? bounds.length + 1 : bounds.filter((bound) => x > bound).length
+  const [energy, period] = [part("energy", p, s), part("period", p, s)]
+  return Uint8Array.from(energy, (_, k) => {
+    const errors = {energy: fromCode(energy[k]), period: fromCode(period[k])}
+    const x = errors[colour] ?? Math.max(errors.energy, errors.period)
+    return Number.isNaN(x) ? BOUNDS.length + 1 : BOUNDS.filter((bound) => x > bound).length
   })
 }
 

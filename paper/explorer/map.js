@@ -8,29 +8,32 @@ function edgesOf(values) {
   return [logs[0] - half, logs.at(-1) + half]
 }
 
-function frameOf(width, p) {
-  const [left, right] = edgesOf(meta.parts), [low, high] = edgesOf(Array.from(part("u0", p)))
-  const height = Math.round(Math.min(Math.max(0.68 * width, 240), 470))
+function frameOf(width, choice) {
+  const [left, right] = edgesOf(meta.steps), [low, high] = edgesOf(amplitudesOf(choice))
+  const height = Math.round(Math.min(Math.max(0.6 * width, 240), 430))
   const inner = {width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom}
+  const at = (part, {length}) => within([0, length - 1], Math.floor(part * length))
   return {
     width, height, inner, low, high,
     x: (step) => MARGIN.left + ((Math.log10(step) - left) / (right - left)) * inner.width,
     y: (u0) => MARGIN.top + ((high - Math.log10(u0)) / (high - low)) * inner.height,
-    column: (x) => Math.floor(((x - MARGIN.left) / inner.width) * meta.parts.length),
-    row: (y) => Math.floor((1 - (y - MARGIN.top) / inner.height) * meta.amplitudes.length),
+    runAt: (x, y) => ({
+      step: meta.steps[at((x - MARGIN.left) / inner.width, meta.steps)],
+      u0: amplitudesOf(choice)[at(1 - (y - MARGIN.top) / inner.height, meta.amplitudes)],
+    }),
   }
 }
 
-function drawCells(canvas, frame, colour, p, s) {
-  const ratio = devicePixelRatio || 1, {inner} = frame
+function drawCells(canvas, {inner}, {colour, problem}, s) {
+  const ratio = devicePixelRatio || 1
   canvas.style.cssText = `left:${MARGIN.left}px;top:${MARGIN.top}px;width:${inner.width}px;height:${inner.height}px`
   canvas.width = Math.round(inner.width * ratio)
   canvas.height = Math.round(inner.height * ratio)
-  const pen = canvas.getContext("2d"), of = classesOf(colour, p, s)
-  const [rows, columns] = [meta.amplitudes.length, meta.parts.length]
+  const pen = canvas.getContext("2d"), of = classesOf(colour, problem, s)
+  const [rows, columns] = [meta.amplitudes.length, meta.steps.length]
   // edges fall on whole pixels, so that no background shines through between two cells
   const edge = (k, count, size) => Math.round((k * size) / count)
-  CLASSES[colour].forEach((one, k) => {
+  classesFor(colour).forEach((one, k) => {
     if (!of.includes(k)) return
     pen.beginPath()
     for (let place = 0; place < of.length; place++) {
@@ -43,7 +46,7 @@ function drawCells(canvas, frame, colour, p, s) {
   })
 }
 
-function axes({x, y, inner, low, high, width, height}) {
+function axes({x, y, inner, low, high, height}) {
   const bottom = MARGIN.top + inner.height, right = MARGIN.left + inner.width
   const ticks = STEPS.map((n) => {
     const at = x(1 / n)
@@ -67,32 +70,12 @@ const STAR = Array.from({length: 10}, (_, k) => {
   return `${(radius * Math.cos(angle)).toFixed(2)},${(radius * Math.sin(angle)).toFixed(2)}`
 }).join(" ")
 
-// Place of a run on the map: the middle of its cell, or where the paper's run truly lies.
-function placeOf(run, p, {x, y}) {
-  const one = meta.cases[run.case]
-  return one ? [x(one.dt / one.period), y(one.u0)] : [x(meta.parts[run.j]), y(part("u0", p, run.i)[0])]
-}
-
-// Stars of the paper, the kept run, the run that is looked at, and the largest safe step of its amplitude.
-function marks(frame, choice, shown, side) {
-  const p = choice.problem, {x, y} = frame
+// The runs of the paper, the chosen one, and the largest safe step of its amplitude.
+function marks({x, y}, choice, side) {
   const double = (shape) => `<g stroke-width="4" class="halo">${shape}</g><g stroke-width="1.8" class="over">${shape}</g>`
-  const safe = part("largest_accurate", p, choice.schemes[side], shown.i)[0]
-  const row = y(part("u0", p, shown.i)[0])
-  const bar = safe > 0 ? double(`<path d="M${MARGIN.left} ${row}H${x(safe)}m0 -6v12"/>`) : ""
-  const stars = meta.cases.filter((one) => one.problem === meta.problems[p].name).map((one) =>
-    `<polygon class="star" points="${STAR}" transform="translate(${x(one.dt / one.period)} ${y(one.u0)})"/>`)
-  const [px, py] = placeOf(choice.run, p, frame), [sx, sy] = placeOf(shown, p, frame)
-  const kept = double(`<circle cx="${px}" cy="${py}" r="12"/>`)
-  const looked = sameRun(shown, choice.run) ? "" : double(`<rect x="${sx - 7}" y="${sy - 7}" width="14" height="14"/>`)
-  return `${bar}${stars.join("")}${kept}${looked}`
-}
-
-// The run at a place of the map: one of the paper's if a star is near, otherwise that of the cell.
-function runAt(left, top, p, frame) {
-  const near = meta.cases.findIndex((one, k) => {
-    const [x, y] = placeOf({case: k}, p, frame)
-    return one.problem === meta.problems[p].name && Math.hypot(left - x, top - y) < 11
-  })
-  return near >= 0 ? caseRun(near) : cellRun(frame.row(top), frame.column(left))
+  const {i, u0} = cellOf(choice), safe = safeStep(choice, choice.schemes[side], i)
+  const bar = safe > 0 ? double(`<path d="M${MARGIN.left} ${y(u0)}H${x(safe)}m0 -6v12"/>`) : ""
+  const stars = meta.cases.filter((one) => one.problem === meta.problems[choice.problem].name).map(({u0, dt}) => `<polygon
+    class="star" points="${STAR}" transform="translate(${x(dt / periodAt({...choice, u0}))} ${y(u0)})"/>`)
+  return `${bar}${stars.join("")}${double(`<circle cx="${x(choice.step)}" cy="${y(choice.u0)}" r="10"/>`)}`
 }

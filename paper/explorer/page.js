@@ -1,158 +1,148 @@
-// The page: choices, two maps, and what is told of the chosen run by both schemes.
-const $ = (selector, within = document) => within.querySelector(selector)
-const sides = [0, 1].map((side) => ({
-  map: $(`.map[data-side="${side}"]`), run: $(`.run[data-side="${side}"]`), canvas: null, frame: null, overlay: null,
-}))
+// The page: choices, the largest safe steps, two maps, and the chosen run by the schemes of both.
+const $ = (selector, inside = document) => inside.querySelector(selector)
+const SITE = $("#site").getAttribute("href").replace("index.html", "")
+const escaped = (text) => text.replace(/&/g, "&amp;").replace(/</g, "&lt;")
+const sides = [0, 1].map((side) => ({map: $(`.map[data-side="${side}"]`), run: $(`.run[data-side="${side}"]`)}))
 let choice = choiceOf(location.hash)
-let looked = null // the run beneath the mouse, or that the arrows have reached
-const shownRun = () => looked ?? choice.run
+let answer // the tables of safe steps; they stay while they hold, so that a button in them keeps the focus
+let keeping // the timer that puts the choice into the address, which browsers allow a few times a second
+
+function choose(change) {
+  choice = {...choice, ...change}
+  clearTimeout(keeping)
+  keeping = setTimeout(() => history.replaceState(null, "", addressOf(choice)), 150)
+  draw()
+}
 
 function fill(select, list, value) {
   select.replaceChildren(...list.map(([name, title]) => new Option(title, name, false, name === String(value))))
 }
 
-// Keep a choice, and put it into the address.
-function keep(change) {
-  choice = ofProblem({...choice, ...change})
-  looked = null
-  history.replaceState(null, "", addressOf(choice))
-  drawAll()
-}
-
-function look(run) {
-  if (run && looked && sameRun(run, looked)) return
-  looked = run
-  requestAnimationFrame(drawShown)
-}
+// A run moved along the axes of the maps by so many cells.
+const runMoved = (columns, rows) => ({
+  step: columns ? moved(meta.steps, choice.step, columns) : choice.step,
+  u0: rows ? moved(amplitudesOf(choice), choice.u0, rows) : choice.u0,
+})
 
 function build() {
-  $("#problem").onchange = ({target}) => keep({problem: Number(target.value)})
-  $("#colour").onchange = ({target}) => keep({colour: target.value})
-  sides.forEach((one, side) => {
-    one.run.innerHTML = `<div aria-live="polite"></div><div></div>`
-    one.map.innerHTML = `<select aria-label="scheme"></select><div class="plane" tabindex="0" role="application"
-      aria-roledescription="map of runs"><canvas></canvas><svg aria-hidden="true"><g></g><g></g></svg></div>`
-    $("select", one.map).onchange = ({target}) =>
-      keep({schemes: choice.schemes.map((s, k) => (k === side ? Number(target.value) : s))})
-    one.plane = $(".plane", one.map)
-    one.canvas = $("canvas", one.map)
-    one.overlay = $("svg", one.map)
-    const at = (event) => {
-      const {left, top} = one.plane.getBoundingClientRect()
-      return runAt(event.clientX - left, event.clientY - top, choice.problem, one.frame)
-    }
-    one.plane.onpointermove = (event) => event.pointerType === "mouse" && look(at(event))
-    one.plane.onpointerleave = () => look(null)
-    one.plane.onblur = () => look(null)
-    one.plane.onclick = (event) => keep({run: at(event)})
-    one.plane.onkeydown = onKey
-  })
-  new ResizeObserver(drawAll).observe($(".sides"))
-  matchMedia("(prefers-color-scheme: dark)").onchange = drawAll
-  addEventListener("hashchange", () => { choice = choiceOf(location.hash); looked = null; drawAll() })
-}
-
-const ARROWS = {ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [1, 0], ArrowDown: [-1, 0]}
-function onKey(event) {
-  const move = ARROWS[event.key], by = event.shiftKey ? 5 : 1, {i, j} = shownRun()
-  if (move) look(cellRun(i + by * move[0], j + by * move[1]))
-  else if (event.key === "Enter") keep({run: shownRun()})
-  else if (event.key === "Escape") look(null)
-  else return
-  event.preventDefault()
-}
-
-function drawLegend() {
-  const here = choice.colour === "outcome"
-    ? sides.map((_, side) => part("outcome", choice.problem, choice.schemes[side], shownRun().i, shownRun().j)[0]) : []
-  const list = document.createElement("ul")
-  CLASSES[choice.colour].forEach((one, k) => {
-    const item = document.createElement("li")
-    if (here.includes(k)) item.dataset.here = ""
-    item.append(swatch(one))
-    item.insertAdjacentHTML("beforeend", `<span>${one.label}${one.note ? `<small>: ${one.note}</small>` : ""}</span>`)
-    list.append(item)
-  })
-  $(".legend").replaceChildren(list)
-}
-
-// Everything, after a change of the choice or of the size.
-function drawAll() {
-  fill($("#problem"), meta.problems.map(({title}, p) => [String(p), title]), choice.problem)
-  fill($("#colour"), Object.entries(COLOURS), choice.colour)
-  const titles = choice.schemes.map((s) => meta.schemes[s].title), problem = meta.problems[choice.problem].title
-  $("#shown").textContent = `${problem[0].toUpperCase()}${problem.slice(1)}, ${meta.periods} periods: ${titles.join(", ")}`
-  document.title = `${titles.join(", ")}: where can they be trusted on the ${problem}?`
-  $("#cases").replaceChildren(...meta.cases.map((one, k) => {
-    const button = document.createElement("button")
-    button.textContent = `★ ${meta.problems[indexOf(meta.problems, one.problem)].title}, u₀ = ${short(one.u0)}`
-    button.ariaPressed = String(choice.run.case === k)
-    button.onclick = () => keep({problem: indexOf(meta.problems, one.problem), run: caseRun(k)})
+  // another spring keeps the relative amplitude
+  $("#problem").onchange = ({target: {value}}) =>
+    choose({problem: +value, u0: (choice.u0 / meta.problems[choice.problem].unit) * meta.problems[value].unit})
+  $("#error").onchange = ({target}) => choose({error: +target.value})
+  $("#colour").onchange = ({target}) => choose({colour: target.value})
+  $("#u0").onchange = ({target: {value}}) => choose(value > 0 ? {u0: within(amplitudesOf(choice), +value)} : {})
+  $("#steps").onchange = ({target: {value}}) => choose(value > 0 ? {step: within(meta.steps, 1 / value)} : {})
+  for (const button of document.querySelectorAll("[data-move]"))
+    button.onclick = () => choose(runMoved(...button.dataset.move.split(",").map(Number)))
+  $("#answer").onclick = ({target: {dataset: {scheme, step}}}) => {
+    if (!step) return
+    $("#side0").checked = true
+    const run = {u0: cellOf(choice).u0, step: meta.steps[nearest(meta.steps, +step)]}
+    choose({schemes: [+scheme, choice.schemes[1]], ...run})
+    $(".sides").scrollIntoView({block: "nearest"})
+  }
+  $("#cases").append(...meta.cases.map(({problem, u0, dt}) => {
+    const button = document.createElement("button"), p = indexOf(meta.problems, problem)
+    button.textContent = `★ ${meta.problems[p].title}, u₀ = ${short(u0)}`
+    button.onclick = () => choose({problem: p, u0, step: dt / periodAt({problem: p, u0})})
     return button
   }))
   sides.forEach((one, side) => {
-    fill($("select", one.map), meta.schemes.map(({title}, s) => [String(s), title]), choice.schemes[side])
-    one.plane.setAttribute("aria-label", `${titles[side]}: ${COLOURS[choice.colour]} over step size and amplitude`)
-    one.frame = frameOf(one.map.clientWidth, choice.problem)
-    one.plane.style.height = `${one.frame.height}px`
-    one.overlay.setAttribute("width", one.frame.width)
-    one.overlay.setAttribute("height", one.frame.height)
-    drawCells(one.canvas, one.frame, choice.colour, choice.problem, choice.schemes[side])
-    one.overlay.firstChild.innerHTML = axes(one.frame)
+    one.run.innerHTML = `<div aria-live="polite"></div><div class="figures"></div>`
+    one.map.innerHTML = `<p><select aria-label="scheme"></select><a></a></p><div class="plane" tabindex="0" role="application"
+      aria-roledescription="map of runs" aria-describedby="keys"><canvas></canvas><svg aria-hidden="true"></svg></div>`
+    $("select", one.map).onchange = ({target}) =>
+      choose({schemes: choice.schemes.map((s, k) => (k === side ? +target.value : s))})
+    one.plane = $(".plane", one.map)
+    one.plane.onclick = ({clientX, clientY}) => {
+      const {left, top} = one.plane.getBoundingClientRect()
+      choose(one.frame.runAt(clientX - left, clientY - top))
+    }
+    one.plane.onpointermove = (event) => event.buttons && event.pointerType === "mouse" && one.plane.onclick(event)
+    one.plane.onkeydown = onKey
   })
-  drawShown()
+  new ResizeObserver(draw).observe($(".sides"))
+  matchMedia("(prefers-color-scheme: dark)").onchange = draw
+  addEventListener("hashchange", () => { choice = choiceOf(location.hash); draw() })
 }
 
-// What follows the mouse: marks, and what is told of the run.
-function drawShown() {
-  const run = shownRun(), p = choice.problem
-  const samples = choice.schemes.map((s) => samplesOf(run, p, s))
-  const window = {u: limits(samples, "u"), v: limits(samples, "v")}
+const ARROWS = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}
+function onKey(event) {
+  const move = ARROWS[event.key], by = event.shiftKey ? 5 : 1
+  if (!move) return
+  choose(runMoved(by * move[0], by * move[1]))
+  event.preventDefault()
+}
+
+// Rows of the schemes of a kind, that of the largest safe step first.
+function rowsOf(explicit) {
+  const {i, u0} = cellOf(choice), period = periodAt({...choice, u0})
+  const found = meta.schemes.map((one, s) => ({...one, s, step: safeStep(choice, s, i)}))
+  const chosen = found.filter((one) => one.explicit === explicit).sort((a, b) => b.step - a.step)
+  return chosen.map(({name, title, s, step, forces, forcesPerIteration}) => {
+    const perStep = explicit ? `${forces} a step, ${Math.ceil(forces / step)} a period`
+      : `${forces ? `${forces} a step and ` : ""}${forcesPerIteration} an iteration`
+    return `<tr><th scope="row"><a href="${SITE}schemes/${name}.html">${escaped(title)}</a></th>${step > 0
+      ? `<td><button data-scheme="${s}" data-step="${step}" aria-label="show the run of ${escaped(title)} at
+        ${short(step * period)}">${short(step * period)}</button></td><td>${short(1 / step)}</td><td>${perStep}</td>`
+      : `<td colspan="3">none: even ${stepName(meta.steps[0])} is not safe</td>`}</tr>`
+  }).join("")
+}
+
+function drawAnswer() {
+  const {u0} = cellOf(choice)
+  $("#question").textContent = `Largest safe steps: ${meta.problems[choice.problem].title}, u₀ = ${short(u0)}, ` +
+    `energy and period within ${choice.error}\u00a0%`
+  const tables = [["Implicit schemes", 0], ["Explicit schemes", 1]].map(([title, explicit]) => `<table>
+    <caption>${title}</caption><thead><tr><th scope="col">scheme</th><th scope="col">Δt</th>
+    <th scope="col">steps a period</th><th scope="col">forces</th></tr></thead><tbody>${rowsOf(explicit)}</tbody></table>`
+  ).join("")
+  if (tables !== answer) $("#answer").innerHTML = answer = tables
+}
+
+function drawLegend() {
+  const list = document.createElement("ul")
+  for (const one of classesFor(choice.colour)) {
+    const item = document.createElement("li")
+    item.append(swatch(one))
+    item.insertAdjacentHTML("beforeend", `<span>${one.label}${one.note ? `<small>: ${one.note}</small>` : ""}</span>`)
+    list.append(item)
+  }
+  $(".legend").replaceChildren(list)
+}
+
+function draw() {
+  const titles = choice.schemes.map((s) => meta.schemes[s].title), problem = meta.problems[choice.problem].title
+  fill($("#problem"), meta.problems.map(({title}, p) => [String(p), title]), choice.problem)
+  fill($("#error"), meta.errors.map((error) => [String(error), `${error} %`]), choice.error)
+  fill($("#colour"), Object.entries(COLOURS), choice.colour)
+  $("#u0").value = +choice.u0.toPrecision(4)
+  $("#steps").value = +(1 / choice.step).toPrecision(4)
+  document.title = `${titles.join(", ")}: which step can be trusted on the ${problem}?`
+  drawAnswer()
+  const runs = choice.schemes.map((s) => runOf(choice, s)), computed = runs.filter(Boolean)
+  const window = computed.length && {u: limits(computed, "u"), v: limits(computed, "v")}
+  // a narrow screen hides one of the maps
+  const wide = Math.max(...sides.map(({map}) => map.clientWidth))
   sides.forEach((one, side) => {
-    one.overlay.lastChild.innerHTML = marks(one.frame, choice, run, side)
-    const [told, figures] = one.run.children
-    told.innerHTML = sentences(run, p, choice.schemes[side], samples[side], window)
-    const ending = $("[data-class]", told)
-    ending.prepend(swatch(CLASSES.outcome[ending.dataset.class]))
-    figures.innerHTML = drawn(run, p, choice.schemes[side], samples[side], window)
+    const s = choice.schemes[side], {name, title} = meta.schemes[s], link = $("a", one.map)
+    $(`label[for="side${side}"]`).textContent = title
+    fill($("select", one.map), meta.schemes.map(({title}, s) => [String(s), title]), s)
+    link.href = `${SITE}schemes/${name}.html`
+    link.textContent = `about ${title}`
+    one.plane.setAttribute("aria-label", `${title}: ${COLOURS[choice.colour]} over step size and amplitude`)
+    one.frame = frameOf(wide, choice)
+    one.plane.style.height = `${one.frame.height}px`
+    drawCells($("canvas", one.plane), one.frame, choice, s)
+    $("svg", one.plane).innerHTML = `${axes(one.frame)}${marks(one.frame, choice, side)}`
+    const [words, figures] = one.run.children
+    words.innerHTML = told(choice, s, runs[side])
+    $("[data-class]", words).prepend(swatch(classesFor("outcome")[$("[data-class]", words).dataset.class]))
+    figures.innerHTML = runs[side] ? drawn(runs[side], window, escaped(title)) : ""
   })
   drawLegend()
 }
 
-// The cell whose run the samples are of, if it is another than the chosen one.
-function elsewhere(run, p, s, {cell}) {
-  return cell && (cell.i !== run.i || cell.j !== run.j) && cellOf(p, s, cell.i, cell.j)
-}
-
-function sentences(run, p, s, samples, window) {
-  const cell = cellOf(p, s, run.i, run.j), one = meta.cases[run.case], ran = one?.schemes[meta.schemes[s].name]
-  const near = elsewhere(run, p, s, samples)
-  const lost = samples.u.filter((u, k) => Number.isFinite(samples.height[k]) && !inside(u, samples.v[k], window)).length
-  const notes = [
-    one && !ran && "The paper has no run of this scheme; told is that of the nearest cell.",
-    near && `Samples are kept of some runs; orbit and energy are those of the nearest, u₀ = ${short(near.u0)},
-      Δt = ${stepName(near.step)}, ${ended(near.outcome)}.`,
-    lost && `${lost} of the dots lie outside of the panel.`,
-  ].filter(Boolean)
-  return `${ran ? `${toldOfCase(one, ran)}<p class="note">The nearest run of the map:</p>` : ""}${toldOfCell(cell)}
-    <p class="safe">${safeSentence(p, s, run.i)}</p>${notes.map((note) => `<p class="note">${note}</p>`).join("")}`
-}
-
-function drawn(run, p, s, samples, window) {
-  const {title} = meta.schemes[s], cell = cellOf(p, s, run.i, run.j)
-  const own = samples.cell && !elsewhere(run, p, s, samples)
-  const began = own && cell.began >= 0 ? cell.began * cell.step : -1
-  const steps = samples.everyStep ? "every step" : "samples closer than T/20"
-  return `<figure>${orbit(samples, window, `orbit by ${title}`)}<figcaption>Orbit. Dashed: exact. Line: the first
-    ${short(beginning(samples) * samples.earlySpacing)} periods, ${steps}. Dots: the whole run, one each
-    ${short(samples.spacing)} periods, from light to dark.</figcaption></figure>
-    <figure>${energy(samples, began, `energy by ${title}`)}<figcaption>Energy above rest over that at the start; dotted
-    the limits of rest and growth${began >= 0 ? ", and when it began" : ""}.</figcaption></figure>`
-}
-
-const inside = (u, v, window) =>
-  u >= window.u[0] && u <= window.u[1] && v >= window.v[0] && v <= window.v[1]
-
 build()
-drawAll()
+draw()
 document.documentElement.dataset.ready = ""

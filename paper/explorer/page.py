@@ -7,25 +7,23 @@ from typing import Any
 
 import xarray as xr
 
-from paper.explorer.data import (
-    EXPONENT_CODES,
-    HEIGHT_CODES,
-    LEAST,
-    LOG_CODES,
-    MOST,
-    coarse,
-    of_cases,
-    of_maps,
-    of_runs,
-    packed,
-)
+from paper.explorer.data import ERRORS, LOG_CODES, coarse, of_maps, packed
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import page
 
-#: What is shown first: the most surprising run of the paper, by two of its schemes.
-FIRST: dict[str, Any] = {"run": "softening_large", "schemes": ["hht_alpha_1996", "average_acceleration"]}
+#: What is shown first; ``step`` is the step size over the period.
+FIRST: dict[str, Any] = {
+    "problem": "hardening",
+    "schemes": ["average_acceleration", "central_difference"],
+    "u0": 1.5,
+    "step": 1 / 20,
+    "error": 1.0,
+    "colour": "error",
+}
 #: Scripts in the order in which they build on each other.
-SCRIPTS = ("data", "choice", "classes", "map", "panels", "page")
+SCRIPTS = ("springs", "schemes", "data", "choice", "classes", "map", "panels", "page")
+#: The springs that the page knows.
+PROBLEMS = ["hardening", "softening", "double_well"]
 CASES = ["hardening", "softening", "softening_large", "double_well"]
 
 _HERE = Path(__file__).parent
@@ -35,18 +33,39 @@ def _read(name: str) -> str:
     return (_HERE / name).read_text(encoding="utf-8")
 
 
-def _named(dataset: xr.Dataset, name: str) -> list[dict[str, str]]:
-    """Name and title of everything along a coordinate."""
-    titles = dataset[f"{name}_title"].values.tolist()
-    return [{"name": n, "title": title} for n, title in zip(dataset[name].values.tolist(), titles, strict=True)]
+def _schemes(atlas: xr.Dataset) -> list[dict[str, Any]]:
+    """Name, title, kind and number of forces of each scheme."""
+    names = ("scheme", "scheme_title", "explicit", "forces_per_step", "forces_per_iteration")
+    keys = ("name", "title", "explicit", "forces", "forcesPerIteration")
+    return [dict(zip(keys, one, strict=True)) for one in zip(*(atlas[n].values.tolist() for n in names), strict=True)]
+
+
+def _problems(atlas: xr.Dataset) -> list[dict[str, Any]]:
+    """Name, title and displacement at the amplitude one of each spring."""
+    units = (atlas.u0 / atlas.amplitude).isel(amplitude=0).values.tolist()
+    found = zip(atlas.problem.values.tolist(), atlas.problem_title.values.tolist(), units, strict=True)
+    return [{"name": name, "title": title, "unit": float(f"{unit:.12g}")} for name, title, unit in found]
 
 
 def _outcomes(outcome: xr.DataArray) -> list[dict[str, str]]:
     """Label, colour and meaning of each outcome, in the order of the map's numbers."""
     meanings, told = outcome.attrs["flag_meanings"].split(), outcome.attrs["flag_explanations"].split("; ")
     return [
-        {"name": name, "label": OUTCOME_STYLES[name][0], "colour": OUTCOME_STYLES[name][1], "note": note}
+        {"label": OUTCOME_STYLES[name][0], "colour": OUTCOME_STYLES[name][1], "note": note}
         for name, note in zip(meanings, told, strict=True)
+    ]
+
+
+def _cases(cases: list[xr.Dataset]) -> list[dict[str, Any]]:
+    """Spring, initial displacement and step size of each run of the paper."""
+    # the softening spring has another name at its large amplitude
+    return [
+        {
+            "problem": next(name for name in PROBLEMS if case.problem.startswith(name)),
+            "u0": case.u.isel(scheme=0, t=0).item(),
+            "dt": case.dt.item(),
+        }
+        for case in cases
     ]
 
 
@@ -56,53 +75,36 @@ def _as_script(value: object) -> str:
 
 
 @page(
-    "Explorer of the maps of stability: outcome, orbit, energy and largest safe step.",
+    "Explorer of the maps of stability: largest safe steps of all schemes, and every run behind them.",
     name="explorer",
     atlas="stability/atlas",
-    portraits="stability/portraits",
-    amplitudes="reference/amplitudes",
     cases=[f"phase_portrait/{name}" for name in CASES],
-    references=[f"reference/{name}" for name in CASES],
-    asks={"atlas.problems": ["hardening", "softening", "double_well"], "atlas.schemes": FIRST["schemes"]},
+    asks={"atlas.problems": PROBLEMS, "atlas.schemes": FIRST["schemes"]},
 )
-def explorer(
-    atlas: xr.Dataset,
-    portraits: xr.Dataset,
-    amplitudes: xr.Dataset,
-    cases: list[xr.Dataset],
-    references: list[xr.Dataset],
-) -> str:
+def explorer(atlas: xr.Dataset, cases: list[xr.Dataset]) -> str:
     """The page with all that it needs, the same text for the same data.
 
     Parameters
     ----------
-    atlas, portraits
-        Maps of stability, and samples of some of their runs.
-    amplitudes
-        Exact orbits at the amplitudes of the maps.
-    cases, references
-        The paper's own runs, which the maps mark, and the exact motion of each.
+    atlas
+        Maps of stability.
+    cases
+        The paper's own runs, which the maps mark.
     """
+    atlas = atlas.sel(problem=PROBLEMS)
     maps = coarse(atlas)
-    described, blocks = of_cases(atlas, cases, references)
-    places, content = packed(of_maps(atlas) | of_runs(portraits, amplitudes) | blocks)
+    places, content = packed(of_maps(atlas))
     meta = {
         "first": FIRST,
         "periods": atlas.periods.item(),
-        "problems": _named(atlas, "problem"),
-        "schemes": _named(atlas, "scheme"),
+        "problems": _problems(atlas),
+        "schemes": _schemes(atlas),
         "outcomes": _outcomes(atlas.outcome),
+        "errors": ERRORS,
         "amplitudes": maps.amplitude.values.tolist(),
-        "parts": maps.dt_over_period.values.tolist(),
-        "sampled": {
-            "amplitudes": portraits.amplitude.values.tolist(),
-            "parts": portraits.dt_over_period.values.tolist(),
-            "every": portraits.every.values.tolist(),
-            "earlyEvery": portraits.early_every.values.tolist(),
-            "samples": portraits.sizes["sample"],
-        },
-        "cases": described,
-        "codes": {"height": HEIGHT_CODES, "log": LOG_CODES, "exponent": EXPONENT_CODES, "least": LEAST, "most": MOST},
+        "steps": maps.dt_over_period.values.tolist(),
+        "cases": _cases(cases),
+        "codes": LOG_CODES,
         "blocks": places,
     }
     shape = (

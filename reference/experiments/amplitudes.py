@@ -1,4 +1,4 @@
-"""Exact periods and orbits of the springs over decades of amplitude, for the maps of stability."""
+"""Exact periods of the springs over decades of amplitude, for the maps of stability."""
 
 from collections.abc import Mapping
 
@@ -15,12 +15,9 @@ from study.problem.named import problems as problems_by_name
 
 #: Decimal digits that are carried: more than the sixteen that are kept, and few enough for a hundred periods a second.
 DIGITS = 20
-#: Points of an orbit, of which the first and the last coincide.
-POINTS = 65
-#: A value, or the turning points, or the points of the orbit, of each motion.
+#: A value, or the turning points, of each motion.
 _ByAmplitude = Float[np.ndarray, "amplitudes"]
 _TurningPoints = Float[np.ndarray, "amplitudes 2"]
-_Orbits = Float[np.ndarray, "amplitudes points"]
 
 
 def _turning_points(problem: Problem, u0: _ByAmplitude) -> _TurningPoints:
@@ -36,25 +33,16 @@ def _highest_frequency(problem: Problem, ends: _TurningPoints) -> _ByAmplitude:
     )
 
 
-def _orbit(problem: Problem, ends: _TurningPoints) -> tuple[_Orbits, _Orbits]:
-    """Displacement and velocity once around each orbit, from its largest displacement."""
-    angle = np.linspace(0, 2 * np.pi, POINTS)
-    u = ends.mean(1, keepdims=True) + np.diff(ends) / 2 * np.cos(angle)
-    potential = np.asarray(jax.jit(jax.vmap(problem.stored_energy))(u.ravel())).reshape(u.shape)
-    speed = np.sqrt(2 * np.maximum(potential[:, :1] - potential, 0))
-    return u, -np.copysign(speed, np.sin(angle))
-
-
 def _options(configuration: Mapping) -> Options:
     return {"problems": configuration["atlas"]["problems"], "exponents": configuration["atlas"]["amplitudes"]}
 
 
 @experiment("reference/amplitudes", section="atlas", options=_options)
 def amplitudes(problems: Springs, exponents: dict[str, float]) -> xr.Dataset:
-    """Compute exact period and orbit of every spring over decades of amplitude.
+    """Compute the exact period of every spring over decades of amplitude.
 
-    The springs are released from rest at u₀ 10ˣ, with u₀ the problem's own displacement. Periods have the shape
-    (problem, amplitude), orbits (problem, amplitude, point).
+    The springs are released from rest at u₀ 10ˣ, with u₀ the problem's own displacement. Variables have the shape
+    (problem, amplitude).
 
     Parameters
     ----------
@@ -69,15 +57,11 @@ def amplitudes(problems: Springs, exponents: dict[str, float]) -> xr.Dataset:
     x = np.linspace(exponents["first"], exponents["last"], int(exponents["count"]))
     u0 = np.stack([float(problems_by_name[problem].u0) * 10**x for problem in problems])
     period, highest = np.empty_like(u0), np.empty_like(u0)
-    orbits = []
     for p, problem in enumerate(problems):
         progress(f"periods of {problem}")
         definition = problems_by_name[problem]
         period[p] = [float(closed_form.period(definition, value, DIGITS)) for value in u0[p]]
-        ends = _turning_points(definition, u0[p])
-        highest[p] = _highest_frequency(definition, ends)
-        orbits.append(_orbit(definition, ends))
-    u, v = map(np.stack, zip(*orbits, strict=True))
+        highest[p] = _highest_frequency(definition, _turning_points(definition, u0[p]))
     dims = ("problem", "amplitude")
     return xr.Dataset(
         {
@@ -93,8 +77,6 @@ def amplitudes(problems: Springs, exponents: dict[str, float]) -> xr.Dataset:
                 highest,
                 {"long_name": "largest circular frequency of the tangent along the motion", "units": "s-1"},
             ),
-            "orbit_u": ((*dims, "point"), u, {"long_name": "displacement along the exact orbit", "units": "1"}),
-            "orbit_v": ((*dims, "point"), v, {"long_name": "velocity along the exact orbit", "units": "s-1"}),
         },
         coords={
             "problem": ("problem", list(problems), {"long_name": "problem"}),

@@ -31,16 +31,11 @@ def many():
 def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, monkeypatch, scheme, problem):
     monkeypatch.chdir(tmp_path)
     study.io.write(many, "results/reference/amplitudes.nc")
-    arguments = {
-        "problems": [problem],
-        "dt_over_period": GRID,
-        "periods": 20,
-        "portraits": {"points": 3, "samples": 5},
-    }
-    whole, _ = atlas(scheme, **arguments, tile=0, tiles=1)
+    arguments = {"problems": [problem], "dt_over_period": GRID, "periods": 20}
+    whole = atlas(scheme, **arguments, tile=0, tiles=1)
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
     tiles = [atlas(scheme, **arguments, tile=tile, tiles=3) for tile in range(3)]
-    for tile, (part, _) in enumerate(tiles):
+    for tile, part in enumerate(tiles):
         study.io.write(part.assign_attrs(source=study.io.SOURCE), f"{tile}.nc")
     gather.main("gathered.nc", "scheme,amplitude", [f"{tile}.nc" for tile in range(3)])
     xr.testing.assert_identical(xr.load_dataset("gathered.nc").drop_attrs(), whole.drop_attrs())
@@ -48,19 +43,12 @@ def test_a_map_does_not_depend_on_its_tiles_nor_on_the_cores(many, tmp_path, mon
 
 def test_an_unknown_tile_is_refused():
     with pytest.raises(ValueError, match="there is no tile -1 among 3"):
-        atlas("rk4", ["hardening"], GRID, 20, {"points": 3, "samples": 5}, tile=-1, tiles=3)
-
-
-def test_the_samples_of_an_orbit_that_closes_do_not_fall_into_one_place(springs):
-    _, samples = atlas("rk4", ["hardening"], GRID, 100, {"points": 7, "samples": 20}, tile=0, tiles=1)
-    for every in samples.every.values.tolist():
-        assert every >= 2 and all(every % n for n in range(2, every))
+        atlas("rk4", ["hardening"], GRID, 20, tile=-1, tiles=3)
 
 
 def test_a_map_shows_the_linear_limit_at_small_amplitude(springs):
     fine = {"first": -0.7, "last": -0.3, "count": 41}
-    one, _ = atlas("central_difference", ["hardening"], fine, 300, {"points": 2, "samples": 2}, tile=0, tiles=6)
-    one = one.squeeze()
+    one = atlas("central_difference", ["hardening"], fine, 300, tile=0, tiles=6).squeeze()
     lost = one.outcome.values >= Outcome.GROWING
     first = one.dt_over_period.values[lost.argmax()]
     limit = 2 / (one.highest_frequency * one.period).item()

@@ -92,7 +92,7 @@ def test_what_is_no_configuration_is_told(whole):
         (lambda c: c["cpu_time"].update(repeats="many"), "cpu_time.repeats must be a whole number, not 'many'."),
         (lambda c: c["cpu_time"].update(repeats=15.0), "cpu_time.repeats must be a whole number, not 15.0."),
         (lambda c: c["cpu_time"].update(repeats=True), "cpu_time.repeats must be a whole number, not True."),
-        (lambda c: c["atlas"].update(portraits=None), "atlas.portraits must be a mapping of keys, not None."),
+        (lambda c: c["work_precision"].update(solvers=None), "work_precision.solvers must be a mapping of keys, not"),
         (lambda c: c["energy_error"].update(periods=0), "energy_error.periods must be greater than or equal to 1"),
         (lambda c: c["energy_error"].pop("periods") and None, "the configuration lacks 'energy_error.periods'."),
         (lambda c: c["sensitivity"].update(dt=math.nan), "sensitivity.dt must be less than or equal to 1000000000,"),
@@ -166,8 +166,7 @@ def test_what_is_no_configuration_is_told(whole):
         (lambda c: c["long_times"].update(problem="double_well"), "the motion of 'double_well' does not cross zero"),
         (lambda c: c["spectral"].update(damping_ratios=[0.0, 0.0]), "damping_ratios: 0.0 is listed twice."),
         (lambda c: c["energy_drift"].update(oscillations=101), "oscillations must be less than periods, 100, not 101."),
-        (lambda c: c["atlas"]["portraits"].update(samples=10**7), "numbers at once, and more than"),
-        (lambda c: c["atlas"]["dt_over_period"].update(first=-7), "numbers at once, and more than"),
+        (lambda c: c["atlas"]["dt_over_period"].update(first=-8), "steps in all, and more than"),
         (
             lambda c: (
                 next(one for one in c["structures"]["lengths"] if one["problem"] == "fpu_chain").update(periods=10**4),

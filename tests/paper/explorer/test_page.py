@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper.explorer.data import coarse, largest_safe
+import study
+from paper.data import largest_safe
+from paper.explorer.data import ERRORS, coarse
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import PRODUCTS, discover
 from study.io import SOURCE
@@ -16,76 +18,59 @@ from tests.browser import WIDTHS, check_page, needs_browser, set_width, wait
 
 discover(["explorer"])
 PROBLEMS = ["hardening", "softening", "double_well"]
-SCHEMES = ["average_acceleration", "hht_alpha_1996", "bathe"]
-AMPLITUDES, PARTS = np.logspace(-1.5, 1.5, 12), np.logspace(-2, 0, 8)
-SIZES = {"scheme": 3, "problem": 3, "amplitude": 12, "dt_over_period": 8, "sample": 20, "point": 17}
-U0 = np.outer([1.5, 4.0, 0.5], AMPLITUDES)
-LABELS = [label for label, _ in OUTCOME_STYLES.values()]
+#: The last is one that the page does not know.
+SCHEMES = ["average_acceleration", "central_difference", "rk4", "bathe", "wilson_theta", "own"]
+TITLES = ["Average acceleration", "Central difference", "Runge-Kutta", "Bathe", "Wilson-θ", "Own <&>"]
+EXPLICIT = [0, 1, 1, 0, 0, 0]
+AMPLITUDES, STEPS = np.logspace(-1.5, 1.5, 13), np.logspace(-2, 0, 8)
+SIZES = {"scheme": 6, "problem": 3, "amplitude": 13, "dt_over_period": 8}
+UNITS = np.array([1.5, 4.0, 0.5])
 READY = "return document.documentElement.dataset.ready !== undefined"
-
-
-def _values(*dims, seed=0):
-    return (dims, np.random.default_rng(seed).uniform(-1, 1, [SIZES[d] for d in dims]))
-
-
-def _case(name, u0, dt):
-    """One of the paper's runs, by two of the three schemes."""
-    of_run = ("scheme", "t")
-    motion = np.random.default_rng(3).uniform(-1, 1, (2, 200))
-    motion[:, 0] = u0
-    quantities = {"u": motion, "v": motion, "height": 1 + 0.1 * motion / u0, "energy_error": 7 * motion / u0}
-    return xr.Dataset(
-        {n: (of_run, v) for n, v in quantities.items()} | {"dt": dt, "failed_at_step": ("scheme", [-1, -1])},
-        {"scheme": SCHEMES[:2]},
-        {"problem": name},
-    )
+ROWS = """return [...document.querySelectorAll("#answer table")].map((table) =>
+  [...table.querySelectorAll("tbody tr")].map((row) => [...row.children].map((cell) => cell.innerText)))"""
 
 
 @pytest.fixture(scope="module")
 def datasets():
-    """Maps, samples, orbits and the runs of the paper, of random numbers."""
-    of_amplitude = ("problem", "amplitude")
-    coordinates = {
-        "scheme": SCHEMES,
-        "scheme_title": ("scheme", ["Average acceleration", "α-method", "Bathe <&>"]),
-        "problem": PROBLEMS,
-        "problem_title": ("problem", ["hardening spring", "softening spring", "double well"]),
-        "amplitude": AMPLITUDES,
-        "dt_over_period": PARTS,
-        "u0": (of_amplitude, U0),
-        "period": (of_amplitude, np.full((3, 12), 2.0)),
-        "periods": 100,
-    }
+    """Maps of random numbers, and the runs of the paper."""
     cell = ("scheme", "problem", "amplitude", "dt_over_period")
-    outcome = np.random.default_rng(1).integers(0, 8, [SIZES[d] for d in cell]).astype(np.int8)
-    outcome[..., :2] = 0  # so that there are safe steps
-    told = {"flag_meanings": " ".join(OUTCOME_STYLES), "flag_explanations": "; ".join(f"meaning {k}" for k in range(8))}
-    quantities = ("max_energy_error", "max_newton_iterations", "lyapunov_exponent")
-    atlas = xr.Dataset(
-        {"outcome": (cell, outcome, told), "at_step": (cell, outcome.astype(np.int32) - 1)}
-        | {name: (cell, abs(_values(*cell, seed=index)[1])) for index, name in enumerate(quantities)},
-        coordinates,
-    )
-    names = ("u", "v", "early_u", "early_v")
-    samples = {name: _values(*cell, "sample", seed=index) for index, name in enumerate(names)}
-    every = {"every": ("dt_over_period", np.full(8, 2)), "early_every": ("dt_over_period", np.full(8, 1))}
-    height = (samples["u"][0], 1 + 0.5 * samples["u"][1])
-    portraits = xr.Dataset(samples | {"height": height}, coordinates | every)
-    orbits = {f"orbit_{name}": _values(*of_amplitude, "point") for name in ("u", "v")}
-    amplitudes = xr.Dataset(orbits, {n: coordinates[n] for n in ("problem", "amplitude", "u0", "period")})
-    runs = {
-        "hardening": (1.5, 0.1),
-        "softening": (4.0, 0.1),
-        "softening_large": (10.0, 0.225),
-        "double_well": (0.5, 0.7),
+    shape = [SIZES[name] for name in cell]
+    random = np.random.default_rng(1)
+    # errors of some 0.03 to 300 %, the greater the larger the step
+    errors = {
+        name: STEPS * 300 * random.uniform(0.01, 1, shape) * random.choice(signs, shape)
+        for name, signs in (("max_energy_error", [1]), ("period_error", [1, -1]))
     }
-    cases = [_case(name, *run) for name, run in runs.items()]
-    angle = np.linspace(0, 2 * np.pi, 257)
-    exact = [
-        xr.Dataset({"u": ("t", u0 * np.cos(angle)), "v": ("t", u0 * np.sin(angle)), "period": 2.0})
-        for u0, _ in runs.values()
+    errors["period_error"][..., -1] = np.nan
+    errors["period_error"][4] = 50  # no step is safe
+    told = {"flag_meanings": " ".join(OUTCOME_STYLES), "flag_explanations": "; ".join("meant" for _ in OUTCOME_STYLES)}
+    outcome = random.integers(0, len(OUTCOME_STYLES), shape).astype(np.int8)
+    of_scheme = {"scheme_title": TITLES, "explicit": EXPLICIT, "forces_per_step": [0, 1, 4, 0, 0, 0]}
+    atlas = xr.Dataset(
+        {"outcome": (cell, outcome, told)} | {name: (cell, values) for name, values in errors.items()},
+        {name: ("scheme", values) for name, values in of_scheme.items()}
+        | {
+            "scheme": SCHEMES,
+            "forces_per_iteration": ("scheme", [1, 0, 0, 1, 1, 1]),
+            "problem": PROBLEMS,
+            "problem_title": ("problem", ["hardening spring", "softening spring", "double well"]),
+            "amplitude": AMPLITUDES,
+            "dt_over_period": STEPS,
+            "u0": (("problem", "amplitude"), np.outer(UNITS, AMPLITUDES)),
+            "periods": 20,
+        },
+    )
+    runs = {
+        "hardening": (1.5, 0.0075),
+        "softening": (4.0, 0.057),
+        "softening_large": (10.0, 0.225),
+        "double_well": (0.5, 2.5),
+    }
+    cases = [
+        xr.Dataset({"u": (("scheme", "t"), [[u0]]), "dt": dt}, attrs={"problem": name})
+        for name, (u0, dt) in runs.items()
     ]
-    return {"atlas": [atlas], "portraits": [portraits], "amplitudes": [amplitudes], "cases": cases, "references": exact}
+    return {"atlas": [atlas], "cases": cases}
 
 
 def _made(datasets, folder):
@@ -117,138 +102,162 @@ def _text(browser, selector):
     return browser.execute_script("return document.querySelector(arguments[0]).innerText", selector)
 
 
-def _act(browser, along, up, click=False):
-    """Move the mouse to a place of the first map, both from 0 to 1, and click there if asked."""
-    from selenium.webdriver import ActionChains
+def _click(browser, along, up, kind="mouse"):
+    """Click or tap at a place of the first map, both from 0 to 1."""
+    from selenium.webdriver.common.actions.action_builder import ActionBuilder
+    from selenium.webdriver.common.actions.pointer_input import PointerInput
 
-    frame = "const {left, top, width, height} = document.querySelector('canvas').getBoundingClientRect()"
-    left, top, width, height = browser.execute_script(f"{frame}; return [left, top, width, height]")
-    actions = ActionChains(browser, duration=0)
-    actions.w3c_actions.pointer_action.move_to_location(int(left + along * width), int(top + (1 - up) * height))
-    if click:
-        actions.w3c_actions.pointer_action.click()
+    canvas = browser.find_element("css selector", "canvas")
+    browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", canvas)
+    frame = "const {left, top, width, height} = arguments[0].getBoundingClientRect(); return [left, top, width, height]"
+    left, top, width, height = browser.execute_script(frame, canvas)
+    actions = ActionBuilder(browser, mouse=PointerInput(kind, kind), duration=0)
+    place = int(left + along * width), int(top + (1 - up) * height)
+    actions.pointer_action.move_to_location(*place).pointer_down().pointer_up()
     actions.perform()
 
 
 def _address(browser):
+    """The choice in the address, which follows after a moment."""
+    browser.execute_async_script("setTimeout(arguments[0], 400)")
     return {key: value for key, (value,) in parse_qs(urlsplit(browser.current_url).fragment).items()}
 
 
-def _place(amplitude, part):
-    """How the page names the run of a cell."""
-    return f"u₀ = {float(f'{U0[1, amplitude]:.3g}'):g}"
+def _cell(address):
+    """Relative amplitude and step size of the run in an address."""
+    unit = UNITS[PROBLEMS.index(address["problem"])]
+    return [float(address["u0"]) / unit, 1 / float(address["steps"])]
 
 
 @needs_browser
 @pytest.mark.parametrize("width", WIDTHS)
-def test_it_opens_on_the_marked_run_at_every_width(browser, page, width):
+def test_it_opens_on_a_plain_run_at_every_width(browser, page, width):
     _open(browser, page, width=width)
-    assert _text(browser, "h2") == "Softening spring, 100 periods: α-method, Average acceleration"
-    assert "α-method" in browser.title and "softening spring" in browser.title
-    for side in (0, 1):
-        told = _text(browser, f".run[data-side='{side}']")
-        assert "u₀ = 10, Δt = 0.225" in told and "The run of 1996: 199 steps" in told
-    assert "u₀ = 10" in _text(browser, "button[aria-pressed='true']")
-    tops = browser.execute_script("return [...document.querySelectorAll('.map')].map((map) => map.offsetTop)")
-    assert (tops[0] == tops[1]) == (width > 640)  # side by side where there is room
+    assert _text(browser, "#question") == (
+        "Largest safe steps: hardening spring, u₀ = 1.5, energy and period within 1\u00a0%"
+    )
+    assert "Average acceleration, Central difference" in browser.title and "hardening spring" in browser.title
+    sides = [browser.find_elements("css selector", f"[data-side='{side}']") for side in (0, 1)]
+    assert [one.is_displayed() for side in sides for one in side] == [True, True, width > 640, width > 640]
+    tops = {side[0].rect["y"] for side in sides}
+    if width > 640:
+        assert len(tops) == 1
+    else:  # one of both, and a switch
+        browser.find_element("css selector", "label[for='side1']").click()
+        assert [one.is_displayed() for side in sides for one in side] == [False, False, True, True]
+    for one in sides[1]:
+        assert one.rect["width"] > 0.4 * min(width, 1500)
+    assert _text(browser, ".run[data-side='1']").startswith("u₀ = 1.5, Δt = 0.00758 = T/20")
     check_page(browser)
 
 
 @needs_browser
-def test_the_run_under_the_mouse_is_shown_and_a_click_keeps_it(browser, page, datasets):
-    (atlas,), (portraits,) = datasets["atlas"], datasets["portraits"]
-    _open(browser, page, width=1600)
-    first = _text(browser, ".run .place")
+def test_the_largest_safe_step_of_every_scheme_is_told_best_first(browser, page, datasets):
+    (atlas,) = datasets["atlas"]
+    _open(browser, page, f"#problem=softening&u0={4 * AMPLITUDES[5]}&error=10")
+    tables = browser.execute_script(ROWS)
+    for rows, explicit in zip(tables, (0, 1), strict=True):
+        steps = {}
+        for title, name, kind in zip(TITLES, SCHEMES, EXPLICIT, strict=True):
+            one = atlas.sel(scheme=name, problem="softening").isel(amplitude=5)
+            good = [max(e, abs(p)) <= 10 for e, p in zip(one.max_energy_error, one.period_error, strict=True)]
+            if kind == explicit:
+                steps[title] = STEPS[good.index(False) - 1] if good[0] else 0.0
+        assert [row[0] for row in rows] == sorted(steps, key=steps.__getitem__, reverse=True)
+        for title, *cells in rows:
+            if steps[title]:
+                assert float(cells[1]) == pytest.approx(1 / steps[title], rel=0.01)
+            else:
+                assert cells == ["none: even T/100 is not safe"]
+    links = "return [...document.querySelectorAll('tbody a')].map((link) => link.getAttribute('href'))"
+    assert sorted(browser.execute_script(links)) == sorted(f"site/schemes/{name}.html" for name in SCHEMES)
+    # a step shows its run in the first map
+    (title, step, steps, _), *_ = tables[1]
+    browser.find_element("css selector", "#answer table:nth-child(2) button").click()
+    assert _text(browser, ".run .place").endswith(f"Δt = {step} = T/{steps}")
+    assert browser.title.startswith(title)
+    assert browser.execute_script("return document.activeElement.innerText") == step  # the focus stays
+    check_page(browser)
+
+
+@needs_browser
+def test_a_run_is_computed_at_the_chosen_amplitude_and_step(browser, page):
+    _open(browser, page, "#problem=softening&u0=4.1&steps=19&schemes=own,rk4")
+    assert "does not compute runs of this scheme" in _text(browser, ".run[data-side='0']")
+    period = float(_text(browser, ".run .place").split(" = ")[2]) * 19
+    rest = study.OutcomeObserver.of("softening")
+    run = study.run("softening", "rk4", dt=period / 19, steps=380, u0=4.1, observe=[rest])
+    told = _text(browser, ".run[data-side='1'] dd")
+    assert float(told.split(" %")[0]) == pytest.approx(run.max_height_error.item(), rel=0.02)
+    assert browser.execute_script("return document.querySelectorAll('.run[data-side=\"1\"] figure').length") == 3
+    # one that leaves all bounds
+    _open(browser, page, "#u0=40&steps=1&schemes=rk4,central_difference")
+    assert "The run fails" in _text(browser, ".run")
+    check_page(browser)
+
+
+@needs_browser
+@pytest.mark.parametrize(("width", "kind"), [(1600, "mouse"), (390, "touch")])
+def test_a_click_or_tap_chooses_a_run(browser, page, datasets, width, kind):
+    (atlas,) = datasets["atlas"]
+    _open(browser, page, width=width)
     # the middle of the second cell from the right, and of the third from below
-    _act(browser, 6.5 / 8, 2.5 / 12)
-    wait(browser, f"return document.querySelector('.run .place').innerText !== '{first}'")
-    assert _text(browser, ".run .place").startswith(_place(2, 6))
-    one = {"scheme": "hht_alpha_1996", "problem": "softening"}
-    outcome = atlas.outcome.sel(one).isel(amplitude=2, dt_over_period=6).item()
-    assert _text(browser, ".run [data-class]") == f"{LABELS[outcome]}: meaning {outcome}"
-    run = portraits.sel(one).isel(amplitude=2, dt_over_period=6)
-    script = """return [...document.querySelectorAll(".run figure:first-child")[0].querySelectorAll(".dot")]
-      .map((dot) => [Number(dot.getAttribute("cx")), Number(dot.getAttribute("cy"))])"""
-    drawn = np.array(browser.execute_script(script))
-    for along, name, sign in ((0, "u", 1), (1, "v", -1)):  # velocities go up, pixels down
-        assert np.corrcoef(drawn[:, along], sign * run[name])[0, 1] > 0.9999
-    assert "run" not in _address(browser)
-
-    _act(browser, 6.5 / 8, 2.5 / 12, click=True)
-    address = _address(browser)
-    assert [float(x) for x in address["run"].split(",")] == pytest.approx([AMPLITUDES[2], PARTS[6]], rel=1e-3)
-    kept = _text(browser, ".run")
-    _act(browser, 1.5 / 8, 9.5 / 12)
-    wait(browser, f"return !document.querySelector('.run .place').innerText.startsWith('{_place(2, 6)}')")
-    browser.execute_script("document.querySelector('.plane').dispatchEvent(new PointerEvent('pointerleave'))")
-    wait(browser, f"return document.querySelector('.run .place').innerText.startsWith('{_place(2, 6)}')")
-    assert _text(browser, ".run") == kept
-
+    _click(browser, 6.5 / 8, 2.5 / 13, kind)
+    assert _cell(_address(browser)) == pytest.approx([AMPLITUDES[2], STEPS[6]], rel=1e-3)
+    one = atlas.isel(amplitude=2, dt_over_period=6).sel(scheme="average_acceleration", problem="hardening")
+    label, _ = list(OUTCOME_STYLES.values())[one.outcome.item()]
+    assert _text(browser, ".run [data-class]") == f"{label}: meant"
+    shown = _text(browser, ".run")
     # the address leads back to it
-    _open(browser, page, f"#{urlsplit(browser.current_url).fragment}", width=1600)
-    assert _text(browser, ".run") == kept
+    _open(browser, page, f"#{urlsplit(browser.current_url).fragment}", width=width)
+    assert _text(browser, ".run") == shown
     check_page(browser)
 
 
 @needs_browser
-def test_a_tap_keeps_a_run_on_a_phone(browser, page):
-    from selenium.webdriver.common.actions.action_builder import ActionBuilder
-    from selenium.webdriver.common.actions.pointer_input import PointerInput
-
-    _open(browser, page, width=390)
-    corner = "const {left, top, width, height} = document.querySelector('canvas').getBoundingClientRect()"
-    x, y = browser.execute_script(f"{corner}; return [left + width / 16, top + height / 24]")
-    finger = ActionBuilder(browser, mouse=PointerInput("touch", "finger"))
-    finger.pointer_action.move_to_location(int(x), int(y)).pointer_down().pointer_up()
-    finger.perform()
-    wait(browser, "return location.hash !== ''")
-    run = [float(x) for x in _address(browser)["run"].split(",")]
-    assert run == pytest.approx([AMPLITUDES[-1], PARTS[0]], rel=1e-3)
-    check_page(browser)
-
-
-@needs_browser
-def test_a_map_obeys_the_keyboard(browser, page):
+def test_keys_and_buttons_move_by_cells(browser, page):
     from selenium.webdriver import Keys
 
-    _open(browser, page, "#problem=softening&run=1,0.1")
-    start = _text(browser, ".run .place")
+    _open(browser, page, f"#problem=softening&u0=4&steps={1 / STEPS[3]}")
     plane = browser.find_element("css selector", ".plane")
-    plane.send_keys(Keys.ARROW_UP)
-    wait(browser, f"return document.querySelector('.run .place').innerText !== '{start}'")
-    plane.send_keys(Keys.ESCAPE)
-    wait(browser, f"return document.querySelector('.run .place').innerText === '{start}'")
-    plane.send_keys(Keys.ARROW_UP, Keys.ARROW_RIGHT, Keys.ENTER)
-    amplitude, part = map(float, _address(browser)["run"].split(","))
-    i, j = abs(np.log(AMPLITUDES)).argmin(), abs(np.log(PARTS / 0.1)).argmin()
-    assert amplitude == pytest.approx(AMPLITUDES[i + 1], rel=1e-3) and part == pytest.approx(PARTS[j + 1], rel=1e-3)
+    plane.send_keys(Keys.ARROW_UP, Keys.ARROW_RIGHT, Keys.TAB)
+    assert _cell(_address(browser)) == pytest.approx([AMPLITUDES[7], STEPS[4]], rel=1e-3)
+    for label in ("smaller amplitude", "smaller amplitude", "more steps"):
+        browser.find_element("css selector", f"button[aria-label='{label}']").click()
+    plane.send_keys(Keys.SHIFT, Keys.ARROW_DOWN)
+    assert _text(browser, ".run .place").startswith(f"u₀ = {4 * AMPLITUDES[0]:.3g}")
+    steps = browser.find_element("css selector", "#steps")
+    assert float(steps.get_property("value")) == pytest.approx(1 / STEPS[3], rel=1e-3)
+    # a number of one's own, within the map
+    steps.send_keys(Keys.CONTROL, "a")
+    steps.send_keys("1000", Keys.ENTER)
+    assert _text(browser, ".run .place").endswith("= T/100")
     check_page(browser)
 
 
 @needs_browser
-def test_an_address_holds_the_whole_choice(browser, page, datasets):
-    (atlas,) = datasets["atlas"]
-    place = f"{AMPLITUDES[4]:.4g},{PARTS[3]:.4g}"
-    _open(browser, page, f"#problem=double_well&schemes=bathe,hht_alpha_1996&colour=error&run={place}")
+def test_an_address_holds_the_whole_choice(browser, page):
+    address = "#problem=double_well&schemes=bathe,own&colour=period&error=0.1&u0=0.4&steps=25"
+    _open(browser, page, address)
     chosen = "return [...document.querySelectorAll('select')].map((select) => select.selectedOptions[0].text)"
-    assert browser.execute_script(chosen) == ["double well", "largest energy error", "Bathe <&>", "α-method"]
-    assert "to 0.1 %" in _text(browser, ".legend")
-    for side, scheme in enumerate(("bathe", "hht_alpha_1996")):
-        one = atlas.sel(scheme=scheme, problem="double_well").isel(amplitude=4)
-        accurate = one.outcome.values == 0
-        largest = PARTS[: accurate.argmin()][-1]
-        told = _text(browser, f".run[data-side='{side}'] .safe")
-        assert told.startswith(
-            f"Largest safe step at u₀ = {U0[2, 4]:.3g}: Δt = {2 * largest:.3g} = T/{1 / largest:.3g}."
-        )
+    everything = ["double well", "0.1 %", "error of the period", "Bathe", "Own <&>"]
+    assert browser.execute_script(chosen) == everything
+    assert _text(browser, ".run .place").startswith("u₀ = 0.4")
     # another address, as after a step back; what it does not name is as at first
-    browser.execute_script(
-        "location.hash = '#problem=hardening&run=hardening&schemes=bathe,nonsense&colour=constructor'"
-    )
-    wait(browser, "return document.querySelector('h2').innerText.startsWith('Hardening')")
-    assert "no run of this scheme" in _text(browser, ".run[data-side='0']")
-    assert "The run of 1996" in _text(browser, ".run[data-side='1']")
+    nonsense = "&".join(f"{key}=constructor" for key in ("problem", "schemes", "colour", "error", "u0", "steps"))
+    browser.execute_script("location.hash = arguments[0]", nonsense)
+    wait(browser, "return document.querySelector('#question').innerText.includes('hardening')")
+    assert browser.execute_script(chosen)[3:] == ["Average acceleration", "Central difference"]
+    assert _text(browser, ".run .place").endswith("= T/20")
+    # a run of 1996
+    browser.find_element("css selector", "#cases button:nth-child(3)").click()
+    assert _text(browser, ".run .place").startswith("u₀ = 10, Δt = 0.225 = T/7.9")
     check_page(browser)
+
+
+def test_the_page_leads_to_the_site_in_one_place(page):
+    # which the site, of which the page becomes a part, replaces
+    assert page.read_text().count('href="site/') == 1
 
 
 def test_the_same_data_gives_the_same_page(datasets, page, tmp_path):
@@ -257,18 +266,19 @@ def test_the_same_data_gives_the_same_page(datasets, page, tmp_path):
 
 def test_a_map_is_thinned_to_what_a_page_can_hold(datasets):
     (atlas,) = datasets["atlas"]
-    fine = atlas.isel(amplitude=np.repeat(np.arange(12), 11)).assign_coords(amplitude=np.logspace(-1.5, 1.5, 132))
-    assert coarse(fine).sizes["amplitude"] == 44
+    fine = atlas.isel(amplitude=np.repeat(np.arange(13), 11)).assign_coords(amplitude=np.logspace(-1.5, 1.5, 143))
+    assert coarse(fine).sizes["amplitude"] == 48
     assert coarse(atlas).sizes == atlas.sizes
 
 
-def test_a_step_is_safe_only_if_all_finer_ones_are():
-    outcome = xr.DataArray(
-        np.array([[0, 0, 1, 0], [1, 0, 0, 0], [0, 0, 0, 0]]),
+def test_a_step_is_safe_only_if_all_finer_ones_keep_energy_and_period():
+    maps = xr.Dataset(
+        {
+            "max_energy_error": (("amplitude", "dt_over_period"), [[0, 1, 9, 0], [2, 0, 0, 0], [0, 0, 0, 0], [0] * 4]),
+            "period_error": (("amplitude", "dt_over_period"), [[0] * 4, [0] * 4, [0, -1, -2, 0], [0, 0, 0, np.nan]]),
+        },
         {"dt_over_period": [0.01, 0.02, 0.05, 0.1]},
-        ("amplitude", "dt_over_period"),
-        attrs={"flag_meanings": "accurate bounded growing"},
     )
-    maps = xr.Dataset({"outcome": outcome})
-    np.testing.assert_array_equal(largest_safe(maps, ["accurate"]), [0.02, np.nan, 0.1])
-    np.testing.assert_array_equal(largest_safe(maps, ["accurate", "bounded"]), [0.1, 0.1, 0.1])
+    np.testing.assert_array_equal(largest_safe(maps, 1.0), [0.02, 0, 0.02, 0.05])
+    np.testing.assert_array_equal(largest_safe(maps.isel(dt_over_period=[3, 1, 0, 2]), 10.0), [0.1, 0.1, 0.1, 0.05])
+    assert 1.0 in ERRORS
