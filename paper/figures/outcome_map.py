@@ -91,10 +91,11 @@ def step_ticks(ax: Axes, labels: Mapping[float, str]) -> None:
     last.set_horizontalalignment("right")
 
 
-def patches(outcomes: np.ndarray) -> list[Patch]:
-    """Handles of a legend for the outcomes that are present."""
-    looks = list(OUTCOME_STYLES.values())
-    return [Patch(facecolor=looks[int(k)][1], edgecolor="0.5", label=looks[int(k)][0]) for k in np.unique(outcomes)]
+def patches(outcomes: np.ndarray, best: str = OUTCOME_STYLES["accurate"][0]) -> list[Patch]:
+    """Handles of a legend for the outcomes that are present, the best of which has a label of its own."""
+    labels, colours = zip(*OUTCOME_STYLES.values(), strict=True)
+    labels = (best, *labels[1:])
+    return [Patch(facecolor=colours[k], edgecolor="0.5", label=labels[k]) for k in np.unique(outcomes).astype(int)]
 
 
 def legend(figure: Figure, outcomes: np.ndarray, cases: bool = True) -> None:

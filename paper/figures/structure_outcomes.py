@@ -36,5 +36,5 @@ def draw(structures: xr.Dataset) -> Figure:
         ax.set_xticks(places, steps[places])
         ax.set_xlabel("steps")
     figure.supylabel("factor of the excitation", fontsize="medium")
-    legend_below(figure, columns=4, handles=patches(structures.outcome.values))
+    legend_below(figure, columns=4, handles=patches(structures.outcome.values, best="energy kept"))
     return figure

@@ -46,7 +46,6 @@ SOLVERS = {
 #: that can be told apart in greyscale.
 OUTCOME_STYLES = {
     "accurate": ("accurate", "#ffffff"),
-    "energy_kept": ("energy kept", "#ffffff"),
     "bounded": ("bounded", "#cbdff2"),
     "damped_to_rest": ("damped to rest", "#84c0e2"),
     "in_the_wrong_well": ("in the wrong well", "#cc8c11"),

@@ -8,6 +8,11 @@ from matplotlib.colors import to_rgb
 
 from paper.figures.outcome_map import outcome_map
 from paper.figures.style import OUTCOME_STYLES
+from study.analysis.outcomes import Outcome
+
+
+def test_styles_stand_in_the_order_of_the_outcomes():
+    assert list(OUTCOME_STYLES) == [outcome.name.lower() for outcome in Outcome]
 
 
 def test_every_cell_is_drawn_in_its_place():

@@ -57,9 +57,7 @@ def _lightness(colour):
     return 116 * np.cbrt(luminance) - 16 if luminance > 0.008856 else 903.3 * luminance
 
 
-@pytest.mark.parametrize(
-    "colours", [list(dict.fromkeys(colour for _, colour in OUTCOME_STYLES.values())), list(CLASSES.values())]
-)
+@pytest.mark.parametrize("colours", [[colour for _, colour in OUTCOME_STYLES.values()], list(CLASSES.values())])
 def test_classes_of_maps_get_darker_in_steps_that_are_seen_in_greyscale(colours):
     steps = -np.diff([_lightness(colour) for colour in colours])
     assert steps.min() > 9
