@@ -50,7 +50,7 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
 
 def keeps(atlas: xr.Dataset, error: float) -> xr.DataArray:
     """Whether the runs of the maps keep energy and period within an error in percent."""
-    return (atlas.max_energy_error <= error) & (abs(atlas.period_error) <= error)
+    return (atlas.max_energy_error <= error) & (100 * atlas.period_error <= error)
 
 
 def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:

@@ -57,6 +57,6 @@ def of_maps(atlas: xr.Dataset) -> dict[str, np.ndarray]:
     return {
         "outcome": maps.outcome.values.astype(np.uint8),
         "energy": _logarithmic(maps.max_energy_error.values),
-        "period": _logarithmic(abs(maps.period_error).values),
+        "period": _logarithmic(100 * maps.period_error.values),
         "safe": safe.transpose("error", "problem", "scheme", "amplitude").values.astype(np.float32),
     }

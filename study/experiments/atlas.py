@@ -35,7 +35,7 @@ def _column(runs: xr.Dataset, dt: np.ndarray, period: np.ndarray) -> dict[str, n
         "outcome": outcome,
         "at_step": np.where(runs.status > 0, runs.failed_at_step, step).astype(np.int32),
         "max_energy_error": _single(runs.max_height_error.values),
-        "period_error": _single(100 * np.abs(runs.mean_period.values / period - 1)),
+        "period_error": _single(np.abs(runs.mean_period.values / period - 1)),
         "max_newton_iterations": _single(runs.max_newton_iterations.values),
         "lyapunov_exponent": _single(runs.lyapunov_exponent.values),
     }
@@ -165,7 +165,7 @@ def atlas(
         },
         "period_error": {
             "long_name": "relative error of the mean period, NaN where there is none",
-            "units": "percent",
+            "units": "1",
         },
         "max_newton_iterations": {
             "long_name": "most Newton iterations in one step, NaN where the run failed",
