@@ -9,7 +9,7 @@ from study.declaration.options import RecordDuration, RecordPeriods, Records, Re
 from study.problem.inelastic import ground_motions, yielding_under_record
 
 #: Places between two samples at which exact pieces look for events; the difference of the peaks is their uncertainty.
-PLACES = (8, 13)
+PLACES = (5, 8)
 
 #: A force at which nothing yields.
 STRONG = 1e9
