@@ -10,8 +10,6 @@ with the stiffness k of the piece. Its solution has a closed form, so that all o
 its own event to the next. :mod:`reference.piecewise` solves for one oscillator of any damping by matrix exponentials.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 from jaxtyping import Float
 
@@ -20,6 +18,9 @@ from reference.solution import RouteFailed
 #: One number for each oscillator.
 Lanes = Float[np.ndarray, "lanes"]
 
+#: One row for each oscillator.
+Rows = Float[np.ndarray, "lanes samples"]
+
 #: Newton's correction that ends the search for the time of an event, in parts of the time searched.
 CONVERGED = 1e-9
 
@@ -27,9 +28,8 @@ CONVERGED = 1e-9
 MOST_CORRECTIONS = 60
 
 
-def _motion(tau: Lanes, state: tuple[Lanes, Lanes], piece: tuple[Lanes, ...]) -> tuple[Lanes, Lanes, Lanes]:
+def _motion(tau: Lanes, u: Lanes, v: Lanes, c: Lanes, k: Lanes, q0: Lanes, q1: Lanes) -> tuple[Lanes, Lanes, Lanes]:
     """Displacement, velocity and acceleration of underdamped oscillators after a time τ under the load q₀ + q₁ τ."""
-    (u, v), (c, k, q0, q1) = state, piece
     rate, frequency = q1 / k, np.sqrt(k - c**2 / 4)
     steady = (q0 - c * rate) / k
     cosine, sine = u - steady, (v - rate + c * (u - steady) / 2) / frequency
@@ -39,25 +39,27 @@ def _motion(tau: Lanes, state: tuple[Lanes, Lanes], piece: tuple[Lanes, ...]) ->
     return u, v, q0 + q1 * tau - c * v - k * u
 
 
-def _root(function: Callable[[Lanes], tuple[Lanes, Lanes]], end: Lanes) -> Lanes:
-    """The root between zero and ``end`` of a function that changes its sign there, by its value and its slope."""
-    low, high, tau = np.zeros_like(end), end.copy(), end / 2
-    rising = function(end)[0] > 0
+def _time_of(level: Lanes | float, derivative: int, end: Lanes, start: np.ndarray) -> Lanes:
+    """Time up to ``end`` at which displacement (derivative 0) or velocity (1) passes a level, by Newton's iteration.
+
+    A correction that leaves the bracket is replaced by a bisection.
+    """
+    low, high, tau = np.zeros_like(end), end, end / 2
+    rises = _motion(end, *start)[derivative] > level
     for _ in range(MOST_CORRECTIONS):
-        value, slope = function(tau)
-        before = (value > 0) != rising
+        value, slope = _motion(tau, *start)[derivative : derivative + 2]
+        before = (value > level) != rises
         low, high = np.where(before, tau, low), np.where(before, high, tau)
         with np.errstate(divide="ignore", invalid="ignore"):
-            newton = tau - value / slope
-        inside = (low <= newton) & (newton <= high)
-        tau, last = np.where(inside, newton, (low + high) / 2), tau
+            newton = tau - (value - level) / slope
+        tau, last = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2), tau
         if np.all(np.abs(tau - last) <= CONVERGED * end):
             return tau
     raise RouteFailed("the time of an event was not found.")
 
 
 def peaks(
-    acceleration: Float[np.ndarray, "lanes samples"],
+    acceleration: Rows,
     dt: float,
     stiffness: Lanes,
     damping: Lanes,
@@ -79,42 +81,33 @@ def peaks(
         missed, so the difference of the peaks at two numbers of places estimates their uncertainty.
     """
     bound, slope, spacing = yield_force / stiffness, np.diff(acceleration) / dt, dt / places
-    u, v, plastic, sign, peak, passed = np.zeros((6, len(acceleration)))  # passed: time since the last place
+    # the side of the yield, zero while elastic; the time since the last place
+    u, v, plastic, side, passed, peak = np.zeros((6, len(acceleration)))
     place = np.zeros(len(acceleration), int)
     while (lanes := np.flatnonzero(place < places * slope.shape[1])).size:
-        sample, yields = place[lanes] // places, sign[lanes] != 0
+        sample, yields = place[lanes] // places, side[lanes] != 0
         k = np.where(yields, hardening, 1.0) * stiffness[lanes]
-        rest = np.where(yields, sign[lanes] * bound[lanes], -plastic[lanes])
+        rest = np.where(yields, side[lanes] * bound[lanes], -plastic[lanes])
         q1 = -slope[lanes, sample]
         since = place[lanes] % places * spacing + passed[lanes]
         q0 = -acceleration[lanes, sample] + q1 * since - (1 - hardening) * stiffness[lanes] * rest
-        state, piece = (u[lanes], v[lanes]), (damping[lanes], k, q0, q1)
+        start = np.array([u[lanes], v[lanes], damping[lanes], k, q0, q1])
         left = spacing - passed[lanes]
         tau = left.copy()
-        u_end, v_end, _ = _motion(tau, state, piece)
-
-        def of(which, state=state, piece=piece):
-            return [x[which] for x in state], [x[which] for x in piece]
-
-        turns = np.flatnonzero(v[lanes] * v_end < 0)
-        tau[turns] = _root(lambda t, here=of(turns): _motion(t, *here)[1:], left[turns])
-        u_end[turns], v_end[turns] = _motion(tau[turns], *of(turns))[0], 0.0
+        u_end, v_end, _ = _motion(left, *start)
+        turns = v[lanes] * v_end < 0
+        tau[turns] = _time_of(0.0, 1, left[turns], start[:, turns])
+        u_end[turns], v_end[turns] = _motion(tau[turns], *start[:, turns])[0], 0.0
         # the motion has one direction up to here, so it leaves the elastic range once at most
-        side = np.sign(u_end - u[lanes])
-        limit = plastic[lanes] + side * bound[lanes]
-        leaves = np.flatnonzero(~yields & (side * (u_end - limit) > 0))
-        if leaves.size:
-
-            def beyond(t, here=of(leaves), limit=limit[leaves]):
-                u, v, _ = _motion(t, *here)
-                return u - limit, v
-
-            tau[leaves] = _root(beyond, tau[leaves])
-            u_end[leaves], v_end[leaves] = limit[leaves], _motion(tau[leaves], *of(leaves))[1]
-        turned = turns[yields[turns]]
-        plastic[lanes[turned]] = u_end[turned] - sign[lanes[turned]] * bound[lanes[turned]]
-        sign[lanes[turned]], sign[lanes[leaves]] = 0, side[leaves]
+        direction = np.sign(u_end - u[lanes])
+        limit = plastic[lanes] + direction * bound[lanes]
+        leaves = ~yields & (direction * (u_end - limit) > 0)
+        tau[leaves] = _time_of(limit[leaves], 0, tau[leaves], start[:, leaves])
+        u_end[leaves], v_end[leaves] = limit[leaves], _motion(tau[leaves], *start[:, leaves])[1]
         u[lanes], v[lanes], peak[lanes] = u_end, v_end, np.maximum(peak[lanes], np.abs(u_end))
+        unloads = lanes[turns & yields]
+        plastic[unloads] = u[unloads] - side[unloads] * bound[unloads]
+        side[unloads], side[lanes[leaves]] = 0.0, direction[leaves]
         ends = tau == left
         place[lanes] += ends
         passed[lanes] = np.where(ends, 0.0, passed[lanes] + tau)

@@ -69,16 +69,17 @@ def twenty_steps_for_the_peak(spectrum):
 @claim(
     "materials",
     "Under a record, a finer step is a better one.",
-    "runs of average acceleration at long periods whose peak drift is beyond the allowed error, in percent: with a step "
-    "of the spacing; with finer steps that do not divide it, down to half of it",
+    "runs of average acceleration at long periods whose peak drift is beyond the allowed error, in percent: with the "
+    "spacing as step; with finer steps that do not divide it, down to half of it",
     whose=PRACTICE,
     asks={"spectrum.schemes": ["average_acceleration"], "spectrum.periods": [LONG]},
 )
 def finer_is_better_under_a_record(spectrum):
-    found = [100 * share(spectrum.sel(scheme="average_acceleration")).item() for share in (share_at_the_spacing, share_between)]
-    finer = found[1] <= found[0]
-    reason = when(not finer, "steps that do not divide the spacing miss samples")
-    return Finding("; ".join(number(value, ".2g") for value in found), finer, reason)
+    average = spectrum.sel(scheme="average_acceleration")
+    at_the_spacing, finer = (100 * share(average).item() for share in (share_at_the_spacing, share_between))
+    better = finer <= at_the_spacing
+    reason = when(not better, "steps that do not divide the spacing miss samples")
+    return Finding(f"{number(at_the_spacing, '.2g')}; {number(finer, '.2g')}", better, reason)
 
 
 @claim(

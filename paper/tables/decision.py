@@ -213,7 +213,7 @@ def _least_forces(spectrum: xr.Dataset, error: float) -> list[Choice]:
 def _record(spectrum: xr.Dataset) -> Iterator[dict]:
     title = (
         f"Oscillators of {spectrum.period.min():g} to {spectrum.period.max():g} s, elastic and yielding, under "
-        f"{spectrum.sizes['record']} records sampled every {1e3 * spectrum.spacing:g} ms; steps that divide this spacing"
+        f"{spectrum.sizes['record']} records; steps that divide their spacing of {1e3 * spectrum.spacing:g} ms"
     )
     for c, (name, one) in enumerate(_by_class(spectrum)):
         dividing = one.isel(step_size=np.flatnonzero(one.commensurate))

@@ -31,9 +31,11 @@ def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, d
     t = spacing * np.arange(round(duration / spacing) + 1)
     ground = np.stack([np.interp(t, one.kinks, one.acceleration, right=0.0) for one in grounds])
     problems = [yielding_under_record(grounds[0], period, STRONG) for period in periods]
-    stiffness = np.tile([float(problem.force.stiffness) for problem in problems], records)
-    damping = np.tile([float(problem.damping) for problem in problems], records)
-    samples, hardening = np.repeat(ground, len(periods), axis=0), float(problems[0].force.hardening)
+    springs = [problem.force for problem in problems]
+    stiffness = np.tile([float(spring.stiffness) for spring in springs], records)  # type: ignore[attr-defined]
+    damping = np.tile([float(problem.damping) for problem in problems], records)  # type: ignore[arg-type]
+    hardening = float(springs[0].hardening)  # type: ignore[attr-defined]
+    samples = np.repeat(ground, len(periods), axis=0)
 
     def peaks(strength, places):
         return bilinear.peaks(samples, spacing, stiffness, damping, strength, hardening, places)
@@ -42,11 +44,11 @@ def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, d
     of_elastic = stiffness * peaks(strong, PLACES[0])
     strengths = [strong if reduction == 1 else of_elastic / reduction for reduction in reductions]
     found = []
-    for reduction, strength in zip(reductions, strengths, strict=True):
+    for reduction, of_reduction in zip(reductions, strengths, strict=True):
         progress(f"peak drifts at a reduction of {reduction:g}")
-        found.append([peaks(strength, places) for places in PLACES])
+        found.append([peaks(of_reduction, places) for places in PLACES])
     dims, shape = ("record", "period", "reduction"), (records, len(periods), len(reductions))
-    peak, other = (x.T.reshape(shape) for x in np.moveaxis(found, 1, 0))
+    peak, other = (x.reshape(shape) for x in np.transpose(found, (1, 2, 0)))
     strength = np.transpose(strengths).reshape(shape)
     uncertainty = np.maximum(np.abs(peak - other), np.spacing(peak))
     ductility = np.where(strength < STRONG, peak * stiffness.reshape(shape[:2])[..., None] / strength, 1.0)

@@ -1,6 +1,7 @@
 """The steps that schemes need for the peak drift of oscillators that yield under records."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -76,7 +77,7 @@ def spectrum(
     the finest step is enough, or if a scheme takes its force from a potential.
     """
     exact = io.open_dataset("reference/spectrum")
-    table = jnp.asarray(exact.ground.values)
+    table: Any = jnp.asarray(exact.ground.values)
 
     def problem(record, period, yield_force):
         return yielding_under_record(GroundMotion(table[record.astype(int)], SPACING), period, yield_force)
@@ -103,16 +104,19 @@ def spectrum(
         )
         found = ds.peak.where(ds.status == 0).values.reshape(error.shape[1:])
         error[s] = np.abs(found / exact.peak_drift.values - 1)
-    size = {"long_name": "relative error of the peak drift, at the steps and between them", "units": "1"}
+    of_error = {"long_name": "relative error of the peak drift, at the steps and between them", "units": "1"}
     of_runs = xr.Dataset(
-        {"error": (("scheme", *dims), error, size)},
+        {"error": (("scheme", *dims), error, of_error)},
         coords={
             **coordinates.scheme_coordinates(schemes),
             "step_size": step_size,
             "commensurate": (
                 "step_size",
                 commensurate.astype(int),
-                {"long_name": "1 where the step divides the spacing of the record or is a multiple of it", "units": "1"},
+                {
+                    "long_name": "1 where the step divides the spacing of the records, or is a multiple",
+                    "units": "1",
+                },
             ),
             "record": exact.record,
             "period": exact.period,
@@ -123,6 +127,7 @@ def spectrum(
         },
         attrs={"title": "Steps that schemes need for the peak drift of yielding oscillators under records"},
     )
-    of_all, of_few = (_needed(some, allowed_error) for some in (of_runs.error, of_runs.error[:, commensurate]))
-    needed = xr.concat([of_all, of_few], xr.IndexVariable("tried", ["all", "commensurate"], {"long_name": "steps tried"}))
-    return of_runs.assign(step_needed=needed.assign_attrs(long_name="largest step within the error", units="s"))
+    needed = [_needed(some, allowed_error) for some in (of_runs.error, of_runs.error[:, commensurate])]
+    tried = xr.IndexVariable("tried", ["all", "commensurate"], {"long_name": "steps tried"})
+    size = {"long_name": "largest step within the error, as all finer ones", "units": "s"}
+    return of_runs.assign(step_needed=xr.concat(needed, tried).assign_attrs(size))
