@@ -35,7 +35,7 @@ def draw(spectrum: xr.Dataset) -> Figure:
         for place, (name, look) in enumerate(curves.items()):
             steps = needed.sel(scheme=name, tried=tried)
             if steps.notnull().any():
-                sizes = {"linewidth": thinned(2.6, 0.6, place), "markersize": thinned(7, 1.6, place)}
+                sizes = {"linewidth": thinned(2.2, 0.5, place), "markersize": thinned(6, 1.3, place)}
                 ax.plot(spectrum.period, steps, label=steps.scheme_title.item(), **look | sizes)
         ax.set(xscale="log", yscale="log", xlabel="period (s)")
         ax.yaxis.set_minor_formatter(NullFormatter())
@@ -48,7 +48,7 @@ def draw(spectrum: xr.Dataset) -> Figure:
     for place, (name, look) in enumerate(curves.items()):
         of_scheme, steps = share.sel(scheme=name), 1e3 * spectrum.step_size
         right.plot(steps[off], of_scheme[off], **look | {"marker": ""})
-        right.plot(steps[~off], of_scheme[~off], **look | {"linestyle": "", "markersize": thinned(7, 1.6, place)})
+        right.plot(steps[~off], of_scheme[~off], **look | {"linestyle": "", "markersize": thinned(6, 1.3, place)})
     right.axvline(spacing, color="0.85", linewidth=2.5, zorder=0)
     right.set(xscale="log", xlabel="step (ms)", xlim=(spacing / 4.2, 4.2 * spacing))
     right.set_ylabel(f"runs beyond {100 * spectrum.allowed_error.item():g} % (%)")

@@ -211,10 +211,7 @@ def _least_forces(spectrum: xr.Dataset, error: float) -> list[Choice]:
 
 
 def _record(spectrum: xr.Dataset) -> Iterator[dict]:
-    title = (
-        f"Oscillators of {spectrum.period.min():g} to {spectrum.period.max():g} s, elastic and yielding, under "
-        f"{spectrum.sizes['record']} records; steps that divide their spacing of {1e3 * spectrum.spacing:g} ms"
-    )
+    title = f"Oscillators of {spectrum.period.min():g} to {spectrum.period.max():g} s under records"
     for c, (name, one) in enumerate(_by_class(spectrum)):
         dividing = one.isel(step_size=np.flatnonzero(one.commensurate))
         choices = {error: _least_forces(dividing, error) for error in ERRORS}

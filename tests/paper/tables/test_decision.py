@@ -91,15 +91,11 @@ def _spectrum() -> xr.Dataset:
 
     The third one is implicit.
     """
-    error = np.array([[0.5, 0.02, 0.8, 0.009], [0.001, 0.2, 0.8, 0.008], [1e-9, 1e-9, 1e-9, 1e-9]])[
-        ..., None, None, None
-    ]
+    error = np.array([[0.5, 0.02, 0.8, 0.009], [0.001, 0.2, 0.8, 0.008], [1e-9, 1e-9, 1e-9, 1e-9]])
+    dims = ("scheme", "step_size", "record", "period", "reduction")
     return xr.Dataset(
         {
-            "error": (
-                ("scheme", "step_size", "record", "period", "reduction"),
-                error[..., None, None, None] * [1, 0.1],
-            ),
+            "error": (dims, error[:, :, None, None, None] * [1, 0.1]),
             "spacing": 0.02,
             "allowed_error": 0.01,
         },
