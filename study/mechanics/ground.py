@@ -212,8 +212,8 @@ class GroundMotion(eqx.Module):
         ----------
         H. Tajimi, A statistical method of determining the maximum response of a building structure during an
         earthquake, Proc. 2nd World Conf. Earthq. Eng., 1960, 781-797.
-        M. Amin, A. H.-S. Ang, Nonstationary stochastic model of earthquake motions, J. Eng. Mech. Div. ASCE 94(EM2),
-        1968, 559-583.
+        P. C. Jennings, G. W. Housner, N. C. Tsai, Simulated earthquake motions for design purposes, Proc. 4th World
+        Conf. Earthq. Eng., 1969, 145-160 (the envelope).
         """
         t = dt * np.arange(round(duration / dt) + 1)
         noise = np.sqrt(2 * np.pi * density / dt) * np.random.default_rng(seed).standard_normal(len(t))
