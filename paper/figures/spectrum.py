@@ -1,4 +1,4 @@
-"""The step that schemes need for the peak drift of oscillators that yield under a record."""
+"""The step that schemes need for the peak drift of oscillators that yield under records."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -6,42 +6,55 @@ from matplotlib.ticker import NullFormatter
 
 from paper.data import of_kinds
 from paper.figures.style import PAGE, legend_below, letter, looks, panels, thinned
+from paper.numbers.spectrum import LONG, share_beyond
 from paper.products import figure
 
 #: Two implicit schemes, of which one damps, and two explicit ones.
 SHOWN = ["average_acceleration", "central_difference", "rho_bathe", "rk4"]
+#: Titles of the panels of sufficient steps, by the steps that were tried.
+TRIED = {"commensurate": "commensurate steps", "all": "all steps"}
 
 
 @figure(
-    "Largest step that keeps the error of the peak drift of oscillators that yield under a record, by their "
-    "period and by the strength over the elastic force. Grey: a tenth of the period (rising) and the spacing of "
-    "the record (level). Curves that coincide lie over each other, from wide to thin.",
+    "Largest step that keeps the error of the peak drift under all records, elastic and yielding, by the period of the "
+    "oscillator, among the steps that are commensurate with the spacing of the records and among all; and the share of "
+    "runs at long periods that exceed the error, at commensurate steps (markers) and others (lines). Grey: a fiftieth "
+    "of the period and the spacing.",
 )
 def draw(spectrum: xr.Dataset) -> Figure:
-    """One panel per reduction of the strength; grey: a tenth of the period, and the spacing of the record."""
+    """Sufficient steps by period, among commensurate steps and among all; share of runs beyond the error by step."""
     spectrum = of_kinds(spectrum, SHOWN)
-    number = spectrum.sizes["reduction"]
-    figure, axes = panels(1, number, PAGE, 5.2, sharex=True, sharey=True)
-    for index, (ax, reduction) in enumerate(zip(axes.flat, spectrum.reduction, strict=False)):
-        of_reduction = spectrum.sel(reduction=reduction)
-        ax.plot(spectrum.period, spectrum.period / 10, color="0.85", linestyle="-", linewidth=2.5, zorder=0)
-        ax.axhline(spectrum.spacing.item(), color="0.85", linewidth=2.5, zorder=0)
-        for place, (name, look) in enumerate(looks(spectrum.scheme).items()):
-            needed = of_reduction.step_needed.sel(scheme=name)
-            if needed.notnull().any():
-                # the steps that were tried are few, so that curves coincide
-                sizes = {"linewidth": thinned(2.6, 0.6, place), "markersize": thinned(7, 1.6, place)}
-                ax.plot(spectrum.period, needed, label=needed.scheme_title.item(), **look | sizes)
-        ax.set(xscale="log", yscale="log")
-        for axis in (ax.xaxis, ax.yaxis):
-            axis.set_minor_formatter(NullFormatter())
+    spacing, curves = 1e3 * spectrum.spacing.item(), looks(spectrum.scheme)
+    figure, axes = panels(1, 3, PAGE, 5.6)
+    *left, right = axes[0]
+    left[1].sharey(left[0])
+    needed = 1e3 * spectrum.step_needed.min(["record", "reduction"], skipna=False)
+    for index, (ax, (tried, title)) in enumerate(zip(left, TRIED.items(), strict=True)):
+        ax.plot(spectrum.period, 1e3 * spectrum.period / 50, color="0.85", linestyle="-", linewidth=2.5, zorder=0)
+        ax.axhline(spacing, color="0.85", linewidth=2.5, zorder=0)
+        for place, (name, look) in enumerate(curves.items()):
+            steps = needed.sel(scheme=name, tried=tried)
+            if steps.notnull().any():
+                sizes = {"linewidth": thinned(2.2, 0.5, place), "markersize": thinned(6, 1.3, place)}
+                ax.plot(spectrum.period, steps, label=steps.scheme_title.item(), **look | sizes)
+        ax.set(xscale="log", yscale="log", xlabel="period (s)")
+        ax.yaxis.set_minor_formatter(NullFormatter())
         labelled = spectrum.period.values[:: -(-len(spectrum.period) // 4)]
         ax.set_xticks(labelled, [f"{period:g}" for period in labelled])
-        low, high = float(of_reduction.ductility.min()), float(of_reduction.ductility.max())
-        ductility = f"{low:.1f}" + ("" if f"{low:.1f}" == f"{high:.1f}" else f" to {high:.1f}")
-        letter(ax, index, "elastic" if reduction == 1 else f"strength 1/{reduction:g},\nductility {ductility}")
-    axes[0, 0].set_ylabel("sufficient step (s)")
+        ax.set_yticks(marks := [2, 5, 10, 20, 50], marks)
+        letter(ax, index, title)
+    left[0].set_ylabel("sufficient step (ms)")
+    share, off = 100 * share_beyond(spectrum), spectrum.commensurate.values == 0
+    for place, (name, look) in enumerate(curves.items()):
+        of_scheme, steps = share.sel(scheme=name), 1e3 * spectrum.step_size
+        right.plot(steps[off], of_scheme[off], **look | {"marker": ""})
+        right.plot(steps[~off], of_scheme[~off], **look | {"linestyle": "", "markersize": thinned(6, 1.3, place)})
+    right.axvline(spacing, color="0.85", linewidth=2.5, zorder=0)
+    right.set(xscale="log", xlabel="step (ms)", xlim=(spacing / 4.2, 4.2 * spacing))
+    right.set_ylabel(f"runs beyond {100 * spectrum.allowed_error.item():g} % (%)")
+    right.set_xticks(marks := [spacing * factor for factor in (0.25, 0.5, 1, 2, 4)], [f"{mark:g}" for mark in marks])
+    letter(right, 2, f"periods of {LONG:g} s and more")
     for ax in axes[0]:
-        ax.set_xlabel("period (s)")
+        ax.xaxis.set_minor_formatter(NullFormatter())
     legend_below(figure, columns=4)
     return figure

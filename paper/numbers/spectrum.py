@@ -1,45 +1,61 @@
-"""Numbers of the text: the step for the peak drift of oscillators that yield under a record."""
+"""Numbers of the text: the step for the peak drift of oscillators that yield under records."""
 
 import xarray as xr
 
 from paper.products import numbers
-from study.words import span
+from study.words import number, percent, span
 
 #: Periods in s from which on the record, not the oscillator, is what a step has to resolve.
-LONG = 0.5
+LONG = 1.0
+#: Period in s of an oscillator that itself sets the step.
+SHORT = 0.2
 
 
-def _multiples(steps: xr.DataArray) -> str:
-    """Steps in words, from multiples of the spacing of the record."""
-    multiples = span(steps, "g")
-    return "the spacing of the record" if multiples == "1" else f"{multiples} times the spacing of the record"
+def share_beyond(spectrum: xr.Dataset) -> xr.DataArray:
+    """Share of the runs at long periods that exceed the allowed error, by scheme and step."""
+    kept = spectrum.error.sel(period=spectrum.period >= LONG) <= spectrum.allowed_error
+    return 1 - kept.mean(["record", "period", "reduction"])
+
+
+def share_at_the_spacing(spectrum: xr.Dataset) -> xr.DataArray:
+    """The share with a step of the spacing of the records, by scheme."""
+    return share_beyond(spectrum).sel(step_size=spectrum.spacing, method="nearest")
+
+
+def share_between(spectrum: xr.Dataset) -> xr.DataArray:
+    """The mean share of the steps between half the spacing and the spacing, which do not divide it, by scheme."""
+    off = spectrum.commensurate == 0
+    between = off & (spectrum.step_size > spectrum.spacing / 2) & (spectrum.step_size < spectrum.spacing)
+    return share_beyond(spectrum).sel(step_size=between).mean("step_size")
 
 
 @numbers(
-    asks={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [0.2, LONG]},
+    asks={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [SHORT, LONG]},
 )
 def of_spectrum(spectrum: xr.Dataset) -> dict:
-    """Steps over the spacing of the record for long periods, and over the period for a short one."""
-    needed = spectrum.step_needed
-    average, rk4 = (needed.sel(scheme=name) for name in ("average_acceleration", "rk4"))
-    long = spectrum.period >= LONG
-    steps = average.where(long, drop=True)
-    same = float(steps.min()) == float(steps.max())
-    varies = f"{float(steps.max() / steps.min()):.0f}"
-    lasts = f"{float(spectrum.period.max()) / LONG:.0f}"
-    yields = spectrum.reduction > 1
-    return {
+    """Steps for all records and strengths, if they divide the spacing and if not, and how often 1 % is exceeded."""
+    needed = spectrum.step_needed.min(["record", "reduction"], skipna=False)
+    at_spacing, between = share_at_the_spacing(spectrum), share_between(spectrum)
+    found = {
+        "spectrum_records": str(spectrum.sizes["record"]),
+        "spectrum_stochastic": str(spectrum.sizes["record"] - 1),
+        "spectrum_spacing": f"{1e3 * spectrum.spacing.item():g}",
+        "spectrum_finest": f"{1e3 * spectrum.step_size.values[-1]:g}",
+        "spectrum_coarsest": f"{1e3 * spectrum.step_size.values[0]:g}",
+        "spectrum_ratio": percent((spectrum.step_size.values[:-1] / spectrum.step_size.values[1:]).max() - 1),
         "spectrum_error": f"{100 * spectrum.allowed_error.item():g}",
         "spectrum_long": f"{LONG:g}",
-        "spectrum_ductility": f"{float(spectrum.ductility.max()):.0f}",
-        "record_sets_the_step": same,
-        "spectrum_rule": "the record sets the step, not the period"
-        if same
-        else f"the step of average acceleration changes by a factor of {varies} where the period does by {lasts}",
-        "spectrum_average": _multiples(steps / spectrum.spacing),
-        "spectrum_rk4": _multiples(rk4.where(long, drop=True) / spectrum.spacing),
-        "spectrum_average_elastic": span((0.2 / average.sel(period=0.2)).where(~yields, drop=True), ".0f"),
-        "spectrum_average_yielding": span((0.2 / average.sel(period=0.2)).where(yields, drop=True), ".0f"),
-        "spectrum_rk4_elastic": span((0.2 / rk4.sel(period=0.2)).where(~yields, drop=True), ".0f"),
-        "spectrum_rk4_yielding": span((0.2 / rk4.sel(period=0.2)).where(yields, drop=True), ".0f"),
+        "spectrum_short": f"{SHORT:g}",
+        "spectrum_ductility": number(float(spectrum.ductility.max()), 2),
+        "dividing_matters": bool((at_spacing < between).sel(scheme="average_acceleration")),
     }
+    for short, scheme in (("average", "average_acceleration"), ("rk4", "rk4")):
+        of_scheme = needed.sel(scheme=scheme)
+        for name, tried in (("dividing", "commensurate"), ("any", "all")):
+            long = of_scheme.sel(tried=tried, period=spectrum.period >= LONG)
+            found[f"spectrum_{short}_{name}"] = span(1e3 * long, ".2g")
+            found[f"spectrum_{short}_{name}_steps"] = span(long.period / long, ".0f")
+            found[f"spectrum_{short}_{name}_short"] = f"{SHORT / of_scheme.sel(tried=tried, period=SHORT).item():.0f}"
+        found[f"spectrum_{short}_at_spacing"] = percent(at_spacing.sel(scheme=scheme).item())
+        found[f"spectrum_{short}_between"] = percent(between.sel(scheme=scheme).item())
+    return found

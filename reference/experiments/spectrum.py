@@ -1,72 +1,70 @@
-"""Peak drifts of oscillators that yield under a record, over their periods and their strengths."""
+"""Peak drifts of oscillators that yield under records, over their periods and their strengths."""
 
 import numpy as np
-import scipy.interpolate
 import xarray as xr
 
-from reference import piecewise
-from reference.solution import Solution
+from reference import bilinear
 from study.declaration.experiment import experiment, progress
-from study.declaration.options import RecordDuration, RecordPeriods, Reductions
-from study.problem.inelastic import yielding_under_record
+from study.declaration.options import RecordDuration, RecordPeriods, Records, Reductions
+from study.problem.inelastic import ground_motions, yielding_under_record
 
-#: Times of the exact motion in a second, between which its peak is that of a cubic polynomial.
-TIMES_PER_SECOND = 200
-
-#: Spacings at which exact pieces look for events; the difference of the peaks is their uncertainty.
-PLACES = (50, 83)
+#: Places between two samples at which exact pieces look for events; the difference of the peaks is their uncertainty.
+PLACES = (5, 8)
 
 #: A force at which nothing yields.
 STRONG = 1e9
 
 
-def _peak(solution: Solution, t: np.ndarray) -> float:
-    """Largest displacement in size, of the cubic polynomials through displacements and velocities from rest on."""
-    times, u, v = (np.append(0.0, x) for x in (t, solution.u, solution.v))
-    between = scipy.interpolate.CubicHermiteSpline(times, u, v)
-    turns = between.derivative().roots(extrapolate=False)
-    return float(np.abs(np.append(u, between(turns[np.isfinite(turns)]))).max())
-
-
 def _options(configuration) -> dict:
-    return {key: configuration["spectrum"][key] for key in ("periods", "reductions", "duration")}
+    return {key: configuration["spectrum"][key] for key in ("records", "periods", "reductions", "duration")}
 
 
 @experiment("reference/spectrum", section="spectrum", options=_options)
-def spectrum(periods: RecordPeriods, reductions: Reductions, duration: RecordDuration) -> xr.Dataset:
-    """Compute exact peak drifts over periods and reductions of the strength.
+def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, duration: RecordDuration) -> xr.Dataset:
+    """Compute exact peak drifts over records, periods and reductions of the strength.
 
-    The strength is the largest force of the elastic oscillator divided by the reduction; at 1 nothing yields.
+    The strength is the largest force of the elastic oscillator divided by the reduction; at 1 nothing yields. The
+    ground is still after the duration.
     """
-    t = np.arange(1, round(duration * TIMES_PER_SECOND) + 1) / TIMES_PER_SECOND
-    shape = (len(periods), len(reductions))
-    peak, strength, uncertainty = np.empty(shape), np.empty(shape), np.empty(shape)
-    for p, period in enumerate(periods):
-        progress(f"peak drifts at a period of {period:g} s")
-        stiffness = (2 * np.pi / period) ** 2
-        of_elastic = _peak(piecewise.trajectory(yielding_under_record(period, STRONG), t), t)
-        for r, reduction in enumerate(reductions):
-            strength[p, r] = stiffness * of_elastic / reduction if reduction > 1 else STRONG
-            problem = yielding_under_record(period, strength[p, r])
-            one, other = (_peak(piecewise.trajectory(problem, t, places), t) for places in PLACES)
-            peak[p, r], uncertainty[p, r] = one, max(abs(one - other), np.spacing(one))
-    dims = ("period", "reduction")
-    elastic = peak * (2 * np.pi / np.array(periods)[:, None]) ** 2
-    ductility = np.where(strength < STRONG, elastic / strength, 1.0)
+    grounds = ground_motions(records)
+    spacing = float(grounds[0].dt)
+    t = spacing * np.arange(round(duration / spacing) + 1)
+    ground = np.stack([np.interp(t, one.kinks, one.acceleration, right=0.0) for one in grounds])
+    problems = [yielding_under_record(grounds[0], period, STRONG) for period in periods]
+    springs = [problem.force for problem in problems]
+    stiffness = np.tile([float(spring.stiffness) for spring in springs], records)  # type: ignore[attr-defined]
+    damping = np.tile([float(problem.damping) for problem in problems], records)  # type: ignore[arg-type]
+    hardening = float(springs[0].hardening)  # type: ignore[attr-defined]
+    samples = np.repeat(ground, len(periods), axis=0)
+
+    def peaks(strength, places):
+        return bilinear.peaks(samples, spacing, stiffness, damping, strength, hardening, places)
+
+    strong = np.full(len(stiffness), STRONG)
+    of_elastic = stiffness * peaks(strong, PLACES[0])
+    strengths = [strong if reduction == 1 else of_elastic / reduction for reduction in reductions]
+    found = []
+    for reduction, of_reduction in zip(reductions, strengths, strict=True):
+        progress(f"peak drifts at a reduction of {reduction:g}")
+        found.append([peaks(of_reduction, places) for places in PLACES])
+    dims, shape = ("record", "period", "reduction"), (records, len(periods), len(reductions))
+    peak, other = (x.reshape(shape) for x in np.transpose(found, (1, 2, 0)))
+    strength = np.transpose(strengths).reshape(shape)
+    uncertainty = np.maximum(np.abs(peak - other), np.spacing(peak))
+    ductility = np.where(strength < STRONG, peak * stiffness.reshape(shape[:2])[..., None] / strength, 1.0)
     return xr.Dataset(
         {
             "peak_drift": (dims, peak, {"long_name": "peak drift", "units": "m"}),
             "peak_drift_uncertainty": (dims, uncertainty, {"long_name": "uncertainty of the peak drift", "units": "m"}),
             "yield_force": (dims, strength, {"long_name": "force at yield over the mass", "units": "m s-2"}),
             "ductility": (dims, ductility, {"long_name": "peak drift over the drift at yield", "units": "1"}),
+            "ground": (("record", "t"), ground, {"long_name": "acceleration of the ground", "units": "m s-2"}),
         },
         coords={
+            "record": ("record", [one.title for one in grounds], {"long_name": "record"}),
             "period": ("period", periods, {"long_name": "period of small motions", "units": "s"}),
-            "reduction": (
-                "reduction",
-                reductions,
-                {"long_name": "elastic force over strength", "units": "1"},
-            ),
+            "reduction": ("reduction", reductions, {"long_name": "elastic force over strength", "units": "1"}),
+            "t": ("t", t, {"long_name": "time", "units": "s"}),
         },
-        attrs={"title": "Peak drift of yielding oscillators under the record of El Centro, 1940"},
+        attrs={"title": "Peak drift of yielding oscillators under El Centro, 1940, and stochastic records"},
     )

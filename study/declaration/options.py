@@ -123,7 +123,8 @@ Size = Annotated[float, Ge(1e-9), Le(1e9)]
 Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
 Counts = Annotated[list[Count], _FEW, _DISTINCT]
 FallingSizes = Annotated[list[Size], _FEW, _DISTINCT, Checked(_falling)]
-#: Periods in s of oscillators under a record, elastic force over strength, and seconds of the record.
+#: Records of ground motion, periods in s of oscillators under them, elastic force over strength, and their seconds.
+Records = Annotated[int, Ge(1), Le(1000)]
 RecordPeriods = Annotated[list[Annotated[float, Ge(0.05), Le(10)]], _FEW, _DISTINCT]
 Reductions = Annotated[list[Annotated[float, Ge(1), Le(100)]], _FEW, _DISTINCT]
 RecordDuration = Annotated[float, Ge(1), Le(100)]

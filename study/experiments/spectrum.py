@@ -1,85 +1,133 @@
-"""The steps that schemes need for the peak drift of oscillators that yield under a record."""
+"""The steps that schemes need for the peak drift of oscillators that yield under records."""
 
 from collections.abc import Mapping
+from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
 from study import io
 from study.declaration.experiment import Options, experiment, progress
-from study.declaration.options import FallingSizes, RecordDuration, RecordPeriods, Reductions, Schemes, Tolerance
+from study.declaration.options import RecordDuration, RecordPeriods, Records, Reductions, Schemes, Size, Tolerance
 from study.experiments import coordinates
 from study.marching.run import run
 from study.mechanics.ground import GroundMotion
-from study.observer.motion import Quantity
-from study.problem.inelastic import yielding_under_record
+from study.observer.peak import Peak
+from study.problem.inelastic import SPACING, yielding_under_record
 from study.scheme.named import schemes as schemes_by_name
+
+#: Ratio of two neighbouring steps of the grid, at most.
+RATIO = 1.1
+
+
+def steps_tried(coarsest: float, finest: float) -> tuple[np.ndarray, np.ndarray]:
+    """Falling steps, and whether each is commensurate with the record: its spacing over a whole number, or times one.
+
+    The commensurate steps are added to a grid of a constant ratio.
+    """
+    whole = np.arange(1, max(coarsest / SPACING, SPACING / finest) * (1 + 1e-9))
+    commensurate = np.append(SPACING / whole, SPACING * whole[1:])
+    commensurate = commensurate[(commensurate >= finest * (1 - 1e-9)) & (commensurate <= coarsest * (1 + 1e-9))]
+    grid = np.geomspace(coarsest, finest, int(np.ceil(np.log(coarsest / finest) / np.log(RATIO))) + 1)
+    grid = grid[~np.isclose(grid[:, None], commensurate).any(axis=1)]
+    steps = np.sort(np.append(commensurate, grid))[::-1]
+    return steps, np.isin(steps, commensurate)
+
+
+def _counts(duration: float, steps: np.ndarray) -> np.ndarray:
+    """Numbers of steps up to the first time at the duration or beyond it."""
+    return np.ceil(duration / steps - 1e-9).astype(int)
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = len(options["schemes"]) * len(options["periods"]) * len(options["reductions"])
-    return runs * sum(options["duration"] / dt for dt in options["step_sizes"])
+    runs = np.prod([len(options[key]) for key in ("schemes", "periods", "reductions")]) * options["records"]
+    steps, _ = steps_tried(options["coarsest"], options["finest"])
+    return float(runs * _counts(options["duration"], steps).sum())
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    for dt in options["step_sizes"]:
-        if abs(options["duration"] / dt - round(options["duration"] / dt)) > 1e-9:
-            return f"step_sizes: {dt:g} s does not divide the duration of {options['duration']:g} s."
+    if options["finest"] >= options["coarsest"]:
+        return f"finest: {options['finest']:g} s must be less than the coarsest step, {options['coarsest']:g} s."
     return None
+
+
+def _needed(error: xr.DataArray, allowed: float) -> xr.DataArray:
+    """Largest step that keeps the allowed error as all finer ones do, NaN if none does."""
+    kept = error.sortby("step_size") <= allowed
+    kept = kept.copy(data=np.logical_and.accumulate(kept.values, axis=kept.get_axis_num("step_size")))
+    return kept.step_size.where(kept).max("step_size")
 
 
 @experiment("spectrum", reads=lambda options: ["reference/spectrum"], check=_check, steps=_number_of_steps)
 def spectrum(
+    records: Records,
     periods: RecordPeriods,
     reductions: Reductions,
     duration: RecordDuration,
     schemes: Schemes,
-    step_sizes: FallingSizes,
+    coarsest: Size,
+    finest: Size,
     allowed_error: Tolerance,
 ) -> xr.Dataset:
     """Measure the error of the peak drift at each step, and the largest step that keeps it below the allowed one.
 
-    The step and all finer ones must do so. The peak of a run is that of its steps. ``step_needed`` is NaN if not even
-    the finest step is enough, or if a scheme takes its force from a potential. ``spacing`` is that of the record.
+    The step and all finer ones must do so: all that were tried, or all that are commensurate with the record. A run
+    ends with the first step at the duration or beyond it, where the ground is still. ``step_needed`` is NaN if not even
+    the finest step is enough, or if a scheme takes its force from a potential.
     """
     exact = io.open_dataset("reference/spectrum")
-    lanes = xr.broadcast(xr.DataArray(step_sizes, dims="step_size"), exact.period, exact.yield_force)
-    dt, period, strength = (lane.transpose("step_size", "period", "reduction").values.ravel() for lane in lanes)
-    peak = Quantity(lambda u: u, name="drift", reduce="peak")
-    shape = (len(schemes), len(step_sizes), len(periods), len(reductions))
-    error = np.full(shape, np.nan)
+    table: Any = jnp.asarray(exact.ground.values)
+
+    def problem(record, period, yield_force):
+        return yielding_under_record(GroundMotion(table[record.astype(int)], SPACING), period, yield_force)
+
+    steps, commensurate = steps_tried(coarsest, finest)
+    step_size = xr.DataArray(steps, dims="step_size", attrs={"long_name": "step", "units": "s"})
+    number = xr.DataArray(np.arange(records), dims="record")
+    dims = ("step_size", "record", "period", "reduction")
+    lanes = xr.broadcast(step_size, number, exact.period, exact.yield_force)
+    dt, record, period, strength = (lane.transpose(*dims).values.ravel() for lane in lanes)
+    error = np.full((len(schemes), len(steps), *exact.peak_drift.shape), np.nan)
     for s, scheme in enumerate(schemes):
-        if schemes_by_name[scheme].refusal(yielding_under_record(1.0, 1.0)):
+        if schemes_by_name[scheme].refusal(yielding_under_record(GroundMotion.el_centro(), 1.0, 1.0)):
             continue
         progress(f"peak drifts by {scheme}")
         ds = run(
-            yielding_under_record,
+            problem,
             scheme,
-            over={"period": period, "yield_force": strength},
+            over={"record": record, "period": period, "yield_force": strength},
             dt=dt,
-            steps=np.round(duration / dt).astype(int),
-            observe=[peak],
+            steps=_counts(duration, dt),
+            observe=[Peak()],
             on_failure="ignore",
         )
-        found = ds.drift.where(ds.status == 0).values.reshape(shape[1:])
+        found = ds.peak.where(ds.status == 0).values.reshape(error.shape[1:])
         error[s] = np.abs(found / exact.peak_drift.values - 1)
-    keeps = np.logical_and.accumulate((error <= allowed_error)[:, ::-1], axis=1)[:, ::-1]
-    first = np.argmax(keeps, axis=1)
-    needed = np.where(keeps.any(axis=1), np.array(step_sizes)[first], np.nan)
-    dims = ("scheme", "step_size", "period", "reduction")
-    return xr.Dataset(
-        {
-            "error": (dims, error, {"long_name": "relative error of the peak drift", "units": "1"}),
-            "step_needed": ((dims[0], *dims[2:]), needed, {"long_name": "largest step within the error", "units": "s"}),
-        },
+    of_error = {"long_name": "relative error of the peak drift, at the steps and between them", "units": "1"}
+    of_runs = xr.Dataset(
+        {"error": (("scheme", *dims), error, of_error)},
         coords={
             **coordinates.scheme_coordinates(schemes),
-            "step_size": ("step_size", step_sizes, {"long_name": "step", "units": "s"}),
+            "step_size": step_size,
+            "commensurate": (
+                "step_size",
+                commensurate.astype(int),
+                {
+                    "long_name": "1 where the step divides the spacing of the records, or is a multiple",
+                    "units": "1",
+                },
+            ),
+            "record": exact.record,
             "period": exact.period,
             "reduction": exact.reduction,
             "ductility": exact.ductility,
-            "spacing": ((), float(GroundMotion.el_centro().dt), {"long_name": "spacing of the record", "units": "s"}),
+            "spacing": ((), SPACING, {"long_name": "spacing of the record", "units": "s"}),
             "allowed_error": ((), allowed_error, {"long_name": "allowed error of the peak drift", "units": "1"}),
         },
-        attrs={"title": "Steps that schemes need for the peak drift of yielding oscillators under a record"},
+        attrs={"title": "Steps that schemes need for the peak drift of yielding oscillators under records"},
     )
+    needed = [_needed(some, allowed_error) for some in (of_runs.error, of_runs.error[:, commensurate])]
+    tried = xr.IndexVariable("tried", ["all", "commensurate"], {"long_name": "steps tried"})
+    size = {"long_name": "largest step within the error, as all finer ones", "units": "s"}
+    return of_runs.assign(step_needed=xr.concat(needed, tried).assign_attrs(size))

@@ -169,6 +169,59 @@ class GroundMotion(eqx.Module):
         """
         return cls.read(_RECORDS / "el_centro_1940_ns.at2", unit="g")
 
+    @classmethod
+    def kanai_tajimi(
+        cls,
+        seed: int,
+        *,
+        duration: float = 30.0,
+        dt: float = 0.02,
+        frequency: float = 5 * np.pi,
+        damping: float = 0.6,
+        density: float = 0.01,
+        rise: float = 2.0,
+        fall: float = 10.0,
+        decay: float = 0.4,
+    ) -> "GroundMotion":
+        r"""A stochastic motion: white noise of the rock, filtered by the soil and shaped by an envelope.
+
+        The soil is an oscillator, whose absolute acceleration has the spectral density
+
+        .. math::
+
+            S(\omega) = S_0\,\frac{\omega_g^4 + (2 \zeta_g \omega_g \omega)^2}
+            {(\omega_g^2 - \omega^2)^2 + (2 \zeta_g \omega_g \omega)^2}
+
+        for :math:`-\infty < \omega < \infty`. The envelope is :math:`(t/t_1)^2` up to t₁, one up to t₂ and
+        :math:`e^{-c (t - t_2)}` from there on. The defaults are firm soil and a peak near 0.3 g.
+
+        Parameters
+        ----------
+        seed
+            Seed of the noise: a motion for each.
+        duration, dt
+            Length and time between two samples, in s.
+        frequency, damping
+            ω_g in rad/s and ζ_g of the soil.
+        density
+            S₀ in m² s⁻³.
+        rise, fall, decay
+            t₁ and t₂ in s, and c in 1/s.
+
+        References
+        ----------
+        H. Tajimi, A statistical method of determining the maximum response of a building structure during an
+        earthquake, Proc. 2nd World Conf. Earthq. Eng., 1960, 781-797.
+        P. C. Jennings, G. W. Housner, N. C. Tsai, Simulated earthquake motions for design purposes, Proc. 4th World
+        Conf. Earthq. Eng., 1969, 145-160 (the envelope).
+        """
+        t = dt * np.arange(round(duration / dt) + 1)
+        noise = np.sqrt(2 * np.pi * density / dt) * np.random.default_rng(seed).standard_normal(len(t))
+        s = 2j * np.pi * np.fft.rfftfreq(len(t), dt) / frequency
+        filtered = np.fft.irfft(np.fft.rfft(noise) * (1 + 2 * damping * s) / (1 + 2 * damping * s + s**2), len(t))
+        envelope = np.minimum(t / rise, 1) ** 2 * np.exp(-decay * np.maximum(t - fall, 0))
+        return cls(envelope * filtered, dt, title=f"stochastic record {seed}")
+
 
 def _check_numbers(acceleration: Any, dt: Any, title: str) -> None:
     for value, ndim, what in ((acceleration, 1, "samples of acceleration"), (dt, 0, "a time between samples")):

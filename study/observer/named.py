@@ -5,6 +5,7 @@ from study.observer.crossings import Oscillations
 from study.observer.diagnostics import LyapunovExponent, MomentumErrors, NewtonIterations
 from study.observer.energy import EnergyBalance, EnergyDrift, EnergyError, MaxEnergyError, MeanEnergyError
 from study.observer.motion import AbsoluteAcceleration, AbsoluteMotion, InternalForce, Trajectory
+from study.observer.peak import Peak
 from study.registry import Registry
 
 #: Observers by name.
@@ -18,6 +19,7 @@ observers: Registry[Observer] = Registry(
         "energy_drift": EnergyDrift(),
         "energy_balance": EnergyBalance(),
         "momentum_errors": MomentumErrors(),
+        "peak": Peak(),
         "oscillations": Oscillations(),
         "newton_iterations": NewtonIterations(),
         "lyapunov_exponent": LyapunovExponent(),

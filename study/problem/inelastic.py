@@ -18,6 +18,9 @@ _YIELD, _SPEED = 0.1, 4 * 0.1 * 2 * np.pi / PERIOD
 #: Damping c of two percent of the critical one.
 _DAMPING = 0.02 * 2 * 2 * np.pi / PERIOD
 
+#: Time in s between two samples of the records.
+SPACING = 0.02
+
 
 @named()
 def yielding() -> Problem:
@@ -41,11 +44,18 @@ def bouncing() -> Problem:
     return Problem(stop, -0.5, 0.0, potential=stop.potential, ground=weight, title="bouncing mass")
 
 
-def yielding_under_record(period, yield_force) -> Problem:
-    """A unit mass that yields, with two percent of hardening and five percent of damping, under El Centro, 1940.
+def ground_motions(number: int) -> list[GroundMotion]:
+    """El Centro, 1940, and stochastic motions with the same spacing of samples, as many as asked for in all."""
+    return [GroundMotion.el_centro(), *(GroundMotion.kanai_tajimi(seed, dt=SPACING) for seed in range(1, number))]
+
+
+def yielding_under_record(ground, period, yield_force) -> Problem:
+    """A unit mass that yields, with two percent of hardening and five percent of damping, on moving ground.
 
     Parameters
     ----------
+    ground
+        Motion of the ground.
     period
         Period of small motions, in s.
     yield_force
@@ -53,7 +63,6 @@ def yielding_under_record(period, yield_force) -> Problem:
     """
     frequency = 2 * np.pi / period
     spring = elastoplastic(frequency**2, yield_force, hardening=0.02)
-    ground = GroundMotion.el_centro()
     return Problem(spring, 0.0, damping=2 * 0.05 * frequency, ground=ground, title="yielding oscillator under a record")
 
 

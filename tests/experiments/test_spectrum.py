@@ -1,4 +1,4 @@
-"""Steps for the peak drift under a record, from a reference that the test makes itself."""
+"""Steps for the peak drift under records, from a reference that the test makes itself."""
 
 import numpy as np
 import pytest
@@ -6,41 +6,65 @@ import pytest
 import study
 from reference.experiments.spectrum import spectrum as exact
 from study import io
-from study.experiments.spectrum import spectrum
-from study.problem.inelastic import yielding_under_record
+from study.experiments.spectrum import RATIO, spectrum, steps_tried
+from study.mechanics.ground import GroundMotion
+from study.observer.peak import Peak
+from study.problem.inelastic import SPACING, yielding_under_record
 
-PERIODS, REDUCTIONS, DURATION = [0.2, 1.0], [1.0, 4.0], 5.0
+RECORDS, PERIODS, REDUCTIONS, DURATION = 2, [0.2, 1.0], [1.0, 4.0], 5.0
 
 
 @pytest.fixture(scope="module")
 def reference():
-    return exact(PERIODS, REDUCTIONS, DURATION)
+    return exact(RECORDS, PERIODS, REDUCTIONS, DURATION)
+
+
+def _peak(known, scheme, dt):
+    """Peak drift of a single run."""
+    ground = GroundMotion(known.ground.values, SPACING)
+    problem = yielding_under_record(ground, float(known.period), float(known.yield_force))
+    return study.run(problem, scheme, dt=dt, steps=int(np.ceil(DURATION / dt)), observe=[Peak()]).peak
 
 
 def test_the_exact_peaks_are_those_of_fine_steps(reference):
-    assert float((reference.peak_drift_uncertainty / reference.peak_drift).max()) < 1e-12
-    for period in PERIODS:
-        for reduction in REDUCTIONS:
-            known = reference.sel(period=period, reduction=reduction)
-            problem = yielding_under_record(period, float(known.yield_force))
-            peak = study.Quantity(lambda u: u, name="peak", reduce="peak")
-            fine = study.run(problem, "rk4", dt=2e-4, steps=25_000, observe=[peak]).peak
-            np.testing.assert_allclose(fine, known.peak_drift, rtol=1e-5)
+    assert float((reference.peak_drift_uncertainty / reference.peak_drift).max()) < 1e-9
+    for known in (reference.isel(record=1, period=p, reduction=r) for p in (0, 1) for r in (0, 1)):
+        np.testing.assert_allclose(_peak(known, "rk4", SPACING / 100), known.peak_drift, rtol=1e-6)
     assert (reference.ductility.sel(reduction=1) == 1).all() and (reference.ductility.sel(reduction=4) > 1).all()
 
 
-def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(reference, monkeypatch):
+def test_steps_lie_close_together_and_commensurate_ones_are_whole_parts_and_multiples():
+    steps, commensurate = steps_tried(0.05, 0.004)
+    assert steps[0] == pytest.approx(0.05) and steps[-1] == pytest.approx(0.004)
+    assert (steps[:-1] / steps[1:]).max() <= RATIO + 1e-9 and (steps[:-1] / steps[1:]).min() > 1 + 1e-6
+    np.testing.assert_allclose(steps[commensurate], [0.04, 0.02, 0.01, 0.02 / 3, 0.005, 0.004])
+
+
+@pytest.fixture
+def found(reference, monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: reference)
-    schemes, steps = ["average_acceleration", "energy_momentum"], [0.1, 0.05, 0.02, 0.01, 0.005, 0.0025, 0.00125]
-    ds = spectrum(PERIODS, REDUCTIONS, DURATION, schemes, steps, 0.01)
-    assert ds.step_needed.sel(scheme="energy_momentum").isnull().all()  # the force dissipates
-    ours = ds.sel(scheme="average_acceleration")
+    schemes = ["average_acceleration", "energy_momentum"]
+    return spectrum(RECORDS, PERIODS, REDUCTIONS, DURATION, schemes, 0.1, 0.0025, 0.01)
+
+
+def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(found):
+    assert found.step_needed.sel(scheme="energy_momentum").isnull().all()  # the force dissipates
+    ours = found.sel(scheme="average_acceleration")
     assert ours.step_needed.notnull().all()
-    fine = ours.step_size <= ours.step_needed
-    assert (ours.error.where(fine, 0) <= 0.01).all()
-    # the next coarser one does not
-    next_coarser = np.maximum(fine.argmax("step_size") - 1, 0)
-    assert ((ours.error.isel(step_size=next_coarser) > 0.01) | fine.isel(step_size=0)).all()
+    for tried, some in (("all", ours), ("commensurate", ours.isel(step_size=np.flatnonzero(ours.commensurate)))):
+        fine = some.step_size <= some.step_needed.sel(tried=tried)
+        assert (some.error.where(fine, 0) <= 0.01).all()
+        # the next coarser one does not
+        next_coarser = np.maximum(fine.argmax("step_size") - 1, 0)
+        assert ((some.error.isel(step_size=next_coarser) > 0.01) | fine.isel(step_size=0)).all()
     # the error falls with the square of the step once the record is resolved
-    ratio = ours.error.sel(step_size=0.01) / ours.error.sel(step_size=0.00125)
+    ratio = ours.error.sel(step_size=0.02, method="nearest") / ours.error.sel(step_size=0.0025, method="nearest")
     assert float(ratio.median()) > 10
+
+
+def test_a_lane_is_the_run_of_its_record_period_and_strength(found, reference):
+    ours = found.sel(scheme="average_acceleration").isel(step_size=7)
+    for at in ({"record": 0, "period": 1, "reduction": 0}, {"record": 1, "period": 0, "reduction": 1}):
+        known = reference.isel(at)
+        alone = _peak(known, "average_acceleration", float(ours.step_size))
+        np.testing.assert_allclose(abs(alone / known.peak_drift - 1), ours.error.isel(at), rtol=1e-9)

@@ -159,3 +159,25 @@ def test_a_place_that_rounds_to_either_side_of_a_sample_is_looked_up_once():
     lanes = study.run(shaken, "rk4", dt=0.01, steps=400, over={"intensity": [1.0, 1.0]})
     alone = study.run(shaken(1.0), "rk4", dt=0.01, steps=400)
     np.testing.assert_allclose(lanes.u[0], alone.u, atol=1e-14)
+
+
+def test_a_stochastic_motion_has_the_spectral_density_of_kanai_and_tajimi():
+    settings = {"duration": 40.0, "rise": 1e-9, "fall": 40.0}  # no envelope
+    motions = [study.GroundMotion.kanai_tajimi(seed, **settings).acceleration[1:] for seed in range(200)]
+    dt, number = 0.02, len(motions[0])
+    density = dt / (2 * np.pi * number) * np.mean(np.abs(np.fft.rfft(motions)) ** 2, axis=0)
+    w, soil = 2 * np.pi * np.fft.rfftfreq(number, dt), 5 * np.pi
+    filtered = (2 * 0.6 * soil * w) ** 2
+    closed = 0.01 * (soil**4 + filtered) / ((soil**2 - w**2) ** 2 + filtered)
+    bands = (density / closed)[1:-1].reshape(-1, 37).mean(axis=1)  # 27 bands
+    np.testing.assert_allclose(bands, 1.0, atol=0.06)  # five standard deviations
+
+
+def test_a_seed_and_an_envelope_make_a_stochastic_motion():
+    one, again, other = (study.GroundMotion.kanai_tajimi(seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(one.acceleration, again.acceleration)
+    assert np.abs(one.acceleration - other.acceleration).max() > 1
+    steady = study.GroundMotion.kanai_tajimi(1, rise=1e-9, fall=30.0).acceleration[1:]
+    t = one.kinks[1:]
+    envelope = np.where(t < 2, t**2 / 4, np.where(t < 10, 1, np.exp(-0.4 * (t - 10))))
+    np.testing.assert_allclose(one.acceleration[1:], envelope * steady, atol=1e-12)

@@ -95,8 +95,26 @@ def test_a_balance_that_is_kept_by_a_wrong_motion_is_no_verdict(imbalance, error
 @pytest.mark.parametrize("step, holds", [(1 / 19, True), (1 / 21, False), (np.nan, False)])
 def test_twenty_steps_are_enough_where_no_oscillator_needs_more(step, holds):
     needed = xr.DataArray(
-        [[[0.1, step]]],
-        dims=("scheme", "period", "reduction"),
-        coords={"scheme": ["average_acceleration"], "period": [1.0], "reduction": [1.0, 4.0]},
+        [[[[[0.1, step]]]]],
+        dims=("tried", "record", "scheme", "period", "reduction"),
+        coords={"tried": ["all"], "scheme": ["average_acceleration"], "period": [1.0], "reduction": [1.0, 4.0]},
     )
     assert materials.twenty_steps_for_the_peak(needed.to_dataset(name="step_needed")).holds == holds
+
+
+@pytest.mark.parametrize("between, holds", [([0.5, 0.5], False), ([0.001, 0.5], True), ([0.001, 0.001], True)])
+def test_a_finer_step_is_better_where_fewer_runs_are_beyond_the_error(between, holds):
+    error = xr.DataArray(
+        [[[[[0.001, 0.5]]], [[between]], [[[0.001, 0.001]]]]],
+        dims=("scheme", "step_size", "record", "period", "reduction"),
+        coords={
+            "scheme": ["average_acceleration"],
+            "step_size": [0.02, 0.015, 0.01],
+            "commensurate": ("step_size", [1, 0, 1]),
+            "period": [1.0],
+            "reduction": [1.0, 4.0],
+            "spacing": 0.02,
+            "allowed_error": 0.01,
+        },
+    )
+    assert materials.finer_is_better_under_a_record(error.to_dataset(name="error")).holds == holds

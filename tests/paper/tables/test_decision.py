@@ -91,11 +91,13 @@ def _spectrum() -> xr.Dataset:
 
     The third one is implicit.
     """
-    error = np.array([[0.5, 0.02, 0.009], [0.001, 0.2, 0.008], [1e-9, 1e-9, 1e-9]])
+    error = np.array([[0.5, 0.02, 0.8, 0.009], [0.001, 0.2, 0.8, 0.008], [1e-9, 1e-9, 1e-9, 1e-9]])
+    dims = ("scheme", "step_size", "record", "period", "reduction")
     return xr.Dataset(
         {
-            "error": (("scheme", "step_size", "period", "reduction"), error[:, :, None, None] * [1, 0.1]),
+            "error": (dims, error[:, :, None, None, None] * [1, 0.1]),
             "spacing": 0.02,
+            "allowed_error": 0.01,
         },
         coords={
             "scheme": ["cheap", "dear", "fails"],
@@ -103,8 +105,10 @@ def _spectrum() -> xr.Dataset:
             "explicit": ("scheme", [1, 1, 0]),
             "forces_per_step": ("scheme", [1, 3, 0]),
             "forces_per_iteration": ("scheme", [0, 0, 1]),
-            "step_size": [0.04, 0.02, 0.01],
-            "period": [0.2],
+            "step_size": [0.04, 0.02, 0.015, 0.01],
+            "commensurate": ("step_size", [1, 1, 0, 1]),
+            "record": ["quake"],
+            "period": [2.0],
             "reduction": [1, 2],
         },
     )
@@ -166,6 +170,8 @@ def test_elsewhere_the_fewest_forces_decide(rows):
     # a finer step of the dear scheme loses what a coarse one had by accident
     assert [record[column] for column in ("10 %", "1 %", "0.1 %")] == ["Cheap: 20 ms", "Cheap: 10 ms", "–"]
     assert implicit["0.1 %"] == "Fails: 40 ms"
+    # a step of 15 ms is beyond the error in all runs, one of the spacing in half of them
+    assert (record["Beware of"], implicit["Beware of"]) == ("other steps", "")
 
 
 def test_a_scheme_whose_velocity_is_wrong_is_not_recommended(rows):

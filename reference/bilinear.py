@@ -1,0 +1,114 @@
+r"""Exact peaks of many oscillators on bilinear springs under records, from event to event.
+
+Between two events, a yield point, a turn of the motion or a sample of the record, the motion obeys
+
+.. math::
+
+    \ddot u + c \dot u + k u = q_0 + q_1 \tau
+
+with the stiffness k of the piece. Its solution has a closed form, so that all oscillators advance at once, each from
+its own event to the next. :mod:`reference.piecewise` solves for one oscillator of any damping by matrix exponentials.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from reference.solution import RouteFailed
+
+#: One number for each oscillator.
+Lanes = Float[np.ndarray, "lanes"]
+
+#: One row for each oscillator.
+Rows = Float[np.ndarray, "lanes samples"]
+
+#: Newton's correction that ends the search for the time of an event, in parts of the time searched.
+CONVERGED = 1e-9
+
+#: Most corrections of the time of an event.
+MOST_CORRECTIONS = 60
+
+
+def _motion(tau: Lanes, u: Lanes, v: Lanes, c: Lanes, k: Lanes, q0: Lanes, q1: Lanes) -> tuple[Lanes, Lanes, Lanes]:
+    """Displacement, velocity and acceleration of underdamped oscillators after a time τ under the load q₀ + q₁ τ."""
+    rate, frequency = q1 / k, np.sqrt(k - c**2 / 4)
+    steady = (q0 - c * rate) / k
+    cosine, sine = u - steady, (v - rate + c * (u - steady) / 2) / frequency
+    decay, cos, sin = np.exp(-c * tau / 2), np.cos(frequency * tau), np.sin(frequency * tau)
+    free, turned = decay * (cosine * cos + sine * sin), decay * (sine * cos - cosine * sin)
+    u, v = steady + rate * tau + free, rate - c * free / 2 + frequency * turned
+    return u, v, q0 + q1 * tau - c * v - k * u
+
+
+def _time_of(level: Lanes | float, derivative: int, end: Lanes, start: np.ndarray) -> Lanes:
+    """Time up to ``end`` at which displacement (derivative 0) or velocity (1) passes a level, by Newton's iteration.
+
+    A correction that leaves the bracket is replaced by a bisection.
+    """
+    low, high, tau = np.zeros_like(end), end, end / 2
+    rises = _motion(end, *start)[derivative] > level
+    for _ in range(MOST_CORRECTIONS):
+        value, slope = _motion(tau, *start)[derivative : derivative + 2]
+        before = (value > level) != rises
+        low, high = np.where(before, tau, low), np.where(before, high, tau)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = tau - (value - level) / slope
+        tau, last = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2), tau
+        if np.all(np.abs(tau - last) <= CONVERGED * end):
+            return tau
+    raise RouteFailed("the time of an event was not found.")
+
+
+def peaks(
+    acceleration: Rows,
+    dt: float,
+    stiffness: Lanes,
+    damping: Lanes,
+    yield_force: Lanes,
+    hardening: float,
+    places: int,
+) -> Lanes:
+    """Largest displacement in size of unit masses that start at rest, exact up to round-off.
+
+    Parameters
+    ----------
+    acceleration, dt
+        Acceleration of the ground of each oscillator, linear between its samples, and the time between two of them.
+    stiffness, damping, yield_force, hardening
+        Stiffness k, damping c, force at yield, and the stiffness after yield over k, at which the oscillator is still
+        underdamped.
+    places
+        Times in every interval between two samples at which events are looked for. Two turns between two of them are
+        missed, so the difference of the peaks at two numbers of places estimates their uncertainty.
+    """
+    bound, slope, spacing = yield_force / stiffness, np.diff(acceleration) / dt, dt / places
+    # the side of the yield, zero while elastic; the time since the last place
+    u, v, plastic, side, passed, peak = np.zeros((6, len(acceleration)))
+    place = np.zeros(len(acceleration), int)
+    while (lanes := np.flatnonzero(place < places * slope.shape[1])).size:
+        sample, yields = place[lanes] // places, side[lanes] != 0
+        k = np.where(yields, hardening, 1.0) * stiffness[lanes]
+        rest = np.where(yields, side[lanes] * bound[lanes], -plastic[lanes])
+        q1 = -slope[lanes, sample]
+        since = place[lanes] % places * spacing + passed[lanes]
+        q0 = -acceleration[lanes, sample] + q1 * since - (1 - hardening) * stiffness[lanes] * rest
+        start = np.array([u[lanes], v[lanes], damping[lanes], k, q0, q1])
+        left = spacing - passed[lanes]
+        tau = left.copy()
+        u_end, v_end, _ = _motion(left, *start)
+        turns = v[lanes] * v_end < 0
+        tau[turns] = _time_of(0.0, 1, left[turns], start[:, turns])
+        u_end[turns], v_end[turns] = _motion(tau[turns], *start[:, turns])[0], 0.0
+        # the motion has one direction up to here, so it leaves the elastic range once at most
+        direction = np.sign(u_end - u[lanes])
+        limit = plastic[lanes] + direction * bound[lanes]
+        leaves = ~yields & (direction * (u_end - limit) > 0)
+        tau[leaves] = _time_of(limit[leaves], 0, tau[leaves], start[:, leaves])
+        u_end[leaves], v_end[leaves] = limit[leaves], _motion(tau[leaves], *start[:, leaves])[1]
+        u[lanes], v[lanes], peak[lanes] = u_end, v_end, np.maximum(peak[lanes], np.abs(u_end))
+        unloads = lanes[turns & yields]
+        plastic[unloads] = u[unloads] - side[unloads] * bound[unloads]
+        side[unloads], side[lanes[leaves]] = 0.0, direction[leaves]
+        ends = tau == left
+        place[lanes] += ends
+        passed[lanes] = np.where(ends, 0.0, passed[lanes] + tau)
+    return peak
