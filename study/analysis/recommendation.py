@@ -116,7 +116,6 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
             "time_spread": one.time_spread,
             "force_evaluations": one.force_evaluations,
             "verdict": words[one.verdict.values],
-            "accidents": one.accidents,
         },
         index=pd.Index(one.scheme.values, name="scheme"),
     )

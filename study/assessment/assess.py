@@ -11,11 +11,11 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
-from study.assessment import errors, failures, ladder, oscillation
+from study.assessment import errors, failures, oscillation, search
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.errors import DEFAULT
-from study.assessment.ladder import ENERGY, Ladder
+from study.assessment.search import ENERGY, Search
 from study.assessment.solution import DenseSolution
 from study.io import processor
 from study.marching.arguments import resolve
@@ -213,12 +213,12 @@ def assess(
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))
-    slowest = _slowest_period(equation) or length / ladder.COARSEST
-    coarsest = slowest / ladder.COARSEST
-    if length / coarsest > ladder.MOST_STEPS:
+    slowest = _slowest_period(equation) or length / search.COARSEST
+    coarsest = slowest / search.COARSEST
+    if length / coarsest > search.MOST_STEPS:
         raise ValueError(
-            f"duration must be at most {ladder.MOST_STEPS * coarsest:g} s, {ladder.MOST_STEPS:,} steps of which "
-            f"{ladder.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
+            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps of which "
+            f"{search.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
     reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
@@ -235,16 +235,18 @@ def assess(
         of_energy = False
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
     names = [*asked, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
-    first = max(ladder.COARSEST, int(np.ceil(length / coarsest)))
-    finest = min(
-        ladder.MOST_STEPS, max(int(length * ladder.FINEST / slowest), ladder.MOST_STEPS // np.size(equation.u0))
+    most = min(
+        search.MOST_STEPS, max(int(length * search.FINEST / slowest), search.MOST_STEPS // np.size(equation.u0))
     )
+    limits = [(name, error) for name in names for error in allowed if error >= search.CERTAIN * uncertainty[name]]
 
     def of(scheme: Scheme) -> Assessed:
-        rungs = Ladder(scheme, cases, length, of_energy, finest)
-        rungs.climb(rungs.rounded(first), allowed[-1])
-        verdicts = rungs.verdicts([(name, error) for name in names for error in allowed], uncertainty)
-        return Assessed(rungs, verdicts, failures.map_of(equation, scheme, length, coarsest) if maps else None)
+        runs = Search(scheme, cases, length, min(coarsest, length), length / most, of_energy)
+        runs.search(limits)
+        verdicts = {limit: runs.verdict(*limit) for limit in limits}
+        recommended = np.unique([one.recommended for one in verdicts.values() if one.recommended > 0])
+        map_of_failures = failures.map_of(equation, scheme, length, coarsest, recommended) if maps else None
+        return Assessed(runs.runs, verdicts, map_of_failures)
 
     found = _each(fit, of)
     ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed, length)
@@ -260,7 +262,7 @@ def assess(
         "reference": reference.route.name,
         "witness": reference.witness.name,
         "reference_tolerance": reference.rtol,
-        "starts": ladder.told_of_starts(cases),
+        "starts": search.told_of_starts(cases),
         "duration": length,
         "duration_asked_for": asked_for,
         "problem": equation.title,

@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from study.assessment import errors, ladder, oscillation
+from study.assessment import errors, oscillation, search
 from study.assessment.errors import Target
-from study.assessment.ladder import Case
 from study.assessment.oscillation import Oscillation
 from study.assessment.reference import NoReference, Reference, Route
+from study.assessment.search import Case
 from study.assessment.solution import DenseSolution
 from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
@@ -113,8 +113,8 @@ def cases_of(
     NoReference
         If the routes fail for a neighbour.
     """
-    cases = {1.0: Case(problem, reference.solution, reference.targets, reference.oscillation)}
-    for factor in ladder.STARTS:
+    cases = {1.0: Case(problem, reference.targets, reference.oscillation)}
+    for factor in search.STARTS:
         neighbour = excited(problem, factor, displaced=True)
         own, grid = Reference(neighbour, reference.horizon), reference.solution.t
         if problem.kinked or problem.history is not None:  # its kinks have times of their own
@@ -127,5 +127,5 @@ def cases_of(
             ) from error
         targets = {name: errors.target(quantity, neighbour, one) for name, quantity in quantities.items()}
         swing = oscillation.oscillation(neighbour, one) if reference.oscillation else None
-        cases[factor] = Case(neighbour, one, targets, swing)
+        cases[factor] = Case(neighbour, targets, swing)
     return cases

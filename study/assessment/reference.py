@@ -160,7 +160,7 @@ class Reference:
 
         of_diffrax = Route(f"diffrax {one_step}", by_diffrax)
         of_cvode = Route(f"CVODE {several_steps}", by_cvode)
-        if np.ndim(problem.u0) or not problem.conservative:
+        if np.ndim(problem.u0):
             return of_diffrax, of_cvode
         from reference import symbolic, taylor  # here, because importing them takes a second
 
@@ -171,7 +171,7 @@ class Reference:
             symbolic.first_order(problem)
         except symbolic.Untranslatable:
             return of_diffrax, of_cvode
-        return Route("heyoka", by_taylor), of_diffrax
+        return Route("heyoka", by_taylor), of_cvode
 
     def grid(self, coarsest: float) -> Times:
         """First times between which the solution is interpolated, with all kinks of load and force."""

@@ -17,17 +17,21 @@ from study.observer.crossings import crosses_upwards
 HALVINGS = 53
 
 
-def _root(coefficients):
-    """Root in 0 ≤ s ≤ 1 of a polynomial whose ends differ in sign, by bisection, which cannot leave the step."""
+def _root(coefficients, wanted):
+    """Root in 0 ≤ s ≤ 1 of a polynomial whose ends differ in sign, by bisection, which cannot leave the step.
+
+    Where it is not wanted the bisection ends at once: of an ensemble, ``lax.cond`` would compute it in every step.
+    """
     sign = jnp.sign(value(coefficients, jnp.ones_like(coefficients[0])))
 
-    def halve(_, bracket):
-        low, high = bracket
+    def halve(bracket):
+        count, low, high = bracket
         middle = (low + high) / 2
         beyond = sign * value(coefficients, middle) > 0
-        return jnp.where(beyond, low, middle), jnp.where(beyond, middle, high)
+        return count + 1, jnp.where(beyond, low, middle), jnp.where(beyond, middle, high)
 
-    low, high = lax.fori_loop(0, HALVINGS, halve, (jnp.zeros_like(sign), jnp.ones_like(sign)))
+    begin = jnp.where(wanted, 0, HALVINGS), jnp.zeros_like(sign), jnp.ones_like(sign)
+    _, low, high = lax.while_loop(lambda bracket: bracket[0] < HALVINGS, halve, begin)
     return (low + high) / 2
 
 
@@ -116,12 +120,8 @@ class PeriodError(Reduction):
         step, before, crossings, first, last = carried
         now = _kinematics(problem, state)
         crossed = crosses_upwards(before[0], now[0], self.level)
-
-        def part():
-            displacement, *rest = quintic(before, now, self.dt)
-            return _root((displacement - self.level, *rest))
-
-        at = step.astype(float) + lax.cond(crossed, part, lambda: jnp.zeros(()))
+        displacement, *rest = quintic(before, now, self.dt)
+        at = step.astype(float) + _root((displacement - self.level, *rest), crossed)
         return (
             step + 1,
             now,
@@ -167,12 +167,8 @@ class AmplitudeDecay(Reduction):
         before, maxima, first, last = carried
         now = _kinematics(problem, state)
         turned = (before[1] > 0) & (now[1] <= 0)
-
-        def amplitude():
-            at = _root(quintic(before, now, self.dt, of_v=True))
-            return value(quintic(before, now, self.dt), at) - self.rest
-
-        top = lax.cond(turned, amplitude, lambda: jnp.zeros(()))
+        at = _root(quintic(before, now, self.dt, of_v=True), turned)
+        top = value(quintic(before, now, self.dt), at) - self.rest
         return (
             now,
             maxima + turned.astype(int),

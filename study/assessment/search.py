@@ -1,0 +1,204 @@
+"""Runs of one scheme at many random steps, octave by octave, and the largest step below which all keep an error."""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from study.assessment import errors, oscillation
+from study.assessment.errors import Target
+from study.assessment.oscillation import Oscillation, OscillationErrors
+from study.marching.run import run
+from study.mechanics.definition import Problem
+from study.observer.base import Observer
+from study.problem.named import neighbouring_starts
+from study.scheme.base import Scheme
+
+#: Steps with which a search begins in a period of the slowest small motion.
+COARSEST = 4
+
+#: Steps up to which a search goes: in a period of the slowest small motion, or, if that is more, in a run of one
+#: unknown; of several, that over their number.
+FINEST, MOST_STEPS = 2048, 4_000_000
+
+#: Part of a step down to which finer ones are tried.
+TWENTIETH = 1 / 20
+
+#: Runs of an octave: at most, of one unknown, whose lanes fill a tile, and of several unknowns.
+MOST_RUNS, LEAST_RUNS = 256, {True: 64, False: 4}
+
+#: Steps × unknowns of the runs of an octave, if that leaves enough runs.
+WORK = 8_000_000
+
+#: Most runs of a call: of several unknowns more would be compiled as a tile.
+AT_ONCE = 64
+
+#: Starts that must keep the error too, as multiples of u₀, u̇₀ and load, and their share of the runs of an octave.
+STARTS, SHARE = tuple(neighbouring_starts.values()), 1 / 4
+
+#: Part of the allowed error that all steps tried must keep: a step that was not tried may have a somewhat larger one.
+KEPT = 0.9
+
+#: Least ratio of an error to the uncertainty of the reference.
+CERTAIN = 10
+
+#: How a search for a step ended.
+FOUND, COARSEST_KEEPS, FINEST_FAILS, UNCERTAIN = range(4)
+VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference")
+
+#: Name of the balance of energies among the quantities.
+ENERGY = "energy"
+
+#: A quantity, and the error that it is allowed.
+Limit = tuple[str, float]
+
+
+class Recommendation(NamedTuple):
+    """How a search ended, the largest step that keeps the error, the round one below it, and what confirms that.
+
+    ``tried`` counts the steps from a twentieth of the recommended one up to it, and ``worst`` is the largest error among
+    them as a fraction of the allowed one.
+    """
+
+    how: int
+    largest: float = np.nan
+    recommended: float = np.nan
+    tried: int = 0
+    worst: float = np.nan
+
+
+class Case(NamedTuple):
+    """A start of the problem, as a multiple of u₀, u̇₀ and load, with what its reference says."""
+
+    problem: Problem
+    targets: dict[str, Target]
+    oscillation: Oscillation | None
+
+
+def told_of_starts(cases: dict[float, Case]) -> str:
+    """A sentence on the starts beside that of the problem: a multiple of nothing is no other start."""
+    own = cases[1.0].problem
+    others = [case.problem for factor, case in cases.items() if factor != 1.0]
+    if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):
+        return "No other start was tried: u, u̇ and the load are zero at the start."
+    return "So do runs from two starts, one percent below and above."
+
+
+def spacing(problem: Problem) -> float | None:
+    """Time between the samples of a record in the load; None if there is none, or its samples are unevenly spaced."""
+    gaps = np.diff(getattr(problem.load, "kinks", ()))
+    return float(gaps.mean()) if len(gaps) and np.ptp(gaps) < 1e-6 * gaps.mean() else None
+
+
+def _two_digits(x: float) -> float:
+    return float(f"{x:.1e}")
+
+
+def round_step(largest: float, spacing: float | None) -> float:
+    """The largest step up to another one that has two digits, or is a whole multiple or part of a spacing."""
+    largest *= 1 + 1e-9
+    if spacing is None:
+        unit = 10.0 ** (math.floor(math.log10(largest)) - 1)
+        return _two_digits(math.floor(largest / unit) * unit)
+    if largest >= spacing:
+        return math.floor(largest / spacing) * spacing
+    fewest = math.ceil(spacing / largest)
+    parts = (spacing / k for k in range(fewest, 2 * fewest + 1))
+    return next((part for part in parts if math.isclose(part, _two_digits(part))), spacing / fewest)
+
+
+class Search:
+    """Runs of one scheme on one problem.
+
+    Parameters
+    ----------
+    scheme
+        The scheme.
+    cases
+        The problem and its neighbours by the multiple of their start; that of 1 is the problem itself.
+    duration
+        Length of the runs, which end with the last step that fits into it.
+    coarsest, finest
+        Largest and smallest step.
+    of_energy
+        Whether the balance of energies is one of the quantities.
+
+    Attributes
+    ----------
+    runs
+        A row for each run: ``start``, ``dt``, ``steps``, ``status``, ``imbalance``, ``iterations``, and the error of
+        each quantity.
+    """
+
+    def __init__(
+        self, scheme: Scheme, cases: dict[float, Case], duration: float, coarsest: float, finest: float, of_energy: bool
+    ):
+        self.scheme, self.duration, self.coarsest, self.finest = scheme, duration, coarsest, finest
+        self._cases, self._of_energy = cases, of_energy
+        self._size, self._spacing = np.size(cases[1.0].problem.u0), spacing(cases[1.0].problem)
+        self.runs = pd.DataFrame()
+
+    def _run(self, start: float, dt: np.ndarray) -> pd.DataFrame:
+        """Runs from a multiple of the start, as rows."""
+        case = self._cases[start]
+        steps = np.maximum(np.floor(self.duration / dt * (1 + 1e-9)), 1).astype(int)
+        observe: list[str | Observer] = [*errors.observers(list(case.targets.values())), "newton_iterations"]
+        observe += ["energy_balance"] if case.problem.potential is not None else []
+        observe += [OscillationErrors(case.oscillation)] if case.oscillation else []
+        ds = run(case.problem, self.scheme, dt=dt, steps=steps, observe=observe, on_failure="ignore")
+        imbalance = ds.max_energy_imbalance.values / 100 if "max_energy_imbalance" in ds else np.nan
+        ends = np.minimum(steps * dt, self.duration)
+        found = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
+        found |= {ENERGY: imbalance} if self._of_energy else {}
+        found |= oscillation.errors(ds) if case.oscillation else {}
+        how = {"status": ds.status.values, "imbalance": imbalance, "iterations": ds.newton_iterations.values / steps}
+        return pd.DataFrame({"start": start, "dt": dt, "steps": steps} | how | found)
+
+    def run(self, dt: np.ndarray, start: float = 1.0) -> None:
+        """Run at some steps."""
+        size = len(dt) if self._size == 1 else AT_ONCE
+        parts = [self._run(start, dt[i : i + size]) for i in range(0, len(dt), size)]
+        self.runs = pd.concat([self.runs, *parts], ignore_index=True)
+
+    def octave(self, top: float, random: np.random.Generator) -> None:
+        """Run at random steps from half of one up to it, one in each of as many equal parts on a logarithmic scale."""
+        work = self.duration / top * self._size
+        most = int(np.clip(WORK / work, LEAST_RUNS[self._size == 1], MOST_RUNS))
+        for start in self._cases:
+            count = most if start == 1.0 else math.ceil(SHARE * most)
+            self.run(top * 2.0 ** (-(np.arange(count) + random.random(count)) / count), start)
+
+    def largest(self, name: str, allowed: float) -> float:
+        """Largest step tried below which all runs keep an error, also from other starts; zero if there is none."""
+        fails = ~(self.runs[name] <= KEPT * allowed)  # a failed run, NaN, counts as above
+        keep = (self.runs.dt < self.runs.dt[fails].min()) if fails.any() else self.runs.dt > 0
+        return self.runs.dt[keep & (self.runs.start == 1.0)].max() if keep.any() else 0.0
+
+    def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
+        """Run octave by octave until steps of a twentieth of what keeps each error are tried, then at round steps."""
+        random, top = np.random.default_rng(0), self.coarsest
+        while top > self.finest and not (
+            len(self.runs) and all(top <= TWENTIETH * self.largest(*limit) for limit in limits)
+        ):
+            tell(top)
+            self.octave(top, random)
+            top /= 2
+        while new := {self._round(limit) for limit in limits} - set(self.runs.dt[self.runs.start == 1.0]) - {0.0}:
+            self.run(np.array(sorted(new)))
+
+    def _round(self, limit: Limit) -> float:
+        largest = self.largest(*limit)
+        return round_step(largest, self._spacing) if largest else 0.0
+
+    def verdict(self, name: str, allowed: float) -> Recommendation:
+        """What the runs say about a quantity and its allowed error."""
+        step = self._round((name, allowed))
+        if not step:
+            return Recommendation(FINEST_FAILS)
+        own = self.runs[self.runs.start == 1.0]
+        around = own[(own.dt >= TWENTIETH * step) & (own.dt <= step)]
+        largest = self.largest(name, allowed)
+        how = COARSEST_KEEPS if largest == own.dt.max() else FOUND
+        return Recommendation(how, largest, step, len(around), around[name].max() / allowed)
