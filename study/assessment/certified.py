@@ -103,9 +103,7 @@ def certified(
     return Certified(one, targets, swing, apart, route, witness, rtol, horizon)
 
 
-def cases_of(
-    problem: Problem, reference: Certified, quantities: dict[str, Quantity], tightest: float
-) -> dict[float, Case]:
+def cases_of(problem: Problem, reference: Certified, quantities: dict[str, Quantity]) -> dict[float, Case]:
     """The problem and its neighbours, each with its own reference.
 
     Raises
@@ -120,7 +118,7 @@ def cases_of(
         if problem.kinked or problem.history is not None:  # its kinks have times of their own
             grid = own.with_kinks(grid)
         try:
-            one, *_ = own.solutions(grid, reference.rtol, AIMED * tightest)
+            one = own.solution(own.routes[0], grid, reference.rtol)
         except (ValueError, RuntimeError) as error:
             raise NoReference(
                 f"no reference of a start one percent from that of '{problem.title}' was found: {error}"

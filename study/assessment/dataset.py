@@ -83,7 +83,7 @@ def _times(
     """Times by scheme, taken one after the other; after Ctrl-C, of those that are done."""
     times = {}
     for name, one in found.items():
-        steps = one.runs.set_index("dt").steps
+        steps = one.runs.groupby("dt").steps.first()
         wanted = {v.recommended: int(steps[v.recommended]) for v in one.verdicts.values() if v.recommended > 0}
         try:
             times[name] = _timed(problem, schemes[name], duration, wanted) if wanted else {}

@@ -28,9 +28,6 @@ POINTS_BETWEEN_KINKS = 10
 #: Most grids that are tried.
 GRIDS = 6
 
-#: Error of the interpolant that is aimed at on a free oscillator of one unknown, where points are cheap.
-OF_FREE_OSCILLATOR = 1e-8
-
 #: Phase in radians of the highest mode over the run from which on explicit routes take too many steps.
 STIFF = 2e6
 
@@ -217,8 +214,6 @@ class Reference:
         goal
             Error of the interpolant that is aimed at, relative to the largest value.
         """
-        if not np.ndim(self.problem.u0) and self.problem.conservative:
-            goal = min(goal, OF_FREE_OSCILLATOR)
         for _ in range(GRIDS):
             one = self.solution(self.routes[0], grid, rtol)
             other = self.solution(self.routes[1], with_points_between(grid), rtol)

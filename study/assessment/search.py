@@ -10,6 +10,7 @@ import pandas as pd
 from study.assessment import errors, oscillation
 from study.assessment.errors import Target
 from study.assessment.oscillation import Oscillation, OscillationErrors
+from study.marching.ensemble import FEW, TILE, cores
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
@@ -23,20 +24,17 @@ COARSEST = 4
 #: unknown; of several, that over their number.
 FINEST, MOST_STEPS = 2048, 4_000_000
 
-#: Part of a step down to which finer ones are tried.
-TWENTIETH = 1 / 20
+#: Part of a step down to which finer ones are tried, and a larger multiple of it that will do if the step has shrunk.
+TWENTIETH, ENOUGH = 1 / 20, 1.1
 
 #: Runs of an octave: at most, of one unknown, whose lanes fill a tile, and of several unknowns.
 MOST_RUNS, LEAST_RUNS = 256, {True: 64, False: 4}
 
 #: Steps × unknowns of the runs of an octave, if that leaves enough runs.
-WORK = 8_000_000
+WORK = 2_000_000
 
-#: Most runs of a call: of several unknowns more would be compiled as a tile.
-AT_ONCE = 64
-
-#: Starts that must keep the error too, as multiples of u₀, u̇₀ and load, and their share of the runs of an octave.
-STARTS, SHARE = tuple(neighbouring_starts.values()), 1 / 4
+#: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
+STARTS = tuple(neighbouring_starts.values())
 
 #: Part of the allowed error that all steps tried must keep: a step that was not tried may have a somewhat larger one.
 KEPT = 0.9
@@ -86,9 +84,10 @@ def told_of_starts(cases: dict[float, Case]) -> str:
     return "So do runs from two starts, one percent below and above."
 
 
-def spacing(problem: Problem) -> float | None:
+def spacing(problem: Problem, duration: float) -> float | None:
     """Time between the samples of a record in the load; None if there is none, or its samples are unevenly spaced."""
-    gaps = np.diff(getattr(problem.load, "kinks", ()))
+    times = np.asarray(getattr(problem.load, "kinks", ()))
+    gaps = np.diff(times[times < duration])
     return float(gaps.mean()) if len(gaps) and np.ptp(gaps) < 1e-6 * gaps.mean() else None
 
 
@@ -137,7 +136,7 @@ class Search:
     ):
         self.scheme, self.duration, self.coarsest, self.finest = scheme, duration, coarsest, finest
         self._cases, self._of_energy = cases, of_energy
-        self._size, self._spacing = np.size(cases[1.0].problem.u0), spacing(cases[1.0].problem)
+        self._size, self._spacing = np.size(cases[1.0].problem.u0), spacing(cases[1.0].problem, duration)
         self.runs = pd.DataFrame()
 
     def _run(self, start: float, dt: np.ndarray) -> pd.DataFrame:
@@ -158,17 +157,15 @@ class Search:
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
         """Run at some steps."""
-        size = len(dt) if self._size == 1 else AT_ONCE
-        parts = [self._run(start, dt[i : i + size]) for i in range(0, len(dt), size)]
+        at_once = TILE * cores() if self._size == 1 else FEW
+        parts = [self._run(start, dt[i : i + at_once]) for i in range(0, len(dt), at_once)]
         self.runs = pd.concat([self.runs, *parts], ignore_index=True)
 
-    def octave(self, top: float, random: np.random.Generator) -> None:
-        """Run at random steps from half of one up to it, one in each of as many equal parts on a logarithmic scale."""
-        work = self.duration / top * self._size
-        most = int(np.clip(WORK / work, LEAST_RUNS[self._size == 1], MOST_RUNS))
-        for start in self._cases:
-            count = most if start == 1.0 else math.ceil(SHARE * most)
-            self.run(top * 2.0 ** (-(np.arange(count) + random.random(count)) / count), start)
+    def _stretch(self, bottom: float, top: float, random: np.random.Generator) -> None:
+        """Run at random steps, one in each of as many equal parts between two steps on a logarithmic scale."""
+        least = LEAST_RUNS[self._size == 1]
+        count = int(np.clip(WORK * top / self.duration / self._size, least, MOST_RUNS)) // least * least
+        self.run(top * (bottom / top) ** ((np.arange(count) + random.random(count)) / count))
 
     def largest(self, name: str, allowed: float) -> float:
         """Largest step tried below which all runs keep an error, also from other starts; zero if there is none."""
@@ -177,16 +174,19 @@ class Search:
         return self.runs.dt[keep & (self.runs.start == 1.0)].max() if keep.any() else 0.0
 
     def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
-        """Run octave by octave until steps of a twentieth of what keeps each error are tried, then at round steps."""
-        random, top = np.random.default_rng(0), self.coarsest
-        while top > self.finest and not (
-            len(self.runs) and all(top <= TWENTIETH * self.largest(*limit) for limit in limits)
-        ):
-            tell(top)
-            self.octave(top, random)
-            top /= 2
-        while new := {self._round(limit) for limit in limits} - set(self.runs.dt[self.runs.start == 1.0]) - {0.0}:
-            self.run(np.array(sorted(new)))
+        """Run octave by octave down to a twentieth of what keeps each error, and from all starts at round steps."""
+        random, top, least = np.random.default_rng(0), self.coarsest, 0.0
+        while True:
+            if top > max(ENOUGH * least, self.finest):
+                tell(top)
+                self._stretch(max(top / 2, least), top, random)
+                top = max(top / 2, least)
+            elif new := {self._round(limit) for limit in limits} - {0.0, *self.runs.dt[self.runs.start != 1.0]}:
+                for start in self._cases:
+                    self.run(np.array(sorted(new)), start)
+            else:
+                return
+            least = min((TWENTIETH * self.largest(*limit) for limit in limits), default=np.inf)
 
     def _round(self, limit: Limit) -> float:
         largest = self.largest(*limit)
