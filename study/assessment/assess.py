@@ -1,8 +1,10 @@
 """``study.assess``: the whole way from a problem to the scheme and the step that it needs."""
 
+import sys
+import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
 
 import jax
@@ -53,6 +55,12 @@ LEAST_ENERGY = 0.01
 
 #: Periods of a free oscillation that are run if no duration is given.
 PERIODS = 10
+
+#: Seconds between two lines that tell what is being done where there is no terminal.
+PAUSE = 5.0
+
+#: Points of the motion at which the highest frequency is sought, over the number of unknowns.
+STIFFEST = 100
 
 #: Steps in the shortest slow period of small motions, and such periods, of a run that estimates the period.
 ESTIMATE = 100, 40
@@ -220,6 +228,8 @@ def assess(
             f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps of which "
             f"{search.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
+    progress = _Progress(len(fit))
+    progress.tell(f"solving for a reference of '{equation.title}'")
     reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
     if length < asked_for:
@@ -235,25 +245,29 @@ def assess(
         of_energy = False
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
     names = [*asked, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
-    most = min(
-        search.MOST_STEPS, max(int(length * search.FINEST / slowest), search.MOST_STEPS // np.size(equation.u0))
-    )
+    of_run = search.FINEST_OF_RUN / np.size(equation.u0)
+    finest = length / min(search.MOST_STEPS, max(length * search.FINEST / slowest, of_run))
     limits = [(name, error) for name in names for error in allowed if error >= search.CERTAIN * uncertainty[name]]
 
     def of(scheme: Scheme) -> Assessed:
-        runs = Search(scheme, cases, length, min(coarsest, length), length / most, of_energy)
-        runs.search(limits)
+        runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy)
+        runs.search(limits, lambda top: progress.tell(f"{scheme.title}: steps of {top / 2:.3g} to {top:.3g} s"))
         verdicts = {limit: runs.verdict(*limit) for limit in limits}
         recommended = np.unique([one.recommended for one in verdicts.values() if one.recommended > 0])
         map_of_failures = failures.map_of(equation, scheme, length, coarsest, recommended) if maps else None
         return Assessed(runs.runs, verdicts, map_of_failures)
 
-    found = _each(fit, of)
+    found = _each(fit, of, progress)
     ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed, length)
     ds["reference_uncertainty"] = (
         "quantity",
         [uncertainty[name] for name in names],
         {"long_name": "difference of the reference from its witness, relative", "units": "1"},
+    )
+    ds["highest_frequency"] = (
+        (),
+        _highest_frequency(equation, reference.solution),
+        {"long_name": "highest circular frequency of small motions about points of the motion", "units": "s-1"},
     )
     titles = {name: one.long_name or name for name, one in (quantities or DEFAULT).items()}
     titles |= {ENERGY: "balance of energies, relative to the energy that was put in"} | oscillation.TITLES
@@ -296,20 +310,47 @@ def _asked_for(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]
     return asked
 
 
-def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed]) -> dict[str, Assessed]:
+class _Progress:
+    """What is being done: on a terminal a bar, elsewhere a line every few seconds at most."""
+
+    def __init__(self, schemes: int):
+        self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
+        self.stopped, self._told = False, -PAUSE
+
+    def tell(self, what: str) -> None:
+        """Tell what is being done; the place at which a thread ends after Ctrl-C."""
+        if self.stopped:
+            raise KeyboardInterrupt
+        if not self.bar.disable:
+            self.bar.set_postfix_str(what)
+        elif time.monotonic() >= self._told + PAUSE:
+            self._told = time.monotonic()
+            print(what, file=sys.stderr, flush=True)
+
+
+def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: _Progress) -> dict[str, Assessed]:
     """What was found out about each scheme; after Ctrl-C, about those that are done."""
-    found: dict[str, Assessed] = {}
-    with ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
+    with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
         waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}
         try:
-            for name in tqdm(waiting, disable=None, leave=False, unit="scheme"):
-                found[name] = waiting[name].result()
+            for one in as_completed(waiting.values()):
+                one.result()
+                progress.bar.update()
         except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
-            found = {name: one.result() for name, one in waiting.items() if one.done() and not one.cancelled()}
-            if not found:
-                raise
-            left = [name for name in schemes if name not in found]
-            if left:
-                warnings.warn(f"interrupted: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
+            progress.stopped = True
+            pool.shutdown(cancel_futures=True)
+    found = {name: one.result() for name, one in waiting.items() if not one.cancelled() and not one.exception()}
+    if not found:
+        raise KeyboardInterrupt
+    if left := [name for name in schemes if name not in found]:
+        warnings.warn(f"interrupted: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
     return found
+
+
+def _highest_frequency(problem: Problem, motion: DenseSolution) -> float:
+    """The highest circular frequency of small motions, at the start, at the largest displacement, and in between."""
+    last, unknowns = len(motion.t) - 1, np.size(problem.u0)
+    places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
+    farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()
+    found = (frequencies(problem, motion.u[place]) for place in {*places.tolist(), int(farthest)})
+    return max((float(one[-1]) for one in found if one is not None), default=np.nan)

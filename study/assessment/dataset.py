@@ -15,8 +15,8 @@ from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 from study.scheme.wrapper.with_history import WithHistory
 
-#: Timed runs of a recommended step, the seconds that suffice for each, and the most steps that short runs are given.
-REPEATS, ENOUGH, MOST_TIMED = 5, 0.005, 5_000
+#: Timed runs of a recommended step, the seconds that suffice for each, and the most steps of it that are timed.
+REPEATS, ENOUGH, MOST_TIMED = 5, 0.003, 20_000
 
 #: How a run can end; some steps of a scheme are not tried.
 STATUSES = ("completed", "newton_not_converged", "not_finite", "not_tried")
@@ -41,6 +41,7 @@ ATTRIBUTES = {
     "time_per_step": {"long_name": "time of a step", "units": "s"},
     "scheme": {"long_name": "time integration scheme"},
     "scheme_title": {"long_name": "name of the scheme"},
+    "kind": {"long_name": "whether a step needs no iteration"},
     "dt": {"long_name": "step size", "units": "s"},
     "steps": {"long_name": "number of steps", "units": "1"},
     "quantity": {"long_name": "what must be right"},
@@ -59,18 +60,19 @@ class Assessed(NamedTuple):
 def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: dict[float, int]) -> dict[float, tuple]:
     """Median time of the steps of a run and its interquartile range, by step size, of numbers of steps.
 
-    Short runs are timed over more steps of the same size, as many as a clock needs, and the time of a run of one step
-    is subtracted: it is that of the call. Where a run cannot be told from the call, its time has the call in it.
+    Runs are timed over as many steps of the same size as a clock needs, and the time of a run of one step is
+    subtracted: it is that of the call. Where a run cannot be told from the call, its time has the call in it.
     """
     timed = Timed(problem, scheme, ())
     call = np.median([timed.run(max(wanted), 1)[0] for _ in range(REPEATS)])
     times = {}
     for dt, steps in sorted(wanted.items(), reverse=True):
-        once = max(timed.run(dt, steps)[0] - call, ENOUGH * steps / MOST_TIMED)
-        most = max(steps, int(steps * ENOUGH / once))
+        first = min(steps, MOST_TIMED)
+        once = max(timed.run(dt, first)[0] - call, ENOUGH * first / MOST_TIMED)
+        most = max(first, int(first * ENOUGH / once))
         runs = [timed.run(dt, most) for _ in range(REPEATS)]
         if not all(completed for _, completed in runs):  # it fails beyond the time that is asked for
-            most, runs = steps, [timed.run(dt, steps) for _ in range(REPEATS)]
+            most, runs = first, [timed.run(dt, first) for _ in range(REPEATS)]
         low, median, high = np.quantile([taken for taken, _ in runs], [0.25, 0.5, 0.75])
         less = call if median > 2 * call else 0.0
         times[dt] = float((median - less) * steps / most), float((high - low) * steps / most)
@@ -132,7 +134,9 @@ def dataset_of(
         [of_scheme[n][dt][0] / own[n].steps[dt] if dt > 0 else np.nan for n, dt in finest.items()],
     )
     ds = ds.assign_coords(
-        scheme_title=("scheme", [schemes[name].title for name in found]), steps=tried.steps.max("scheme").astype(int)
+        scheme_title=("scheme", [schemes[name].title for name in found]),
+        kind=("scheme", ["explicit" if schemes[name].explicit else "implicit" for name in found]),
+        steps=tried.steps.max("scheme").astype(int)
     )
     for name, attributes in ATTRIBUTES.items():
         ds[name].attrs |= attributes

@@ -30,6 +30,9 @@ CLOSER, LOOKS = 65, 2
 #: Times at which a quantity is evaluated at once.
 AT_ONCE = 4096
 
+#: Intervals of the reference that a step may pass without a loop, which would take longer than all the rest.
+AHEAD = 4
+
 #: Values of a quantity at some times, with an axis for its components.
 Values = Float[np.ndarray, "t components"]
 
@@ -193,7 +196,7 @@ class ErrorsAlong(Reduction):
         ends = ([x[part] for x in (solution.u, solution.v, solution.a)] for part in (slice(-1), slice(1, None)))
         table = np.stack(quintic(*ends, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
         # a power of two, so that their number is no part of what is compiled; the last interval has no end
-        room = 2 ** math.ceil(math.log2(len(length) + 1)) - len(length)
+        room = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
         begin = np.append(solution.t[:-1], np.full(room, np.inf))
         numbers = begin, np.append(length, np.ones(room)), np.append(table, np.zeros((room, *table.shape[1:])), axis=0)
         scales = np.array([one.scale for one in targets])
@@ -208,6 +211,7 @@ class ErrorsAlong(Reduction):
 
     def update(self, carried, problem, state, t, effort):
         place, largest = carried
+        place += jnp.sum(self.begin[place + 1 + jnp.arange(AHEAD)] <= t)
         place = lax.while_loop(lambda i: self.begin[i + 1] <= t, lambda i: i + 1, place)
         s = (t - self.begin[place]) / self.length[place]
         polynomial = tuple(self.coefficients[place])

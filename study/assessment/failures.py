@@ -15,6 +15,9 @@ from study.scheme.base import Scheme
 EXCITATIONS = (0.25, 0.5, 1.0, 2.0, 4.0)
 STEPS = 2.0 ** -np.arange(-1, 6.25, 0.25)
 
+#: Most steps of a run of the map.
+MOST_STEPS = 30_000
+
 #: Outcomes of runs that may be trusted: their energy stays bounded and neighbours stay together.
 SAFE = (Outcome.ACCURATE, Outcome.BOUNDED)
 
@@ -41,7 +44,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     coarsest
         Coarsest step of a search, about which those of the map lie.
     recommended
-        Recommended steps, which are judged too but are no part of the map.
+        Recommended steps. Those that are not finer than the map are judged too, but are no part of it.
 
     Returns
     -------
@@ -49,7 +52,8 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
         ``outcome``, ``lyapunov_exponent``, ``max_newton_iterations`` over ``excitation`` and ``map_dt``;
         ``largest_safe_dt`` and ``failure``, a sentence on what limits it.
     """
-    dt = np.unique(np.append(recommended, coarsest * STEPS))[::-1]
+    drawn = coarsest * STEPS[STEPS >= min(1.0, duration / (coarsest * MOST_STEPS))]
+    dt = np.unique(np.append(recommended[recommended > drawn[-1]], drawn))[::-1]
     energy = ("energy_balance",) if problem.potential is not None else ()
     shape = (len(EXCITATIONS), len(dt))
     outcome, exponent, iterations = np.zeros(shape, np.int8), np.zeros(shape), np.zeros(shape)
@@ -72,7 +76,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
         largest = dt[last + 1] if last + 1 < len(dt) else np.nan
         ends = outcome[np.array(EXCITATIONS) <= 1, last]
         why = _cure(problem, scheme, ends.max(), dt[last])
-    shown = np.isin(dt, coarsest * STEPS)
+    shown = np.isin(dt, drawn)
     dims = ("excitation", "map_dt")
     return xr.Dataset(
         {

@@ -44,7 +44,7 @@ class Oscillation(eqx.Module):
     level: float = eqx.field(converter=jnp.asarray)
     rest: float = eqx.field(converter=jnp.asarray)
     crossing: float = eqx.field(converter=jnp.asarray)
-    crossings: int = eqx.field(static=True)
+    crossings: int = eqx.field(converter=jnp.asarray)
 
     def observers(self, dt: jax.Array) -> tuple[PeriodError, AmplitudeDecay]:
         """Observers of a run with a step."""

@@ -21,17 +21,20 @@ from study.scheme.base import Scheme
 COARSEST = 4
 
 #: Steps up to which a search goes: in a period of the slowest small motion, or, if that is more, in a run of one
-#: unknown; of several, that over their number.
-FINEST, MOST_STEPS = 2048, 4_000_000
+#: unknown; of several, that over their number. Most steps of any run.
+FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
 #: Part of a step down to which finer ones are tried, and a larger multiple of it that will do if the step has shrunk.
 TWENTIETH, ENOUGH = 1 / 20, 1.1
 
-#: Runs of an octave: at most, of one unknown, whose lanes fill a tile, and of several unknowns.
-MOST_RUNS, LEAST_RUNS = 256, {True: 64, False: 4}
+#: Most runs of an octave, and the least, of one unknown in tiles and otherwise.
+MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 256, TILE, 4
 
-#: Steps × unknowns of the runs of an octave, if that leaves enough runs.
-WORK = 2_000_000
+#: Steps × unknowns of the runs of an octave, if that leaves enough runs: of one unknown and of several.
+WORK = {True: 2_000_000, False: 4_000_000}
+
+#: Steps of a run of one unknown from which on it is made alone, and of one of few: a tile takes as long if it is empty.
+LONG, LONG_OF_FEW = 30_000, 7_500
 
 #: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
 STARTS = tuple(neighbouring_starts.values())
@@ -140,7 +143,7 @@ class Search:
         self.runs = pd.DataFrame()
 
     def _run(self, start: float, dt: np.ndarray) -> pd.DataFrame:
-        """Runs from a multiple of the start, as rows."""
+        """A run, or several at once, from a multiple of the start, as rows."""
         case = self._cases[start]
         steps = np.maximum(np.floor(self.duration / dt * (1 + 1e-9)), 1).astype(int)
         observe: list[str | Observer] = [*errors.observers(list(case.targets.values())), "newton_iterations"]
@@ -148,23 +151,27 @@ class Search:
         observe += [OscillationErrors(case.oscillation)] if case.oscillation else []
         ds = run(case.problem, self.scheme, dt=dt, steps=steps, observe=observe, on_failure="ignore")
         imbalance = ds.max_energy_imbalance.values / 100 if "max_energy_imbalance" in ds else np.nan
-        ends = np.minimum(steps * dt, self.duration)
+        ends = np.atleast_1d(np.minimum(steps * dt, self.duration))
         found = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
         found |= {ENERGY: imbalance} if self._of_energy else {}
         found |= oscillation.errors(ds) if case.oscillation else {}
         how = {"status": ds.status.values, "imbalance": imbalance, "iterations": ds.newton_iterations.values / steps}
-        return pd.DataFrame({"start": start, "dt": dt, "steps": steps} | how | found)
+        rows = {"start": start, "dt": dt, "steps": steps} | how | found
+        return pd.DataFrame({name: np.broadcast_to(values, len(ends)) for name, values in rows.items()})
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
         """Run at some steps."""
-        at_once = TILE * cores() if self._size == 1 else FEW
-        parts = [self._run(start, dt[i : i + at_once]) for i in range(0, len(dt), at_once)]
-        self.runs = pd.concat([self.runs, *parts], ignore_index=True)
+        long = LONG if len(dt) >= LEAST_IN_TILES else LONG_OF_FEW
+        alone = (self.duration / dt > long) & (self._size == 1)
+        at_once, together = TILE * cores() if self._size == 1 else FEW, dt[~alone]
+        parts = [*(together[i : i + at_once] for i in range(0, len(together), at_once)), *dt[alone]]
+        self.runs = pd.concat([self.runs, *(self._run(start, part) for part in parts)], ignore_index=True)
 
     def _stretch(self, bottom: float, top: float, random: np.random.Generator) -> None:
         """Run at random steps, one in each of as many equal parts between two steps on a logarithmic scale."""
-        least = LEAST_RUNS[self._size == 1]
-        count = int(np.clip(WORK * top / self.duration / self._size, least, MOST_RUNS)) // least * least
+        steps = self.duration / bottom
+        least = LEAST_IN_TILES if self._size == 1 and steps <= LONG else LEAST_RUNS
+        count = int(np.clip(WORK[self._size == 1] / steps / self._size, least, MOST_RUNS)) // least * least
         self.run(top * (bottom / top) ** ((np.arange(count) + random.random(count)) / count))
 
     def largest(self, name: str, allowed: float) -> float:
@@ -177,10 +184,11 @@ class Search:
         """Run octave by octave down to a twentieth of what keeps each error, and from all starts at round steps."""
         random, top, least = np.random.default_rng(0), self.coarsest, 0.0
         while True:
-            if top > max(ENOUGH * least, self.finest):
+            if top > ENOUGH * max(least, self.finest):
                 tell(top)
-                self._stretch(max(top / 2, least), top, random)
-                top = max(top / 2, least)
+                bottom = max(top / 2, least, self.finest)
+                self._stretch(bottom, top, random)
+                top = bottom
             elif new := {self._round(limit) for limit in limits} - {0.0, *self.runs.dt[self.runs.start != 1.0]}:
                 for start in self._cases:
                     self.run(np.array(sorted(new)), start)
