@@ -65,10 +65,11 @@ def check(name: str) -> None:
                 search.run(step * random.uniform(TWENTIETH, 1.0, STEPS))
                 runs[step] = search.runs
             error = runs[step][quantity].fillna(np.inf) / allowed
-            tried, worst = int(row.steps_tried.iloc[0]), row.worst_error.iloc[0]
+            one = row.iloc[0]
             print(
-                f"{name:15s} {scheme:22s} {quantity:13s} {allowed:5g}: step {step:.4g} ({step / row.largest_dt.iloc[0]:.2f}), "
-                f"{tried} tried, worst {worst:.2f}; fresh: {(error > 1).sum()} of {STEPS} exceed, largest {error.max():.3f}",
+                f"{name:15s} {scheme:22s} {quantity:13s} {allowed:5g}: step {step:.4g}, largest {one.largest_dt:.4g}, "
+                f"{one.steps_tried:.0f} tried, worst {one.worst_error:.2f}; "
+                f"fresh: {(error > 1).sum()} of {STEPS} exceed, worst {error.max():.3f}",
                 flush=True,
             )
 

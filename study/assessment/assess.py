@@ -159,10 +159,15 @@ def assess(
 ) -> xr.Dataset:
     """Find out which scheme and which step a problem needs for an error, by runs against a certified reference.
 
-    Two independent solvers give the reference and its uncertainty. Every scheme runs at ever finer steps, each half of
-    the one before, until it keeps the smallest error. Runs between them find the largest step that keeps each error and
-    from which on every finer step keeps it. Six finer steps, up to almost twice as fine, and two starts, one percent
-    apart from the given one, must keep it too; otherwise the search goes on to finer steps. No number is interpolated.
+    Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave
+    from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the smallest error:
+    up to 256 runs an octave, fewer where they have many steps. ``largest_dt`` is the largest step tried that keeps nine
+    tenths of an error, as all finer steps that were tried do. The recommended step is the largest below it that has two
+    digits, or under a record is a whole part or multiple of the spacing of its samples; it was run too, also from two
+    starts one percent apart from the given one. If none of n random finer steps exceeds the error, at most 3/n of such
+    steps do, with 95 % confidence. No number is interpolated.
+
+    A run ends with the last step that fits into the duration and is compared up to there, along time at every step.
 
     Parameters
     ----------
@@ -186,8 +191,11 @@ def assess(
     -------
     xarray.Dataset
         Over ``scheme``, ``dt`` and ``quantity``: ``error``, ``status``, ``energy_imbalance``, ``newton_iterations``,
-        NaN where a step was not tried. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt``,
-        ``verdict``, ``time`` with its spread, ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``.
+        NaN where a step was not tried. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt`` and the
+        error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
+        the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
+        ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is that of small
+        motions about points of the reference's motion.
         Attributes name the routes of the reference, the time up to which it holds, versions and processor.
         :func:`study.recommend` and :func:`study.report` take it.
 

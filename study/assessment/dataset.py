@@ -29,7 +29,10 @@ ATTRIBUTES = {
     "status": flags("how the run ended", STATUSES, np.int8),
     "energy_imbalance": {"long_name": "error of the balance of energies", "units": "1"},
     "newton_iterations": {"long_name": "Newton iterations a step", "units": "1"},
-    "recommended_dt": {"long_name": "recommended step: the largest round one below which all keep the error", "units": "s"},
+    "recommended_dt": {
+        "long_name": "recommended step: the largest round one below which all keep the error",
+        "units": "s",
+    },
     "largest_dt": {"long_name": "largest step tried below which all keep the error", "units": "s"},
     "recommended_error": {"long_name": "error at the recommended step", "units": "1"},
     "steps_tried": {"long_name": "steps tried from a twentieth of the recommended one up to it", "units": "1"},
@@ -136,7 +139,7 @@ def dataset_of(
     ds = ds.assign_coords(
         scheme_title=("scheme", [schemes[name].title for name in found]),
         kind=("scheme", ["explicit" if schemes[name].explicit else "implicit" for name in found]),
-        steps=tried.steps.max("scheme").astype(int)
+        steps=tried.steps.max("scheme").astype(int),
     )
     for name, attributes in ATTRIBUTES.items():
         ds[name].attrs |= attributes

@@ -59,7 +59,7 @@ Limit = tuple[str, float]
 class Recommendation(NamedTuple):
     """How a search ended, the largest step that keeps the error, the round one below it, and what confirms that.
 
-    ``tried`` counts the steps from a twentieth of the recommended one up to it, and ``worst`` is the largest error among
+    ``tried`` counts the steps from a twentieth of the recommended one up to it. ``worst`` is the largest error among
     them as a fraction of the allowed one.
     """
 
@@ -84,7 +84,7 @@ def told_of_starts(cases: dict[float, Case]) -> str:
     others = [case.problem for factor, case in cases.items() if factor != 1.0]
     if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):
         return "No other start was tried: u, u̇ and the load are zero at the start."
-    return "So do runs from two starts, one percent below and above."
+    return "Runs from two starts, one percent below and above, keep the error too."
 
 
 def spacing(problem: Problem, duration: float) -> float | None:

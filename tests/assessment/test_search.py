@@ -1,124 +1,130 @@
-"""The search for the largest step that keeps an error, on errors that are made up."""
+"""The search for the step that keeps an error, on errors that are made up."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from study.assessment import ladder
-from study.assessment.ladder import COARSEST_KEEPS, FINEST_FAILS, FOUND, UNCERTAIN, Ladder, Try
+import study
+from study.assessment.search import (
+    COARSEST_KEEPS,
+    FINEST_FAILS,
+    FOUND,
+    KEPT,
+    STARTS,
+    TWENTIETH,
+    Search,
+    round_step,
+    spacing,
+)
 
 
-class MadeUp(Ladder):
-    """A ladder whose runs have the error that a function of steps and start gives."""
+class MadeUp(Search):
+    """A search whose runs have the error that a function of step and start gives."""
 
-    def __init__(self, error):
-        self._error, self.tries, self.rungs, self._records, self.finest = error, {}, [], False, 4096
-        self._cases = dict.fromkeys((1.0, *ladder.STARTS))  # type: ignore[assignment]
+    def __init__(self, error, finest=1e-5, spacing=None):
+        self.duration, self.coarsest, self.finest, self._size, self._spacing = 100.0, 1.0, finest, 1, spacing
+        self._error, self._cases, self.runs = error, dict.fromkeys((1.0, *STARTS)), pd.DataFrame()
 
-    def run(self, steps, start=1.0):
-        if (steps, start) not in self.tries:
-            self.tries[steps, start] = Try({"u": self._error(steps, start)}, 0, -1, 0.0, 0.0)
-        return self.tries[steps, start]
+    def _run(self, start, dt):
+        dt = np.atleast_1d(dt)
+        return pd.DataFrame({"start": start, "dt": dt, "u": [self._error(one, start) for one in dt]})
 
 
-def searched(error, allowed=0.01, uncertainty=0.0):
-    made_up = MadeUp(error)
-    made_up.climb(16, allowed)
-    return made_up, made_up.verdicts([("u", allowed)], {"u": uncertainty})["u", allowed]
+def searched(error, allowed=0.01, **options):
+    made_up = MadeUp(error, **options)
+    made_up.search([("u", allowed)])
+    return made_up, made_up.verdict("u", allowed)
+
+
+def _tried_up_to(made_up, step):
+    own = made_up.runs[made_up.runs.start == 1.0]
+    return own[(own.dt <= step) & (own.dt >= TWENTIETH * step)]
 
 
 @pytest.mark.parametrize("order", [1, 2, 4, 8])
 def test_the_step_of_a_regular_error_is_found(order):
-    _, verdict = searched(lambda steps, start: start * (10 / steps) ** order, 0.01)
-    exact = 10 / 0.01 ** (1 / order)
-    assert verdict.how == FOUND and verdict.accidents == 0
-    assert exact <= verdict.steps <= 1.1 * exact
+    made_up, verdict = searched(lambda dt, start: start * dt**order)
+    exact = (KEPT * 0.01) ** (1 / order)
+    assert verdict.how == FOUND and 0.95 * exact <= verdict.largest <= exact
+    assert 0.9 * exact <= verdict.recommended <= verdict.largest
+    assert verdict.recommended == float(f"{verdict.recommended:.1e}")
+    assert verdict.tried == len(_tried_up_to(made_up, verdict.recommended)) > 100
+    assert made_up.runs.dt.min() < 1.2 * TWENTIETH * verdict.recommended
 
 
 def test_a_lucky_step_is_passed_over():
-    """An error that falls to nothing at a rung only, as by locking, and one that does so for one start only."""
-
-    def locked(steps, start):
-        return 1e-6 if steps == 64 else (40 / steps) ** 2
-
-    made_up, verdict = searched(locked)
-    assert verdict.how == FOUND and verdict.steps >= 400
-    assert made_up.run(64).errors["u"] < 0.01
-
-    def at_this_start(steps, start):
-        return 1e-6 if start == 1.0 and 64 <= steps <= 80 else (40 / steps) ** 2
-
-    _, verdict = searched(at_this_start)
-    assert verdict.steps >= 400
+    """An error that is small in a narrow band of steps only, and one that is small there from one start only."""
+    for lucky in (lambda start: True, lambda start: start == 1.0):
+        _, verdict = searched(lambda dt, start, lucky=lucky: 1e-6 if lucky(start) and 0.3 < dt < 0.5 else dt**2)
+        assert verdict.how == FOUND and 0.085 < verdict.largest < 0.1
 
 
-def test_the_ends_of_a_ladder_are_said_as_such():
-    assert searched(lambda steps, start: 1e-5 / steps)[1] == (16, COARSEST_KEEPS, 0)
-    assert searched(lambda steps, start: 0.5)[1][:2] == (-1, FINEST_FAILS)
-    assert searched(lambda steps, start: np.nan)[1][:2] == (-1, FINEST_FAILS)
-    assert searched(lambda steps, start: 1e-5, uncertainty=0.002)[1] == (-1, UNCERTAIN, 0)
-    assert searched(lambda steps, start: 1e-5 if start == 1.0 else 1.0)[1][:2] == (-1, FINEST_FAILS)
+def test_an_unlucky_stretch_of_steps_is_found():
+    """A hundredth of the steps up to the recommended one would exceed the error."""
+    _, verdict = searched(lambda dt, start: 0.02 if 0.050 < dt < 0.051 else dt**2)
+    assert verdict.recommended <= 0.05
 
 
-@settings(max_examples=200, deadline=None)
+def test_a_start_that_needs_finer_steps_sets_the_recommended_one():
+    made_up, verdict = searched(lambda dt, start: (30.0 if start < 1 else 1.0) * dt**2)
+    exact = np.sqrt(KEPT * 0.01 / 30)
+    assert verdict.how == FOUND and 0.9 * exact <= verdict.recommended <= exact
+    assert _tried_up_to(made_up, verdict.recommended).dt.min() < 1.2 * TWENTIETH * verdict.recommended
+
+
+def test_the_ends_of_a_search_are_said_as_such():
+    assert searched(lambda dt, start: 1e-5 * dt)[1].how == COARSEST_KEEPS
+    for constant in (0.5, np.nan):
+        assert searched(lambda dt, start, c=constant: c, finest=1e-3)[1].how == FINEST_FAILS
+    assert searched(lambda dt, start: 1e-5 if start == 1.0 else 1.0, finest=1e-3)[1].how == FINEST_FAILS
+
+
+@settings(max_examples=50, deadline=None)
 @given(
-    order=st.floats(0.5, 8),
-    bumps=st.lists(st.tuples(st.floats(4.0, 12.0), st.floats(0.001, 1000)), max_size=8),
-    allowed=st.floats(1e-4, 0.3),
-)
-def test_every_finer_run_keeps_the_error(order, bumps, allowed):
-    """Whatever the error does between the steps: what was run decides."""
-
-    def error(steps, start):
-        factor = np.prod([size for place, size in bumps if abs(np.log2(steps) - place) < 0.1], initial=1.0)
-        return factor * start * (20 / steps) ** order
-
-    made_up, verdict = searched(error, allowed)
-    if verdict.steps > 0:
-        finer = [steps for steps in made_up.steps_of() if steps >= verdict.steps]
-        assert len(finer) > 3 and all(error(steps, 1.0) <= allowed for steps in finer)
-        assert all(made_up.tries[verdict.steps, start].errors["u"] <= allowed for start in ladder.STARTS)
-
-
-@settings(max_examples=200, deadline=None)
-@given(
-    seed=st.integers(0, 2**32 - 1),
     order=st.floats(0.5, 4),
-    allowed=st.lists(st.floats(1e-3, 0.3), min_size=2, max_size=4, unique=True),
+    bumps=st.lists(st.tuples(st.floats(-8.0, 0.0), st.floats(0.001, 1000)), max_size=8),
+    allowed=st.lists(st.floats(1e-3, 0.3), min_size=1, max_size=3),
 )
-def test_no_verdict_is_contradicted_by_the_runs_of_another(seed, order, allowed):
-    """Errors that jump from step to step, as where the motion is chaotic at coarse steps."""
+def test_all_that_was_tried_below_a_recommended_step_keeps_the_error(order, bumps, allowed):
+    """Whatever the error does between the steps, and whatever other errors are asked for: what was run decides."""
 
-    def error(steps, start):
-        jump = np.random.default_rng((seed, steps)).lognormal(sigma=1.0)
-        return jump * start * (20 / steps) ** order
+    def error(dt, start):
+        factor = np.prod([size for place, size in bumps if abs(np.log2(dt) - place) < 0.1], initial=1.0)
+        return factor * start * dt**order
 
-    made_up = MadeUp(error)
-    made_up.climb(16, min(allowed))
-    found = made_up.verdicts([("u", limit) for limit in allowed], {"u": 0.0})
-    for (_, limit), verdict in found.items():
-        finer = [steps for steps in made_up.steps_of() if steps >= verdict.steps > 0]
-        assert all(error(steps, 1.0) <= limit for steps in finer)
-
-
-def test_a_start_that_needs_more_steps_sets_the_step():
-    """The error of a smooth scheme from another start is larger by a fifth, as near a separatrix."""
-    _, verdict = searched(lambda steps, start: (1.2 if start < 1 else 1.0) * (10 / steps) ** 2)
-    assert verdict.how == FOUND and 1 <= verdict.steps / (100 * np.sqrt(1.2)) <= 1.1
+    made_up = MadeUp(error, finest=1e-4)
+    made_up.search([("u", limit) for limit in allowed])
+    for limit in allowed:
+        verdict = made_up.verdict("u", limit)
+        if verdict.recommended > 0:
+            finer = made_up.runs[made_up.runs.dt <= verdict.recommended]
+            assert (finer.u <= KEPT * limit).all() and verdict.worst <= KEPT
+            assert set(finer[finer.dt == verdict.recommended].start) == {1.0, *STARTS}
 
 
-def test_finer_steps_are_tried_where_steps_are_few():
-    assert MadeUp(lambda steps, start: 1.0)._finer_ones(9) == [10, 11, 12, 13, 14, 15]
+@pytest.mark.parametrize(
+    "largest, between_samples, expected",
+    [
+        (0.02131, None, 0.021),
+        (0.21, None, 0.21),
+        (9.99, None, 9.9),
+        (1.0e-5, None, 1.0e-5),
+        (0.02131, 0.02, 0.02),
+        (0.065, 0.02, 0.06),
+        (0.0199, 0.02, 0.01),
+        (0.0067, 0.02, 0.005),
+        (0.0031, 0.02, 0.0025),
+        (0.003, 1 / 128, 1 / 384),
+    ],
+)
+def test_a_round_step_is_one_that_an_engineer_writes(largest, between_samples, expected):
+    assert round_step(largest, between_samples) == pytest.approx(expected, rel=1e-12)
 
 
-def test_a_start_that_needs_finer_steps_than_the_ladder_has_makes_it_climb():
-    """The finest rung of the ladder keeps the error from the given start only."""
-    made_up, verdict = searched(lambda steps, start: (30.0 if start < 1 else 1.0) * (10 / steps) ** 2)
-    assert verdict.how == FOUND and 1 <= verdict.steps / (100 * np.sqrt(30.0)) <= 1.1
-    assert made_up.rungs[-1] > 400
-
-
-def test_coarser_steps_that_keep_the_error_by_accident_are_counted():
-    _, verdict = searched(lambda steps, start: 1e-6 if steps in (32, 64) else (40 / steps) ** 2)
-    assert verdict.how == FOUND and verdict.accidents == 2
+def test_the_spacing_of_a_record_is_found_in_the_load():
+    ground = study.GroundMotion(np.sin(np.arange(100)), 0.02)
+    assert spacing(study.Problem(lambda u: u, 0.0, ground=ground), 1.0) == pytest.approx(0.02)
+    assert spacing(study.Problem(lambda u: u, 0.0, ground=study.GroundMotion(np.ones(2), 10.0)), 1.0) is None
+    assert spacing(study.problems["hardening"], 1.0) is None
