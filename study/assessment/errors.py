@@ -193,8 +193,8 @@ class ErrorsAlong(Reduction):
     def of(cls, targets: Sequence[Target]) -> "ErrorsAlong":
         """The observer of targets with one reference."""
         solution, length = targets[0].solution, np.diff(targets[0].solution.t)
-        ends = ([x[part] for x in (solution.u, solution.v, solution.a)] for part in (slice(-1), slice(1, None)))
-        table = np.stack(quintic(*ends, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
+        before, after = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
+        table = np.stack(quintic(before, after, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
         # a power of two, so that their number is no part of what is compiled; the last interval has no end
         room = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
         begin = np.append(solution.t[:-1], np.full(room, np.inf))

@@ -40,11 +40,11 @@ class Oscillation(eqx.Module):
     """
 
     # arrays, so that they are no part of what is compiled
-    period: float = eqx.field(converter=jnp.asarray)
-    level: float = eqx.field(converter=jnp.asarray)
-    rest: float = eqx.field(converter=jnp.asarray)
-    crossing: float = eqx.field(converter=jnp.asarray)
-    crossings: int = eqx.field(converter=jnp.asarray)
+    period: jax.Array
+    level: jax.Array
+    rest: jax.Array
+    crossing: jax.Array
+    crossings: jax.Array
 
     def observers(self, dt: jax.Array) -> tuple[PeriodError, AmplitudeDecay]:
         """Observers of a run with a step."""
@@ -103,13 +103,13 @@ def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None
         return None
     period = float((times[-1] - times[0]) / (len(times) - 1))
     rest = brentq(lambda u: float(force(u)), low, high, xtol=1e-14)
-    return Oscillation(period, level, rest, float(times[0]) / period, len(times))
+    return Oscillation(*map(jnp.asarray, (period, level, rest, times[0] / period, len(times))))
 
 
 def uncertainties(one: Oscillation, other: Oscillation, displacement: float) -> dict[str, float]:
     """Uncertainty of each quantity, from two references and the uncertainty of the displacement."""
-    period = abs(one.period - other.period) / one.period
-    return {"period": period, "phase": period * one.crossings, "amplitude": displacement / one.crossings}
+    period, crossings = float(abs(one.period - other.period) / one.period), int(one.crossings)
+    return {"period": period, "phase": period * crossings, "amplitude": displacement / crossings}
 
 
 def errors(runs: xr.Dataset) -> dict[str, np.ndarray]:

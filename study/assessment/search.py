@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -28,10 +30,13 @@ FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 TWENTIETH, ENOUGH = 1 / 20, 1.1
 
 #: Most runs of an octave, and the least, of one unknown in tiles and otherwise.
-MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 256, TILE, 4
+MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 
 #: Steps × unknowns of the runs of an octave, if that leaves enough runs: of one unknown and of several.
 WORK = {True: 2_000_000, False: 4_000_000}
+
+#: Runs up to an octave below a recommended step, where errors are largest, and their steps × unknowns at most.
+CONFIRMED, WORK_OF_CONFIRMED = 500, {True: 10_000_000, False: 4_000_000}
 
 #: Steps of a run of one unknown from which on it is made alone, and of one of few: a tile takes as long if it is empty.
 LONG, LONG_OF_FEW = 30_000, 7_500
@@ -40,7 +45,7 @@ LONG, LONG_OF_FEW = 30_000, 7_500
 STARTS = tuple(neighbouring_starts.values())
 
 #: Part of the allowed error that all steps tried must keep: a step that was not tried may have a somewhat larger one.
-KEPT = 0.9
+KEPT = 0.85
 
 #: Least ratio of an error to the uncertainty of the reference.
 CERTAIN = 10
@@ -70,12 +75,20 @@ class Recommendation(NamedTuple):
     worst: float = np.nan
 
 
-class Case(NamedTuple):
+@dataclass(frozen=True)
+class Case:
     """A start of the problem, as a multiple of u₀, u̇₀ and load, with what its reference says."""
 
     problem: Problem
     targets: dict[str, Target]
     oscillation: Oscillation | None
+
+    @cached_property
+    def observe(self) -> list[str | Observer]:
+        """What a run must observe."""
+        of_energy = ["energy_balance"] if self.problem.potential is not None else []
+        of_oscillation = [OscillationErrors(self.oscillation)] if self.oscillation else []
+        return [*errors.observers(list(self.targets.values())), "newton_iterations", *of_energy, *of_oscillation]
 
 
 def told_of_starts(cases: dict[float, Case]) -> str:
@@ -140,23 +153,24 @@ class Search:
         self.scheme, self.duration, self.coarsest, self.finest = scheme, duration, coarsest, finest
         self._cases, self._of_energy = cases, of_energy
         self._size, self._spacing = np.size(cases[1.0].problem.u0), spacing(cases[1.0].problem, duration)
-        self.runs = pd.DataFrame()
+        self.runs, self._random = pd.DataFrame(), np.random.default_rng(0)
 
     def _run(self, start: float, dt: np.ndarray) -> pd.DataFrame:
         """A run, or several at once, from a multiple of the start, as rows."""
         case = self._cases[start]
         steps = np.maximum(np.floor(self.duration / dt * (1 + 1e-9)), 1).astype(int)
-        observe: list[str | Observer] = [*errors.observers(list(case.targets.values())), "newton_iterations"]
-        observe += ["energy_balance"] if case.problem.potential is not None else []
-        observe += [OscillationErrors(case.oscillation)] if case.oscillation else []
-        ds = run(case.problem, self.scheme, dt=dt, steps=steps, observe=observe, on_failure="ignore")
+        ds = run(case.problem, self.scheme, dt=dt, steps=steps, observe=case.observe, on_failure="ignore")
         imbalance = ds.max_energy_imbalance.values / 100 if "max_energy_imbalance" in ds else np.nan
         ends = np.atleast_1d(np.minimum(steps * dt, self.duration))
-        found = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
+        found: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
         found |= {ENERGY: imbalance} if self._of_energy else {}
         found |= oscillation.errors(ds) if case.oscillation else {}
-        how = {"status": ds.status.values, "imbalance": imbalance, "iterations": ds.newton_iterations.values / steps}
-        rows = {"start": start, "dt": dt, "steps": steps} | how | found
+        how: dict[str, Any] = {
+            "status": ds.status.values,
+            "imbalance": imbalance,
+            "iterations": ds.newton_iterations.values / steps,
+        }
+        rows: dict[str, Any] = {"start": start, "dt": dt, "steps": steps} | how | found
         return pd.DataFrame({name: np.broadcast_to(values, len(ends)) for name, values in rows.items()})
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
@@ -167,12 +181,24 @@ class Search:
         parts = [*(together[i : i + at_once] for i in range(0, len(together), at_once)), *dt[alone]]
         self.runs = pd.concat([self.runs, *(self._run(start, part) for part in parts)], ignore_index=True)
 
-    def _stretch(self, bottom: float, top: float, random: np.random.Generator) -> None:
+    def _stretch(self, bottom: float, top: float) -> None:
+        """Run at random steps between two steps, as many as their work allows."""
+        steps, alone = self.duration / bottom, self._size > 1 or self.duration / bottom > LONG
+        least = LEAST_RUNS if alone else LEAST_IN_TILES
+        self._draw(
+            bottom, top, int(np.clip(WORK[self._size == 1] / steps / self._size, least, MOST_RUNS)) // least * least
+        )
+
+    def _draw(self, bottom: float, top: float, count: int) -> None:
         """Run at random steps, one in each of as many equal parts between two steps on a logarithmic scale."""
-        steps = self.duration / bottom
-        least = LEAST_IN_TILES if self._size == 1 and steps <= LONG else LEAST_RUNS
-        count = int(np.clip(WORK[self._size == 1] / steps / self._size, least, MOST_RUNS)) // least * least
-        self.run(top * (bottom / top) ** ((np.arange(count) + random.random(count)) / count))
+        self.run(top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count))
+
+    def _unconfirmed(self, step: float) -> int:
+        """Runs that are missing up to an octave below a step."""
+        work = 2 * self.duration / step * self._size
+        wanted = min(CONFIRMED, int(WORK_OF_CONFIRMED[self._size == 1] / work))
+        own = self.runs.dt[self.runs.start == 1.0]
+        return wanted - int(((own >= step / 2) & (own <= step)).sum())
 
     def largest(self, name: str, allowed: float) -> float:
         """Largest step tried below which all runs keep an error, also from other starts; zero if there is none."""
@@ -181,17 +207,21 @@ class Search:
         return self.runs.dt[keep & (self.runs.start == 1.0)].max() if keep.any() else 0.0
 
     def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
-        """Run octave by octave down to a twentieth of what keeps each error, and from all starts at round steps."""
-        random, top, least = np.random.default_rng(0), self.coarsest, 0.0
+        """Run down to a twentieth of what keeps each error, from all starts at round steps, and again below these."""
+        top, least = self.coarsest, 0.0
         while True:
+            steps = {self._round(limit) for limit in limits} - {0.0} if len(self.runs) else set()
             if top > ENOUGH * max(least, self.finest):
                 tell(top)
                 bottom = max(top / 2, least, self.finest)
-                self._stretch(bottom, top, random)
+                self._stretch(bottom, top)
                 top = bottom
-            elif new := {self._round(limit) for limit in limits} - {0.0, *self.runs.dt[self.runs.start != 1.0]}:
+            elif new := steps - {*self.runs.dt[self.runs.start != 1.0]}:
                 for start in self._cases:
                     self.run(np.array(sorted(new)), start)
+            elif missing := [(step, count) for step in steps if (count := self._unconfirmed(step)) > 0]:
+                tell(max(missing)[0])
+                self._draw(max(missing)[0] / 2, *max(missing))
             else:
                 return
             least = min((TWENTIETH * self.largest(*limit) for limit in limits), default=np.inf)

@@ -43,8 +43,8 @@ def _chosen(condition, value, other):
 
 def _quintic(problem: Problem, before, now, dt, of_v: bool = False):
     """Quintic of a step between two pairs of u and u̇, with the accelerations of the free motion there."""
-    ends = ((u, v, acceleration(problem, 0.0, u, v)) for u, v in (before, now))
-    return quintic(*ends, dt, of_v)
+    start, end = ((u, v, acceleration(problem, 0.0, u, v)) for u, v in (before, now))
+    return quintic(start, end, dt, of_v)
 
 
 class TrajectoryError(Reduction):

@@ -25,7 +25,9 @@ class MadeUp(Search):
 
     def __init__(self, error, finest=1e-5, spacing=None):
         self.duration, self.coarsest, self.finest, self._size, self._spacing = 100.0, 1.0, finest, 1, spacing
-        self._error, self._cases, self.runs = error, dict.fromkeys((1.0, *STARTS)), pd.DataFrame()
+        self._error, self.runs = error, pd.DataFrame()
+        self._cases = dict.fromkeys((1.0, *STARTS))  # type: ignore[assignment]
+        self._random = np.random.default_rng(1)
 
     def _run(self, start, dt):
         dt = np.atleast_1d(dt)
