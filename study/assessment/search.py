@@ -44,8 +44,9 @@ LONG, LONG_OF_FEW = 30_000, 7_500
 #: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
 STARTS = tuple(neighbouring_starts.values())
 
-#: Part of the allowed error that all steps tried must keep: a step that was not tried may have a somewhat larger one.
-KEPT = 0.85
+#: Quantile of the errors up to an octave below a step. Steps that were not tried may exceed the worst error by as much
+#: as that exceeds this quantile.
+USUAL = 0.9
 
 #: Least ratio of an error to the uncertainty of the reference.
 CERTAIN = 10
@@ -201,29 +202,37 @@ class Search:
         return wanted - int(((own >= step / 2) & (own <= step)).sum())
 
     def largest(self, name: str, allowed: float) -> float:
-        """Largest step tried below which all runs keep an error, also from other starts; zero if there is none."""
-        fails = ~(self.runs[name] <= KEPT * allowed)  # a failed run, NaN, counts as above
-        keep = (self.runs.dt < self.runs.dt[fails].min()) if fails.any() else self.runs.dt > 0
-        return self.runs.dt[keep & (self.runs.start == 1.0)].max() if keep.any() else 0.0
+        """Largest step tried below which all runs keep an error, with room for their scatter; zero if there is none."""
+        fails = self.runs.dt[~(self.runs[name] <= allowed)].min()  # a failed run, NaN, counts as above
+        own = self.runs[(self.runs.start == 1.0) & ~(self.runs.dt >= fails)]
+        dt, error = own.dt.to_numpy(), own[name].to_numpy()
+        while dt.size:
+            step = dt.max()
+            octave = error[dt > step / 2]
+            if 2 * octave.max() - np.quantile(octave, USUAL) <= allowed:
+                return step
+            dt, error = dt[dt < 0.99 * step], error[dt < 0.99 * step]
+        return 0.0
 
     def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
         """Run down to a twentieth of what keeps each error, from all starts at round steps, and again below these."""
         top, least = self.coarsest, 0.0
         while True:
-            steps = {self._round(limit) for limit in limits} - {0.0} if len(self.runs) else set()
             if top > ENOUGH * max(least, self.finest):
                 tell(top)
                 bottom = max(top / 2, least, self.finest)
                 self._stretch(bottom, top)
                 top = bottom
-            elif new := steps - {*self.runs.dt[self.runs.start != 1.0]}:
-                for start in self._cases:
-                    self.run(np.array(sorted(new)), start)
-            elif missing := [(step, count) for step in steps if (count := self._unconfirmed(step)) > 0]:
-                tell(max(missing)[0])
-                self._draw(max(missing)[0] / 2, *max(missing))
             else:
-                return
+                steps = {self._round(limit) for limit in limits} - {0.0}
+                if new := steps - {*self.runs.dt[self.runs.start != 1.0]}:
+                    for start in self._cases:
+                        self.run(np.array(sorted(new)), start)
+                elif missing := [(step, count) for step in steps if (count := self._unconfirmed(step)) > 0]:
+                    tell(max(missing)[0])
+                    self._draw(max(missing)[0] / 2, *max(missing))
+                else:
+                    return
             least = min((TWENTIETH * self.largest(*limit) for limit in limits), default=np.inf)
 
     def _round(self, limit: Limit) -> float:

@@ -61,7 +61,7 @@ def test_a_recommended_step_keeps_its_error_against_another_solver(driven, asses
     step = one.recommended_dt.item()
     assert step == float(f"{step:.1e}") <= one.largest_dt and one.steps_tried > 300
     assert error(step) == pytest.approx(one.recommended_error.item(), rel=1e-3)
-    assert one.worst_error <= 0.9 and error(4 / 3 * one.largest_dt.item()) > 0.9 * allowed
+    assert one.worst_error <= 1 and error(4 / 3 * one.largest_dt.item()) > allowed
 
 
 @pytest.mark.parametrize("reduce", ["peak", "final", "rms"])
