@@ -51,7 +51,7 @@ def check(name: str) -> None:
     ds = assess(problem, SCHEMES, duration=duration, quantities=quantities, errors=(0.1, 0.01), maps=False)
     equation, asked = excited(problem, 1.0, displaced=True), errors.named(quantities)
     reference = certified(equation, ds.duration, asked, 0.01, duration / COARSEST, quantities is None)
-    case = cases_of(equation, reference, asked)[1.0]
+    case = cases_of(equation, reference, asked, 0.01)[1.0]
     random = np.random.default_rng(SEED)
     for scheme in ds.scheme.values:
         runs = {}

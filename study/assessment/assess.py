@@ -248,7 +248,7 @@ def assess(
             RuntimeWarning,
             stacklevel=2,
         )
-    cases = cases_of(equation, reference, asked)
+    cases = cases_of(equation, reference, asked, allowed[-1])
     if of_energy and (lacking := _lack_of_energy(equation, reference.solution)):
         warnings.warn(lacking, RuntimeWarning, stacklevel=2)
         of_energy = False

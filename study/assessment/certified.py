@@ -103,7 +103,9 @@ def certified(
     return Certified(one, targets, swing, apart, route, witness, rtol, horizon)
 
 
-def cases_of(problem: Problem, reference: Certified, quantities: dict[str, Quantity]) -> dict[float, Case]:
+def cases_of(
+    problem: Problem, reference: Certified, quantities: dict[str, Quantity], tightest: float
+) -> dict[float, Case]:
     """The problem and its neighbours, each with its own reference.
 
     Raises
@@ -115,10 +117,11 @@ def cases_of(problem: Problem, reference: Certified, quantities: dict[str, Quant
     for factor in search.STARTS:
         neighbour = excited(problem, factor, displaced=True)
         own, grid = Reference(neighbour, reference.horizon), reference.solution.t
-        if problem.kinked or problem.history is not None:  # its kinks have times of their own
-            grid = own.with_kinks(grid)
         try:
-            one = own.solution(own.routes[0], grid, reference.rtol)
+            if problem.kinked or problem.history is not None:  # its kinks have times of their own
+                one, *_ = own.solutions(own.with_kinks(grid), reference.rtol, AIMED * tightest)
+            else:
+                one = own.solution(own.routes[0], grid, reference.rtol)
         except (ValueError, RuntimeError) as error:
             raise NoReference(
                 f"no reference of a start one percent from that of '{problem.title}' was found: {error}"

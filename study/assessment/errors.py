@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from functools import partial
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import equinox as eqx
 import jax
@@ -112,7 +111,8 @@ def _check_finite(values: Values, times: Times, quantity: Quantity, problem: Pro
         raise ValueError(f"the quantity '{name}' of '{problem.title}' is not finite at t = {t:g} of the reference.")
 
 
-class Target(NamedTuple):
+@dataclass(frozen=True)
+class Target:
     """What a quantity should be, and by what its errors are divided.
 
     Attributes
@@ -146,8 +146,11 @@ class Target(NamedTuple):
             return np.sqrt((total + rest) / ends[:, None])
         sizes = np.abs(self.values)
         so_far = np.maximum(np.maximum.accumulate(sizes)[before], np.abs(at_end))
-        peak = _peak(self.quantity, self.problem, self.solution, self.times, self.values)
-        return np.where(self.times[sizes.argmax(axis=0)] <= ends[:, None], peak, so_far)
+        return np.where(self.times[sizes.argmax(axis=0)] <= ends[:, None], self._peak, so_far)
+
+    @cached_property
+    def _peak(self) -> np.ndarray:
+        return _peak(self.quantity, self.problem, self.solution, self.times, self.values)
 
 
 def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Target:
@@ -169,7 +172,7 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Tar
             "to it has no meaning."
         )
     found = Target(quantity, problem, solution, times, values, scale)
-    return found if quantity.reduce in (None, "final") else found._replace(scale=float(found.until(times[-1:]).max()))
+    return found if quantity.reduce in (None, "final") else replace(found, scale=float(found.until(times[-1:]).max()))
 
 
 class ErrorsAlong(Reduction):

@@ -70,8 +70,9 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
             f"{titles[one.Index]} ({one.kind}) with Δt = {one.step_size:.4g} s "
             f"({one.number_of_steps:.0f} steps{f', {_time(one.time)}' if one.time > 0 else ''})"
         )
-        if "largest_safe_dt" in assessed and not one.step_size <= assessed.largest_safe_dt.sel(scheme=one.Index):
-            text += ", which is beyond its largest safe step (see how it fails)"
+        if "largest_safe_dt" in assessed and one.step_size >= assessed.map_dt.min():
+            safe = assessed.largest_safe_dt.sel(scheme=one.Index)
+            text += "" if one.step_size <= safe else ", which is beyond its largest safe step (see how it fails)"
         best.append(text + (", the coarsest step tried" if one.verdict == "already the coarsest step" else ""))
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
     return f"For {_percent(error)} of {quantity}: {'; '.join(best)}." + (

@@ -225,7 +225,7 @@ class Search:
                 top = bottom
             else:
                 steps = {self._round(limit) for limit in limits} - {0.0}
-                if new := steps - {*self.runs.dt[self.runs.start != 1.0]}:
+                if new := steps - {*self.runs.dt[self.runs.start == 1.0]}:
                     for start in self._cases:
                         self.run(np.array(sorted(new)), start)
                 elif missing := [(step, count) for step in steps if (count := self._unconfirmed(step)) > 0]:
