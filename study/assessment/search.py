@@ -33,10 +33,10 @@ TWENTIETH, ENOUGH = 1 / 20, 1.1
 MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 
 #: Steps × unknowns of the runs of an octave, if that leaves enough runs: of one unknown and of several.
-WORK = {True: 2_000_000, False: 4_000_000}
+WORK = {True: 1_500_000, False: 4_000_000}
 
 #: Runs up to an octave below a recommended step, where errors are largest, and their steps × unknowns at most.
-CONFIRMED, WORK_OF_CONFIRMED = 500, {True: 10_000_000, False: 4_000_000}
+CONFIRMED, WORK_OF_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}
 
 #: Steps of a run of one unknown from which on it is made alone, and of one of few: a tile takes as long if it is empty.
 LONG, LONG_OF_FEW = 30_000, 7_500
