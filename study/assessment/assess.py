@@ -17,15 +17,13 @@ from study.assessment import errors, failures, oscillation, search
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.errors import DEFAULT
+from study.assessment.periods import highest_frequency, length_of, slowest_period
 from study.assessment.search import ENERGY, Search
 from study.assessment.solution import DenseSolution
 from study.io import processor
 from study.marching.arguments import resolve
 from study.marching.ensemble import cores
-from study.marching.run import run
-from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
-from study.mechanics.frequencies import frequencies
 from study.mechanics.loads import excited
 from study.observer.motion import Quantity
 from study.problem.named import problems
@@ -53,17 +51,8 @@ LEAST_ERROR = 1e-10
 #: Least energy at the start, over the largest kinetic energy, to which errors of its balance can be related.
 LEAST_ENERGY = 0.01
 
-#: Periods of a free oscillation that are run if no duration is given.
-PERIODS = 10
-
 #: Seconds between two lines that tell what is being done where there is no terminal.
 PAUSE = 5.0
-
-#: Points of the motion at which the highest frequency is sought, over the number of unknowns.
-STIFFEST = 100
-
-#: Steps in the shortest slow period of small motions, and such periods, of a run that estimates the period.
-ESTIMATE = 100, 40
 
 
 def _checked(one: str | Scheme) -> Scheme:
@@ -103,49 +92,6 @@ def _checked_errors(allowed: Sequence[float]) -> list[float]:
             "of less."
         )
     return sorted(set(values.tolist()), reverse=True)
-
-
-def _slowest_period(problem: Problem) -> float | None:
-    """Period of the slowest small motion, the shorter one of those about the start and about u = 0."""
-    oscillating = []
-    for at in (problem.u0, np.zeros(np.shape(problem.u0))):
-        found = frequencies(problem, at)
-        if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
-            oscillating.append(2 * np.pi / found[of_motion])
-    if not oscillating:  # the start and u = 0 are on hills: the time in which the start would be left
-        pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
-        far = np.abs(problem.u0).max()
-        return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None
-    return float(min(one.max() for one in oscillating))
-
-
-def _period(problem: Problem) -> float | None:
-    """About the period of a free oscillator of one unknown; None if it is none."""
-    slowest = _slowest_period(problem)
-    if np.ndim(problem.u0) or not problem.conservative or slowest is None:
-        return None
-    ds = run(problem, "rk4", dt=slowest / ESTIMATE[0], steps=ESTIMATE[0] * ESTIMATE[1], on_failure="ignore")
-    u = ds.u.values - (ds.u.max().item() + ds.u.min().item()) / 2
-    crossed = np.flatnonzero((u[:-1] < 0) & (u[1:] >= 0))
-    return float(np.diff(ds.t.values[crossed]).mean()) if len(crossed) > 1 else None
-
-
-def length_of(problem: Problem, duration: float | None) -> float:
-    """Length of the runs: as given, or ten periods of a free oscillator.
-
-    Raises
-    ------
-    ValueError
-        If it is no positive time, or the problem has no period to count in.
-    """
-    if duration is not None:
-        if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
-            raise ValueError(f"duration must be a time in seconds greater than zero, not {duration!r}.")
-        return float(duration)
-    period = _period(problem)
-    if period is None:
-        raise ValueError(f"'{problem.title}' has no period to count in: give duration=, the time to be run.")
-    return PERIODS * period
 
 
 def assess(
@@ -230,7 +176,7 @@ def assess(
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))
-    slowest = _slowest_period(equation) or length / search.COARSEST
+    slowest = slowest_period(equation) or length / search.COARSEST
     coarsest = slowest / search.COARSEST
     if length / coarsest > search.MOST_STEPS:
         raise ValueError(
@@ -275,7 +221,7 @@ def assess(
     )
     ds["highest_frequency"] = (
         (),
-        _highest_frequency(equation, reference.solution),
+        highest_frequency(equation, reference.solution),
         {"long_name": "highest circular frequency of small motions about points of the motion", "units": "s-1"},
     )
     titles = {name: one.long_name or name for name, one in (quantities or DEFAULT).items()}
@@ -354,12 +300,3 @@ def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress
     if left := [name for name in schemes if name not in found]:
         warnings.warn(f"interrupted: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
     return found
-
-
-def _highest_frequency(problem: Problem, motion: DenseSolution) -> float:
-    """The highest circular frequency of small motions, at the start, at the largest displacement, and in between."""
-    last, unknowns = len(motion.t) - 1, np.size(problem.u0)
-    places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
-    farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()
-    found = (frequencies(problem, motion.u[place]) for place in {*places.tolist(), int(farthest)})
-    return max((float(one[-1]) for one in found if one is not None), default=np.nan)
