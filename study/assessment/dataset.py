@@ -128,10 +128,11 @@ def dataset_of(
     variables = ["verdict", "largest_dt", "recommended_dt", "steps_tried", "worst_error", "recommended_error"]
     verdicts = pd.DataFrame(rows, columns=[*index, *variables, "time", "time_spread", "force_evaluations"])
     ds = verdicts.set_index(index).to_xarray().sel(scheme=list(found), quantity=names, allowed_error=allowed)
+    ds = ds.assign(verdict=ds.verdict.astype(np.int8), steps_tried=ds.steps_tried.astype(np.int32))
     ds["error"] = tried[names].to_dataarray("quantity").transpose("scheme", "dt", "quantity")
     ds["status"] = tried.status.fillna(NOT_TRIED).astype(np.int8)
     ds["energy_imbalance"], ds["newton_iterations"] = tried.imbalance, tried.iterations
-    finest = {name: min(times, default=np.nan) for name, times in of_scheme.items()}
+    finest = {name: min(of_scheme.get(name, {}), default=np.nan) for name in found}
     ds["time_per_step"] = (
         "scheme",
         [of_scheme[n][dt][0] / own[n].steps[dt] if dt > 0 else np.nan for n, dt in finest.items()],
