@@ -8,6 +8,7 @@ import xarray as xr
 
 from study import io
 from study.registry import UnknownName, did_you_mean
+from study.scheme.named import schemes
 
 #: Datasets that tell what the schemes need on a problem of the study.
 READS = ("work_precision", "accuracy", "neighbours")
@@ -107,16 +108,21 @@ def of_assessment(assessed: xr.Dataset, error: float, quantity: str | None = Non
         )
     one = assessed.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
     words = np.array([word.replace("_", " ") for word in one.verdict.flag_meanings.split()])
+    steps = np.floor(assessed.attrs["duration"] / one.recommended_dt * (1 + 1e-9))
     table = pd.DataFrame(
         {
+            "kind": one.kind,
             "step_size": one.recommended_dt,
-            "number_of_steps": np.round(assessed.attrs["duration"] / one.recommended_dt),
+            "omega_step": one.recommended_dt * assessed.highest_frequency.item(),
+            "number_of_steps": steps,
             "error": one.recommended_error,
             "time": one.time,
             "time_spread": one.time_spread,
             "force_evaluations": one.force_evaluations,
+            "forces_per_time": one.force_evaluations / (steps * one.recommended_dt),
+            "steps_tried": one.steps_tried,
+            "worst_error": one.worst_error,
             "verdict": words[one.verdict.values],
-            "accidents": one.accidents,
         },
         index=pd.Index(one.scheme.values, name="scheme"),
     )
@@ -145,6 +151,7 @@ def of_the_study(problem: str, error: float, quantity: str, periods: float, fold
             f"{accuracy.steps_per_period.values[-1]} steps per period; the smallest error is "
             f"{np.nanmin(finest) / _scale(accuracy[quantity]):.1e}."
         )
+    table.insert(0, "kind", ["explicit" if schemes[name].explicit else "implicit" for name in table.index])
     return table
 
 
@@ -158,11 +165,12 @@ def recommend(
 ) -> pd.DataFrame:
     """List the schemes that keep an error within a bound, the cheapest first.
 
-    No number is interpolated: steps, errors and forces are those of runs. The step is the largest from which on every
-    finer one that was tried keeps the error, also from starts one percent below and above. A time is that of a step,
-    measured at the nearest step size that was timed, times the number of steps. For the name of a problem of the study
-    the runs are those of the datasets ``accuracy``, ``neighbours`` and ``work_precision``, and a scheme that misses the
-    bound at the finest step is left out.
+    No number is interpolated: steps, errors and forces are those of runs. Of an assessment the step is one with two
+    digits, or a whole part or multiple of the spacing of a record, that keeps the error as all random finer steps that
+    :func:`study.assess` tried do, and from starts one percent below and above. For the name of a problem of the study
+    the runs are those of the datasets ``accuracy``, ``neighbours`` and ``work_precision``, the step is the largest from
+    which on every finer one of these keeps the error, and a scheme that misses the bound at the finest step is left
+    out. A time is that of a step, measured at that or the nearest step size, times the number of steps.
 
     Parameters
     ----------
@@ -181,11 +189,33 @@ def recommend(
     Returns
     -------
     pandas.DataFrame
-        By ``scheme``: the step (of an assessment ``step_size``, of a problem of the study ``steps_per_period``), the
-        ``number_of_steps`` of the run, the ``error`` at that step, ``time`` of all steps in seconds (a call of
-        :func:`study.run` adds less than a millisecond) with its interquartile range ``time_spread``,
-        ``ties_with_fastest`` where the interquartile ranges of the times meet, ``force_evaluations`` and ``verdict``.
-        Schemes of an assessment for which no step was found are last.
+        By ``scheme``, the fastest first; those of an assessment for which no step was found are last.
+
+        ``kind``
+            ``implicit`` or ``explicit``.
+        ``step_size`` of an assessment, ``steps_per_period`` of a problem of the study
+            The step, in s.
+        ``omega_step``
+            Δt·ω, with the highest circular frequency ω of small motions about any point of the reference's motion; of
+            an assessment.
+        ``number_of_steps``
+            Steps of the run.
+        ``error``
+            Error at that step.
+        ``time``, ``time_spread``
+            Time of all steps in s and its interquartile range. A call of :func:`study.run` adds less than a
+            millisecond.
+        ``ties_with_fastest``
+            Whether the interquartile ranges of this time and the least one meet.
+        ``force_evaluations``
+            Internal forces of the run.
+        ``forces_per_time``
+            Internal forces over the time that is run, in 1/s; of an assessment.
+        ``steps_tried``, ``worst_error``
+            Steps tried from a twentieth of the step up to it, all of which kept the error, and the largest error among
+            them as a fraction of the allowed one; of an assessment.
+        ``verdict``
+            How the search for the step ended.
 
     Raises
     ------
@@ -201,10 +231,10 @@ def recommend(
     Examples
     --------
     >>> study.recommend("hardening", error=0.01, periods=100).head(2)  # doctest: +SKIP
-               steps_per_period  number_of_steps  ...  force_evaluations verdict
-    scheme                                        ...
-    kahan_li8                10             1000  ...            17000.0   found
-    rk4                      96             9600  ...            38400.0   found
+                   kind  steps_per_period  ...  force_evaluations verdict
+    scheme                                 ...
+    kahan_li8  explicit                10  ...            17000.0   found
+    rk4        explicit                96  ...            38400.0   found
     """
     for name, number in (("error", error), ("periods", periods)):
         if isinstance(number, bool) or not isinstance(number, int | float | np.number):

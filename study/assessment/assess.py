@@ -1,8 +1,10 @@
 """``study.assess``: the whole way from a problem to the scheme and the step that it needs."""
 
+import sys
+import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
 
 import jax
@@ -11,19 +13,17 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
-from study.assessment import errors, failures, ladder, oscillation
+from study.assessment import errors, failures, oscillation, search
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.errors import DEFAULT
-from study.assessment.ladder import ENERGY, Ladder
+from study.assessment.periods import highest_frequency, length_of, slowest_period
+from study.assessment.search import ENERGY, Search
 from study.assessment.solution import DenseSolution
 from study.io import processor
 from study.marching.arguments import resolve
 from study.marching.ensemble import cores
-from study.marching.run import run
-from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
-from study.mechanics.frequencies import frequencies
 from study.mechanics.loads import excited
 from study.observer.motion import Quantity
 from study.problem.named import problems
@@ -51,11 +51,8 @@ LEAST_ERROR = 1e-10
 #: Least energy at the start, over the largest kinetic energy, to which errors of its balance can be related.
 LEAST_ENERGY = 0.01
 
-#: Periods of a free oscillation that are run if no duration is given.
-PERIODS = 10
-
-#: Steps in the shortest slow period of small motions, and such periods, of a run that estimates the period.
-ESTIMATE = 100, 40
+#: Seconds between two lines that tell what is being done where there is no terminal.
+PAUSE = 5.0
 
 
 def _checked(one: str | Scheme) -> Scheme:
@@ -97,49 +94,6 @@ def _checked_errors(allowed: Sequence[float]) -> list[float]:
     return sorted(set(values.tolist()), reverse=True)
 
 
-def _slowest_period(problem: Problem) -> float | None:
-    """Period of the slowest small motion, the shorter one of those about the start and about u = 0."""
-    oscillating = []
-    for at in (problem.u0, np.zeros(np.shape(problem.u0))):
-        found = frequencies(problem, at)
-        if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
-            oscillating.append(2 * np.pi / found[of_motion])
-    if not oscillating:  # the start and u = 0 are on hills: the time in which the start would be left
-        pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
-        far = np.abs(problem.u0).max()
-        return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None
-    return float(min(one.max() for one in oscillating))
-
-
-def _period(problem: Problem) -> float | None:
-    """About the period of a free oscillator of one unknown; None if it is none."""
-    slowest = _slowest_period(problem)
-    if np.ndim(problem.u0) or not problem.conservative or slowest is None:
-        return None
-    ds = run(problem, "rk4", dt=slowest / ESTIMATE[0], steps=ESTIMATE[0] * ESTIMATE[1], on_failure="ignore")
-    u = ds.u.values - (ds.u.max().item() + ds.u.min().item()) / 2
-    crossed = np.flatnonzero((u[:-1] < 0) & (u[1:] >= 0))
-    return float(np.diff(ds.t.values[crossed]).mean()) if len(crossed) > 1 else None
-
-
-def length_of(problem: Problem, duration: float | None) -> float:
-    """Length of the runs: as given, or ten periods of a free oscillator.
-
-    Raises
-    ------
-    ValueError
-        If it is no positive time, or the problem has no period to count in.
-    """
-    if duration is not None:
-        if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
-            raise ValueError(f"duration must be a time in seconds greater than zero, not {duration!r}.")
-        return float(duration)
-    period = _period(problem)
-    if period is None:
-        raise ValueError(f"'{problem.title}' has no period to count in: give duration=, the time to be run.")
-    return PERIODS * period
-
-
 def assess(
     problem: str | Problem,
     schemes: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None = None,
@@ -151,10 +105,16 @@ def assess(
 ) -> xr.Dataset:
     """Find out which scheme and which step a problem needs for an error, by runs against a certified reference.
 
-    Two independent solvers give the reference and its uncertainty. Every scheme runs at ever finer steps, each half of
-    the one before, until it keeps the smallest error. Runs between them find the largest step that keeps each error and
-    from which on every finer step keeps it. Six finer steps, up to almost twice as fine, and two starts, one percent
-    apart from the given one, must keep it too; otherwise the search goes on to finer steps. No number is interpolated.
+    Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave
+    from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the smallest error:
+    up to 128 runs an octave and 500 in that below a recommended step, fewer where they have many steps. ``largest_dt``
+    is the largest step tried that keeps an error, as all finer steps that were tried do, with room for the scatter of
+    their errors. The recommended step is the largest below it that has two digits, or under a record is a whole part or
+    multiple of the spacing of its
+    samples. It was run too, also from two starts one percent apart from the given one. If none of n random finer steps
+    exceeds the error, at most 3/n of such steps do, with 95 % confidence. No number is interpolated.
+
+    A run ends with the last step that fits into the duration and is compared up to there, along time at every step.
 
     Parameters
     ----------
@@ -178,8 +138,11 @@ def assess(
     -------
     xarray.Dataset
         Over ``scheme``, ``dt`` and ``quantity``: ``error``, ``status``, ``energy_imbalance``, ``newton_iterations``,
-        NaN where a step was not tried. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt``,
-        ``verdict``, ``time`` with its spread, ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``.
+        NaN where a step was not tried. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt`` and the
+        error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
+        the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
+        ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is that of small
+        motions about points of the reference's motion.
         Attributes name the routes of the reference, the time up to which it holds, versions and processor.
         :func:`study.recommend` and :func:`study.report` take it.
 
@@ -213,13 +176,15 @@ def assess(
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))
-    slowest = _slowest_period(equation) or length / ladder.COARSEST
-    coarsest = slowest / ladder.COARSEST
-    if length / coarsest > ladder.MOST_STEPS:
+    slowest = slowest_period(equation) or length / search.COARSEST
+    coarsest = slowest / search.COARSEST
+    if length / coarsest > search.MOST_STEPS:
         raise ValueError(
-            f"duration must be at most {ladder.MOST_STEPS * coarsest:g} s, {ladder.MOST_STEPS:,} steps of which "
-            f"{ladder.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
+            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps of which "
+            f"{search.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
+    progress = _Progress(len(fit))
+    progress.tell(f"solving for a reference of '{equation.title}'")
     reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
     if length < asked_for:
@@ -235,23 +200,29 @@ def assess(
         of_energy = False
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
     names = [*asked, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
-    first = max(ladder.COARSEST, int(np.ceil(length / coarsest)))
-    finest = min(
-        ladder.MOST_STEPS, max(int(length * ladder.FINEST / slowest), ladder.MOST_STEPS // np.size(equation.u0))
-    )
+    of_run = search.FINEST_OF_RUN / np.size(equation.u0)
+    finest = length / min(search.MOST_STEPS, max(length * search.FINEST / slowest, of_run))
+    limits = [(name, error) for name in names for error in allowed if error >= search.CERTAIN * uncertainty[name]]
 
     def of(scheme: Scheme) -> Assessed:
-        rungs = Ladder(scheme, cases, length, of_energy, finest)
-        rungs.climb(rungs.rounded(first), allowed[-1])
-        verdicts = rungs.verdicts([(name, error) for name in names for error in allowed], uncertainty)
-        return Assessed(rungs, verdicts, failures.map_of(equation, scheme, length, coarsest) if maps else None)
+        runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy)
+        runs.search(limits, lambda top: progress.tell(f"{scheme.title}: steps of {top / 2:.3g} to {top:.3g} s"))
+        verdicts = {limit: runs.verdict(*limit) for limit in limits}
+        recommended = np.unique([one.recommended for one in verdicts.values() if one.recommended > 0])
+        map_of_failures = failures.map_of(equation, scheme, length, coarsest, recommended) if maps else None
+        return Assessed(runs.runs, verdicts, map_of_failures)
 
-    found = _each(fit, of)
+    found = _each(fit, of, progress)
     ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed, length)
     ds["reference_uncertainty"] = (
         "quantity",
         [uncertainty[name] for name in names],
         {"long_name": "difference of the reference from its witness, relative", "units": "1"},
+    )
+    ds["highest_frequency"] = (
+        (),
+        highest_frequency(equation, reference.solution),
+        {"long_name": "highest circular frequency of small motions about points of the motion", "units": "s-1"},
     )
     titles = {name: one.long_name or name for name, one in (quantities or DEFAULT).items()}
     titles |= {ENERGY: "balance of energies, relative to the energy that was put in"} | oscillation.TITLES
@@ -260,7 +231,7 @@ def assess(
         "reference": reference.route.name,
         "witness": reference.witness.name,
         "reference_tolerance": reference.rtol,
-        "starts": ladder.told_of_starts(cases),
+        "starts": search.told_of_starts(cases),
         "duration": length,
         "duration_asked_for": asked_for,
         "problem": equation.title,
@@ -294,20 +265,38 @@ def _asked_for(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]
     return asked
 
 
-def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed]) -> dict[str, Assessed]:
+class _Progress:
+    """What is being done: on a terminal a bar, elsewhere a line every few seconds at most."""
+
+    def __init__(self, schemes: int):
+        self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
+        self.stopped, self._told = False, -PAUSE
+
+    def tell(self, what: str) -> None:
+        """Tell what is being done; the place at which a thread ends after Ctrl-C."""
+        if self.stopped:
+            raise KeyboardInterrupt
+        if not self.bar.disable:
+            self.bar.set_postfix_str(what)
+        elif time.monotonic() >= self._told + PAUSE:
+            self._told = time.monotonic()
+            print(what, file=sys.stderr, flush=True)
+
+
+def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: _Progress) -> dict[str, Assessed]:
     """What was found out about each scheme; after Ctrl-C, about those that are done."""
-    found: dict[str, Assessed] = {}
-    with ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
+    with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
         waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}
         try:
-            for name in tqdm(waiting, disable=None, leave=False, unit="scheme"):
-                found[name] = waiting[name].result()
+            for one in as_completed(waiting.values()):
+                one.result()
+                progress.bar.update()
         except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
-            found = {name: one.result() for name, one in waiting.items() if one.done() and not one.cancelled()}
-            if not found:
-                raise
-            left = [name for name in schemes if name not in found]
-            if left:
-                warnings.warn(f"interrupted: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
+            progress.stopped = True
+            pool.shutdown(cancel_futures=True)
+    found = {name: one.result() for name, one in waiting.items() if not one.cancelled() and not one.exception()}
+    if not found:
+        raise KeyboardInterrupt
+    if left := [name for name in schemes if name not in found]:
+        warnings.warn(f"interrupted: {', '.join(left)} were not assessed.", RuntimeWarning, stacklevel=3)
     return found

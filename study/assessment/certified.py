@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from study.assessment import errors, ladder, oscillation
+from study.assessment import errors, oscillation, search
 from study.assessment.errors import Target
-from study.assessment.ladder import Case
 from study.assessment.oscillation import Oscillation
 from study.assessment.reference import NoReference, Reference, Route
+from study.assessment.search import Case
 from study.assessment.solution import DenseSolution
 from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
@@ -113,19 +113,20 @@ def cases_of(
     NoReference
         If the routes fail for a neighbour.
     """
-    cases = {1.0: Case(problem, reference.solution, reference.targets, reference.oscillation)}
-    for factor in ladder.STARTS:
+    cases = {1.0: Case(problem, reference.targets, reference.oscillation)}
+    for factor in search.STARTS:
         neighbour = excited(problem, factor, displaced=True)
         own, grid = Reference(neighbour, reference.horizon), reference.solution.t
-        if problem.kinked or problem.history is not None:  # its kinks have times of their own
-            grid = own.with_kinks(grid)
         try:
-            one, *_ = own.solutions(grid, reference.rtol, AIMED * tightest)
+            if problem.kinked or problem.history is not None:  # its kinks have times of their own
+                one, *_ = own.solutions(own.with_kinks(grid), reference.rtol, AIMED * tightest)
+            else:
+                one = own.solution(own.routes[0], grid, reference.rtol)
         except (ValueError, RuntimeError) as error:
             raise NoReference(
                 f"no reference of a start one percent from that of '{problem.title}' was found: {error}"
             ) from error
         targets = {name: errors.target(quantity, neighbour, one) for name, quantity in quantities.items()}
         swing = oscillation.oscillation(neighbour, one) if reference.oscillation else None
-        cases[factor] = Case(neighbour, one, targets, swing)
+        cases[factor] = Case(neighbour, targets, swing)
     return cases

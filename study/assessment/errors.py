@@ -1,20 +1,23 @@
 """Errors of runs in the quantities that a user asks for."""
 
-from collections.abc import Mapping
-from dataclasses import replace
-from functools import partial
-from typing import NamedTuple
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
+from jax import lax
 from jaxtyping import Float
 
+from study.algebra.elementwise import quintic, value
 from study.algebra.jit import jit
 from study.assessment.solution import DenseSolution, Times
 from study.mechanics.definition import Problem
+from study.observer.base import Observer, Reduction
 from study.observer.motion import Quantity
 
 #: Points between two of the reference at which a quantity is evaluated.
@@ -25,6 +28,9 @@ CLOSER, LOOKS = 65, 2
 
 #: Times at which a quantity is evaluated at once.
 AT_ONCE = 4096
+
+#: Intervals of the reference that a step may pass without a loop, which would take longer than all the rest.
+AHEAD = 4
 
 #: Values of a quantity at some times, with an axis for its components.
 Values = Float[np.ndarray, "t components"]
@@ -105,22 +111,46 @@ def _check_finite(values: Values, times: Times, quantity: Quantity, problem: Pro
         raise ValueError(f"the quantity '{name}' of '{problem.title}' is not finite at t = {t:g} of the reference.")
 
 
-class Target(NamedTuple):
+@dataclass(frozen=True)
+class Target:
     """What a quantity should be, and by what its errors are divided.
 
     Attributes
     ----------
-    quantity
-        The quantity.
-    value
-        Its reduction by the reference, of shape (components,); None along time.
+    quantity, problem, solution
+        The quantity, the problem and its reference.
+    times, values
+        Fine times of the reference, and the quantity there, of shape (t, components).
     scale
         The largest size along time, or that of the reduction.
     """
 
     quantity: Quantity
-    value: np.ndarray | None
+    problem: Problem
+    solution: DenseSolution
+    times: Times
+    values: Values
     scale: float
+
+    def until(self, ends: Times) -> Values:
+        """The reduction of the reference up to each of some times, of shape (ends, components)."""
+        at_end = values_along(self.quantity, self.problem, self.solution, ends)
+        if self.quantity.reduce == "final":
+            return at_end
+        before = np.searchsorted(self.times, ends, side="right") - 1
+        if self.quantity.reduce == "rms":
+            squares = self.values**2
+            steps = np.diff(self.times)[:, None] * (squares[:-1] + squares[1:]) / 2
+            total = np.cumsum(np.append(np.zeros_like(squares[:1]), steps, axis=0), axis=0)[before]
+            rest = (ends - self.times[before])[:, None] * (squares[before] + at_end**2) / 2
+            return np.sqrt((total + rest) / ends[:, None])
+        sizes = np.abs(self.values)
+        so_far = np.maximum(np.maximum.accumulate(sizes)[before], np.abs(at_end))
+        return np.where(self.times[sizes.argmax(axis=0)] <= ends[:, None], self._peak, so_far)
+
+    @cached_property
+    def _peak(self) -> np.ndarray:
+        return _peak(self.quantity, self.problem, self.solution, self.times, self.values)
 
 
 def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Target:
@@ -135,34 +165,86 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Tar
     times = np.append((solution.t[:-1, None] + np.diff(solution.t)[:, None] * parts).ravel(), solution.t[-1])
     values = values_along(quantity, problem, solution, times)
     _check_finite(values, times, quantity, problem)
-    largest = np.abs(values).max()
-    if largest == 0:
+    scale = float(np.abs(values).max())
+    if scale == 0:
         raise ValueError(
             f"the quantity '{quantity.long_name}' of '{problem.title}' is zero all the time, so that an error relative "
             "to it has no meaning."
         )
-    if quantity.reduce == "peak":
-        value = _peak(quantity, problem, solution, times, values)
-        return Target(quantity, value, float(value.max()))
-    if quantity.reduce == "rms":
-        value = np.sqrt(np.trapezoid(values**2, times, axis=0) / times[-1])
-        return Target(quantity, value, float(value.max()))
-    return Target(quantity, values[-1] if quantity.reduce == "final" else None, float(largest))
+    found = Target(quantity, problem, solution, times, values, scale)
+    return found if quantity.reduce in (None, "final") else replace(found, scale=float(found.until(times[-1:]).max()))
 
 
-def error(target: Target, problem: Problem, solution: DenseSolution, run: xr.Dataset) -> float:
-    """Error of a run in a quantity, relative to its size; NaN if the run failed.
+class ErrorsAlong(Reduction):
+    """Largest difference of each quantity from that of the reference over all steps, relative to its size.
 
-    Along time it is the largest difference at any sample.
+    Attributes
+    ----------
+    quantities, scales
+        Quantities along time, and by what their errors are divided.
+    begin, length, coefficients
+        Intervals of the reference, and the quintics in them, of shape (intervals, 6, ...).
     """
-    got = run[target.quantity.name].values
-    if run.status != 0:
-        return np.nan
-    if target.value is not None:
-        return float(np.abs(np.atleast_1d(got) - target.value).max() / target.scale)
-    times = np.minimum(run.t.values, solution.t[-1])
-    wanted = values_along(target.quantity, problem, solution, times)
-    return float(np.abs(got.reshape(len(times), -1) - wanted).max() / target.scale)
+
+    quantities: tuple[Quantity, ...]
+    scales: jax.Array
+    begin: jax.Array
+    length: jax.Array
+    coefficients: jax.Array
+
+    @classmethod
+    def of(cls, targets: Sequence[Target]) -> "ErrorsAlong":
+        """The observer of targets with one reference."""
+        solution, length = targets[0].solution, np.diff(targets[0].solution.t)
+        before, after = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
+        table = np.stack(quintic(before, after, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
+        # a power of two, so that their number is no part of what is compiled; the last interval has no end
+        room = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
+        begin = np.append(solution.t[:-1], np.full(room, np.inf))
+        numbers = begin, np.append(length, np.ones(room)), np.append(table, np.zeros((room, *table.shape[1:])), axis=0)
+        scales = np.array([one.scale for one in targets])
+        return cls(tuple(one.quantity for one in targets), *map(jnp.asarray, (scales, *numbers)))
+
+    @property
+    def variables(self) -> dict[str, dict[str, str]]:  # type: ignore[override]
+        return {name: values for one in self.quantities for name, values in one.variables.items()}
+
+    def start(self, problem, state):
+        return jnp.zeros((), int), jnp.zeros(len(self.quantities))
+
+    def update(self, carried, problem, state, t, effort):
+        place, largest = carried
+        place += jnp.sum(self.begin[place + 1 + jnp.arange(AHEAD)] <= t)
+        place = lax.while_loop(lambda i: self.begin[i + 1] <= t, lambda i: i + 1, place)
+        s = (t - self.begin[place]) / self.length[place]
+        polynomial = tuple(self.coefficients[place])
+        slope = tuple(k * one for k, one in enumerate(polynomial))[1:]
+        exact = value(polynomial, s), value(slope, s) / self.length[place]
+        off = [
+            jnp.max(jnp.abs(one.value(problem, t, state.u, state.v) - one.value(problem, t, *exact)))
+            for one in self.quantities
+        ]
+        return place, jnp.maximum(largest, jnp.stack(off))
+
+    def result(self, carried, problem, state):
+        return dict(zip(self.variables, carried[1] / self.scales, strict=True))
+
+
+def observers(targets: Sequence[Target]) -> list[Observer]:
+    """What a run must observe for the errors of all targets of one reference."""
+    along = [one for one in targets if one.quantity.reduce is None]
+    return [*([ErrorsAlong.of(along)] if along else []), *(t.quantity for t in targets if t.quantity.reduce)]
+
+
+def error(target: Target, runs: xr.Dataset, ends: Times) -> np.ndarray:
+    """Errors of runs in a quantity, relative to its size, of shape (lanes,); NaN if a run failed.
+
+    Along time it is the largest difference at any step. A run is compared up to its own end.
+    """
+    got = runs[target.quantity.name].values
+    if target.quantity.reduce is None:
+        return got
+    return np.abs(got.reshape(len(ends), -1) - target.until(ends)).max(axis=1) / target.scale
 
 
 def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: DenseSolution) -> tuple[float, Times]:
@@ -181,5 +263,5 @@ def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: 
     along = np.maximum.accumulate(np.abs(values - others).max(axis=1) / scale)
     if quantity.reduce is None:
         return float(along[-1]), along
-    ends = [target(quantity, problem, s) for s in (one, other)]
-    return float(np.abs(ends[0].value - ends[1].value).max() / ends[0].scale), along  # type: ignore[operator]
+    first, second = (target(quantity, problem, s) for s in (one, other))
+    return float(np.abs(first.until(one.t[-1:]) - second.until(one.t[-1:])).max() / first.scale), along

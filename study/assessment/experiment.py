@@ -7,7 +7,8 @@ from typing import NotRequired
 import xarray as xr
 from typing_extensions import TypedDict
 
-from study.assessment.assess import assess, length_of
+from study.assessment.assess import assess
+from study.assessment.periods import length_of
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Name, Place, ProblemPlace, Schemes, Size, Tolerances, section
 from study.mechanics.definition import Problem

@@ -11,9 +11,12 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
 from study.scheme.base import Scheme
 
-#: Multiples of start and load, and of the coarsest step of a ladder, at which runs are made.
+#: Multiples of start and load, and of the coarsest step of a search, at which runs are made.
 EXCITATIONS = (0.25, 0.5, 1.0, 2.0, 4.0)
-STEPS = tuple(2.0**-power for power in range(-1, 7))
+STEPS = 2.0 ** -np.arange(-1, 6.25, 0.25)
+
+#: Most steps of a run of the map.
+MOST_STEPS = 30_000
 
 #: Outcomes of runs that may be trusted: their energy stays bounded and neighbours stay together.
 SAFE = (Outcome.ACCURATE, Outcome.BOUNDED)
@@ -30,7 +33,7 @@ def _cure(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
     return cause[0].upper() + cause[1:]
 
 
-def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float) -> xr.Dataset:
+def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, recommended: np.ndarray) -> xr.Dataset:
     """Outcome, Lyapunov exponent and Newton iterations over excitation and step size, with the largest safe step.
 
     Excitation multiplies the start and the load. A step is safe if at no excitation up to that of the problem, and at
@@ -39,7 +42,9 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float) -
     Parameters
     ----------
     coarsest
-        Coarsest step of a ladder, about which those of the map lie.
+        Coarsest step of a search, about which those of the map lie.
+    recommended
+        Recommended steps. Those that are not finer than the map are judged too, but are no part of it.
 
     Returns
     -------
@@ -47,16 +52,17 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float) -
         ``outcome``, ``lyapunov_exponent``, ``max_newton_iterations`` over ``excitation`` and ``map_dt``;
         ``largest_safe_dt`` and ``failure``, a sentence on what limits it.
     """
-    steps = np.unique(np.ceil(duration / (coarsest * np.array(STEPS))).astype(int))
+    drawn = coarsest * STEPS[STEPS >= min(1.0, duration / (coarsest * MOST_STEPS))]
+    dt = np.unique(np.append(recommended[recommended > drawn[-1]], drawn))[::-1]
     energy = ("energy_balance",) if problem.potential is not None else ()
-    shape = (len(EXCITATIONS), len(steps))
+    shape = (len(EXCITATIONS), len(dt))
     outcome, exponent, iterations = np.zeros(shape, np.int8), np.zeros(shape), np.zeros(shape)
     for e, factor in enumerate(EXCITATIONS):
         runs = run(
             excited(problem, factor, displaced=True),
             scheme,
-            dt=duration / steps,
-            steps=steps,
+            dt=dt,
+            steps=np.ceil(duration / dt).astype(int),
             observe=[*energy, "lyapunov_exponent", "newton_iterations"],
             on_failure="ignore",
         )
@@ -64,20 +70,21 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float) -
         exponent[e], iterations[e] = runs.lyapunov_exponent, runs.max_newton_iterations
     safe = np.isin(outcome, SAFE)[np.array(EXCITATIONS) <= 1].all(axis=0)
     unsafe = np.flatnonzero(~safe)
-    largest, why = duration / steps[0], "No run of the map fails."
+    largest, why = dt[0], "No run of the map fails."
     if unsafe.size:
         last = unsafe[-1]
-        largest = duration / steps[last + 1] if last + 1 < len(steps) else np.nan
+        largest = dt[last + 1] if last + 1 < len(dt) else np.nan
         ends = outcome[np.array(EXCITATIONS) <= 1, last]
-        why = _cure(problem, scheme, ends.max(), duration / steps[last])
+        why = _cure(problem, scheme, ends.max(), dt[last])
+    shown = np.isin(dt, drawn)
     dims = ("excitation", "map_dt")
     return xr.Dataset(
         {
-            "outcome": (dims, outcome, BALANCE_ATTRIBUTES),
-            "lyapunov_exponent": (dims, exponent, {"long_name": "largest Lyapunov exponent", "units": "s-1"}),
+            "outcome": (dims, outcome[:, shown], BALANCE_ATTRIBUTES),
+            "lyapunov_exponent": (dims, exponent[:, shown], {"long_name": "largest Lyapunov exponent", "units": "s-1"}),
             "max_newton_iterations": (
                 dims,
-                iterations,
+                iterations[:, shown],
                 {"long_name": "most Newton iterations in a step", "units": "1"},
             ),
             "largest_safe_dt": ((), largest, {"long_name": "largest step without a failure up to here", "units": "s"}),
@@ -85,6 +92,6 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float) -
         },
         {
             "excitation": ("excitation", list(EXCITATIONS), {"long_name": "multiple of start and load", "units": "1"}),
-            "map_dt": ("map_dt", duration / steps, {"long_name": "step size of the map", "units": "s"}),
+            "map_dt": ("map_dt", dt[shown], {"long_name": "step size of the map", "units": "s"}),
         },
     )

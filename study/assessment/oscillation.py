@@ -1,14 +1,14 @@
 """Period, phase and amplitude of free oscillations, as quantities of an assessment."""
 
-from typing import NamedTuple
-
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
 
 from study.assessment.solution import DenseSolution
 from study.mechanics.definition import Problem
+from study.observer.base import Reduction
 from study.observer.errors import AmplitudeDecay, PeriodError
 
 #: Names of the quantities, and the variables that hold their errors.
@@ -24,7 +24,7 @@ TITLES = {
 FEWEST = 3
 
 
-class Oscillation(NamedTuple):
+class Oscillation(eqx.Module):
     """What a reference says about a free oscillation.
 
     Attributes
@@ -39,18 +39,39 @@ class Oscillation(NamedTuple):
         Number of upward crossings.
     """
 
-    period: float
-    level: float
-    rest: float
-    crossing: float
-    crossings: int
+    # arrays, so that they are no part of what is compiled
+    period: jax.Array
+    level: jax.Array
+    rest: jax.Array
+    crossing: jax.Array
+    crossings: jax.Array
 
-    def observers(self, dt: float) -> tuple[PeriodError, AmplitudeDecay]:
+    def observers(self, dt: jax.Array) -> tuple[PeriodError, AmplitudeDecay]:
         """Observers of a run with a step."""
-        level, crossing, steps, rest = (
-            jnp.asarray(x) for x in (self.level, self.crossing, self.period / dt, self.rest)
-        )
-        return PeriodError(level, crossing, steps, jnp.asarray(dt)), AmplitudeDecay(rest, jnp.asarray(dt))
+        return PeriodError(self.level, self.crossing, self.period / dt, dt), AmplitudeDecay(self.rest, dt)
+
+
+class OscillationErrors(Reduction):
+    """Errors of period, phase and amplitude in runs that differ in their steps."""
+
+    of: Oscillation
+
+    variables = PeriodError.variables | AmplitudeDecay.variables
+
+    def start(self, problem, state):
+        dt = jnp.full((), jnp.nan)
+        return dt, tuple(one.start(problem, state) for one in self.of.observers(dt))
+
+    def update(self, carried, problem, state, t, effort):
+        dt, inner = carried
+        dt = jnp.where(jnp.isnan(dt), t, dt)  # the first step ends at the time Δt
+        both = zip(self.of.observers(dt), inner, strict=True)
+        return dt, tuple(one.update(c, problem, state, t, effort) for one, c in both)
+
+    def result(self, carried, problem, state):
+        dt, inner = carried
+        both = zip(self.of.observers(dt), inner, strict=True)
+        return {name: x for one, c in both for name, x in one.result(c, problem, state).items()}
 
 
 def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
@@ -82,15 +103,15 @@ def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None
         return None
     period = float((times[-1] - times[0]) / (len(times) - 1))
     rest = brentq(lambda u: float(force(u)), low, high, xtol=1e-14)
-    return Oscillation(period, level, rest, float(times[0]) / period, len(times))
+    return Oscillation(*map(jnp.asarray, (period, level, rest, times[0] / period, len(times))))
 
 
 def uncertainties(one: Oscillation, other: Oscillation, displacement: float) -> dict[str, float]:
     """Uncertainty of each quantity, from two references and the uncertainty of the displacement."""
-    period = abs(one.period - other.period) / one.period
-    return {"period": period, "phase": period * one.crossings, "amplitude": displacement / one.crossings}
+    period, crossings = float(abs(one.period - other.period) / one.period), int(one.crossings)
+    return {"period": period, "phase": period * crossings, "amplitude": displacement / crossings}
 
 
-def errors(run: xr.Dataset) -> dict[str, float]:
-    """Errors of a run that was observed by :meth:`Oscillation.observers`."""
-    return {name: abs(float(run[variable])) for name, variable in QUANTITIES.items()}
+def errors(runs: xr.Dataset) -> dict[str, np.ndarray]:
+    """Errors of runs that :class:`OscillationErrors` observed."""
+    return {name: np.abs(runs[variable].values) for name, variable in QUANTITIES.items()}

@@ -28,9 +28,6 @@ POINTS_BETWEEN_KINKS = 10
 #: Most grids that are tried.
 GRIDS = 6
 
-#: Error of the interpolant that is aimed at on a free oscillator of one unknown, where points are cheap.
-OF_FREE_OSCILLATOR = 1e-8
-
 #: Phase in radians of the highest mode over the run from which on explicit routes take too many steps.
 STIFF = 2e6
 
@@ -160,7 +157,7 @@ class Reference:
 
         of_diffrax = Route(f"diffrax {one_step}", by_diffrax)
         of_cvode = Route(f"CVODE {several_steps}", by_cvode)
-        if np.ndim(problem.u0) or not problem.conservative:
+        if np.ndim(problem.u0):
             return of_diffrax, of_cvode
         from reference import symbolic, taylor  # here, because importing them takes a second
 
@@ -171,7 +168,7 @@ class Reference:
             symbolic.first_order(problem)
         except symbolic.Untranslatable:
             return of_diffrax, of_cvode
-        return Route("heyoka", by_taylor), of_diffrax
+        return Route("heyoka", by_taylor), of_cvode
 
     def grid(self, coarsest: float) -> Times:
         """First times between which the solution is interpolated, with all kinks of load and force."""
@@ -217,8 +214,6 @@ class Reference:
         goal
             Error of the interpolant that is aimed at, relative to the largest value.
         """
-        if not np.ndim(self.problem.u0) and self.problem.conservative:
-            goal = min(goal, OF_FREE_OSCILLATOR)
         for _ in range(GRIDS):
             one = self.solution(self.routes[0], grid, rtol)
             other = self.solution(self.routes[1], with_points_between(grid), rtol)

@@ -23,6 +23,9 @@ MARKERS = "osD^vPX<>*"
 #: Largest error that is drawn: all of the motion is wrong there.
 WORST = 10.0
 
+#: Points of a curve in an octave of steps, each the worst error around.
+IN_OCTAVE = 8
+
 #: Greys of outcomes from best to worst, and a letter for each.
 SHADES = np.linspace(1.0, 0.25, len(Outcome))
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
@@ -54,22 +57,44 @@ def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[
 
 
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
-    """The recommendation for one quantity and error, in one or two sentences."""
+    """The recommendation for one quantity and error: the fastest implicit and the fastest explicit scheme."""
     table = of_assessment(assessed, error, quantity)
     found = table[table["step_size"].notna()]
     if found.empty:
         reasons = ", ".join(sorted(set(table.verdict)))
         return f"No scheme was found to keep {_percent(error)} of {quantity}: {reasons}."
     titles = dict(zip(assessed.scheme.values, assessed.scheme_title.values, strict=True))
-    best = next(found.itertuples())
+    best = []
+    for one in found.groupby("kind", sort=False).head(1).itertuples():
+        text = (
+            f"{titles[one.Index]} ({one.kind}) with Δt = {one.step_size:.4g} s "
+            f"({one.number_of_steps:.0f} steps{f', {_time(one.time)}' if one.time > 0 else ''})"
+        )
+        if "largest_safe_dt" in assessed and one.step_size >= assessed.map_dt.min():
+            safe = assessed.largest_safe_dt.sel(scheme=one.Index)
+            text += "" if one.step_size <= safe else ", which is beyond its largest safe step (see how it fails)"
+        best.append(text + (", the coarsest step tried" if one.verdict == "already the coarsest step" else ""))
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
-    sentence = (
-        f"For {_percent(error)} of {quantity}: {titles[best.Index]} with Δt = {best.step_size:.4g} s "
-        f"({best.number_of_steps:.0f} steps{f', {_time(best.time)}' if best.time > 0 else ''})."
+    return f"For {_percent(error)} of {quantity}: {'; '.join(best)}." + (
+        f" As fast within the spread of times: {', '.join(ties)}." if ties else ""
     )
-    if best.verdict == "already the coarsest step":
-        sentence += " This is already the coarsest step that was tried."
-    return sentence + (f" As fast within the spread of times: {', '.join(ties)}." if ties else "")
+
+
+def confirmation(assessed: xr.Dataset) -> str:
+    """How many steps confirm the recommended ones, and what that proves; empty if there are none."""
+    tried = assessed.steps_tried.values[assessed.recommended_dt.notnull().values]
+    if not tried.size:
+        return ""
+    few, many = tried.min(), tried.max()
+    bounds = " to ".join(_percent(3 / n) for n in (many, few))
+    worst = _percent(float(assessed.worst_error.max()))
+    return (
+        f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} random finer "
+        "steps down to a twentieth of it, or as fine as runs went. The largest error met is "
+        f"{worst} of the allowed one. With 95 % confidence, at most {bounds} of such steps exceed it, the less the "
+        "more were tried. "
+        f"{assessed.attrs['starts']} Errors along time are the largest at any step."
+    )
 
 
 def limits_of_reference(assessed: xr.Dataset) -> str:
@@ -106,10 +131,10 @@ def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, 
         tried = np.isfinite(y) & (y > 0) & np.isfinite(x)
         colour, marker = COLOURS[s % len(COLOURS)], MARKERS[s % len(MARKERS)]
         drawn += int(tried.sum())
-        rung = tried & (one.on_ladder.values == 1)
-        style: dict[str, Any] = {"color": colour, "marker": marker, "mfc": "none"}
-        axes.plot(x[rung], y[rung], **style, ms=5, lw=1.0, label=str(one.scheme_title.values))
-        axes.plot(x[tried & ~rung], y[tried & ~rung], **style, ms=2.5, mew=0.5, ls="none")
+        worst = pd.DataFrame({"x": x[tried], "y": y[tried]})
+        worst = worst.loc[worst.groupby(np.floor(IN_OCTAVE * np.log2(worst.x))).y.idxmax()]
+        style: dict[str, Any] = {"color": colour, "marker": marker, "mfc": "none", "markevery": IN_OCTAVE}
+        axes.plot(worst.x, worst.y, **style, ms=5, lw=1.0, label=str(one.scheme_title.values))
     for limit in limits:
         axes.axhline(limit, color="0.6", lw=0.8, ls="--")
     if not drawn:  # every run failed, or was exact
@@ -153,19 +178,28 @@ def figure_of(svg: str, caption: str) -> str:
 
 
 def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
-    rows = [
-        (
-            titles[row.Index],
-            "–" if np.isnan(row.step_size) else f"{row.step_size:.4g}",
-            "–" if np.isnan(row.step_size) else f"{row.number_of_steps:.0f}",
-            "–" if np.isnan(row.step_size) else _percent(row.error),
-            "–" if np.isnan(row.time) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
-            "–" if np.isnan(row.step_size) else f"{row.force_evaluations:.0f}",
-            row.verdict + (f"; coarser ones that keep it, but not reliably: {row.accidents}" if row.accidents else ""),
-        )
-        for row in table.itertuples()
-    ]
-    return table_of(("scheme", "Δt, s", "steps", "error", "time", "forces", "search"), rows)
+    """A table of implicit and one of explicit schemes, the fastest first."""
+    head = ("", "Δt, s", "Δt·ω", "steps", "error", "time", "forces a second", "steps tried", "search")
+    parts = []
+    for kind, of_kind in table.groupby("kind", sort=False):
+        rows = [
+            (
+                titles[row.Index],
+                f"{row.step_size:.4g}",
+                f"{row.omega_step:.2g}",
+                f"{row.number_of_steps:.0f}",
+                _percent(row.error),
+                "–" if np.isnan(row.time) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
+                f"{row.forces_per_time:.3g}",
+                row.steps_tried,
+                row.verdict,
+            )
+            if row.step_size > 0
+            else (titles[row.Index], *"–––––––", row.verdict)
+            for row in of_kind.itertuples()
+        ]
+        parts.append(table_of((kind, *head[1:]), rows))
+    return "".join(parts)
 
 
 def judgement(assessed: xr.Dataset) -> list[str]:
@@ -176,20 +210,13 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     parts = ['<div class="answer">']
     parts += [f"<p>{text_of(answer(assessed, q, limit))}</p>" for q in quantities for limit in limits]
     parts.append("</div>")
-    held = attributes["duration"]
     if limits_of_reference(assessed):
         parts.append(f"<p>{text_of(limits_of_reference(assessed))}</p>")
-    if assessed.recommended_dt.notnull().any():
-        parts.append(
-            f"<p>Every step that is recommended was run, over {held:.4g} s. Every finer step that was run, among them "
-            f"six up to 1.6 times as fine, keep the error too. {text_of(attributes['starts'])}</p>"
-        )
+    parts.append(f"<p>{text_of(confirmation(assessed))}</p>")
     for quantity in quantities:
         parts.append(f"<h2>Error of {text_of(quantity)}</h2>")
         values = assessed.error.sel(quantity=quantity)
-        caption = (
-            f"Every run, those of the ladder joined; dashed, the errors asked for. {quantity}, relative to its peak."
-        )
+        caption = f"The worst error around each step; dashed, the errors asked for. {quantity}, relative to its peak."
         against_step = figure_of(_curves(assessed, "dt", "step size, s", values, "error", limits), caption)
         against_time = figure_of(
             _curves(assessed, "time", "time of a run, s", values, "error", limits),

@@ -3,6 +3,8 @@
 These observers need a reference. They are made by :func:`study.analysis.comparison.against` and have no names.
 """
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 from jax import lax
@@ -31,9 +33,18 @@ def _root(coefficients):
     return (low + high) / 2
 
 
-def _kinematics(problem: Problem, state):
-    """Displacement, velocity, and the acceleration of the free motion for both."""
-    return state.u, state.v, acceleration(problem, 0.0, state.u, state.v)
+def _chosen(condition, value, other):
+    """One of two steps, to be looked at again at the end: in a step of an ensemble some lane always has a root.
+
+    A step is chosen in the one after it. XLA would compute a force anew for every choice that takes it.
+    """
+    return jax.tree.map(partial(jnp.where, condition), value, other)
+
+
+def _quintic(problem: Problem, before, now, dt, of_v: bool = False):
+    """Quintic of a step between two pairs of u and u̇, with the accelerations of the free motion there."""
+    start, end = ((u, v, acceleration(problem, 0.0, u, v)) for u, v in (before, now))
+    return quintic(start, end, dt, of_v)
 
 
 class TrajectoryError(Reduction):
@@ -110,28 +121,24 @@ class PeriodError(Reduction):
     }
 
     def start(self, problem, state):
-        return jnp.zeros((), int), _kinematics(problem, state), jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())
+        now = state.u, state.v
+        step = jnp.zeros(()), now, now
+        return jnp.zeros((), int), now, now, jnp.zeros((), int), step, step
+
+    def _looked_at(self, carried):
+        step, before, now, crossings, first, last = carried
+        crossed = crosses_upwards(before[0], now[0], self.level)
+        this = step.astype(float) - 1, before, now
+        first, last = _chosen(crossed & (crossings == 0), this, first), _chosen(crossed, this, last)
+        return step, before, now, crossings + crossed.astype(int), first, last
 
     def update(self, carried, problem, state, t, effort):
-        step, before, crossings, first, last = carried
-        now = _kinematics(problem, state)
-        crossed = crosses_upwards(before[0], now[0], self.level)
-
-        def part():
-            displacement, *rest = quintic(before, now, self.dt)
-            return _root((displacement - self.level, *rest))
-
-        at = step.astype(float) + lax.cond(crossed, part, lambda: jnp.zeros(()))
-        return (
-            step + 1,
-            now,
-            crossings + crossed.astype(int),
-            jnp.where(crossed & (crossings == 0), at, first),
-            jnp.where(crossed, at, last),
-        )
+        step, _, now, *others = self._looked_at(carried)
+        return step + 1, now, (state.u, state.v), *others
 
     def result(self, carried, problem, state):
-        step, *_, crossings, first, last = carried
+        step, _, _, crossings, *ends = self._looked_at(carried)
+        first, last = (self._crossing(problem, *end) for end in ends)
         between = crossings.astype(float) - 1
         mean_period = jnp.where(crossings > 1, (last - first) / between, self.steps)
         # a motion that has not crossed for one and a half periods has come to rest elsewhere, and has no phase
@@ -140,6 +147,10 @@ class PeriodError(Reduction):
             "period_elongation": jnp.where(swings & (crossings > 1), mean_period / self.steps - 1, jnp.nan),
             "phase_error": jnp.where(swings, last / self.steps - (self.crossing + between), jnp.nan),
         }
+
+    def _crossing(self, problem, step, before, now):
+        displacement, *rest = _quintic(problem, before, now, self.dt)
+        return step + _root((displacement - self.level, *rest))
 
 
 class AmplitudeDecay(Reduction):
@@ -161,26 +172,26 @@ class AmplitudeDecay(Reduction):
     variables = {"amplitude_decay": {"long_name": "relative loss of amplitude per period", "units": "1"}}
 
     def start(self, problem, state):
-        return _kinematics(problem, state), jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())
+        now = state.u, state.v
+        return now, now, jnp.zeros((), int), (now, now), (now, now)
+
+    def _looked_at(self, carried):
+        before, now, maxima, first, last = carried
+        turned = (before[1] > 0) & (now[1] <= 0)
+        this = before, now
+        first, last = _chosen(turned & (maxima == 0), this, first), _chosen(turned, this, last)
+        return before, now, maxima + turned.astype(int), first, last
 
     def update(self, carried, problem, state, t, effort):
-        before, maxima, first, last = carried
-        now = _kinematics(problem, state)
-        turned = (before[1] > 0) & (now[1] <= 0)
-
-        def amplitude():
-            at = _root(quintic(before, now, self.dt, of_v=True))
-            return value(quintic(before, now, self.dt), at) - self.rest
-
-        top = lax.cond(turned, amplitude, lambda: jnp.zeros(()))
-        return (
-            now,
-            maxima + turned.astype(int),
-            jnp.where(turned & (maxima == 0), top, first),
-            jnp.where(turned, top, last),
-        )
+        _, now, *others = self._looked_at(carried)
+        return now, (state.u, state.v), *others
 
     def result(self, carried, problem, state):
-        *_, maxima, first, last = carried
+        *_, maxima, first, last = self._looked_at(carried)
+        first, last = (self._amplitude(problem, *end) for end in (first, last))
         periods = maxima.astype(float) - 1
         return {"amplitude_decay": jnp.where(maxima > 1, 1 - (last / first) ** (1 / periods), jnp.nan)}
+
+    def _amplitude(self, problem, before, now):
+        at = _root(_quintic(problem, before, now, self.dt, of_v=True))
+        return value(_quintic(problem, before, now, self.dt), at) - self.rest

@@ -36,7 +36,7 @@ def data(monkeypatch):
         },
         {
             "problem": ["spring"],
-            "scheme": ["low", "high"],
+            "scheme": ["houbolt", "rk4"],
             "steps_per_period": STEPS,
             "periods": [1, 10, 100],
             "measure": ["max_trajectory_error", "max_energy_error"],
@@ -51,13 +51,13 @@ def data(monkeypatch):
 def test_the_steps_are_the_fewest_that_were_run_and_kept_the_error(data):
     # the power laws ask for 31.6 and 10 steps in a period
     table = study.recommend("spring", error=0.01, periods=10)
-    assert table.index.tolist() == ["low", "high"]
-    assert table.steps_per_period.to_dict() == {"low": 32, "high": 16}
-    assert table.number_of_steps.to_dict() == {"low": 320, "high": 160}
-    assert table.error["low"] == pytest.approx(10 / 32**2) and table.error["high"] == pytest.approx(100 / 16**4)
-    assert table.time["low"] == pytest.approx(10e-9 * 10 * 32)
+    assert table.index.tolist() == ["houbolt", "rk4"]
+    assert table.steps_per_period.to_dict() == {"houbolt": 32, "rk4": 16}
+    assert table.number_of_steps.to_dict() == {"houbolt": 320, "rk4": 160}
+    assert table.error["houbolt"] == pytest.approx(10 / 32**2) and table.error["rk4"] == pytest.approx(100 / 16**4)
+    assert table.time["houbolt"] == pytest.approx(10e-9 * 10 * 32)
     # those of the step, and of its three Newton iterations
-    assert table.force_evaluations.to_dict() == {"low": (1 + 2 * 3) * 320, "high": 4 * 160}
+    assert table.force_evaluations.to_dict() == {"houbolt": (1 + 2 * 3) * 320, "rk4": 4 * 160}
     assert table.verdict.tolist() == ["found", "found"]
 
 
@@ -65,12 +65,12 @@ def test_the_time_of_a_step_that_was_not_timed_is_that_of_the_nearest(data):
     timed = data.sel(steps_per_period=[8, 128]).copy(deep=True)
     timed.median_time_per_step.loc[{"steps_per_period": 128}] = 1e6
     table = candidates(data, _beside(data), timed, "spring", 0.01, "max_trajectory_error", 10)
-    assert table.time["high"] == pytest.approx(40e-9 * 10 * 16)
+    assert table.time["rk4"] == pytest.approx(40e-9 * 10 * 16)
 
 
 def test_times_within_their_spreads_tie(data):
     assert study.recommend("spring", error=0.01, periods=10).ties_with_fastest.tolist() == [True, False]
-    data.spread_of_time_per_step.loc[{"scheme": "high"}] = 40.0
+    data.spread_of_time_per_step.loc[{"scheme": "rk4"}] = 40.0
     assert study.recommend("spring", error=0.01, periods=10).ties_with_fastest.tolist() == [True, True]
 
 
@@ -83,7 +83,7 @@ def test_percent_is_understood(data):
 
 
 def test_nothing_is_interpolated_or_extrapolated(data):
-    assert study.recommend("spring", error=1e-5, periods=10).index.tolist() == ["high"]
+    assert study.recommend("spring", error=1e-5, periods=10).index.tolist() == ["rk4"]
     coarsest = study.recommend("spring", error=100.0, periods=10)
     assert coarsest.steps_per_period.tolist() == [8, 8] and set(coarsest.verdict) == {"already the coarsest step"}
     with pytest.raises(
@@ -96,10 +96,10 @@ def test_nothing_is_interpolated_or_extrapolated(data):
 
 
 def test_flagged_errors_count_as_the_uncertainty_of_the_reference(data):
-    data.flagged.loc[{"measure": "max_trajectory_error", "scheme": "high"}] = 1
+    data.flagged.loc[{"measure": "max_trajectory_error", "scheme": "rk4"}] = 1
     data.uncertainty.loc[{"measure": "max_trajectory_error"}] = 1e-3
-    assert study.recommend("spring", error=0.02, periods=1).steps_per_period["high"] < 128
-    assert "high" not in study.recommend("spring", error=0.009, periods=1).index
+    assert study.recommend("spring", error=0.02, periods=1).steps_per_period["rk4"] < 128
+    assert "rk4" not in study.recommend("spring", error=0.009, periods=1).index
 
 
 def test_missing_measures_are_reported(data):
@@ -109,19 +109,19 @@ def test_missing_measures_are_reported(data):
 
 
 def test_an_error_that_falls_and_rises_again_counts_by_its_finer_steps(data):
-    data.max_trajectory_error.loc[{"scheme": "low", "steps_per_period": 8}] = 1e-9  # an accident of coarse steps
-    data.max_trajectory_error.loc[{"scheme": "high", "steps_per_period": 16}] = np.nan  # a failure
+    data.max_trajectory_error.loc[{"scheme": "houbolt", "steps_per_period": 8}] = 1e-9  # an accident of coarse steps
+    data.max_trajectory_error.loc[{"scheme": "rk4", "steps_per_period": 16}] = np.nan  # a failure
     table = study.recommend("spring", error=0.01, periods=10)
-    assert table.steps_per_period.to_dict() == {"low": 32, "high": 32}
+    assert table.steps_per_period.to_dict() == {"houbolt": 32, "rk4": 32}
 
 
 @pytest.mark.parametrize("error", [1.0, np.nan])
 def test_a_step_must_keep_the_error_from_starts_beside_it_too(data, error):
     beside = _beside(data).copy(deep=True)
-    beside.max_trajectory_error.loc[{"start": "above", "scheme": "low", "steps_per_period": 32}] = error
+    beside.max_trajectory_error.loc[{"start": "above", "scheme": "houbolt", "steps_per_period": 32}] = error
     table = candidates(data, beside, data, "spring", 0.01, "max_trajectory_error", 10)
-    assert table.steps_per_period.to_dict() == {"low": 64, "high": 16}
-    assert table.error["low"] == pytest.approx(10 / 64**2)
+    assert table.steps_per_period.to_dict() == {"houbolt": 64, "rk4": 16}
+    assert table.error["houbolt"] == pytest.approx(10 / 64**2)
 
 
 @pytest.mark.parametrize(

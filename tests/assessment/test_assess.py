@@ -9,9 +9,9 @@ import study
 from reference import taylor
 from study.assessment import errors
 from study.assessment.certified import certified
-from study.assessment.ladder import Case, Ladder
 from study.assessment.reference import Reference
-from study.assessment.report import page
+from study.assessment.report import answer, page
+from study.assessment.search import Case, Search
 from study.observer.energy import MaxEnergyError
 
 DURATION = 20.0
@@ -49,18 +49,40 @@ def _by_scipy(t):
 @pytest.mark.parametrize("allowed", [0.05, 0.01])
 @pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
 def test_a_recommended_step_keeps_its_error_against_another_solver(driven, assessed, scheme, allowed):
-    """And twice the step does not, unless it was the coarsest."""
+    """And a step a third larger than the largest one does not."""
     one = assessed.sel(scheme=scheme, quantity="path", allowed_error=allowed)
-    steps = round(DURATION / one.recommended_dt.item())
-
     largest = np.abs(_by_scipy(np.linspace(0, DURATION, 4001))).max()
 
-    def error(steps):
-        ds = study.run(driven, scheme, dt=DURATION / steps, steps=steps)
+    def error(dt):
+        steps = int(DURATION / dt * (1 + 1e-9))
+        ds = study.run(driven, scheme, dt=dt, steps=steps)
         return np.abs(np.stack([ds.u, ds.v]) - _by_scipy(np.minimum(ds.t.values, DURATION))).max() / largest
 
-    assert error(steps) == pytest.approx(one.recommended_error.item(), rel=1e-3)
-    assert error(steps) <= allowed < error(steps // 2)
+    step = one.recommended_dt.item()
+    assert step == float(f"{step:.1e}") <= one.largest_dt and one.steps_tried > 300
+    assert error(step) == pytest.approx(one.recommended_error.item(), rel=1e-3)
+    assert one.worst_error <= 1 and error(4 / 3 * one.largest_dt.item()) > allowed
+
+
+@pytest.mark.parametrize("reduce", ["peak", "final", "rms"])
+def test_a_reduced_quantity_is_compared_up_to_the_end_of_the_run(driven, reduce):
+    """A run ends with the last step that fits; the reference is reduced up to there."""
+    asked = errors.named({"x": study.Quantity(lambda u, v: jnp.stack([u, v]), reduce=reduce)})
+    found = certified(driven, DURATION, asked, tightest=1e-4, coarsest=1.0, periodic=False)
+    search = Search(study.schemes["newmark"], {1.0: Case(driven, found.targets, None)}, DURATION, 0.1, 0.01, False)
+    search.run(np.array([0.0123, 0.0237]))
+    for dt, steps, error in search.runs[["dt", "steps", "x"]].itertuples(index=False):
+        assert steps == int(DURATION / dt)
+        t = np.linspace(0, steps * dt, 20_001)
+        exact, ds = _by_scipy(t), study.run(driven, "newmark", dt=dt, steps=steps)
+        got = np.stack([ds.u, ds.v])
+        of = {
+            "peak": lambda y: np.abs(y).max(axis=1),
+            "final": lambda y: y[:, -1],
+            "rms": lambda y: np.sqrt(np.trapezoid(y**2, axis=1) / (y.shape[1] - 1)),
+        }[reduce]
+        scale = np.abs(exact).max() if reduce == "final" else of(exact).max()
+        assert error == pytest.approx(np.abs(of(got) - of(exact)).max() / scale, rel=0.02)
 
 
 def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
@@ -69,7 +91,7 @@ def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
     exact = _by_scipy(one.t)
     assert np.abs(np.stack([one.u, one.v]) - exact).max() < 1e-6
     assert (assessed.reference_uncertainty < 1e-4).all()
-    assert assessed.attrs["reference"] == "diffrax Dopri8" and assessed.attrs["witness"] == "CVODE Adams"
+    assert assessed.attrs["reference"] == "heyoka" and assessed.attrs["witness"] == "CVODE Adams"
 
 
 @pytest.mark.parametrize(
@@ -96,7 +118,13 @@ def test_errors_between_the_points_of_a_reference_are_part_of_its_uncertainty(pr
 def test_recommend_lists_what_was_run(assessed):
     table = study.recommend(assessed, error=0.01, quantity="force")
     assert set(table.index) == {"average_acceleration", "rk4"} and (table.error <= 0.01).all()
-    assert (table.step_size * table.number_of_steps).to_numpy() == pytest.approx(DURATION)
+    ends = table.step_size * table.number_of_steps
+    assert ((ends <= DURATION * (1 + 1e-9)) & (ends > DURATION - table.step_size)).all()
+    # ω² = 1 + 3 u² at the largest displacement
+    largest = np.abs(_by_scipy(np.linspace(0, DURATION, 4001))[0]).max()
+    assert (table.omega_step / table.step_size).to_numpy() == pytest.approx(np.sqrt(1 + 3 * largest**2), rel=1e-3)
+    assert table.kind.to_dict() == {"average_acceleration": "implicit", "rk4": "explicit"}
+    assert table.forces_per_time["rk4"] == pytest.approx(4 / table.step_size["rk4"])
     assert table["time"].is_monotonic_increasing and table.ties_with_fastest.iloc[0]
     for other in (0.03, 0.001):
         with pytest.raises(ValueError, match=f"error must be one that was assessed, 0.05, 0.01, not {other}; assess"):
@@ -113,6 +141,14 @@ def test_failures_are_mapped_and_explained(assessed):
     assert "beyond the limit of stability" in explicit.failure.item()
 
 
+def test_no_recommended_step_contradicts_the_largest_safe_one(assessed):
+    for name in assessed.quantity.values:
+        for allowed in assessed.allowed_error.values:
+            steps = assessed.recommended_dt.sel(quantity=name, allowed_error=allowed)
+            beyond = bool((steps > assessed.largest_safe_dt).any())
+            assert beyond == ("beyond its largest safe step" in answer(assessed, name, allowed))
+
+
 def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     """Displacement and energy over 20 periods, beside the observers by which the study compares with exact motions."""
     problem, steps = study.problems["hardening"], 20 * 32
@@ -122,12 +158,14 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     reference = Reference(problem, duration)
     exactly = reference.solution(reference.routes[0], reference.grid(exact / 4), 1e-12)
     targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}
-    one = Ladder(study.schemes["rk4"], {1.0: Case(problem, exactly, targets, None)}, duration, True, 10_000).run(steps)
+    search = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, 1.0, 0.0, True)
+    search.run(np.array([duration / steps]))
+    one = search.runs.iloc[0]
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, observe=["trajectory", MaxEnergyError()])
     once = taylor.trajectory(problem, np.arange(1, 33) * exact / 32).u
     wanted = np.concatenate([[1.5], np.tile(once, 20)])
-    assert one.errors["displacement"] == pytest.approx(np.abs(ds.u - wanted).max().item() / 1.5, rel=1e-8)
-    assert one.errors["energy"] == pytest.approx(ds.max_energy_error.item() / 100, rel=1e-12)
+    assert one.displacement == pytest.approx(np.abs(ds.u - wanted).max().item() / 1.5, rel=1e-8)
+    assert one.energy == pytest.approx(ds.max_energy_error.item() / 100, rel=1e-12)
 
 
 def test_a_free_oscillator_is_judged_by_period_phase_and_amplitude():

@@ -1,0 +1,70 @@
+"""Slow periods and high frequencies of a problem, which measure its duration and its steps."""
+
+import numpy as np
+
+from study.assessment.solution import DenseSolution
+from study.marching.run import run
+from study.mechanics.balance import acceleration
+from study.mechanics.definition import Problem
+from study.mechanics.frequencies import frequencies
+
+#: Periods of a free oscillation that are run if no duration is given.
+PERIODS = 10
+
+#: Steps in the shortest slow period of small motions, and such periods, of a run that estimates the period.
+ESTIMATE = 100, 40
+
+#: Points of the motion at which the highest frequency is sought, over the number of unknowns.
+STIFFEST = 100
+
+
+def slowest_period(problem: Problem) -> float | None:
+    """Period of the slowest small motion, the shorter one of those about the start and about u = 0."""
+    oscillating = []
+    for at in (problem.u0, np.zeros(np.shape(problem.u0))):
+        found = frequencies(problem, at)
+        if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
+            oscillating.append(2 * np.pi / found[of_motion])
+    if not oscillating:  # the start and u = 0 are on hills: the time in which the start would be left
+        pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
+        far = np.abs(problem.u0).max()
+        return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None
+    return float(min(one.max() for one in oscillating))
+
+
+def _period(problem: Problem) -> float | None:
+    """About the period of a free oscillator of one unknown; None if it is none."""
+    slowest = slowest_period(problem)
+    if np.ndim(problem.u0) or not problem.conservative or slowest is None:
+        return None
+    ds = run(problem, "rk4", dt=slowest / ESTIMATE[0], steps=ESTIMATE[0] * ESTIMATE[1], on_failure="ignore")
+    u = ds.u.values - (ds.u.max().item() + ds.u.min().item()) / 2
+    crossed = np.flatnonzero((u[:-1] < 0) & (u[1:] >= 0))
+    return float(np.diff(ds.t.values[crossed]).mean()) if len(crossed) > 1 else None
+
+
+def length_of(problem: Problem, duration: float | None) -> float:
+    """Length of the runs: as given, or ten periods of a free oscillator.
+
+    Raises
+    ------
+    ValueError
+        If it is no positive time, or the problem has no period to count in.
+    """
+    if duration is not None:
+        if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
+            raise ValueError(f"duration must be a time in seconds greater than zero, not {duration!r}.")
+        return float(duration)
+    period = _period(problem)
+    if period is None:
+        raise ValueError(f"'{problem.title}' has no period to count in: give duration=, the time to be run.")
+    return PERIODS * period
+
+
+def highest_frequency(problem: Problem, motion: DenseSolution) -> float:
+    """The highest circular frequency of small motions, at the start, at the largest displacement, and in between."""
+    last, unknowns = len(motion.t) - 1, np.size(problem.u0)
+    places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
+    farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()
+    found = (frequencies(problem, motion.u[place]) for place in {*places.tolist(), int(farthest)})
+    return max((float(one[-1]) for one in found if one is not None), default=np.nan)

@@ -1,0 +1,251 @@
+"""Runs of one scheme at many random steps, octave by octave, and the largest step below which all keep an error."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from study.assessment import errors, oscillation
+from study.assessment.errors import Target
+from study.assessment.oscillation import Oscillation, OscillationErrors
+from study.marching.ensemble import FEW, TILE, cores
+from study.marching.run import run
+from study.mechanics.definition import Problem
+from study.observer.base import Observer
+from study.problem.named import neighbouring_starts
+from study.scheme.base import Scheme
+
+#: Steps with which a search begins in a period of the slowest small motion.
+COARSEST = 4
+
+#: Steps up to which a search goes: in a period of the slowest small motion, or, if that is more, in a run of one
+#: unknown; of several, that over their number. Most steps of any run.
+FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
+
+#: Part of a step down to which finer ones are tried, and a larger multiple of it that will do if the step has shrunk.
+TWENTIETH, ENOUGH = 1 / 20, 1.1
+
+#: Most runs of an octave, and the least, of one unknown in tiles and otherwise.
+MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
+
+#: Steps × unknowns of the runs of an octave, if that leaves enough runs: of one unknown and of several.
+WORK = {True: 1_500_000, False: 4_000_000}
+
+#: Runs up to an octave below a recommended step, where errors are largest, and their steps × unknowns at most.
+CONFIRMED, WORK_OF_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}
+
+#: Steps of a run of one unknown from which on it is made alone, and of one of few: a tile takes as long if it is empty.
+LONG, LONG_OF_FEW = 30_000, 7_500
+
+#: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
+STARTS = tuple(neighbouring_starts.values())
+
+#: Quantile of the errors up to an octave below a step. Steps that were not tried may exceed the worst error by as much
+#: as that exceeds this quantile.
+USUAL = 0.9
+
+#: Least ratio of an error to the uncertainty of the reference.
+CERTAIN = 10
+
+#: How a search for a step ended.
+FOUND, COARSEST_KEEPS, FINEST_FAILS, UNCERTAIN = range(4)
+VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference")
+
+#: Name of the balance of energies among the quantities.
+ENERGY = "energy"
+
+#: A quantity, and the error that it is allowed.
+Limit = tuple[str, float]
+
+
+class Recommendation(NamedTuple):
+    """How a search ended, the largest step that keeps the error, the round one below it, and what confirms that.
+
+    ``tried`` counts the steps from a twentieth of the recommended one up to it. ``worst`` is the largest error among
+    them as a fraction of the allowed one.
+    """
+
+    how: int
+    largest: float = np.nan
+    recommended: float = np.nan
+    tried: int = 0
+    worst: float = np.nan
+
+
+@dataclass(frozen=True)
+class Case:
+    """A start of the problem, as a multiple of u₀, u̇₀ and load, with what its reference says."""
+
+    problem: Problem
+    targets: dict[str, Target]
+    oscillation: Oscillation | None
+
+    @cached_property
+    def observe(self) -> list[str | Observer]:
+        """What a run must observe."""
+        of_energy = ["energy_balance"] if self.problem.potential is not None else []
+        of_oscillation = [OscillationErrors(self.oscillation)] if self.oscillation else []
+        return [*errors.observers(list(self.targets.values())), "newton_iterations", *of_energy, *of_oscillation]
+
+
+def told_of_starts(cases: dict[float, Case]) -> str:
+    """A sentence on the starts beside that of the problem: a multiple of nothing is no other start."""
+    own = cases[1.0].problem
+    others = [case.problem for factor, case in cases.items() if factor != 1.0]
+    if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):
+        return "No other start was tried: u, u̇ and the load are zero at the start."
+    return "Runs from two starts, one percent below and above, keep the error too."
+
+
+def spacing(problem: Problem, duration: float) -> float | None:
+    """Time between the samples of a record in the load; None if there is none, or its samples are unevenly spaced."""
+    times = np.asarray(getattr(problem.load, "kinks", ()))
+    gaps = np.diff(times[times < duration])
+    return float(gaps.mean()) if len(gaps) and np.ptp(gaps) < 1e-6 * gaps.mean() else None
+
+
+def _two_digits(x: float) -> float:
+    return float(f"{x:.1e}")
+
+
+def round_step(largest: float, spacing: float | None) -> float:
+    """The largest step up to another one that has two digits, or is a whole multiple or part of a spacing."""
+    largest *= 1 + 1e-9
+    if spacing is None:
+        unit = 10.0 ** (math.floor(math.log10(largest)) - 1)
+        return _two_digits(math.floor(largest / unit) * unit)
+    if largest >= spacing:
+        return math.floor(largest / spacing) * spacing
+    fewest = math.ceil(spacing / largest)
+    parts = (spacing / k for k in range(fewest, 2 * fewest + 1))
+    return next((part for part in parts if math.isclose(part, _two_digits(part))), spacing / fewest)
+
+
+class Search:
+    """Runs of one scheme on one problem.
+
+    Parameters
+    ----------
+    scheme
+        The scheme.
+    cases
+        The problem and its neighbours by the multiple of their start; that of 1 is the problem itself.
+    duration
+        Length of the runs, which end with the last step that fits into it.
+    coarsest, finest
+        Largest and smallest step.
+    of_energy
+        Whether the balance of energies is one of the quantities.
+
+    Attributes
+    ----------
+    runs
+        A row for each run: ``start``, ``dt``, ``steps``, ``status``, ``imbalance``, ``iterations``, and the error of
+        each quantity.
+    """
+
+    def __init__(
+        self, scheme: Scheme, cases: dict[float, Case], duration: float, coarsest: float, finest: float, of_energy: bool
+    ):
+        self.scheme, self.duration, self.coarsest, self.finest = scheme, duration, coarsest, finest
+        self._cases, self._of_energy = cases, of_energy
+        self._size, self._spacing = np.size(cases[1.0].problem.u0), spacing(cases[1.0].problem, duration)
+        self.runs, self._random = pd.DataFrame(), np.random.default_rng(0)
+
+    def _run(self, start: float, dt: np.ndarray) -> pd.DataFrame:
+        """A run, or several at once, from a multiple of the start, as rows."""
+        case = self._cases[start]
+        steps = np.maximum(np.floor(self.duration / dt * (1 + 1e-9)), 1).astype(int)
+        ds = run(case.problem, self.scheme, dt=dt, steps=steps, observe=case.observe, on_failure="ignore")
+        imbalance = ds.max_energy_imbalance.values / 100 if "max_energy_imbalance" in ds else np.nan
+        ends = np.atleast_1d(np.minimum(steps * dt, self.duration))
+        found: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
+        found |= {ENERGY: imbalance} if self._of_energy else {}
+        found |= oscillation.errors(ds) if case.oscillation else {}
+        how: dict[str, Any] = {
+            "status": ds.status.values,
+            "imbalance": imbalance,
+            "iterations": ds.newton_iterations.values / steps,
+        }
+        rows: dict[str, Any] = {"start": start, "dt": dt, "steps": steps} | how | found
+        return pd.DataFrame({name: np.broadcast_to(values, len(ends)) for name, values in rows.items()})
+
+    def run(self, dt: np.ndarray, start: float = 1.0) -> None:
+        """Run at some steps."""
+        long = LONG if len(dt) >= LEAST_IN_TILES else LONG_OF_FEW
+        alone = (self.duration / dt > long) & (self._size == 1)
+        at_once, together = TILE * cores() if self._size == 1 else FEW, dt[~alone]
+        parts = [*(together[i : i + at_once] for i in range(0, len(together), at_once)), *dt[alone]]
+        self.runs = pd.concat([self.runs, *(self._run(start, part) for part in parts)], ignore_index=True)
+
+    def _stretch(self, bottom: float, top: float) -> None:
+        """Run at random steps between two steps, as many as their work allows."""
+        steps, alone = self.duration / bottom, self._size > 1 or self.duration / bottom > LONG
+        least = LEAST_RUNS if alone else LEAST_IN_TILES
+        self._draw(
+            bottom, top, int(np.clip(WORK[self._size == 1] / steps / self._size, least, MOST_RUNS)) // least * least
+        )
+
+    def _draw(self, bottom: float, top: float, count: int) -> None:
+        """Run at random steps, one in each of as many equal parts between two steps on a logarithmic scale."""
+        self.run(top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count))
+
+    def _unconfirmed(self, step: float) -> int:
+        """Runs that are missing up to an octave below a step."""
+        work = 2 * self.duration / step * self._size
+        wanted = min(CONFIRMED, int(WORK_OF_CONFIRMED[self._size == 1] / work))
+        own = self.runs.dt[self.runs.start == 1.0]
+        return wanted - int(((own >= step / 2) & (own <= step)).sum())
+
+    def largest(self, name: str, allowed: float) -> float:
+        """Largest step tried below which all runs keep an error, with room for their scatter; zero if there is none."""
+        fails = self.runs.dt[~(self.runs[name] <= allowed)].min()  # a failed run, NaN, counts as above
+        own = self.runs[(self.runs.start == 1.0) & ~(self.runs.dt >= fails)]
+        dt, error = own.dt.to_numpy(), own[name].to_numpy()
+        while dt.size:
+            step = dt.max()
+            octave = error[dt > step / 2]
+            if 2 * octave.max() - np.quantile(octave, USUAL) <= allowed:
+                return step
+            dt, error = dt[dt < 0.99 * step], error[dt < 0.99 * step]
+        return 0.0
+
+    def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
+        """Run down to a twentieth of what keeps each error, from all starts at round steps, and again below these."""
+        top, least = self.coarsest, 0.0
+        while True:
+            if top > ENOUGH * max(least, self.finest):
+                tell(top)
+                bottom = max(top / 2, least, self.finest)
+                self._stretch(bottom, top)
+                top = bottom
+            else:
+                steps = {self._round(limit) for limit in limits} - {0.0}
+                if new := steps - {*self.runs.dt[self.runs.start == 1.0]}:
+                    for start in self._cases:
+                        self.run(np.array(sorted(new)), start)
+                elif missing := [(step, count) for step in steps if (count := self._unconfirmed(step)) > 0]:
+                    tell(max(missing)[0])
+                    self._draw(max(missing)[0] / 2, *max(missing))
+                else:
+                    return
+            least = min((TWENTIETH * self.largest(*limit) for limit in limits), default=np.inf)
+
+    def _round(self, limit: Limit) -> float:
+        largest = self.largest(*limit)
+        return round_step(largest, self._spacing) if largest else 0.0
+
+    def verdict(self, name: str, allowed: float) -> Recommendation:
+        """What the runs say about a quantity and its allowed error."""
+        step = self._round((name, allowed))
+        if not step:
+            return Recommendation(FINEST_FAILS)
+        own = self.runs[self.runs.start == 1.0]
+        around = own[(own.dt >= TWENTIETH * step) & (own.dt <= step)]
+        largest = self.largest(name, allowed)
+        how = COARSEST_KEEPS if largest == own.dt.max() else FOUND
+        return Recommendation(how, largest, step, len(around), around[name].max() / allowed)

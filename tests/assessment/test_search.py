@@ -1,0 +1,142 @@
+"""The search for the step that keeps an error, on errors that are made up."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import study
+from study.assessment.search import (
+    COARSEST_KEEPS,
+    FINEST_FAILS,
+    FOUND,
+    STARTS,
+    TWENTIETH,
+    Search,
+    round_step,
+    spacing,
+)
+
+
+class MadeUp(Search):
+    """A search whose runs have the error that a function of step and start gives."""
+
+    def __init__(self, error, finest=1e-5, spacing=None):
+        self.duration, self.coarsest, self.finest, self._size, self._spacing = 20.0, 1.0, finest, 1, spacing
+        self._error, self.runs = error, pd.DataFrame()
+        self._cases = dict.fromkeys((1.0, *STARTS))  # type: ignore[assignment]
+        self._random = np.random.default_rng(1)
+
+    def _run(self, start, dt):
+        dt = np.atleast_1d(dt)
+        return pd.DataFrame({"start": start, "dt": dt, "u": [self._error(one, start) for one in dt]})
+
+
+def searched(error, allowed=0.01, **options):
+    made_up = MadeUp(error, **options)
+    made_up.search([("u", allowed)])
+    return made_up, made_up.verdict("u", allowed)
+
+
+def _tried_up_to(made_up, step):
+    own = made_up.runs[made_up.runs.start == 1.0]
+    return own[(own.dt <= step) & (own.dt >= TWENTIETH * step)]
+
+
+@pytest.mark.parametrize("order", [1, 2, 4, 8])
+def test_the_step_of_a_regular_error_is_found(order):
+    made_up, verdict = searched(lambda dt, start: start * dt**order)
+    exact = 0.01 ** (1 / order)
+    assert verdict.how == FOUND and 0.9 * exact <= verdict.largest <= exact
+    assert 0.81 * exact <= verdict.recommended <= verdict.largest
+    assert verdict.recommended == float(f"{verdict.recommended:.1e}")
+    assert verdict.tried == len(_tried_up_to(made_up, verdict.recommended)) > 100
+    assert made_up.runs.dt.min() < 1.3 * TWENTIETH * verdict.recommended
+
+
+def test_a_lucky_step_is_passed_over():
+    """An error that is small in a narrow band of steps only, and one that is small there from one start only."""
+    for lucky in (lambda start: True, lambda start: start == 1.0):
+        _, verdict = searched(lambda dt, start, lucky=lucky: 1e-6 if lucky(start) and 0.3 < dt < 0.5 else dt**2)
+        assert verdict.how == FOUND and 0.085 < verdict.largest < 0.1
+
+
+def test_an_unlucky_stretch_of_steps_is_found():
+    """A hundredth of the steps up to the recommended one would exceed the error."""
+    _, verdict = searched(lambda dt, start: 0.02 if 0.050 < dt < 0.051 else dt**2)
+    assert verdict.recommended <= 0.05
+
+
+def test_errors_that_scatter_keep_a_larger_distance():
+    """One in a hundred is five times the median, and fresh ones are larger than any of those tried."""
+
+    def error(dt, start):
+        return dt * np.random.default_rng(int(dt * 2**60)).lognormal(sigma=0.7)
+
+    _, verdict = searched(error)
+    fresh = verdict.recommended * np.random.default_rng(7).uniform(TWENTIETH, 1.0, 10_000)
+    assert verdict.worst < 0.6 and np.mean([error(dt, 1.0) > 0.01 for dt in fresh]) < 0.001
+
+
+def test_a_start_that_needs_finer_steps_sets_the_recommended_one():
+    made_up, verdict = searched(lambda dt, start: (30.0 if start < 1 else 1.0) * dt**2)
+    exact = np.sqrt(0.01 / 30)
+    assert verdict.how == FOUND and 0.9 * exact <= verdict.recommended <= exact
+    assert _tried_up_to(made_up, verdict.recommended).dt.min() < 1.3 * TWENTIETH * verdict.recommended
+
+
+def test_the_ends_of_a_search_are_said_as_such():
+    assert searched(lambda dt, start: 1e-5 * dt)[1].how == COARSEST_KEEPS
+    for constant in (0.5, np.nan):
+        assert searched(lambda dt, start, c=constant: c, finest=1e-3)[1].how == FINEST_FAILS
+    assert searched(lambda dt, start: 1e-5 if start == 1.0 else 1.0, finest=1e-3)[1].how == FINEST_FAILS
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    order=st.floats(0.5, 4),
+    bumps=st.lists(st.tuples(st.floats(-8.0, 0.0), st.floats(0.001, 1000)), max_size=8),
+    allowed=st.lists(st.floats(1e-3, 0.3), min_size=1, max_size=3),
+)
+def test_all_that_was_tried_below_a_recommended_step_keeps_the_error(order, bumps, allowed):
+    """Whatever the error does between the steps, and whatever other errors are asked for: what was run decides."""
+
+    def error(dt, start):
+        factor = np.prod([size for place, size in bumps if abs(np.log2(dt) - place) < 0.1], initial=1.0)
+        return factor * start * dt**order
+
+    made_up = MadeUp(error, finest=1e-4)
+    made_up.search([("u", limit) for limit in allowed])
+    for limit in allowed:
+        verdict = made_up.verdict("u", limit)
+        if verdict.recommended > 0:
+            finer = made_up.runs[made_up.runs.dt <= verdict.recommended]
+            assert (finer.u <= limit).all() and verdict.worst <= 1
+            assert set(finer[finer.dt == verdict.recommended].start) == {1.0, *STARTS}
+
+
+@pytest.mark.parametrize(
+    "largest, between_samples, expected",
+    [
+        (0.02131, None, 0.021),
+        (0.21, None, 0.21),
+        (9.99, None, 9.9),
+        (1.0e-5, None, 1.0e-5),
+        (0.02131, 0.02, 0.02),
+        (0.065, 0.02, 0.06),
+        (0.0199, 0.02, 0.01),
+        (0.0067, 0.02, 0.005),
+        (0.0031, 0.02, 0.0025),
+        (0.003, 1 / 128, 1 / 384),
+    ],
+)
+def test_a_round_step_is_one_that_an_engineer_writes(largest, between_samples, expected):
+    assert round_step(largest, between_samples) == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_spacing_of_a_record_is_found_in_the_load():
+    ground = study.GroundMotion(np.sin(np.arange(100)), 0.02)
+    assert spacing(study.Problem(lambda u: u, 0.0, ground=ground), 1.0) == pytest.approx(0.02)
+    assert spacing(study.Problem(lambda u: u, 0.0, ground=study.GroundMotion(np.ones(2), 10.0)), 1.0) is None
+    assert spacing(study.problems["hardening"], 1.0) is None
