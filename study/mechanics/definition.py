@@ -212,21 +212,18 @@ class Problem(eqx.Module):
 
     def untitled(self) -> "Problem":
         """The same problem without its title: problems that differ in the title alone share a compiled program."""
-        copy = self._copy()
-        object.__setattr__(copy, "title", "untitled")
-        return copy
+        return self._changed("title", "untitled")
 
     def with_safeguard(self) -> "Problem":
         """The same problem, whose Newton iterations start again with a safeguard where they fail."""
-        copy = self._copy()
-        object.__setattr__(copy, "safeguarded", True)
-        return copy
+        return self._changed("safeguarded", True)
 
-    def _copy(self) -> "Problem":
-        """A copy that is not checked again."""
+    def _changed(self, name: str, value: Any) -> "Problem":
+        """A copy with another value of a field, which is not checked again."""
         copy = object.__new__(type(self))
         for field in fields(self):
             object.__setattr__(copy, field.name, getattr(self, field.name))
+        object.__setattr__(copy, name, value)
         return copy
 
     def at(self, state: Any) -> "Problem":
@@ -239,9 +236,7 @@ class Problem(eqx.Module):
 
     def remembering(self, history: Any) -> "Problem":
         """The problem with another history."""
-        copy = self._copy()
-        object.__setattr__(copy, "history", history)
-        return copy
+        return self._changed("history", history)
 
     def committed(self, u: VectorLike, v: VectorLike) -> "Problem":
         """The problem with the history after a motion to u and u̇; without a history the problem itself."""
