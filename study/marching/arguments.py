@@ -38,7 +38,7 @@ RESERVED = (
     "v0",
 )
 
-#: Largest displacement of a run without a bound of its own, as multiples of u₀ + T u̇₀ and of T² f/M. A motion that is
+#: Largest displacement of a run without a bound of its own, as multiples of u₀ + T u̇₀ and of T² f/m. A motion that is
 #: unstable by nature may start from a tiny displacement and still be of an ordinary size.
 OF_START, OF_LOAD = 1e9, 1e5
 
@@ -130,9 +130,9 @@ def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tup
 
 
 def checked_bound(
-    bound: float | None, problem: Problem, u0: Displacements, v0: Displacements, duration: float
+    bound: float | None, problems: Sequence[Problem], u0: Displacements, v0: Displacements, duration: float
 ) -> float:
-    """Largest displacement of a run: as given, or far beyond what start and load can bring about.
+    """Largest displacement of a run: as given, or far beyond what start and load of any of the problems bring about.
 
     Raises
     ------
@@ -143,10 +143,13 @@ def checked_bound(
         if isinstance(bound, bool) or not isinstance(bound, int | float | np.number) or not bound > 0:
             raise ValueError(f"bound must be a displacement greater than zero, np.inf for none, not {bound!r}.")
         return float(bound)
-    farthest = OF_START * (np.abs(u0).max() + duration * np.abs(v0).max())
-    if problem.load is not None:
-        masses = np.asarray(diagonal(1.0 if problem.mass is None else problem.mass))
-        farthest += OF_LOAD * duration**2 * _largest_load(problem, duration) / masses[masses > 0].min()
+    starts = [(u0, v0), *((problem.u0, problem.v0) for problem in problems[1:])]
+    farthest = OF_START * max(np.abs(u).max() + duration * np.abs(v).max() for u, v in starts)
+    for problem in problems:
+        if problem.load is not None:
+            masses = np.asarray(diagonal(1.0 if problem.mass is None else problem.mass))
+            of_load = OF_LOAD * duration**2 * _largest_load(problem, duration) / masses[masses > 0].min()
+            farthest = max(farthest, of_load)
     return float(farthest) or np.inf
 
 

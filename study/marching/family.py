@@ -54,8 +54,8 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
     return {name: value.astype(float) for name, value in values.items()}
 
 
-def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) -> Problem:
-    """The problem of the first lane, after a check of the lanes where an argument is least or largest.
+def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) -> list[Problem]:
+    """The problems of the first lane and of those where an argument is least or largest.
 
     Only there is the problem made with numbers, so that its own checks see them.
 
@@ -77,7 +77,7 @@ def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) 
             raise ValueError(
                 f"lane {lane} of over has an unknown without mass, which a family of problems cannot have."
             )
-    return made[0]
+    return list(made.values())
 
 
 def march_family(

@@ -134,8 +134,8 @@ def run(
         Number of samples to store after the first; those after the end of the run are NaN. By default all that fit.
     bound
         Largest displacement of any unknown: a run beyond it ends as unbounded. By default
-        :math:`10^9 (|u_0| + T |\dot u_0|) + 10^5\,T^2 f/m` with the duration T, the largest load f and the smallest
-        mass m; ``np.inf`` for none.
+        the larger of :math:`10^9 (|u_0| + T |\dot u_0|)` and :math:`10^5\,T^2 f/m` with the duration T, the largest
+        load f and the smallest mass m; ``np.inf`` for none.
     on_failure
         What a failed run does: ``"warn"``, with scheme, step, time and likely cause, ``"raise"`` or ``"ignore"``.
 
@@ -173,20 +173,21 @@ def run(
     _check_on_failure(on_failure)
     values: dict[str, np.ndarray] = {}
     if over is None:
-        equation = resolve(problem, problems, Problem)  # type: ignore[arg-type, misc]
+        equations = [resolve(problem, problems, Problem)]  # type: ignore[arg-type, misc]
     else:
         values = checked_family(problem, over, chosen)
         if u0 is not None or v0 is not None:
             raise ValueError(
                 "u0 and v0 come from the function that makes the problem; make them there if over is given."
             )
-        equation = checked_lanes(problem, values)  # type: ignore[arg-type]
+        equations = checked_lanes(problem, values)  # type: ignore[arg-type]
+    equation = equations[0]
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     lanes = number_of_lanes(equation, start, velocity, step_size, count, values)
     few = lanes <= FEW and np.ndim(equation.u0) > 0 and jax.default_backend() == "cpu"
     side_by_side = bool(lanes) and not few and not values
     _check_fit(equation, method, chosen)
-    limit = checked_bound(bound, equation, start, velocity, float(np.max(step_size * count)))
+    limit = checked_bound(bound, equations, start, velocity, float(np.max(step_size * count)))
     plain = March.of(equation, method, chosen, side_by_side, limit)
     room = _samples(plain.records, count, every, samples)
     begin = start, velocity, step_size

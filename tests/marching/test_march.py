@@ -144,6 +144,14 @@ def test_large_motion_is_a_result(problem, scheme, reach):
     assert ds.status == 0 and abs(ds.u).max() > reach
 
 
+def test_the_bound_of_a_family_is_that_of_its_largest_lane():
+    def started(size):
+        return study.Problem(lambda u: u, u0=size)
+
+    ds = study.run(started, "rk4", over={"size": [1e-12, 10.0]}, dt=0.1, steps=100)
+    assert not ds.status.any()
+
+
 def _cubic(u):
     """The restoring force of the double well."""
     return u**3 - u
