@@ -39,7 +39,8 @@ WORK = {True: 1_500_000, False: 4_000_000}
 CONFIRMED, WORK_OF_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}
 
 #: Steps of a run of one unknown from which on it is made alone, and of one of few: a tile takes as long if it is empty.
-LONG, LONG_OF_FEW = 30_000, 7_500
+#: A search that makes no longer runs does without the program of a single run.
+LONG, LONG_OF_FEW, LONG_OF_SHORT = 30_000, 7_500, 120_000
 
 #: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
 STARTS = tuple(neighbouring_starts.values())
@@ -153,6 +154,7 @@ class Search:
     ):
         self.scheme, self.duration, self.coarsest, self.finest = scheme, duration, coarsest, finest
         self._cases, self._of_energy = cases, of_energy
+        self._long = LONG if duration / finest > 1.01 * FINEST_OF_RUN else LONG_OF_SHORT
         self._size, self._spacing = np.size(cases[1.0].problem.u0), spacing(cases[1.0].problem, duration)
         self.runs, self._random = pd.DataFrame(), np.random.default_rng(0)
 
@@ -176,7 +178,7 @@ class Search:
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
         """Run at some steps."""
-        long = LONG if len(dt) >= LEAST_IN_TILES else LONG_OF_FEW
+        long = self._long if len(dt) >= LEAST_IN_TILES else LONG_OF_FEW
         alone = (self.duration / dt > long) & (self._size == 1)
         at_once, together = TILE * cores() if self._size == 1 else FEW, dt[~alone]
         parts = [*(together[i : i + at_once] for i in range(0, len(together), at_once)), *dt[alone]]
@@ -184,7 +186,7 @@ class Search:
 
     def _stretch(self, bottom: float, top: float) -> None:
         """Run at random steps between two steps, as many as their work allows."""
-        steps, alone = self.duration / bottom, self._size > 1 or self.duration / bottom > LONG
+        steps, alone = self.duration / bottom, self._size > 1 or self.duration / bottom > self._long
         least = LEAST_RUNS if alone else LEAST_IN_TILES
         self._draw(
             bottom, top, int(np.clip(WORK[self._size == 1] / steps / self._size, least, MOST_RUNS)) // least * least

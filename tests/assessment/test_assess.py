@@ -158,7 +158,7 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     reference = Reference(problem, duration)
     exactly = reference.solution(reference.routes[0], reference.grid(exact / 4), 1e-12)
     targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}
-    search = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, 1.0, 0.0, True)
+    search = Search(study.schemes["rk4"], {1.0: Case(problem, targets, None)}, duration, 1.0, duration / steps, True)
     search.run(np.array([duration / steps]))
     one = search.runs.iloc[0]
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, observe=["trajectory", MaxEnergyError()])

@@ -26,7 +26,7 @@ class MadeUp(Search):
         self.duration, self.coarsest, self.finest, self._size, self._spacing = 20.0, 1.0, finest, 1, spacing
         self._error, self.runs = error, pd.DataFrame()
         self._cases = dict.fromkeys((1.0, *STARTS))  # type: ignore[assignment]
-        self._random = np.random.default_rng(1)
+        self._random, self._long = np.random.default_rng(1), 30_000
 
     def _run(self, start, dt):
         dt = np.atleast_1d(dt)
