@@ -137,8 +137,9 @@ def trajectory(
     anew = np.isin(t, [] if restarts is None else restarts)
     stops = np.union1d(stops, t[anew])
     start, evaluations = time.perf_counter(), 0
-    if motion.history is None and not np.isfinite(stops).any():
-        solution = solver.solve([*([] if t[0] == 0 else [0.0]), *t], motion.start)  # a loop that is not in Python
+    # a loop that is not in Python; of two times alone it would return all steps between them
+    if len(t) > 2 and motion.history is None and not np.isfinite(stops).any():
+        solution = solver.solve([*([] if t[0] == 0 else [0.0]), *t], motion.start)
         _check(problem, method, solution)
         y = solution.y[-len(t) :].reshape(y.shape)
         return Solution(y[:, 0], y[:, 1], int(solution.nfev), time.perf_counter() - start)

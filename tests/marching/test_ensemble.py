@@ -9,6 +9,7 @@ import xarray as xr
 import study
 from study.marching import ensemble, program
 from study.marching.march import March
+from study.marching.result import UNBOUNDED
 from study.scheme.wrapper.linearised import Linearised
 
 
@@ -68,7 +69,7 @@ def test_a_pause_changes_no_bit_of_an_ensemble(monkeypatch):
 def test_a_failed_lane_leaves_the_others_alone():
     dt = [0.001, 0.9, 0.002]
     lanes = study.run("hardening", "central_difference", dt=dt, steps=100, observe=["trajectory", "max_energy_error"])
-    assert lanes.status.values.tolist() == [0, 2, 0]
+    assert lanes.status.values.tolist() == [0, UNBOUNDED, 0]
     assert np.isnan(lanes.max_energy_error[1]) and np.isfinite(lanes.max_energy_error[[0, 2]]).all()
     failed = int(lanes.failed_at_step[1])
     assert np.isfinite(lanes.u[1, :failed]).all() and np.isnan(lanes.u[1, failed:]).all()
@@ -82,6 +83,7 @@ def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
     dt = jnp.asarray([0.1, 3.5])
     progress, initial, stored = definition.start(jnp.full(2, 0.5), jnp.zeros(2), dt, 1)
     progress, _ = definition.proceed(progress, stored, initial, dt, 1000, 1, 0, each_step=False)
-    assert progress.failure[0] == 0 and -1000 < progress.failure[1] < 0  # Newton's iteration did not converge
+    # no balance was found, at some step before the last one
+    assert progress.failure[0] == 0 and progress.failure[1] % 3 == 0 < progress.failure[1] < 3000
     # NaN, on which Newton's iteration ends at once
     assert all(np.isnan(part[1]) and np.isfinite(part[0]) for part in jax.tree.leaves(progress.state.inner))
