@@ -20,15 +20,12 @@ KILLS ?= 100
 study site: .venv/ready
 	$(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG)
 
-# one worker more than cores: the one that tests the pipeline mostly waits for it
-WORKERS = $(shell $(PYTHON) -c 'import os; print(1 + (os.cpu_count() or 1))')
-
 test: .venv/ready
-	$(BIN)/pytest -n $(WORKERS)
+	$(BIN)/pytest -n auto
 
 # the tests with the lines that they run, of which pyproject.toml states the least share
 coverage: .venv/ready
-	$(BIN)/pytest -n $(WORKERS) --cov=study --cov=reference --cov-report=term
+	$(BIN)/pytest -n auto --cov=study --cov=reference --cov-report=term
 
 # style, format and types
 check: .venv/ready
