@@ -136,7 +136,7 @@ function draw() {
     drawCells($("canvas", one.plane), one.frame, choice, s)
     $("svg", one.plane).innerHTML = `${axes(one.frame)}${marks(one.frame, choice, side)}`
     const [words, figures] = one.run.children
-    words.innerHTML = told(choice, s, runs[side])
+    words.innerHTML = summary(choice, s, runs[side])
     $("[data-class]", words).prepend(swatch(classesFor("outcome")[$("[data-class]", words).dataset.class]))
     figures.innerHTML = runs[side] ? drawn(runs[side], window, escaped(title)) : ""
   })

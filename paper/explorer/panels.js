@@ -1,4 +1,4 @@
-// What is told and drawn of one run: its errors, its motion, its orbit, and its energy along time.
+// Text and pictures of one run: its errors, its motion, its orbit, and its energy along time.
 const SIZE = {width: 420, left: 46, right: 10, top: 10, bottom: 36}
 const PERIODS = 6 // of the motion that is drawn
 const DOTS = 2000 // of the orbit, about
@@ -118,8 +118,8 @@ function drawn(run, window, title) {
     ${figure(orbit(run, window, `orbit by ${title}`), "Orbit of the whole run, from light to dark. Grey: exact.")}`
 }
 
-// What came of a run: its errors beside the allowed one, and the class of its cell.
-function told(choice, s, run) {
+// Summary of a run: its errors beside the allowed one, and the class of its cell.
+function summary(choice, s, run) {
   const {i, j, u0, step, exact} = cellOf(choice), outcome = part("outcome", choice.problem, s, i, j)[0]
   const verdict = (error) => `${error < 0.001 ? "below 0.001" : short(error)} %, ${error <= choice.error ? "✓ within" : "✗ not within"} ${choice.error} %`
   const rows = run

@@ -51,7 +51,7 @@ LEAST_ERROR = 1e-10
 #: Least energy at the start, over the largest kinetic energy, to which errors of its balance can be related.
 LEAST_ENERGY = 0.01
 
-#: Seconds between two lines that tell what is being done where there is no terminal.
+#: Seconds between two lines of progress where there is no terminal.
 PAUSE = 5.0
 
 

@@ -12,8 +12,9 @@ from study.scheme.base import Scheme
 ON_FAILURE = ("warn", "raise", "ignore")
 
 
+#: What happened to a run, by its status.
 _HOW = {
-    NO_SOLUTION: "Newton's iteration found no balance of forces, with a safeguard neither",
+    NO_SOLUTION: "Newton's iteration found no balance of forces, not even with a safeguard",
     NOT_FINITE: "the state was no longer finite",
     UNBOUNDED: "the displacement left its bound",
 }

@@ -16,9 +16,10 @@ could go to and fro between two branches for ever. With one unknown it is then k
 residuals of opposite signs, and bisects where Newton's correction leaves them or does not halve. With several unknowns
 a correction that goes too far is shortened to where the residual along it is nearly zero.
 
-An iteration of a problem that is ``safeguarded`` starts again where it fails: with one unknown between a bracket, which
-finds a root of every continuous residual; with several unknowns by corrections that are halved until the norm of the
-residual falls (Dennis and Schnabel, 1983, section 6.3).
+An iteration of a problem that is ``safeguarded`` starts again where it fails. With one unknown it seeks a bracket,
+which finds a root of every continuous residual that changes its sign. With several unknowns a correction is halved
+until the next one of the same tangent is shorter (Deuflhard, 2004, section 3.3). Asking for a smaller residual instead
+stalls where stiff members rotate.
 
 References
 ----------

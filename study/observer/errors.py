@@ -36,7 +36,7 @@ def _root(coefficients):
 def _chosen(condition, value, other):
     """One of two steps, to be looked at again at the end: in a step of an ensemble some lane always has a root.
 
-    A step is chosen in the one after it. XLA would compute a force anew for every choice that takes it.
+    A step is chosen in the one after it. XLA would compute a force again for every choice that takes it.
     """
     return jax.tree.map(partial(jnp.where, condition), value, other)
 

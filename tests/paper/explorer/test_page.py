@@ -228,7 +228,7 @@ def test_keys_and_buttons_move_by_cells(browser, page):
     assert _text(browser, ".run .place").startswith(f"u₀ = {4 * AMPLITUDES[0]:.3g}")
     steps = browser.find_element("css selector", "#steps")
     assert float(steps.get_property("value")) == pytest.approx(1 / STEPS[3], rel=1e-3)
-    # a number of one's own, within the map
+    # a number that is typed, within the map
     steps.send_keys(Keys.CONTROL, "a")
     steps.send_keys("1000", Keys.ENTER)
     assert _text(browser, ".run .place").endswith("= T/100")
