@@ -17,6 +17,7 @@ from study.assessment import errors, failures, oscillation, search
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.errors import DEFAULT
+from study.assessment.of_program import assess_program, narrowed
 from study.assessment.periods import highest_frequency, length_of, slowest_period
 from study.assessment.search import ENERGY, Search
 from study.assessment.solution import DenseSolution
@@ -27,6 +28,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
 from study.observer.motion import Quantity
 from study.problem.named import problems
+from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.scheme.contract import check_told
 from study.scheme.named import schemes as schemes_by_name
@@ -95,7 +97,7 @@ def _checked_errors(allowed: Sequence[float]) -> list[float]:
 
 
 def assess(
-    problem: str | Problem,
+    problem: str | Problem | Program,
     schemes: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None = None,
     *,
     duration: float | None = None,
@@ -159,6 +161,11 @@ def assess(
     >>> ds = study.assess("softening", ["average_acceleration", "rk4"])  # doctest: +SKIP
     >>> study.recommend(ds, error=0.01, quantity="displacement")  # doctest: +SKIP
     """
+    if isinstance(problem, Program):
+        if quantities is not None:
+            raise ValueError("a program returns its quantities itself; leave out quantities.")
+        own = narrowed(problem, schemes, duration)  # type: ignore[arg-type]
+        return assess_program(own, _checked_errors(errors), _Progress(len(own.schemes)).tell)
     # as a multiple of itself it shares what is compiled with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = _chosen_schemes(schemes), _checked_errors(errors)
