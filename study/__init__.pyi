@@ -27,7 +27,9 @@ from study.observer.motion import Quantity as Quantity
 from study.observer.named import observers as observers
 from study.observer.outcome import OutcomeObserver as OutcomeObserver
 from study.problem.named import problems as problems
+from study.program.command import command as command
 from study.program.definition import Program as Program
+from study.program.opensees import opensees as opensees
 from study.scheme.alpha import GeneralizedAlpha as GeneralizedAlpha
 from study.scheme.alpha import HHTAlpha1996 as HHTAlpha1996
 from study.scheme.backward_differences import BackwardDifferences as BackwardDifferences

@@ -17,6 +17,9 @@ from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.named import observers
 from study.problem.named import problems
+from study.program.command import command
+from study.program.definition import Program
+from study.program.opensees import opensees
 from study.registry import Registry, UnknownName
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
@@ -44,7 +47,13 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("assess", help="find the scheme and the step that a problem of your own needs")
     command.set_defaults(function=_assess)
-    command.add_argument("problem", metavar="FILE.py:NAME", help="a study.Problem in a file, or the name of a problem")
+    command.add_argument(
+        "problem", metavar="FILE.py:NAME", nargs="?", help="a study.Problem in a file, or the name of a problem"
+    )
+    command.add_argument("--command", metavar="WORDS", help="a program instead, with {dt}, {scheme} and {output} in it")
+    command.add_argument("--opensees", action="store_true", help="a model of OpenSees in FILE.py instead")
+    command.add_argument("--spacing", type=float, help="time between the samples of a record of such a program")
+    command.add_argument("--time-limit", type=float, help="seconds after which a run of such a program is stopped")
     command.add_argument("--duration", type=float, help="time of the runs in seconds; default: ten periods, if any")
     command.add_argument(
         "--error", type=float, nargs="+", default=[0.1, 0.01, 0.001], help="errors that may be allowed, as fractions"
@@ -56,7 +65,7 @@ def _parser() -> argparse.ArgumentParser:
         "--quantities", metavar="FILE.py:NAME", help="a dict of study.Quantity in a file; default: u, velocity, energy"
     )
     command.add_argument("--no-maps", dest="maps", action="store_false", help="leave out how the schemes fail")
-    command.add_argument("--output", type=Path, required=True, metavar="PATH", help="PATH.nc and PATH.html are written")
+    command.add_argument("--output", type=Path, metavar="PATH", help="PATH.nc and PATH.html are written; default: none")
 
     command = commands.add_parser("assess-scheme", help="put a scheme of your own beside those of the study")
     command.set_defaults(function=_assess_scheme)
@@ -107,33 +116,50 @@ def _run(arguments: argparse.Namespace) -> None:
 
 
 def _assess(arguments: argparse.Namespace) -> None:
-    # a name that has one of the two endings already means both files
-    stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
-    outputs = [arguments.output.with_name(stem + suffix) for suffix in (".nc", ".html")]
-    for output in outputs:
-        io.check_writable(output)
-
-    schemes = None
-    if arguments.schemes:
-        schemes = {place.rpartition(":")[2]: _given(place, Scheme) for place in arguments.schemes}
-    dataset = assess(
-        _given(arguments.problem, Problem),
-        schemes,
-        duration=arguments.duration,
-        quantities=load(arguments.quantities, (dict,)) if arguments.quantities else None,
-        errors=arguments.error,
-        maps=arguments.maps,
-    )
+    outputs = []
+    if arguments.output:
+        # a name that has one of the two endings already means both files
+        stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
+        outputs = [io.check_writable(arguments.output.with_name(stem + suffix)) for suffix in (".nc", ".html")]
+    if arguments.command or arguments.opensees:
+        dataset = assess(_program(arguments), errors=arguments.error)
+    else:
+        if not arguments.problem:
+            raise ValueError("assess needs FILE.py:NAME, the name of a problem, or --command.")
+        schemes = None
+        if arguments.schemes:
+            schemes = {place.rpartition(":")[2]: _given(place, Scheme) for place in arguments.schemes}
+        dataset = assess(
+            _given(arguments.problem, Problem),
+            schemes,
+            duration=arguments.duration,
+            quantities=load(arguments.quantities, (dict,)) if arguments.quantities else None,
+            errors=arguments.error,
+            maps=arguments.maps,
+        )
     dataset.attrs["command"] = shlex.join(["study", *arguments.words])
-    io.write(dataset, outputs[0])
-    report(dataset, outputs[1])
+    if outputs:
+        io.write(dataset, outputs[0])
+        report(dataset, outputs[1])
     for quantity in dataset.quantity.values:
         for error in dataset.allowed_error.values:
             print(f"{quantity}, error {error:g}:\n{recommend(dataset, error=error, quantity=quantity).to_string()}\n")
             print(f"{answer(dataset, quantity, error)}\n")
     if told := limits_of_reference(dataset):
         print(f"{told}\n")
-    print(f"written: {outputs[0]}, {outputs[1]}")
+    if outputs:
+        print(f"written: {outputs[0]}, {outputs[1]}")
+
+
+def _program(arguments: argparse.Namespace) -> Program:
+    """The program of a command, or a model of OpenSees."""
+    if not arguments.schemes or not arguments.duration:
+        raise ValueError("a program needs --schemes, such as newmark hht, and --duration.")
+    schemes = [name for word in arguments.schemes for name in word.split(",") if name]
+    options = {"spacing": arguments.spacing, "time_limit": arguments.time_limit}
+    if arguments.opensees:
+        return opensees(arguments.problem, schemes, arguments.duration, **options)
+    return command(arguments.command, schemes, arguments.duration, **options)
 
 
 def _assess_scheme(arguments: argparse.Namespace) -> None:

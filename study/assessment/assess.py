@@ -162,9 +162,9 @@ def assess(
     >>> study.recommend(ds, error=0.01, quantity="displacement")  # doctest: +SKIP
     """
     if isinstance(problem, Program):
-        if quantities is not None:
-            raise ValueError("a program returns its quantities itself; leave out quantities.")
-        own = narrowed(problem, schemes, duration)  # type: ignore[arg-type]
+        if quantities is not None or duration is not None:
+            raise ValueError("a program has its own quantities and duration; leave them out.")
+        own = narrowed(problem, schemes)  # type: ignore[arg-type]
         return assess_program(own, _checked_errors(errors), _Progress(len(own.schemes)).tell)
     # as a multiple of itself it shares what is compiled with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)

@@ -31,8 +31,8 @@ OWN = {
 }
 
 
-def narrowed(program: Program, schemes: str | Sequence[str] | None, duration: float | None) -> Program:
-    """The program with some of its schemes, or another duration.
+def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
+    """The program with some of its schemes.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def narrowed(program: Program, schemes: str | Sequence[str] | None, duration: fl
     for name in names:
         if name not in program.schemes:
             raise UnknownName(f"'{program.title}' has no scheme {name!r}; {did_you_mean(str(name), program.schemes)}")
-    return replace(program, schemes=names, duration=duration or program.duration)
+    return replace(program, schemes=names)
 
 
 def assess_program(program: Program, allowed: list[float], tell: Callable[[str], None]) -> xr.Dataset:
@@ -55,8 +55,8 @@ def assess_program(program: Program, allowed: list[float], tell: Callable[[str],
         If fewer than two schemes run to the end at three steps that halve.
     """
     search = Search(program, allowed, round_step, tell)
-    for remark in search.remarks:
-        warnings.warn(f"{remark}.", RuntimeWarning, stacklevel=3)
+    if search.remarks:
+        warnings.warn(f"{'; '.join(search.remarks)}.", RuntimeWarning, stacklevel=3)
     names, dts = list(search.truth.uncertainty), sorted({dt for _, dt in search.errors}, reverse=True)
     ds = _verdicts(search, names, allowed).merge(_runs(search, names, dts))
     known = {name: _of_the_study(name) for name in program.schemes}
@@ -82,7 +82,7 @@ def assess_program(program: Program, allowed: list[float], tell: Callable[[str],
         "problem": program.title,
         "command": f"study.assess(program, {list(program.schemes)}, errors={allowed})",
         "processor": processor(),
-        "not_fit": "; ".join(search.remarks),
+        "remarks": "; ".join(search.remarks),
         "folder": str(program.place),
     }
     return ds
@@ -112,7 +112,9 @@ def _verdicts(search: Search, names: list[str], allowed: list[float]) -> xr.Data
     rows = []
     for scheme in search.program.schemes:
         for limit in ((name, error) for name in names for error in allowed):
-            rows.append({"scheme": scheme, "quantity": limit[0], "allowed_error": limit[1]} | _row(search, scheme, limit))
+            rows.append(
+                {"scheme": scheme, "quantity": limit[0], "allowed_error": limit[1]} | _row(search, scheme, limit)
+            )
     table = pd.DataFrame(rows).set_index(["scheme", "quantity", "allowed_error"])
     ds = table.to_xarray().sel(scheme=list(search.program.schemes), quantity=names, allowed_error=allowed)
     return ds.assign(verdict=ds.verdict.astype(np.int8), steps_tried=ds.steps_tried.astype(np.int32))

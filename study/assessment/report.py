@@ -12,6 +12,7 @@ import xarray as xr
 
 from study.analysis.outcomes import Outcome
 from study.analysis.recommendation import of_assessment
+from study.assessment.failures import failed_runs
 from study.assessment.style import STYLE
 from study.io import write
 from study.words import document, number, text_of
@@ -88,17 +89,22 @@ def confirmation(assessed: xr.Dataset) -> str:
     few, many = tried.min(), tried.max()
     bounds = " to ".join(_percent(3 / n) for n in (many, few))
     worst = _percent(float(assessed.worst_error.max()))
+    # few runs of a program are random
+    of_program = "reason" in assessed
+    kind = "finer ones, some of them random," if of_program else "random finer steps"
+    certain = f" With 95 % confidence, at most {bounds} of such steps exceed it, the less the more were tried."
     return (
-        f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} random finer "
-        "steps down to a twentieth of it, or as fine as runs went. The largest error met is "
-        f"{worst} of the allowed one. With 95 % confidence, at most {bounds} of such steps exceed it, the less the "
-        "more were tried. "
+        f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} {kind} "
+        "down to a twentieth of it, or as fine as runs went. The largest error met is "
+        f"{worst} of the allowed one.{'' if of_program else certain} "
         f"{assessed.attrs['starts']} Errors along time are the largest at any step."
     )
 
 
 def limits_of_reference(assessed: xr.Dataset) -> str:
-    """A sentence on a reference that holds for a part of the time only; empty if it holds to the end."""
+    """A sentence on a reference that holds for a part of the time only, or on a program; empty if there is none."""
+    if assessed.attrs.get("remarks"):
+        return f"{assessed.attrs['remarks']}."
     held, asked = assessed.attrs["duration"], assessed.attrs["duration_asked_for"]
     if held >= asked:
         return ""
@@ -186,11 +192,11 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
             (
                 titles[row.Index],
                 f"{row.step_size:.4g}",
-                f"{row.omega_step:.2g}",
+                number(row.omega_step, 2),
                 f"{row.number_of_steps:.0f}",
                 _percent(row.error),
                 "–" if np.isnan(row.time) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
-                f"{row.forces_per_time:.3g}",
+                number(row.forces_per_time),
                 row.steps_tried,
                 row.verdict,
             )
@@ -253,13 +259,17 @@ def judgement(assessed: xr.Dataset) -> list[str]:
             for n in assessed.scheme.values
         ]
         parts.append(table_of(("scheme", "largest safe Δt, s", "what limits it, and what helps"), rows, text=(2,)))
+    if rows := failed_runs(assessed):
+        parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
     parts.append("<h2>The reference</h2>")
     told = {quantity: _percent(float(assessed.reference_uncertainty.sel(quantity=quantity))) for quantity in quantities}
-    parts.append(
-        f"<p>{text_of(attributes['reference'])} and, independent of it, {text_of(attributes['witness'])}, both with a "
-        f"relative tolerance of {attributes['reference_tolerance']:g}. They differ by "
-        f"{text_of(', '.join(f'{value} of {name}' for name, value in told.items()))}.</p>"
-    )
+    how = f"{attributes['reference']} and, independent of it, {attributes['witness']}"
+    if "reference_tolerance" in attributes:
+        how += f", both with a relative tolerance of {attributes['reference_tolerance']:g}"
+    else:
+        how += f"; between the steps by {attributes['interpolation']}"
+    differ = ", ".join(f"{value} of {name}" for name, value in told.items())
+    parts.append(f"<p>{text_of(f'{how}. They differ by {differ}.')}</p>")
     return parts
 
 

@@ -22,11 +22,14 @@ STATUSES = (
     "not_tried",
 )
 
-#: Name of the times among what a run returns.
-TIME = "t"
+#: Names among what a run returns: its times, and the seconds that it took or that had passed, if it measures them.
+TIME, SECONDS = "t", "seconds"
 
 #: Part of a step by which times may be off, for the digits of a file.
 UNIFORM = 1e-3
+
+#: Times of a run, of shape (t,).
+Times = Float[np.ndarray, "t"]
 
 #: Values of a quantity along time, or a single one.
 Values = Float[np.ndarray, "..."]
@@ -63,7 +66,7 @@ class Run(NamedTuple):
     status: str
     reason: str
     seconds: float
-    t: Float[np.ndarray, " t"]
+    t: Times
     values: dict[str, Values]
 
     @property
@@ -89,7 +92,8 @@ def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
         raise Unusable("too_short", f"'{TIME}' has {t.size} time{'s' * (t.size != 1)}, and at least two are needed")
     if not np.isfinite(t).all() or (gaps <= 0).any():
         raise Unusable("unequal_times", f"its times do not increase after t = {t[np.argmin(gaps > 0)]:g} s")
-    off = np.flatnonzero(np.abs(gaps[:-1] - gaps[0]) > UNIFORM * gaps[0])
+    # the last gap may be shorter
+    off = np.flatnonzero(np.append(np.abs(gaps[:-1] - gaps[0]), gaps[-1] - gaps[0]) > UNIFORM * gaps[0])
     if off.size:
         raise Unusable(
             "unequal_times", f"its times are {gaps[0]:g} s apart, and {gaps[off[0]]:g} s after t = {t[off[0]]:g} s"
@@ -135,7 +139,9 @@ def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
         with np.errstate(all="ignore"):
             returned = run(scheme, dt)
         seconds = time.perf_counter() - start
-        return Run(scheme, dt, STATUSES[0], "", seconds, *checked(returned, dt, duration))
+        t, values = checked(returned, dt, duration)
+        seconds = values.pop(SECONDS, np.array(seconds)).flat[-1]
+        return Run(scheme, dt, STATUSES[0], "", float(seconds), t, values)
     except Unusable as failed:
         status, reason = failed.status, failed.reason
     except Exception as error:  # a user's program may raise anything

@@ -3,10 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
-from study.program.attempt import Run, Values
+from study.program.attempt import Run, Times, Values
 
 #: How values between the steps are had.
 INTERPOLATION = "cubic splines through the steps of the finer run"
@@ -18,7 +17,7 @@ FEWEST = 8
 class Curve(NamedTuple):
     """A quantity along its times, of shape (t, ...); or a single number, of shape (), without times."""
 
-    t: Float[np.ndarray, " t"]
+    t: Times
     values: Values
 
     @property
@@ -31,7 +30,7 @@ class Curve(NamedTuple):
         return CubicSpline(self.t, self.values)(times) if self.values.ndim else self.values
 
     def within(self, other: "Curve") -> "Curve":
-        """This curve at those of its times that another one covers."""
+        """The part of it at times that another curve covers."""
         if not self.values.ndim:
             return self
         slack = 1e-6 * (self.t[1] - self.t[0])

@@ -35,7 +35,8 @@ class Program:
     run
         ``run(scheme, dt)`` runs the program with a scheme and a step in s up to ``duration``. It returns a mapping from
         names to quantities: arrays along its times ``t``, of shape (t,) or (t, components), and single numbers such as
-        a peak. The times are steps, or every n-th one. What it raises is recorded and ends nothing else.
+        a peak. The times are steps, or every n-th one. A program that measures its time returns it as ``seconds``. What
+        it raises is recorded and ends nothing else.
     schemes
         Names by which ``run`` knows at least two schemes. If the study has a scheme of that name, the assessment
         describes it so.
@@ -125,7 +126,8 @@ class Program:
     @property
     def title(self) -> str:
         """The name, or that of the function."""
-        return self.name or getattr(self.run, "__name__", type(self.run).__name__)
+        of_run = getattr(self.run, "title", None) or getattr(self.run, "__name__", type(self.run).__name__)
+        return self.name or str(of_run)
 
     @property
     def place(self) -> Path:
@@ -155,13 +157,14 @@ def _source(run: Any) -> list:
     """The text of the file in which a function stands, and the data that it holds."""
     if isinstance(run, partial):
         return [_source(run.func), pickle.dumps((run.args, run.keywords))]
+    if hasattr(run, "source"):
+        return [run.source]
     if not inspect.isroutine(run):
-        return [getattr(run, "source", None) or _source(type(run).__call__), pickle.dumps(vars(run))]
+        return [_source(type(run).__call__), pickle.dumps(vars(run))]
     if inspect.ismethod(run):
         return [_source(run.__func__), pickle.dumps(run.__self__)]
     file = inspect.getsourcefile(run)
     text = Path(file).read_text(encoding="utf-8") if file and Path(file).is_file() else inspect.getsource(run)
-    held = [cell.cell_contents for cell in run.__closure__ or ()]
-    functions = [_source(one) for one in held if inspect.isfunction(one)]
-    data = [pickle.dumps(one) for one in (*held, run.__defaults__, run.__kwdefaults__) if not inspect.isfunction(one)]
-    return [text, run.__qualname__, functions, data]
+    held = [cell.cell_contents for cell in getattr(run, "__closure__", None) or ()]
+    held += [getattr(run, key, None) for key in ("__defaults__", "__kwdefaults__")]
+    return [text, run.__qualname__, *(_source(one) if inspect.isfunction(one) else pickle.dumps(one) for one in held)]

@@ -11,6 +11,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -88,7 +89,7 @@ class Runs:
     def run(self, wanted: Iterable[tuple[str, float]], repeat: int = 0) -> list[Run]:
         """Runs of pairs of a scheme and a step; those that are on disk are read. ``repeat`` numbers repeated runs."""
         jobs = {job: self._path(*job, repeat) for job in wanted}
-        missing = [job for job, path in jobs.items() if not path.exists()]
+        missing = [job for job, path in jobs.items() if not path.exists() or self._waited_less(_read(path))]
         for number, run in enumerate(self._made(missing), start=1):
             _keep(run, jobs[run.scheme, run.dt])
             self._tell(f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs)")
@@ -96,6 +97,11 @@ class Runs:
         if not repeat:
             self.made |= {(run.scheme, run.dt): run for run in found}
         return found
+
+    def _waited_less(self, run: Run) -> bool:
+        """Whether a run was stopped before the limit that holds now."""
+        limit = getattr(self.program.run, "time_limit", None)
+        return run.status == "timed_out" and (limit is None or run.seconds < limit)
 
     def _made(self, jobs: list[tuple[str, float]]) -> Iterator[Run]:
         """Make runs, in the order in which they end."""
@@ -129,8 +135,9 @@ class Runs:
 def _keep(run: Run, path: Path) -> None:
     content = streams.BytesIO()
     values = {f"{QUANTITY}{name}": one for name, one in run.values.items()}
-    words = np.array([run.scheme, run.status, run.reason])
-    np.savez(content, **{WORDS: words, SECONDS: np.array([run.dt, run.seconds]), T: run.t} | values)
+    words, numbers = np.array([run.scheme, run.status, run.reason]), np.array([run.dt, run.seconds])
+    named: dict[str, Any] = {WORDS: words, SECONDS: numbers, T: run.t} | values
+    np.savez(content, **named)
     write(content.getvalue(), path)
 
 

@@ -3,6 +3,7 @@
 import math
 import zlib
 from collections.abc import Callable, Iterable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from study.program.attempt import Run
 from study.program.definition import Program
 from study.program.runs import Runs
 from study.program.truth import FEWEST_RUNS, Truth, agreed, estimate
+from study.words import percent
 
 #: Least ratio of an error to the uncertainty of the truth.
 CERTAIN = 10.0
@@ -20,6 +22,9 @@ NEAR = 1.25
 
 #: Random steps up to an octave below a recommended one, and the part of that down to which steps count as tried.
 CONFIRMED, TWENTIETH = 4, 1 / 20
+
+#: Part of the finest step of the truth down to which a scheme that keeps no error is tried.
+FINER = 1 / 32
 
 #: Ratio of the errors of a run and of one with half its step from which on the scheme goes to another motion.
 STUCK = 0.9
@@ -128,8 +133,8 @@ class Search:
         if truth is None:
             reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in self.program.schemes])
             raise NoTruth(
-                f"there is no truth for '{self.program.title}', as fewer than two schemes complete {FEWEST_RUNS} runs at "
-                f"steps that halve: {reasons}."
+                f"there is no truth for '{self.program.title}', as fewer than two schemes complete {FEWEST_RUNS} runs "
+                f"at steps that halve: {reasons}."
             )
         self.errors = {job: truth.errors(run) for job, run in self._runs.made.items()}
         self._judge(truth, wanted, apart > 1)
@@ -152,9 +157,10 @@ class Search:
 
     def _ignores(self, scheme: str) -> bool:
         """Whether two runs of a scheme are the same to the last digit; a remark says so."""
-        coarse, fine = (self._last_completed(scheme)[-2:] + [None, None])[:2]
-        if coarse is None or fine is None or self.noise[scheme]:
+        runs = self._last_completed(scheme)[-2:]
+        if self.noise[scheme] or len(runs) < 2:
             return bool(self.noise[scheme])
+        coarse, fine = runs
         ratio = round(coarse.dt / fine.dt)
         if all(_same(coarse, fine, name, ratio) for name in coarse.values):
             self.noise[scheme] = math.inf
@@ -172,10 +178,10 @@ class Search:
             return
         pair = f"'{truth.best.scheme}' and '{truth.witness.scheme}'"
         steps = f"at steps of {truth.best.dt:.4g} s and {truth.witness.dt:.4g} s"
-        why = "halving changes each by far less, so they solve different problems" if apart else "finer runs are barred"
+        why = "halving changes each by far less, so they solve different problems" if apart else "none finer may be run"
         self.remarks.append(
-            f"{pair} agree to {100 * off:.2g} % of '{name}' only, {steps}, and {why}: no step is named for errors below "
-            f"{100 * CERTAIN * off:.2g} %"
+            f"{pair} agree to {percent(off)} of '{name}' only, {steps}, and {why}: no step is named for errors "
+            f"below {percent(CERTAIN * off)}"
         )
 
     def _repeat(self) -> None:
@@ -192,7 +198,7 @@ class Search:
             if self.noise[other.scheme] * CERTAIN > self.allowed[-1]:
                 self.remarks.append(
                     f"'{other.scheme}' depends on the order of runs: a repeated run at {other.dt:.4g} s "
-                    + (f"differs by {100 * self.noise[other.scheme]:.2g} %" if other.completed else other.reason)
+                    + (f"differs by {percent(self.noise[other.scheme])}" if other.completed else other.reason)
                 )
 
     # steps
@@ -220,7 +226,8 @@ class Search:
         largest, fails = self.largest(scheme, limit)
         if not largest:
             finer = min(tried) / 2
-            return [finer] if finer >= self.program.smallest and not self._hopeless(scheme, limit[0]) else []
+            least = max(self.program.smallest, FINER * self.truth.best.dt)
+            return [finer] if finer >= least and not self._hopeless(scheme, limit[0]) else []
         if largest * NEAR < fails < math.inf:
             between = self._round(math.sqrt(largest * fails))
             if largest < between < fails:
@@ -246,10 +253,10 @@ class Search:
         if runs[-1].status == "timed_out":
             return True
         last = [self.errors[scheme, run.dt][name] for run in self._last_completed(scheme)[-FEWEST_RUNS:]]
-        stuck = len(last) == FEWEST_RUNS and all(b > STUCK * a for a, b in zip(last, last[1:], strict=False))
-        remark = f"'{scheme}' goes to another motion: it keeps an error of {100 * last[-1]:.2g} % of '{name}'" if stuck else ""
-        if stuck and remark not in self.remarks:
-            self.remarks.append(remark)
+        stuck = len(last) == FEWEST_RUNS and all(b > STUCK * a for a, b in pairwise(last))
+        if stuck:
+            remark = f"'{scheme}' goes to another motion: it keeps an error of {percent(last[-1])} of '{name}'"
+            self.remarks += [remark] if remark not in self.remarks else []
         return stuck
 
     def needed(self, scheme: str, limit: Limit) -> Needed:

@@ -92,7 +92,9 @@ def estimate(runs: Sequence[Run]) -> Estimate | None:
     if len(runs) < FEWEST_RUNS:
         return None
     of_runs = [curves(run) for run in runs[-RUNS:]]
-    motion, orders, error = {}, {}, {}
+    motion: dict[str, Curve] = {}
+    orders: dict[str, int] = {}
+    error: dict[str, float] = {}
     for name in of_runs[-1]:
         along = [one[name] for one in of_runs]
         motion[name], order, off = _limit(along)
