@@ -115,6 +115,7 @@ class Runs:
                 yield one.result()
             except BrokenProcessPool:  # one run has ended the process, and all that wait end with it
                 lost.append(waiting[one])
+        self._pool = self._start() if lost else self._pool
         for job in lost:
             yield self._alone(job)
 
@@ -123,8 +124,7 @@ class Runs:
         return self._pool.submit(attempt, self.program.run, *job, self.program.duration)
 
     def _alone(self, job: tuple[str, float]) -> Run:
-        """A run in new processes; one that ends them is recorded."""
-        self._pool = self._start()
+        """A run while no other is made; one that ends its process is recorded."""
         with suppress(BrokenProcessPool):
             return self._submit(job).result()
         self._pool = self._start()

@@ -20,7 +20,8 @@ CERTAIN = 10.0
 #: Ratio of two steps, of which one keeps an error and one does not, that is small enough.
 NEAR = 1.25
 
-#: Random steps up to an octave below a recommended one, and the part of that down to which steps count as tried.
+#: Steps up to an octave below a recommended one, most of them random, in addition to one of those that halve; and the
+#: part of a recommended step down to which steps count as tried.
 CONFIRMED, TWENTIETH = 4, 1 / 20
 
 #: Part of the finest step of the truth down to which a scheme that keeps no error is tried.
@@ -235,16 +236,17 @@ class Search:
         step = self._round(largest)
         if step not in tried:
             return [step]
-        room = self._random(scheme, step)
-        return [one for one in room if one not in tried]
+        # one of those that halve is there
+        missing = CONFIRMED + 1 - sum(step / 2 <= dt < step for dt in tried)
+        return [one for one in self._random(scheme, step, missing) if one not in tried] if missing > 0 else []
 
     def _round(self, step: float) -> float:
         return self._round_step(step, self.program.spacing)
 
-    def _random(self, scheme: str, step: float) -> set[float]:
+    def _random(self, scheme: str, step: float, count: int) -> set[float]:
         """Random steps up to an octave below another one, the same whenever they are drawn."""
         random = np.random.default_rng(zlib.crc32(f"{scheme} {step:.12g}".encode()))
-        drawn = {self.program.fitted(step * 2.0**-part) for part in random.random(CONFIRMED)}
+        drawn = {self.program.fitted(step * 2.0**-part) for part in random.random(count)}
         return {one for one in drawn if one < step and one >= self.program.smallest}
 
     def _hopeless(self, scheme: str, name: str) -> bool:

@@ -31,8 +31,8 @@ def _errors_against(found, finer):
 
 
 def test_a_frame_of_fibres_keeps_its_errors_against_steps_ten_times_finer(example):
-    own = example("opensees_frame.py", ["Newmark", "hht", "TRBDF2"], 4.0, spacing=0.02)
-    assert own.schemes == ["average_acceleration", "hht_alpha", "bathe"] and own.title == "opensees_frame"
+    own = example("opensees_frame.py", ["hht", "TRBDF2"], 4.0, spacing=0.02)
+    assert own.schemes == ["hht_alpha", "bathe"] and own.title == "opensees_frame"
     ds = study.assess(own, errors=[0.05, 0.01])
     assert (ds.verdict <= 1).all() and (ds.reference_uncertainty <= 1e-3).all()
     steps = ds.recommended_dt.sel(allowed_error=0.01)
@@ -49,8 +49,8 @@ def test_a_frame_of_fibres_keeps_its_errors_against_steps_ten_times_finer(exampl
 
 
 def test_floors_that_pound_are_assessed(example):
-    own = example("opensees_gap.py", ["average_acceleration", "central_difference"], 2.0)
-    ds = study.assess(own, errors=[0.05])
+    own = example("opensees_gap.py", ["average_acceleration", "central_difference"], 1.0, coarsest=0.02)
+    ds = study.assess(own, errors=[0.1])
     assert (ds.verdict == 0).all() and (ds.worst_error <= 1).all()
     beyond = ds.sel(scheme="central_difference", quantity="second floor").error.max()
     assert not float(beyond) <= 1  # beyond its limit of stability
