@@ -11,7 +11,7 @@ import numpy as np
 from study.program.attempt import Run
 from study.program.definition import Program
 from study.program.runs import Runs
-from study.program.truth import FEWEST_RUNS, Truth, agreed, estimate
+from study.program.truth import FEWEST_RUNS, Estimate, Truth, agreed, estimate
 from study.words import percent
 
 #: Least ratio of an error to the uncertainty of the truth.
@@ -126,8 +126,9 @@ class Search:
                 apart = apart + 1 if truth.apart and all(estimates.values()) else 0
                 if max(truth.uncertainty.values()) <= wanted or apart > 1:
                     break
-                done = {s for s, one in estimates.items() if one and max(one.error.values()) <= self.allowed[-1]}
-                done -= {truth.best.scheme, truth.witness.scheme}
+                work = {s: self._work(one, wanted) for s, one in estimates.items() if one}
+                # as long as schemes agree, the two that need the least work decide
+                done = set() if truth.apart else set(sorted(work, key=work.__getitem__)[2:])
             steps.append(steps[-1] / 2)
             if not refined or steps[-1] < self.program.smallest * (1 - 1e-9):
                 break
@@ -140,6 +141,10 @@ class Search:
         self.errors = {job: truth.errors(run) for job, run in self._runs.made.items()}
         self._judge(truth, wanted, apart > 1)
         return truth
+
+    def _work(self, one: Estimate, wanted: float) -> float:
+        """Seconds in which a scheme of second order would reach an error."""
+        return self.of(one.scheme)[-1].seconds * math.sqrt(max(1.0, max(one.error.values()) / wanted))
 
     def _last_completed(self, scheme: str) -> list[Run]:
         """Runs of a scheme at its finest steps, from the last failure on."""
