@@ -11,7 +11,8 @@ from typing import Any
 from study import io
 from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
-from study.assessment.report import answer, limits_of_reference, report
+from study.assessment.assurance import limits_of_reference
+from study.assessment.report import answer, report
 from study.assessment.scheme import BESIDE, ON, assess_scheme, scheme_page
 from study.marching.run import run
 from study.mechanics.definition import Problem

@@ -12,9 +12,12 @@ import xarray as xr
 
 from study.analysis.outcomes import Outcome
 from study.analysis.recommendation import of_assessment
+from study.assessment.assurance import confirmation, limits_of_reference, percent, told_of_reference
 from study.assessment.failures import failed_runs
 from study.assessment.style import STYLE
 from study.io import write
+from study.scheme.codes import names_in_codes
+from study.scheme.named import schemes
 from study.words import document, number, text_of
 
 #: Colours that differ in greyscale and for the colour-blind, and markers that tell more curves apart.
@@ -32,10 +35,6 @@ SHADES = np.linspace(1.0, 0.25, len(Outcome))
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
 
 
-def _percent(fraction: float) -> str:
-    return f"{number(100 * fraction)} %"
-
-
 def _time(seconds: float) -> str:
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= size:
@@ -46,13 +45,9 @@ def _time(seconds: float) -> str:
 def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
     """A table; the columns in ``text`` hold sentences."""
     cells = "".join(f"<th>{text_of(one)}</th>" for one in head)
+    cell = {True: '<td class="text">', False: "<td>"}
     body = "".join(
-        "<tr>"
-        + "".join(
-            f'<td class="text">{text_of(c)}</td>' if i in text else f"<td>{text_of(c)}</td>" for i, c in enumerate(row)
-        )
-        + "</tr>"
-        for row in rows
+        f"<tr>{''.join(f'{cell[i in text]}{text_of(one)}</td>' for i, one in enumerate(row))}</tr>" for row in rows
     )
     return f'<div class="scroll"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
 
@@ -63,7 +58,7 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     found = table[table["step_size"].notna()]
     if found.empty:
         reasons = ", ".join(sorted(set(table.verdict)))
-        return f"No scheme was found to keep {_percent(error)} of {quantity}: {reasons}."
+        return f"No scheme was found to keep {percent(error)} of {quantity}: {reasons}."
     titles = dict(zip(assessed.scheme.values, assessed.scheme_title.values, strict=True))
     best = []
     for one in found.groupby("kind", sort=False).head(1).itertuples():
@@ -76,42 +71,8 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
             text += "" if one.step_size <= safe else ", which is beyond its largest safe step (see how it fails)"
         best.append(text + (", the coarsest step tried" if one.verdict == "already the coarsest step" else ""))
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
-    return f"For {_percent(error)} of {quantity}: {'; '.join(best)}." + (
+    return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
         f" As fast within the spread of times: {', '.join(ties)}." if ties else ""
-    )
-
-
-def confirmation(assessed: xr.Dataset) -> str:
-    """How many steps confirm the recommended ones, and what that proves; empty if there are none."""
-    tried = assessed.steps_tried.values[assessed.recommended_dt.notnull().values]
-    if not tried.size:
-        return ""
-    few, many = tried.min(), tried.max()
-    bounds = " to ".join(_percent(3 / n) for n in (many, few))
-    worst = _percent(float(assessed.worst_error.max()))
-    # few runs of a program are random
-    of_program = "reason" in assessed
-    kind = "finer ones, some of them random," if of_program else "random finer steps"
-    certain = f" With 95 % confidence, at most {bounds} of such steps exceed it, the less the more were tried."
-    return (
-        f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} {kind} "
-        "down to a twentieth of it, or as fine as runs went. The largest error met is "
-        f"{worst} of the allowed one.{'' if of_program else certain} "
-        f"{assessed.attrs['starts']} Errors along time are the largest at any step."
-    )
-
-
-def limits_of_reference(assessed: xr.Dataset) -> str:
-    """A sentence on a reference that holds for a part of the time only, or on a program; empty if there is none."""
-    if assessed.attrs.get("remarks"):
-        return f"{assessed.attrs['remarks']}."
-    held, asked = assessed.attrs["duration"], assessed.attrs["duration_asked_for"]
-    if held >= asked:
-        return ""
-    return (
-        f"Beyond t = {held:.4g} s of the {asked:.4g} s asked for, {assessed.attrs['reference']} and "
-        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do where neighbouring "
-        "motions part; all errors are measured up to there."
     )
 
 
@@ -183,6 +144,15 @@ def figure_of(svg: str, caption: str) -> str:
     return f'<figure><div class="scroll">{svg}</div><figcaption>{text_of(caption)}</figcaption></figure>'
 
 
+def _input_lines(assessed: xr.Dataset) -> list[str]:
+    """The schemes that are recommended for any quantity and error, as other codes name them; nothing if none do."""
+    recommended = assessed.recommended_dt.notnull().any(["quantity", "allowed_error"]).values
+    titles = set(assessed.scheme_title.values[recommended])
+    named = ((schemes[one.scheme].title, one.code, one.name, one.note) for one in names_in_codes())
+    rows = [row for row in named if row[0] in titles]
+    return ["<h2>In other codes</h2>", table_of(("", "code", "input", ""), rows, text=(1, 2, 3))] if rows else []
+
+
 def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
     """A table of implicit and one of explicit schemes, the fastest first."""
     head = ("", "Δt, s", "Δt·ω", "steps", "error", "time", "forces a second", "steps tried", "search")
@@ -194,7 +164,7 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
                 f"{row.step_size:.4g}",
                 number(row.omega_step, 2),
                 f"{row.number_of_steps:.0f}",
-                _percent(row.error),
+                percent(row.error),
                 "–" if np.isnan(row.time) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
                 number(row.forces_per_time),
                 row.steps_tried,
@@ -210,7 +180,6 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
 
 def judgement(assessed: xr.Dataset) -> list[str]:
     """What an assessment says, as parts of a page: answers, errors, energy, failures, reference."""
-    attributes = assessed.attrs
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
     quantities, limits = assessed.quantity.values.tolist(), assessed.allowed_error.values
     parts = ['<div class="answer">']
@@ -230,7 +199,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         )
         parts.append(f'<div class="pair">{against_step}{against_time}</div>')
         for limit in limits:
-            parts.append(f"<p><b>{_percent(limit)}</b></p>{_needs(of_assessment(assessed, limit, quantity), titles)}")
+            parts.append(f"<p><b>{percent(limit)}</b></p>{_needs(of_assessment(assessed, limit, quantity), titles)}")
     if np.isfinite(assessed.energy_imbalance).any():
         parts.append("<h2>Energy</h2>")
         parts.append(
@@ -261,15 +230,9 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts.append(table_of(("scheme", "largest safe Δt, s", "what limits it, and what helps"), rows, text=(2,)))
     if rows := failed_runs(assessed):
         parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
+    parts += _input_lines(assessed)
     parts.append("<h2>The reference</h2>")
-    told = {quantity: _percent(float(assessed.reference_uncertainty.sel(quantity=quantity))) for quantity in quantities}
-    how = f"{attributes['reference']} and, independent of it, {attributes['witness']}"
-    if "reference_tolerance" in attributes:
-        how += f", both with a relative tolerance of {attributes['reference_tolerance']:g}"
-    else:
-        how += f"; between the steps by {attributes['interpolation']}"
-    differ = ", ".join(f"{value} of {name}" for name, value in told.items())
-    parts.append(f"<p>{text_of(f'{how}. They differ by {differ}.')}</p>")
+    parts.append(f"<p>{text_of(told_of_reference(assessed))}</p>")
     return parts
 
 

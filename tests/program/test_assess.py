@@ -160,6 +160,7 @@ def test_runs_are_known_by_the_source(tmp_path):
         return replace(program(run, tmp_path), name=None).identity()
 
     assert own(models.linear) == own(partial(models.oscillator, 0.0)) != own(models.hardening)
-    exec("def bare(scheme, dt): ...", made := {})
+    made: dict = {}
+    exec("def bare(scheme, dt): ...", made)
     with pytest.raises(ValueError, match="cannot be told from those of other programs.*give the program a name"):
         own(made["bare"])
