@@ -83,8 +83,13 @@ def svg_of(figure) -> str:
     return text.getvalue()[text.getvalue().index("<svg") :]
 
 
-def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, ylabel: str, limits=()) -> str:
-    """Values of every scheme against step size or time."""
+def times_of_runs(assessed: xr.Dataset) -> xr.DataArray:
+    """Times of all runs: those that were measured, of a program, and otherwise steps at the time of a step."""
+    return assessed.run_time if "run_time" in assessed else assessed.time_per_step * assessed.steps
+
+
+def curves(assessed: xr.Dataset, along: xr.DataArray, label: str, values: xr.DataArray, ylabel: str, limits=()) -> str:
+    """Values of every scheme against steps or times of its runs, as SVG; empty if there is nothing to draw."""
     from matplotlib.figure import Figure
 
     # at the width of a phone the letters keep their size
@@ -93,7 +98,7 @@ def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, 
     drawn = 0
     for s, name in enumerate(assessed.scheme.values):
         one = assessed.sel(scheme=name)
-        x = one.dt.values if along == "dt" else one.steps.values * float(one.time_per_step)
+        x = along.broadcast_like(values).sel(scheme=name).values
         y = values.sel(scheme=name).values
         tried = np.isfinite(y) & (y > 0) & np.isfinite(x)
         colour, marker = COLOURS[s % len(COLOURS)], MARKERS[s % len(MARKERS)]
@@ -192,10 +197,11 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts.append(f"<h2>Error of {text_of(quantity)}</h2>")
         values = assessed.error.sel(quantity=quantity)
         caption = f"The worst error around each step; dashed, the errors asked for. {quantity}, relative to its peak."
-        against_step = figure_of(_curves(assessed, "dt", "step size, s", values, "error", limits), caption)
+        against_step = figure_of(curves(assessed, assessed.dt, "step size, s", values, "error", limits), caption)
         against_time = figure_of(
-            _curves(assessed, "time", "time of a run, s", values, "error", limits),
-            "The same against the time that a run takes, at the time of a step of a long run.",
+            curves(assessed, times_of_runs(assessed), "time of a run, s", values, "error", limits),
+            "The same against the time that a run takes"
+            + ("." if "run_time" in assessed else ", at the time of a step of a long run."),
         )
         parts.append(f'<div class="pair">{against_step}{against_time}</div>')
         for limit in limits:
@@ -204,7 +210,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts.append("<h2>Energy</h2>")
         parts.append(
             figure_of(
-                _curves(assessed, "dt", "step size, s", assessed.energy_imbalance, "imbalance of energies"),
+                curves(assessed, assessed.dt, "step size, s", assessed.energy_imbalance, "imbalance of energies"),
                 "Largest error of the balance of energy, dissipation and work, relative to the energy put in.",
             )
         )

@@ -67,6 +67,15 @@ def test_recommend_and_report_take_it(spring, tmp_path):
     assert study.io.read(tmp_path / "ds.nc").reason.dtype.kind in "OU"
 
 
+def test_error_against_time_is_drawn(spring, tmp_path):
+    own, ds, _ = spring
+    found = study.work_precision(own, figure=tmp_path / "work.svg", quantity="velocity")
+    assert found.error.equals(ds.error) and (found.time.notnull() == (ds.status == 0)).all()
+    assert (found.time > 0).any() and "error of velocity" in (tmp_path / "work.svg").read_text()
+    with pytest.raises(KeyError, match="no quantity 'speed'; known are displacement"):
+        study.work_precision(own, figure=tmp_path / "work.svg", quantity="speed")
+
+
 def test_a_second_question_repeats_no_run(spring):
     own, _, _ = spring
 
