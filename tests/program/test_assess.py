@@ -108,9 +108,10 @@ def test_a_scheme_that_goes_wrong_is_recorded(how, reason, tmp_path):
 
 def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
     own = program(partial(models.fails, "signal"), tmp_path, [*models.SCHEMES, "wrong"], workers=2)
-    ds = study.assess(replace(own, finest=0.05, coarsest=0.625), errors=[0.5])
-    assert (ds.status.sel(scheme="wrong", dt=0.625) == STATUSES.index("signal")).all()
-    assert (ds.status.sel(scheme=models.SCHEMES, dt=0.625) == 0).all()
+    ds = study.assess(own, errors=[0.1])
+    assert ds.status.sel(scheme="wrong", dt=1.25) == STATUSES.index("signal")
+    assert (ds.status.sel(scheme=models.SCHEMES, dt=1.25) == 0).all()
+    assert (ds.verdict.sel(quantity="velocity") == 0).all()
 
 
 @pytest.mark.parametrize(
@@ -160,6 +161,9 @@ def test_a_program_that_never_runs_has_no_truth(tmp_path):
     own = program(partial(models.fails, "nothing"), tmp_path, ["wrong", "average_acceleration"])
     with pytest.raises(NoTruth, match=r"no truth for 'model', as fewer than two .* 'wrong' ends at Δt = 1.25 s: it"):
         study.assess(replace(own, finest=1.0))
+    still = program(lambda scheme, dt: models.linear(scheme, dt) | {"idle": 0.0}, tmp_path / "still")
+    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero all the time"):
+        study.assess(still)
     with pytest.raises(KeyError, match="'model' has no scheme 'newmark'; known are wrong, average_acceleration."):
         study.assess(own, ["newmark", "wrong"])
 
