@@ -11,7 +11,8 @@ from typing import Any
 from study import io
 from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
-from study.assessment.report import answer, limits_of_reference, report
+from study.assessment.assurance import limits_of_reference
+from study.assessment.report import answer, report
 from study.assessment.scheme import BESIDE, ON, assess_scheme, scheme_page
 from study.marching.run import run
 from study.mechanics.definition import Problem
@@ -54,6 +55,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--opensees", action="store_true", help="a model of OpenSees in FILE.py instead")
     command.add_argument("--spacing", type=float, help="time between the samples of a record of such a program")
     command.add_argument("--time-limit", type=float, help="seconds after which a run of such a program is stopped")
+    command.add_argument("--workers", type=int, metavar="N", help="runs of such a program at once; default: cores")
     command.add_argument("--duration", type=float, help="time of the runs in seconds; default: ten periods, if any")
     command.add_argument(
         "--error", type=float, nargs="+", default=[0.1, 0.01, 0.001], help="errors that may be allowed, as fractions"
@@ -156,7 +158,7 @@ def _program(arguments: argparse.Namespace) -> Program:
     if not arguments.schemes or not arguments.duration:
         raise ValueError("a program needs --schemes, such as newmark hht, and --duration.")
     schemes = [name for word in arguments.schemes for name in word.split(",") if name]
-    options = {"spacing": arguments.spacing, "time_limit": arguments.time_limit}
+    options = {key: getattr(arguments, key) for key in ("spacing", "time_limit", "workers")}
     if arguments.opensees:
         return opensees(arguments.problem, schemes, arguments.duration, **options)
     return command(arguments.command, schemes, arguments.duration, **options)

@@ -78,7 +78,7 @@ def _run(command: list, folder: Path) -> str:
 def test_the_wheel_holds_study_and_reference_and_no_paper(wheel):
     names = zipfile.ZipFile(wheel).namelist()
     assert {name.partition("/")[0] for name in names if ".dist-info/" not in name} == {"study", "reference"}
-    assert "study/py.typed" in names
+    assert {"study/py.typed", "study/assessment/references.bib"} <= set(names)
     for room in ("study", "reference"):
         sources = {path.relative_to(PROJECT).as_posix() for path in (PROJECT / room).rglob("*.py")}
         assert sources == {name for name in names if name.startswith(f"{room}/") and name.endswith(".py")}

@@ -12,6 +12,7 @@ import xarray as xr
 
 from study.analysis.outcomes import Outcome
 from study.analysis.recommendation import of_assessment
+from study.assessment.assurance import confirmation, limits_of_reference, percent, told_of_reference
 from study.assessment.failures import failed_runs
 from study.assessment.style import STYLE
 from study.io import write
@@ -32,10 +33,6 @@ IN_OCTAVE = 8
 #: Greys of outcomes from best to worst, and a letter for each.
 SHADES = np.linspace(1.0, 0.25, len(Outcome))
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
-
-
-def _percent(fraction: float) -> str:
-    return f"{number(100 * fraction)} %"
 
 
 def _time(seconds: float) -> str:
@@ -61,7 +58,7 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     found = table[table["step_size"].notna()]
     if found.empty:
         reasons = ", ".join(sorted(set(table.verdict)))
-        return f"No scheme was found to keep {_percent(error)} of {quantity}: {reasons}."
+        return f"No scheme was found to keep {percent(error)} of {quantity}: {reasons}."
     titles = dict(zip(assessed.scheme.values, assessed.scheme_title.values, strict=True))
     best = []
     for one in found.groupby("kind", sort=False).head(1).itertuples():
@@ -74,42 +71,8 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
             text += "" if one.step_size <= safe else ", which is beyond its largest safe step (see how it fails)"
         best.append(text + (", the coarsest step tried" if one.verdict == "already the coarsest step" else ""))
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
-    return f"For {_percent(error)} of {quantity}: {'; '.join(best)}." + (
+    return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
         f" As fast within the spread of times: {', '.join(ties)}." if ties else ""
-    )
-
-
-def confirmation(assessed: xr.Dataset) -> str:
-    """How many steps confirm the recommended ones, and what that proves; empty if there are none."""
-    tried = assessed.steps_tried.values[assessed.recommended_dt.notnull().values]
-    if not tried.size:
-        return ""
-    few, many = tried.min(), tried.max()
-    bounds = " to ".join(_percent(3 / n) for n in (many, few))
-    worst = _percent(float(assessed.worst_error.max()))
-    # few runs of a program are random
-    of_program = "reason" in assessed
-    kind = "finer ones, some of them random," if of_program else "random finer steps"
-    certain = f" With 95 % confidence, at most {bounds} of such steps exceed it, the less the more were tried."
-    return (
-        f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} {kind} "
-        "down to a twentieth of it, or as fine as runs went. The largest error met is "
-        f"{worst} of the allowed one.{'' if of_program else certain} "
-        f"{assessed.attrs['starts']} Errors along time are the largest at any step."
-    )
-
-
-def limits_of_reference(assessed: xr.Dataset) -> str:
-    """A sentence on a reference that holds for a part of the time only, or on a program; empty if there is none."""
-    if assessed.attrs.get("remarks"):
-        return f"{assessed.attrs['remarks']}."
-    held, asked = assessed.attrs["duration"], assessed.attrs["duration_asked_for"]
-    if held >= asked:
-        return ""
-    return (
-        f"Beyond t = {held:.4g} s of the {asked:.4g} s asked for, {assessed.attrs['reference']} and "
-        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do where neighbouring "
-        "motions part; all errors are measured up to there."
     )
 
 
@@ -120,8 +83,13 @@ def svg_of(figure) -> str:
     return text.getvalue()[text.getvalue().index("<svg") :]
 
 
-def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, ylabel: str, limits=()) -> str:
-    """Values of every scheme against step size or time."""
+def times_of_runs(assessed: xr.Dataset) -> xr.DataArray:
+    """Times of all runs: those that were measured, of a program, and otherwise steps at the time of a step."""
+    return assessed.run_time if "run_time" in assessed else assessed.time_per_step * assessed.steps
+
+
+def curves(assessed: xr.Dataset, along: xr.DataArray, label: str, values: xr.DataArray, ylabel: str, limits=()) -> str:
+    """Values of every scheme against steps or times of its runs, as SVG; empty if there is nothing to draw."""
     from matplotlib.figure import Figure
 
     # at the width of a phone the letters keep their size
@@ -130,7 +98,7 @@ def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, 
     drawn = 0
     for s, name in enumerate(assessed.scheme.values):
         one = assessed.sel(scheme=name)
-        x = one.dt.values if along == "dt" else one.steps.values * float(one.time_per_step)
+        x = along.broadcast_like(values).sel(scheme=name).values
         y = values.sel(scheme=name).values
         tried = np.isfinite(y) & (y > 0) & np.isfinite(x)
         colour, marker = COLOURS[s % len(COLOURS)], MARKERS[s % len(MARKERS)]
@@ -201,7 +169,7 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
                 f"{row.step_size:.4g}",
                 number(row.omega_step, 2),
                 f"{row.number_of_steps:.0f}",
-                _percent(row.error),
+                percent(row.error),
                 "–" if np.isnan(row.time) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
                 number(row.forces_per_time),
                 row.steps_tried,
@@ -217,7 +185,6 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
 
 def judgement(assessed: xr.Dataset) -> list[str]:
     """What an assessment says, as parts of a page: answers, errors, energy, failures, reference."""
-    attributes = assessed.attrs
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
     quantities, limits = assessed.quantity.values.tolist(), assessed.allowed_error.values
     parts = ['<div class="answer">']
@@ -230,19 +197,20 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts.append(f"<h2>Error of {text_of(quantity)}</h2>")
         values = assessed.error.sel(quantity=quantity)
         caption = f"The worst error around each step; dashed, the errors asked for. {quantity}, relative to its peak."
-        against_step = figure_of(_curves(assessed, "dt", "step size, s", values, "error", limits), caption)
+        against_step = figure_of(curves(assessed, assessed.dt, "step size, s", values, "error", limits), caption)
         against_time = figure_of(
-            _curves(assessed, "time", "time of a run, s", values, "error", limits),
-            "The same against the time that a run takes, at the time of a step of a long run.",
+            curves(assessed, times_of_runs(assessed), "time of a run, s", values, "error", limits),
+            "The same against the time that a run takes"
+            + ("." if "run_time" in assessed else ", at the time of a step of a long run."),
         )
         parts.append(f'<div class="pair">{against_step}{against_time}</div>')
         for limit in limits:
-            parts.append(f"<p><b>{_percent(limit)}</b></p>{_needs(of_assessment(assessed, limit, quantity), titles)}")
+            parts.append(f"<p><b>{percent(limit)}</b></p>{_needs(of_assessment(assessed, limit, quantity), titles)}")
     if np.isfinite(assessed.energy_imbalance).any():
         parts.append("<h2>Energy</h2>")
         parts.append(
             figure_of(
-                _curves(assessed, "dt", "step size, s", assessed.energy_imbalance, "imbalance of energies"),
+                curves(assessed, assessed.dt, "step size, s", assessed.energy_imbalance, "imbalance of energies"),
                 "Largest error of the balance of energy, dissipation and work, relative to the energy put in.",
             )
         )
@@ -270,14 +238,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
     parts += _input_lines(assessed)
     parts.append("<h2>The reference</h2>")
-    told = {quantity: _percent(float(assessed.reference_uncertainty.sel(quantity=quantity))) for quantity in quantities}
-    how = f"{attributes['reference']} and, independent of it, {attributes['witness']}"
-    if "reference_tolerance" in attributes:
-        how += f", both with a relative tolerance of {attributes['reference_tolerance']:g}"
-    else:
-        how += f"; between the steps by {attributes['interpolation']}"
-    differ = ", ".join(f"{value} of {name}" for name, value in told.items())
-    parts.append(f"<p>{text_of(f'{how}. They differ by {differ}.')}</p>")
+    parts.append(f"<p>{text_of(told_of_reference(assessed))}</p>")
     return parts
 
 

@@ -25,6 +25,9 @@ STATUSES = (
 #: Names among what a run returns: its times, and the seconds that it took or that had passed, if it measures them.
 TIME, SECONDS = "t", "seconds"
 
+#: Largest size of a value; a run that grows beyond it has left all bounds.
+LARGEST = 1e100
+
 #: Part of a step by which times may be off, for the digits of a file.
 UNIFORM = 1e-3
 
@@ -128,6 +131,8 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
         if not np.isfinite(one).all():
             at = f" at t = {t[np.argmin(np.isfinite(one.reshape(len(t), -1)).all(axis=1))]:g} s" if one.ndim else ""
             raise Unusable("not_finite", f"'{name}' is not finite{at}")
+        if np.abs(one).max() > LARGEST:
+            raise Unusable("not_finite", f"'{name}' grows to {np.abs(one).max():.1g}")
     return t, values
 
 

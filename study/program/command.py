@@ -7,12 +7,14 @@ import signal
 import subprocess
 import tempfile
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+import psutil
 
 from study.program.attempt import TIME, Unusable
 from study.program.definition import Program
@@ -49,22 +51,28 @@ class Command:
     def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
         """Run it in a process, and read what it writes."""
         with tempfile.TemporaryDirectory() as folder:
-            output = Path(folder) / "output.csv"
+            output, said = Path(folder) / "output.csv", Path(folder) / "said"
             given = {"dt": repr(float(dt)), "scheme": scheme, "output": str(output), "duration": repr(self.duration)}
             words = [_filled(word, given) for word in shlex.split(self.template)]
-            try:
-                done = subprocess.run(
-                    words,
-                    stdin=subprocess.DEVNULL,
-                    capture_output=True,
-                    text=True,
-                    timeout=self.time_limit,
-                    check=False,
-                )
-            except subprocess.TimeoutExpired:
-                raise Unusable("timed_out", f"it was stopped after {self.time_limit:g} s") from None
-            _check_end(done)
+            # a file, as a process that outlives the program would keep a pipe open
+            with said.open("wb") as file:
+                process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT)
+                try:
+                    code = process.wait(self.time_limit)
+                except subprocess.TimeoutExpired:
+                    _kill(process)
+                    raise Unusable("timed_out", f"it was stopped after {self.time_limit:g} s") from None
+            _check_end(code, said.read_text(errors="replace"))
             return _quantities(output)
+
+
+def _kill(process: subprocess.Popen) -> None:
+    """End a process and all that it has started."""
+    own = psutil.Process(process.pid)
+    for one in [*own.children(recursive=True), own]:
+        with suppress(psutil.NoSuchProcess):
+            one.kill()
+    process.wait()
 
 
 def _filled(word: str, given: dict[str, str]) -> str:
@@ -73,13 +81,13 @@ def _filled(word: str, given: dict[str, str]) -> str:
     return word
 
 
-def _check_end(done: subprocess.CompletedProcess) -> None:
-    said = (done.stderr or done.stdout).strip().splitlines()
-    last = f": {said[-1][:LAST_WORDS]}" if said else ""
-    if done.returncode < 0:
-        raise Unusable("signal", f"the signal {signal.Signals(-done.returncode).name} ended it{last}")
-    if done.returncode > 0:
-        raise Unusable("exit_code", f"it ended with the exit code {done.returncode}{last}")
+def _check_end(code: int, said: str) -> None:
+    lines = said.strip().splitlines()
+    last = f": {lines[-1][:LAST_WORDS]}" if lines else ""
+    if code < 0:
+        raise Unusable("signal", f"the signal {signal.Signals(-code).name} ended it{last}")
+    if code > 0:
+        raise Unusable("exit_code", f"it ended with the exit code {code}{last}")
 
 
 def _quantities(output: Path) -> dict[str, np.ndarray]:
@@ -109,7 +117,8 @@ def command(
     template
         The command, such as ``./mycode --dt {dt} --scheme {scheme} --output {output}``. The step in s, a scheme and the
         file to write are put in place of ``{dt}``, ``{scheme}`` and ``{output}``, and the duration in s in place of
-        ``{duration}``. No shell sees it. The first line of the file names its columns: ``t`` and quantities along time,
+        ``{duration}``. No shell sees it. Runs share the folder of this process, so that a program that writes files of
+        fixed names needs ``workers=1``. The first line of the file names its columns: ``t`` and quantities along time,
         or single numbers in one row.
     schemes, duration
         As for :class:`study.Program`.

@@ -35,7 +35,7 @@ Limit = tuple[str, float]
 
 
 class NoTruth(ValueError):
-    """No two schemes of a program say anything; the message says why, in one sentence."""
+    """The runs of a program give no truth; the message says why, in one sentence."""
 
 
 class Needed(NamedTuple):
@@ -123,6 +123,11 @@ class Search:
             }
             truth = agreed(one for one in estimates.values() if one)
             if truth:
+                if zero := [name for name, size in truth.sizes.items() if not size]:
+                    raise NoTruth(
+                        f"the quantity '{zero[0]}' of '{self.program.title}' is zero all the time, so that an error "
+                        "relative to it has no meaning; leave it out."
+                    )
                 apart = apart + 1 if truth.apart and all(estimates.values()) else 0
                 if max(truth.uncertainty.values()) <= wanted or apart > 1:
                     break

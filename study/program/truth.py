@@ -110,11 +110,13 @@ def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
     observed = [math.log2(a / b) if a > 0 and b > 0 else math.nan for a, b in pairwise(apart)]
     order = round(observed[-1]) if observed[-1] > 0.5 else 0
     near = [abs(one - order) <= off for one, off in zip(reversed(observed), OFF_ORDER, strict=False)]
-    if order and len(near) == len(OFF_ORDER) and all(near):
+    # the errors of a single number, such as a peak among steps, fall by no order
+    if order and along[-1].values.ndim and len(near) == len(OFF_ORDER) and all(near):
         before, last = (_extrapolated(coarser, finer, order) for coarser, finer in list(pairwise(along))[-2:])
-        return last, order, before.distance(last) / 2**order
+        return last, order, before.distance(last) / 2  # half, as where the motion has kinks
     clipped = float(np.clip(observed[-1], *ORDERS)) if apart[-1] > 0 < apart[-2] else ORDERS[0]
-    return along[-1], 0, apart[-1] / (2**clipped - 1)
+    # the last difference may be small by chance
+    return along[-1], 0, max(apart[-1], apart[-2] / 2) / (2**clipped - 1)
 
 
 def agreed(estimates: Iterable[Estimate]) -> Truth | None:

@@ -43,7 +43,9 @@ def fails(how, scheme, dt):
     if how == "raised":
         raise ValueError("no convergence")
     if how == "signal":
-        os.kill(os.getpid(), signal.SIGSEGV)
+        if dt > 1:
+            os.kill(os.getpid(), signal.SIGSEGV)
+        return right
     t = right["t"]
     return {
         "nothing": None,

@@ -67,6 +67,15 @@ def test_recommend_and_report_take_it(spring, tmp_path):
     assert study.io.read(tmp_path / "ds.nc").reason.dtype.kind in "OU"
 
 
+def test_error_against_time_is_drawn(spring, tmp_path):
+    own, ds, _ = spring
+    found = study.work_precision(own, figure=tmp_path / "work.svg", quantity="velocity")
+    assert found.error.equals(ds.error) and (found.time.notnull() == (ds.status == 0)).all()
+    assert (found.time > 0).any() and "error of velocity" in (tmp_path / "work.svg").read_text()
+    with pytest.raises(KeyError, match="no quantity 'speed'; known are displacement"):
+        study.work_precision(own, figure=tmp_path / "work.svg", quantity="speed")
+
+
 def test_a_second_question_repeats_no_run(spring):
     own, _, _ = spring
 
@@ -99,9 +108,10 @@ def test_a_scheme_that_goes_wrong_is_recorded(how, reason, tmp_path):
 
 def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
     own = program(partial(models.fails, "signal"), tmp_path, [*models.SCHEMES, "wrong"], workers=2)
-    ds = study.assess(replace(own, finest=0.05, coarsest=0.625), errors=[0.5])
-    assert (ds.status.sel(scheme="wrong", dt=0.625) == STATUSES.index("signal")).all()
-    assert (ds.status.sel(scheme=models.SCHEMES, dt=0.625) == 0).all()
+    ds = study.assess(own, errors=[0.1])
+    assert ds.status.sel(scheme="wrong", dt=1.25) == STATUSES.index("signal")
+    assert (ds.status.sel(scheme=models.SCHEMES, dt=1.25) == 0).all()
+    assert (ds.verdict.sel(quantity="velocity") == 0).all()
 
 
 @pytest.mark.parametrize(
@@ -151,6 +161,9 @@ def test_a_program_that_never_runs_has_no_truth(tmp_path):
     own = program(partial(models.fails, "nothing"), tmp_path, ["wrong", "average_acceleration"])
     with pytest.raises(NoTruth, match=r"no truth for 'model', as fewer than two .* 'wrong' ends at Δt = 1.25 s: it"):
         study.assess(replace(own, finest=1.0))
+    still = program(lambda scheme, dt: models.linear(scheme, dt) | {"idle": 0.0}, tmp_path / "still")
+    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero all the time"):
+        study.assess(still)
     with pytest.raises(KeyError, match="'model' has no scheme 'newmark'; known are wrong, average_acceleration."):
         study.assess(own, ["newmark", "wrong"])
 
@@ -160,6 +173,7 @@ def test_runs_are_known_by_the_source(tmp_path):
         return replace(program(run, tmp_path), name=None).identity()
 
     assert own(models.linear) == own(partial(models.oscillator, 0.0)) != own(models.hardening)
-    exec("def bare(scheme, dt): ...", made := {})
+    made: dict = {}
+    exec("def bare(scheme, dt): ...", made)
     with pytest.raises(ValueError, match="cannot be told from those of other programs.*give the program a name"):
         own(made["bare"])
