@@ -1,5 +1,6 @@
 """``study.assess``: the whole way from a problem to the scheme and the step that it needs."""
 
+import math
 import sys
 import time
 import warnings
@@ -13,7 +14,7 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
-from study.assessment import errors, failures, oscillation, search
+from study.assessment import errors, failures, large, oscillation, search
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.errors import DEFAULT
@@ -104,6 +105,7 @@ def assess(
     quantities: Mapping[str, Quantity] | None = None,
     errors: Sequence[float] = (0.1, 0.01, 0.001),
     maps: bool = True,
+    seconds: float = math.inf,
 ) -> xr.Dataset:
     """Find out which scheme and which step a problem needs for an error, by runs against a certified reference.
 
@@ -117,6 +119,10 @@ def assess(
     exceeds the error, at most 3/n of such steps do, with 95 % confidence. No number is interpolated.
 
     A run ends with the last step that fits into the duration and is compared up to there, along time at every step.
+
+    A problem of more than 1,000 unknowns is assessed as a :class:`study.Program` is: the reference is what two schemes
+    agree on as their steps are halved, among the named ones, ``rk4`` and ``nystrom4``, and their difference is its
+    uncertainty. Few random finer steps confirm a step.
 
     Parameters
     ----------
@@ -134,7 +140,10 @@ def assess(
     errors
         Errors that may be allowed, as fractions of the largest value of each quantity.
     maps
-        Whether to map over step size and excitation how each scheme fails.
+        Whether to map over step size and excitation how each scheme fails, for up to 1,000 unknowns.
+    seconds
+        Wall time after which no run begins that would end later. What is known then is returned, and the verdict on the
+        rest is ``out_of_time``. The reference of two solvers is finished in any case.
 
     Returns
     -------
@@ -165,7 +174,7 @@ def assess(
         if quantities is not None or duration is not None:
             raise ValueError("a program has its own quantities and duration; leave them out.")
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
-        return assess_program(own, _checked_errors(errors), _Progress(len(own.schemes)).tell)
+        return assess_program(own, _checked_errors(errors), seconds, _Progress(len(own.schemes)).tell)
     # as a multiple of itself it shares what is compiled with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = _chosen_schemes(schemes), _checked_errors(errors)
@@ -183,6 +192,9 @@ def assess(
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))
+    if np.size(equation.u0) > large.MOST:
+        program = large.program_of(equation, fit, length, quantities, search.spacing(equation, length))
+        return assess_program(program, allowed, seconds, _Progress(len(fit)).tell)
     slowest = slowest_period(equation) or length / search.COARSEST
     coarsest = slowest / search.COARSEST
     if length / coarsest > search.MOST_STEPS:

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from study.marching.run import run
@@ -42,8 +41,12 @@ class _Runs:
 
     def __post_init__(self):
         at = self.problem.u0, self.problem.v0
-        traced = jax.make_jaxpr(lambda t, u, v: (acceleration(self.problem, t, u, v), [
-            one.value(self.problem, t, u, v) for one in self.quantities]))(0.0, *at)
+        traced = jax.make_jaxpr(
+            lambda t, u, v: (
+                acceleration(self.problem, t, u, v),
+                [one.value(self.problem, t, u, v) for one in self.quantities],
+            )
+        )(0.0, *at)
         digest = hashlib.sha256(f"{traced.jaxpr} {self.schemes} {[one.reduce for one in self.quantities]}".encode())
         for numbers in (*traced.consts, *at):
             digest.update(np.asarray(numbers).tobytes())
@@ -58,12 +61,11 @@ class _Runs:
         """The quantities of a run, those that are reduced as constants along time."""
         steps = int(np.floor(self.duration / dt * (1 + 1e-9)))
         ds = run(self.problem, self.schemes[scheme], dt=dt, steps=steps, observe=self.quantities, on_failure="raise")
-        t = dt * np.arange(steps + 1)
-        along = {one.name: ds[one.name].values for one in self.quantities}
-        return {"t": t} | {
-            one.name: np.broadcast_to(along[one.name], (len(t), *along[one.name].shape)) if one.reduce else along[one.name]
-            for one in self.quantities
-        }
+        found: dict[str, np.ndarray] = {"t": dt * np.arange(steps + 1)}
+        for one in self.quantities:
+            value = ds[one.name].values
+            found[one.name] = np.broadcast_to(value, (steps + 1, *value.shape)) if one.reduce else value
+        return found
 
 
 def program_of(
@@ -77,6 +79,9 @@ def program_of(
     if quantities is None:
         shown = np.unique(np.linspace(0, np.size(problem.u0) - 1, SHOWN).astype(int))
         quantities = {"displacement": Quantity(lambda u: u[shown]), "velocity": Quantity(lambda v: v[shown])}
-    fit = {name: schemes_by_name[name] for name in WITNESSES if not schemes_by_name[name].refusal(problem)} | dict(schemes)
-    named = [replace(one, name=name) for name, one in quantities.items()]
-    return Program(_Runs(problem, fit, duration, named), list(fit), duration, spacing=spacing)
+    titles = {one.title for one in schemes.values()}
+    of_high_order = {name: schemes_by_name[name] for name in WITNESSES}
+    witnesses = {n: one for n, one in of_high_order.items() if one.title not in titles and not one.refusal(problem)}
+    named = [replace(one, name=name, long_name=name) for name, one in quantities.items()]
+    runs = _Runs(problem, witnesses | dict(schemes), duration, named)
+    return Program(runs, list(schemes), duration, spacing=spacing, witnesses=list(witnesses))

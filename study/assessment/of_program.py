@@ -10,7 +10,7 @@ import xarray as xr
 
 from study import io
 from study.assessment.dataset import ATTRIBUTES
-from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, UNCERTAIN, round_step
+from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, OUT_OF_TIME, UNCERTAIN, round_step
 from study.io import flags, processor
 from study.program.attempt import STATUSES
 from study.program.curves import INTERPOLATION
@@ -32,7 +32,7 @@ OWN = {
 
 
 def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
-    """The program with some of its schemes.
+    """The program with some of its schemes, to which the others are witnesses.
 
     Raises
     ------
@@ -43,10 +43,10 @@ def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
     for name in names:
         if name not in program.schemes:
             raise UnknownName(f"'{program.title}' has no scheme {name!r}; {did_you_mean(str(name), program.schemes)}")
-    return replace(program, schemes=names)
+    return replace(program, schemes=names, witnesses=[name for name in program.all_schemes if name not in names])
 
 
-def assess_program(program: Program, allowed: list[float], tell: Callable[[str], None]) -> xr.Dataset:
+def assess_program(program: Program, allowed: list[float], seconds: float, tell: Callable[[str], None]) -> xr.Dataset:
     """What :func:`study.assess` returns for a program.
 
     Raises
@@ -54,10 +54,13 @@ def assess_program(program: Program, allowed: list[float], tell: Callable[[str],
     NoTruth
         If fewer than two schemes run to the end at three steps that halve.
     """
-    search = Search(program, allowed, round_step, tell)
+    search = Search(program, allowed, round_step, seconds, tell)
     if search.remarks:
         warnings.warn(f"{'; '.join(search.remarks)}.", RuntimeWarning, stacklevel=3)
-    names, dts = list(search.truth.uncertainty), sorted({dt for _, dt in search.errors}, reverse=True)
+    names, dts = (
+        list(search.truth.uncertainty),
+        sorted({dt for name, dt in search.errors if name in program.schemes}, reverse=True),
+    )
     ds = _verdicts(search, names, allowed).merge(_runs(search, names, dts))
     known = {name: _of_the_study(name) for name in program.schemes}
     ds = ds.assign_coords(
@@ -126,6 +129,8 @@ def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
     row = dict.fromkeys(ATTRIBUTES.keys() & _NUMBERS, np.nan) | {"verdict": UNCERTAIN, "steps_tried": 0}
     if not search.certain(scheme, limit):
         return row
+    if search.unfinished(scheme, limit):
+        return row | {"verdict": OUT_OF_TIME, "largest_dt": search.largest(scheme, limit)[0] or np.nan}
     needed = search.needed(scheme, limit)
     if not needed.largest:
         return row | {"verdict": FINEST_FAILS}

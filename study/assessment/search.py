@@ -53,8 +53,8 @@ USUAL = 0.9
 CERTAIN = 10
 
 #: How a search for a step ended.
-FOUND, COARSEST_KEEPS, FINEST_FAILS, UNCERTAIN = range(4)
-VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference")
+FOUND, COARSEST_KEEPS, FINEST_FAILS, UNCERTAIN, OUT_OF_TIME = range(5)
+VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference", "out_of_time")
 
 #: Name of the balance of energies among the quantities.
 ENERGY = "energy"

@@ -38,8 +38,8 @@ class Program:
         a peak. The times are steps, or every n-th one. A program that measures its time returns it as ``seconds``. What
         it raises is recorded and ends nothing else.
     schemes
-        Names by which ``run`` knows at least two schemes. If the study has a scheme of that name, the assessment
-        describes it so.
+        Names by which ``run`` knows schemes, at least two with the witnesses. If the study has a scheme of that name,
+        the assessment describes it so.
     duration
         Time of every run in s.
     spacing
@@ -47,6 +47,8 @@ class Program:
     coarsest, finest
         Largest and smallest step that may be run, in s. By default a sixteenth of the duration, or the spacing, and the
         duration over 131,072.
+    witnesses
+        Names of further schemes, which help to find the truth. No step is sought for them.
     name
         Title of the program, and what its runs are known by in place of its source.
     folder
@@ -83,6 +85,7 @@ class Program:
     spacing: float | None = None
     coarsest: float | None = None
     finest: float | None = None
+    witnesses: Sequence[str] = ()
     name: str | None = None
     folder: str | Path | None = None
     workers: int | None = None
@@ -90,13 +93,14 @@ class Program:
     def __post_init__(self):
         if not callable(self.run):
             raise TypeError(f"run must be a function of the name of a scheme and a step, not {self.run!r}.")
-        names = self.schemes
-        if isinstance(names, str) or not isinstance(names, Sequence) or not all(isinstance(n, str) for n in names):
-            raise TypeError(f"schemes must be a list of names, such as ['newmark', 'hht'], not {names!r}.")
-        if len(set(names)) < 2 or len(set(names)) < len(names):
+        for key in ("schemes", "witnesses"):
+            names = getattr(self, key)
+            if isinstance(names, str) or not isinstance(names, Sequence) or not all(isinstance(n, str) for n in names):
+                raise TypeError(f"{key} must be a list of names, such as ['newmark', 'hht'], not {names!r}.")
+        if not self.schemes or len(set(self.all_schemes)) < max(2, len(self.all_schemes)):
             raise ValueError(
-                f"schemes must be at least two different names, not {list(names)}: the truth is what two schemes agree "
-                "on."
+                f"schemes must be at least two different names, not {self.all_schemes}: the truth is what two schemes "
+                "agree on."
             )
         for key in ("duration", "spacing", "coarsest", "finest"):
             value = getattr(self, key)
@@ -108,6 +112,11 @@ class Program:
                 f"steps from {self.largest:g} s down to {self.smallest:g} s do not fit a duration of {self.duration:g} "
                 "s; give a coarsest step of half of it at most, and a smaller finest one."
             )
+
+    @property
+    def all_schemes(self) -> list[str]:
+        """The schemes, and the witnesses."""
+        return [*self.schemes, *self.witnesses]
 
     @property
     def largest(self) -> float:

@@ -57,6 +57,7 @@ class Runs:
     def __init__(self, program: Program, tell: Callable[[str], None] = lambda what: None):
         self.program, self.made, self._tell = program, dict[tuple[str, float], Run](), tell
         self._identity, self._pool = program.identity(), self._start()
+        self.workers = 1 if self._pool is None else program.workers or _cores()
 
     def _start(self) -> Executor | None:
         """Processes, or threads for a program that starts a process for each of its runs; None for this process."""

@@ -1,6 +1,7 @@
 """The steps that the schemes of a program need: halved until two of them agree, then tried about the answer."""
 
 import math
+import time
 import zlib
 from collections.abc import Callable, Iterable
 from itertools import pairwise
@@ -9,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from study.program.attempt import Run
+from study.program.curves import same_values
 from study.program.definition import Program
 from study.program.runs import Runs
 from study.program.truth import FEWEST_RUNS, Estimate, Truth, agreed, estimate
@@ -32,6 +34,9 @@ STUCK = 0.9
 
 #: A quantity, and the error that it is allowed.
 Limit = tuple[str, float]
+
+#: A scheme and a step.
+Job = tuple[str, float]
 
 
 class NoTruth(ValueError):
@@ -58,6 +63,8 @@ class Search:
         Allowed errors, the largest first.
     round_step
         The largest round step up to another one, for the spacing of a record or None.
+    seconds
+        Wall time after which no run begins that would end later.
     tell
         Takes a sentence on what is being done.
 
@@ -78,17 +85,19 @@ class Search:
         program: Program,
         allowed: list[float],
         round_step: Callable[[float, float | None], float],
+        seconds: float,
         tell: Callable[[str], None],
     ):
         self.program, self.allowed, self._round_step = program, allowed, round_step
+        self._end, self.out_of_time = time.monotonic() + seconds, False
         self.remarks: list[str] = []
-        self.noise = dict.fromkeys(program.schemes, 0.0)
+        self.noise = dict.fromkeys(program.all_schemes, 0.0)
         self.errors: dict[tuple[str, float], dict[str, float]] = {}
         with Runs(program, tell) as self._runs:
             self.truth = self._find_truth()
             self._repeat()
-            while steps := [job for scheme in program.schemes for job in self._wanted(scheme)]:
-                self._run(steps)
+            while self._run([job for scheme in program.schemes for job in self._wanted(scheme)]):
+                pass
 
     # runs
 
@@ -97,8 +106,10 @@ class Search:
         found = [run for run in self._runs.made.values() if run.scheme == scheme]
         return sorted(found, key=lambda run: -run.dt)
 
-    def _run(self, jobs: Iterable[tuple[str, float]]) -> None:
-        for run in self._runs.run(jobs):
+    def _run(self, jobs: Iterable[Job]) -> list[Job]:
+        """Make the runs for which there is time, and return which."""
+        made = self._in_time(jobs)
+        for run in self._runs.run(made):
             if run.completed:
                 shapes = {name: one.shape[1:] for name, one in run.values.items()}
                 if not hasattr(self, "_shapes"):
@@ -108,6 +119,22 @@ class Search:
                     run = self._runs.made[run.scheme, run.dt] = run._replace(status="unusable", reason=reason)
             if hasattr(self, "truth"):
                 self.errors[run.scheme, run.dt] = self.truth.errors(run)
+        return made
+
+    def _in_time(self, jobs: Iterable[Job]) -> list[Job]:
+        """The runs that will end in time, if a step takes as long as in the finest run of its scheme."""
+        left, found = (self._end - time.monotonic()) * self._runs.workers, []
+        expected = {job: self._expected(*job) for job in jobs}
+        for job in sorted(expected, key=expected.__getitem__):
+            left -= expected[job]
+            found += [job] if left > 0 else []
+        self.out_of_time |= len(found) < len(expected)
+        return found
+
+    def _expected(self, scheme: str, dt: float) -> float:
+        """Seconds that a run will take; none if no run of its scheme is known."""
+        known = [run for run in self.of(scheme) if run.completed]
+        return known[-1].seconds * known[-1].dt / dt if known else 0.0
 
     # truth
 
@@ -116,7 +143,7 @@ class Search:
         wanted, truth, apart, done = self.allowed[-1] / CERTAIN, None, 0, set[str]()
         steps = [self.program.largest]
         while True:
-            refined = [s for s in self.program.schemes if s not in done and not self._ends(s)]
+            refined = [s for s in self.program.all_schemes if s not in done and not self._ends(s)]
             self._run((s, step) for s in refined for step in steps if (s, step) not in self._runs.made)
             estimates = {s: estimate(self._last_completed(s)) for s in refined if not self._ignores(s)} | {
                 s: estimate(self._last_completed(s)) for s in done
@@ -135,10 +162,10 @@ class Search:
                 # as long as schemes agree, the two that need the least work decide
                 done = set() if truth.apart else set(sorted(work, key=work.__getitem__)[2:])
             steps.append(steps[-1] / 2)
-            if not refined or steps[-1] < self.program.smallest * (1 - 1e-9):
+            if not refined or self.out_of_time or steps[-1] < self.program.smallest * (1 - 1e-9):
                 break
         if truth is None:
-            reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in self.program.schemes])
+            reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in self.program.all_schemes])
             raise NoTruth(
                 f"there is no truth for '{self.program.title}', as fewer than two schemes complete {FEWEST_RUNS} runs "
                 f"at steps that halve: {reasons}."
@@ -173,7 +200,7 @@ class Search:
             return bool(self.noise[scheme])
         coarse, fine = runs
         ratio = round(coarse.dt / fine.dt)
-        if all(_same(coarse, fine, name, ratio) for name in coarse.values):
+        if all(same_values(coarse, fine, name, ratio) for name in coarse.values):
             self.noise[scheme] = math.inf
             self.remarks.append(
                 f"'{scheme}' ignores the step: its runs at {coarse.dt:.4g} s and {fine.dt:.4g} s are the same to the "
@@ -190,6 +217,7 @@ class Search:
         pair = f"'{truth.best.scheme}' and '{truth.witness.scheme}'"
         steps = f"at steps of {truth.best.dt:.4g} s and {truth.witness.dt:.4g} s"
         why = "halving changes each by far less, so they solve different problems" if apart else "none finer may be run"
+        why = "the time is over" if self.out_of_time else why
         self.remarks.append(
             f"{pair} agree to {percent(off)} of '{name}' only, {steps}, and {why}: no step is named for errors "
             f"below {percent(CERTAIN * off)}"
@@ -197,7 +225,7 @@ class Search:
 
     def _repeat(self) -> None:
         """Repeat a cheap run of every scheme, which must return the same."""
-        first = {s: next((run for run in self.of(s) if run.completed), None) for s in self.program.schemes}
+        first = {s: next((run for run in self.of(s) if run.completed), None) for s in self.program.all_schemes}
         known = {s: run for s, run in first.items() if run is not None and not self.noise[s]}
         again = self._runs.run([(s, run.dt) for s, run in reversed(known.items())], repeat=1)
         for other in again:
@@ -225,7 +253,7 @@ class Search:
         fails = min((dt for dt, error in errors.items() if not error <= allowed), default=math.inf)
         return max((dt for dt in errors if dt < fails), default=0.0), fails
 
-    def _wanted(self, scheme: str) -> list[tuple[str, float]]:
+    def _wanted(self, scheme: str) -> list[Job]:
         """The next runs of a scheme; none if all is known."""
         limits = [(name, error) for name in self.truth.uncertainty for error in self.allowed]
         steps = {step for limit in limits if self.certain(scheme, limit) for step in self._next(scheme, limit)}
@@ -271,6 +299,10 @@ class Search:
             self.remarks += [remark] if remark not in self.remarks else []
         return stuck
 
+    def unfinished(self, scheme: str, limit: Limit) -> bool:
+        """Whether the time was over before the steps for an error were known."""
+        return self.out_of_time and bool(self._next(scheme, limit))
+
     def needed(self, scheme: str, limit: Limit) -> Needed:
         """What the runs say about an error."""
         largest, _ = self.largest(scheme, limit)
@@ -285,12 +317,3 @@ class Search:
 
 def _listed(shapes: dict[str, tuple]) -> str:
     return ", ".join(f"'{name}'" + (f" of {len(shape)} axes" if shape else "") for name, shape in shapes.items())
-
-
-def _same(coarse: Run, fine: Run, name: str, ratio: int) -> bool:
-    """Whether a quantity of two runs is the same at the times that they share."""
-    one, other = coarse.values[name], fine.values[name]
-    if one.ndim and len(coarse.t) != len(fine.t):
-        other = other[(ratio - 1) * (fine.t[0] > 0) :: ratio]
-        one, other = one[: len(other)], other[: len(one)]
-    return bool(np.array_equal(one, other))
