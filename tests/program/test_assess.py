@@ -11,7 +11,8 @@ import study
 from study.assessment.failures import failed_runs
 from study.assessment.search import round_step
 from study.program.attempt import STATUSES
-from study.program.search import NoTruth, Search
+from study.program.refinement import NoTruth
+from study.program.search import Search
 from tests.program import models
 
 ALONG = ["displacement", "velocity"]
@@ -130,7 +131,7 @@ def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
         (
             models.two_motions,
             models.SCHEMES,
-            "agree to .* % of '.*' only, at .* so they solve different problems: no step is named for errors below",
+            "agree to .* % of '.*' only, at .* so they solve different problems: no step is named for its errors below",
         ),
     ],
 )
