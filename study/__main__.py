@@ -159,6 +159,8 @@ def _program(arguments: argparse.Namespace) -> Program:
         raise ValueError("a program needs --schemes, such as newmark hht, and --duration.")
     schemes = [name for word in arguments.schemes for name in word.split(",") if name]
     options = {key: getattr(arguments, key) for key in ("spacing", "time_limit", "workers")}
+    if bool(arguments.opensees) != bool(arguments.problem):
+        raise ValueError("give --opensees with FILE.py, or --command without a file.")
     if arguments.opensees:
         return opensees(arguments.problem, schemes, arguments.duration, **options)
     return command(arguments.command, schemes, arguments.duration, **options)
@@ -215,7 +217,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         return
     except KeyboardInterrupt:
         parser.exit(130, "study: interrupted.\n")
-    except (UnknownName, TypeError, ValueError, OSError) as error:
+    except (UnknownName, TypeError, ValueError, OSError, ImportError) as error:
         mistake = str(error)
     else:
         return

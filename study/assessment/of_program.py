@@ -30,6 +30,9 @@ OWN = {
     "highest_frequency": {"long_name": "highest circular frequency of small motions, unknown", "units": "s-1"},
 }
 
+#: Numbers of a verdict.
+NUMBERS = "largest_dt recommended_dt recommended_error worst_error time time_spread force_evaluations".split()
+
 
 def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
     """The program with some of its schemes, to which the others are witnesses.
@@ -55,22 +58,22 @@ def assess_program(program: Program, allowed: list[float], seconds: float, tell:
         If fewer than two schemes run to the end at three steps that halve.
     """
     search = Search(program, allowed, round_step, seconds, tell)
-    if search.remarks:
-        warnings.warn(f"{'; '.join(search.remarks)}.", RuntimeWarning, stacklevel=3)
-    names, dts = (
-        list(search.truth.uncertainty),
-        sorted({dt for name, dt in search.errors if name in program.schemes}, reverse=True),
-    )
+    remarks = "; ".join(search.refinement.remarks)
+    if remarks:
+        warnings.warn(f"{remarks}.", RuntimeWarning, stacklevel=3)
+    names = list(search.truth.uncertainty)
+    dts = sorted({dt for name, dt in search.errors if name in program.schemes}, reverse=True)
     ds = _verdicts(search, names, allowed).merge(_runs(search, names, dts))
-    known = {name: _of_the_study(name) for name in program.schemes}
+    known = {name: schemes_by_name.get(name) for name in program.schemes}
+    kinds = [("explicit" if one.explicit else "implicit") if one else "unknown" for one in known.values()]
     ds = ds.assign_coords(
         scheme_title=("scheme", [one.title if one else name for name, one in known.items()]),
-        kind=("scheme", [one.kind if one else "unknown" for one in known.values()]),
+        kind=("scheme", kinds),
         steps=("dt", np.floor(program.duration / np.array(dts) * (1 + 1e-9)).astype(int)),
         quantity_title=("quantity", names, {"long_name": "what it is"}),
     )
     ds["reference_uncertainty"] = "quantity", list(search.truth.uncertainty.values())
-    ds["repeated"] = "scheme", [search.noise[name] for name in program.schemes]
+    ds["repeated"] = "scheme", [search.refinement.noise[name] for name in program.schemes]
     ds["highest_frequency"] = (), np.nan
     for name, attributes in (ATTRIBUTES | OWN).items():
         ds[name].attrs |= attributes
@@ -85,25 +88,10 @@ def assess_program(program: Program, allowed: list[float], seconds: float, tell:
         "problem": program.title,
         "command": f"study.assess(program, {list(program.schemes)}, errors={allowed})",
         "processor": processor(),
-        "remarks": "; ".join(search.remarks),
+        "remarks": remarks,
         "folder": str(program.place),
     }
     return ds
-
-
-class _Known:
-    """Title and kind of a scheme of the study."""
-
-    def __init__(self, name: str):
-        scheme = schemes_by_name[name]
-        self.title, self.kind = scheme.title, "explicit" if scheme.explicit else "implicit"
-
-
-def _of_the_study(name: str) -> _Known | None:
-    try:
-        return _Known(name)
-    except UnknownName:
-        return None
 
 
 def _told(one: Estimate) -> str:
@@ -125,8 +113,8 @@ def _verdicts(search: Search, names: list[str], allowed: list[float]) -> xr.Data
 
 def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
     """The verdict on a scheme, with the time of the recommended run and its spread over the runs around it."""
-    runs = {run.dt: run for run in search.of(scheme)}
-    row = dict.fromkeys(ATTRIBUTES.keys() & _NUMBERS, np.nan) | {"verdict": UNCERTAIN, "steps_tried": 0}
+    runs = {run.dt: run for run in search.refinement.of(scheme)}
+    row = dict.fromkeys(NUMBERS, np.nan) | {"verdict": UNCERTAIN, "steps_tried": 0}
     if not search.certain(scheme, limit):
         return row
     if search.unfinished(scheme, limit):
@@ -149,18 +137,6 @@ def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
     }
 
 
-#: Numbers of a verdict.
-_NUMBERS = {
-    "largest_dt",
-    "recommended_dt",
-    "recommended_error",
-    "worst_error",
-    "time",
-    "time_spread",
-    "force_evaluations",
-}
-
-
 def _runs(search: Search, names: list[str], dts: list[float]) -> xr.Dataset:
     """Every run, by scheme and step."""
     schemes = search.program.schemes
@@ -170,7 +146,7 @@ def _runs(search: Search, names: list[str], dts: list[float]) -> xr.Dataset:
     reason = np.full(shape, "", object)
     per_step = []
     for s, scheme in enumerate(schemes):
-        runs = search.of(scheme)
+        runs = search.refinement.of(scheme)
         for run in runs:
             at = s, dts.index(run.dt)
             error[at] = [search.errors[scheme, run.dt][name] for name in names]

@@ -56,12 +56,3 @@ class Curve(NamedTuple):
 def curves(run: Run) -> dict[str, Curve]:
     """The quantities of a run by name."""
     return {name: Curve(run.t if one.ndim else np.empty(0), one) for name, one in run.values.items()}
-
-
-def same_values(coarse: Run, fine: Run, name: str, ratio: int) -> bool:
-    """Whether a quantity of two runs is the same at the times that they share."""
-    one, other = coarse.values[name], fine.values[name]
-    if one.ndim and len(coarse.t) != len(fine.t):
-        other = other[(ratio - 1) * (fine.t[0] > 0) :: ratio]
-        one, other = one[: len(other)], other[: len(one)]
-    return bool(np.array_equal(one, other))

@@ -3,8 +3,10 @@
 import hashlib
 import io as streams
 import json
+import math
 import os
 import pickle
+import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -22,6 +24,9 @@ from study.program.definition import Program
 
 #: Names of the scheme, the status and the reason, and of the time that a run took, in its file.
 WORDS, SECONDS, T = "words", "seconds", "t"
+#: A scheme and a step.
+Job = tuple[str, float]
+
 #: Before the names of quantities there.
 QUANTITY = "quantity "
 
@@ -45,28 +50,32 @@ class Runs:
     ----------
     program
         The program.
+    seconds
+        Wall time after which no run begins that would end later.
     tell
         Takes a sentence on what is being done.
 
     Attributes
     ----------
     made
-        All runs that were asked for, by scheme and step.
+        All runs that were asked for and for which there was time, by scheme and step.
+    late
+        Whether there was no time for one.
     """
 
-    def __init__(self, program: Program, tell: Callable[[str], None] = lambda what: None):
-        self.program, self.made, self._tell = program, dict[tuple[str, float], Run](), tell
+    def __init__(self, program: Program, seconds: float = math.inf, tell: Callable[[str], None] = lambda what: None):
+        self.program, self.made, self._tell = program, dict[Job, Run](), tell
+        self._workers = program.workers or _cores()
         self._identity, self._pool = program.identity(), self._start()
-        self.workers = 1 if self._pool is None else program.workers or _cores()
+        self._end, self.late = time.monotonic() + seconds, False
 
     def _start(self) -> Executor | None:
         """Processes, or threads for a program that starts a process for each of its runs; None for this process."""
-        workers = self.program.workers or _cores()
         if getattr(self.program.run, "starts_a_process", False):
-            return ThreadPoolExecutor(workers)
+            return ThreadPoolExecutor(self._workers)
         if self.program.workers == 1 or not _picklable(self.program):
             return None
-        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+        pool = ProcessPoolExecutor(self._workers, mp_context=get_context("spawn"))
         try:
             pool.submit(os.getpid).result()
         except BrokenProcessPool:
@@ -87,16 +96,28 @@ class Runs:
         key = json.dumps([self._identity, scheme, float(dt).hex(), float(self.program.duration).hex(), repeat])
         return self.program.place / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npz"
 
-    def run(self, wanted: Iterable[tuple[str, float]], repeat: int = 0) -> list[Run]:
+    def run(self, wanted: Iterable[Job], repeat: int = 0) -> list[Run]:
         """Runs of pairs of a scheme and a step; those that are on disk are read. ``repeat`` numbers repeated runs."""
         jobs = {job: self._path(*job, repeat) for job in wanted}
         missing = [job for job, path in jobs.items() if not path.exists() or self._waited_less(_read(path))]
+        late = {*missing} - {*(missing := self._in_time(missing))}
+        self.late |= bool(late)
         for number, run in enumerate(self._made(missing), start=1):
             _keep(run, jobs[run.scheme, run.dt])
             self._tell(f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs)")
-        found = [_read(path) for path in jobs.values()]
+        found = [_read(path) for job, path in jobs.items() if job not in late]
         if not repeat:
             self.made |= {(run.scheme, run.dt): run for run in found}
+        return found
+
+    def _in_time(self, jobs: list[Job]) -> list[Job]:
+        """The runs that end in time if a step takes as long as in the finest one of its scheme, the shortest first."""
+        finest = {run.scheme: run for run in sorted(self.made.values(), key=lambda run: -run.dt) if run.completed}
+        expected = {(s, dt): finest[s].seconds * finest[s].dt / dt if s in finest else 0.0 for s, dt in jobs}
+        left, found = (self._end - time.monotonic()) * (self._workers if self._pool else 1), []
+        for job in sorted(expected, key=expected.__getitem__):
+            left -= expected[job]
+            found += [job] if left > 0 else []
         return found
 
     def _waited_less(self, run: Run) -> bool:
@@ -104,7 +125,7 @@ class Runs:
         limit = getattr(self.program.run, "time_limit", None)
         return run.status == "timed_out" and (limit is None or run.seconds < limit)
 
-    def _made(self, jobs: list[tuple[str, float]]) -> Iterator[Run]:
+    def _made(self, jobs: list[Job]) -> Iterator[Run]:
         """Make runs, in the order in which they end."""
         if self._pool is None:
             yield from (attempt(self.program.run, *job, self.program.duration) for job in jobs)
@@ -120,11 +141,11 @@ class Runs:
         for job in lost:
             yield self._alone(job)
 
-    def _submit(self, job: tuple[str, float]) -> Future:
+    def _submit(self, job: Job) -> Future:
         assert self._pool is not None
         return self._pool.submit(attempt, self.program.run, *job, self.program.duration)
 
-    def _alone(self, job: tuple[str, float]) -> Run:
+    def _alone(self, job: Job) -> Run:
         """A run while no other is made; one that ends its process is recorded."""
         with suppress(BrokenProcessPool):
             return self._submit(job).result()

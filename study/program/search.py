@@ -1,23 +1,18 @@
-"""The steps that the schemes of a program need: halved until two of them agree, then tried about the answer."""
+"""The steps that the schemes of a program need for an error, from its truth and few runs."""
 
 import math
-import time
 import zlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from study.program.attempt import Run
-from study.program.curves import same_values
 from study.program.definition import Program
-from study.program.runs import Runs
-from study.program.truth import FEWEST_RUNS, Estimate, Truth, agreed, estimate
+from study.program.refinement import CERTAIN, Refinement
+from study.program.runs import Job, Runs
+from study.program.truth import FEWEST_RUNS
 from study.words import percent
-
-#: Least ratio of an error to the uncertainty of the truth.
-CERTAIN = 10.0
 
 #: Ratio of two steps, of which one keeps an error and one does not, that is small enough.
 NEAR = 1.25
@@ -34,13 +29,6 @@ STUCK = 0.9
 
 #: A quantity, and the error that it is allowed.
 Limit = tuple[str, float]
-
-#: A scheme and a step.
-Job = tuple[str, float]
-
-
-class NoTruth(ValueError):
-    """The runs of a program give no truth; the message says why, in one sentence."""
 
 
 class Needed(NamedTuple):
@@ -70,14 +58,15 @@ class Search:
 
     Attributes
     ----------
-    truth
-        What two schemes agree on.
+    refinement
+        The runs, and what two schemes agree on.
     errors
-        Error of every run, by scheme and step: of each quantity.
-    remarks
-        Sentences on the program as a whole.
-    noise
-        Relative difference of a repeated run of each scheme; infinite if the scheme ignores the step.
+        Errors of every run, by scheme and step: of each quantity, NaN if it is of no use.
+
+    Raises
+    ------
+    NoTruth
+        As :class:`Refinement`.
     """
 
     def __init__(
@@ -89,162 +78,26 @@ class Search:
         tell: Callable[[str], None],
     ):
         self.program, self.allowed, self._round_step = program, allowed, round_step
-        self._end, self.out_of_time = time.monotonic() + seconds, False
-        self.remarks: list[str] = []
-        self.noise = dict.fromkeys(program.all_schemes, 0.0)
-        self.errors: dict[tuple[str, float], dict[str, float]] = {}
-        with Runs(program, tell) as self._runs:
-            self.truth = self._find_truth()
-            self._repeat()
-            while self._run([job for scheme in program.schemes for job in self._wanted(scheme)]):
-                pass
+        self.errors: dict[Job, dict[str, float]] = {}
+        with Runs(program, seconds, tell) as runs:
+            self.refinement = Refinement(program, runs, allowed[-1])
+            self.truth = self.refinement.truth
+            self._measure()
+            # the largest errors first, for which coarse steps suffice
+            for error in allowed:
+                while self.refinement.run(job for scheme in program.schemes for job in self._wanted(scheme, error)):
+                    self._measure()
+            self._late = runs.late
 
-    # runs
-
-    def of(self, scheme: str) -> list[Run]:
-        """Runs of a scheme, the largest step first."""
-        found = [run for run in self._runs.made.values() if run.scheme == scheme]
-        return sorted(found, key=lambda run: -run.dt)
-
-    def _run(self, jobs: Iterable[Job]) -> list[Job]:
-        """Make the runs for which there is time, and return which."""
-        made = self._in_time(jobs)
-        for run in self._runs.run(made):
-            if run.completed:
-                shapes = {name: one.shape[1:] for name, one in run.values.items()}
-                if not hasattr(self, "_shapes"):
-                    self._shapes = shapes
-                if shapes != self._shapes:
-                    reason = f"it returned {_listed(shapes)}, and the first run {_listed(self._shapes)}"
-                    run = self._runs.made[run.scheme, run.dt] = run._replace(status="unusable", reason=reason)
-            if hasattr(self, "truth"):
-                self.errors[run.scheme, run.dt] = self.truth.errors(run)
-        return made
-
-    def _in_time(self, jobs: Iterable[Job]) -> list[Job]:
-        """The runs that will end in time, if a step takes as long as in the finest run of its scheme."""
-        left, found = (self._end - time.monotonic()) * self._runs.workers, []
-        expected = {job: self._expected(*job) for job in jobs}
-        for job in sorted(expected, key=expected.__getitem__):
-            left -= expected[job]
-            found += [job] if left > 0 else []
-        self.out_of_time |= len(found) < len(expected)
-        return found
-
-    def _expected(self, scheme: str, dt: float) -> float:
-        """Seconds that a run will take; none if no run of its scheme is known."""
-        known = [run for run in self.of(scheme) if run.completed]
-        return known[-1].seconds * known[-1].dt / dt if known else 0.0
-
-    # truth
-
-    def _find_truth(self) -> Truth:
-        """Halve the steps until two schemes agree to a tenth of the smallest error."""
-        wanted, truth, apart, done = self.allowed[-1] / CERTAIN, None, 0, set[str]()
-        steps = [self.program.largest]
-        while True:
-            refined = [s for s in self.program.all_schemes if s not in done and not self._ends(s)]
-            self._run((s, step) for s in refined for step in steps if (s, step) not in self._runs.made)
-            estimates = {s: estimate(self._last_completed(s)) for s in refined if not self._ignores(s)} | {
-                s: estimate(self._last_completed(s)) for s in done
-            }
-            truth = agreed(one for one in estimates.values() if one)
-            if truth:
-                if zero := [name for name, size in truth.sizes.items() if not size]:
-                    raise NoTruth(
-                        f"the quantity '{zero[0]}' of '{self.program.title}' is zero all the time, so that an error "
-                        "relative to it has no meaning; leave it out."
-                    )
-                apart = apart + 1 if truth.apart and all(estimates.values()) else 0
-                if max(truth.uncertainty.values()) <= wanted or apart > 1:
-                    break
-                work = {s: self._work(one, wanted) for s, one in estimates.items() if one}
-                # as long as schemes agree, the two that need the least work decide
-                done = set() if truth.apart else set(sorted(work, key=work.__getitem__)[2:])
-            steps.append(steps[-1] / 2)
-            if not refined or self.out_of_time or steps[-1] < self.program.smallest * (1 - 1e-9):
-                break
-        if truth is None:
-            reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in self.program.all_schemes])
-            raise NoTruth(
-                f"there is no truth for '{self.program.title}', as fewer than two schemes complete {FEWEST_RUNS} runs "
-                f"at steps that halve: {reasons}."
-            )
-        self.errors = {job: truth.errors(run) for job, run in self._runs.made.items()}
-        self._judge(truth, wanted, apart > 1)
-        return truth
-
-    def _work(self, one: Estimate, wanted: float) -> float:
-        """Seconds in which a scheme of second order would reach an error."""
-        return self.of(one.scheme)[-1].seconds * math.sqrt(max(1.0, max(one.error.values()) / wanted))
-
-    def _last_completed(self, scheme: str) -> list[Run]:
-        """Runs of a scheme at its finest steps, from the last failure on."""
-        runs = self.of(scheme)
-        failed = [place for place, run in enumerate(runs) if not run.completed]
-        return runs[failed[-1] + 1 :] if failed else runs
-
-    def _ends(self, scheme: str) -> bool:
-        """Whether finer runs of a scheme have no use."""
-        runs = self.of(scheme)
-        return self.noise[scheme] > 0 or bool(runs and runs[-1].status == "timed_out")
-
-    def _reason(self, scheme: str) -> str:
-        failed = [run for run in self.of(scheme) if not run.completed]
-        return f"ends at Δt = {failed[-1].dt:.4g} s: {failed[-1].reason}" if failed else "has too few steps to halve"
-
-    def _ignores(self, scheme: str) -> bool:
-        """Whether two runs of a scheme are the same to the last digit; a remark says so."""
-        runs = self._last_completed(scheme)[-2:]
-        if self.noise[scheme] or len(runs) < 2:
-            return bool(self.noise[scheme])
-        coarse, fine = runs
-        ratio = round(coarse.dt / fine.dt)
-        if all(same_values(coarse, fine, name, ratio) for name in coarse.values):
-            self.noise[scheme] = math.inf
-            self.remarks.append(
-                f"'{scheme}' ignores the step: its runs at {coarse.dt:.4g} s and {fine.dt:.4g} s are the same to the "
-                "last digit"
-            )
-        return bool(self.noise[scheme])
-
-    def _judge(self, truth: Truth, wanted: float, apart: bool) -> None:
-        """A remark if the truth is not as good as the smallest error needs."""
-        name = max(truth.uncertainty, key=lambda one: truth.uncertainty[one])
-        off = truth.uncertainty[name]
-        if off <= wanted:
-            return
-        pair = f"'{truth.best.scheme}' and '{truth.witness.scheme}'"
-        steps = f"at steps of {truth.best.dt:.4g} s and {truth.witness.dt:.4g} s"
-        why = "halving changes each by far less, so they solve different problems" if apart else "none finer may be run"
-        why = "the time is over" if self.out_of_time else why
-        self.remarks.append(
-            f"{pair} agree to {percent(off)} of '{name}' only, {steps}, and {why}: no step is named for errors "
-            f"below {percent(CERTAIN * off)}"
-        )
-
-    def _repeat(self) -> None:
-        """Repeat a cheap run of every scheme, which must return the same."""
-        first = {s: next((run for run in self.of(s) if run.completed), None) for s in self.program.all_schemes}
-        known = {s: run for s, run in first.items() if run is not None and not self.noise[s]}
-        again = self._runs.run([(s, run.dt) for s, run in reversed(known.items())], repeat=1)
-        for other in again:
-            one, self.noise[other.scheme] = known[other.scheme], math.inf
-            if other.completed and other.t.shape == one.t.shape and other.values.keys() == one.values.keys():
-                sizes = self.truth.sizes
-                apart = {n: np.abs(one.values[n] - other.values[n]).max() / sizes[n] for n in sizes}
-                self.noise[other.scheme] = max(apart.values())
-            if self.noise[other.scheme] * CERTAIN > self.allowed[-1]:
-                self.remarks.append(
-                    f"'{other.scheme}' depends on the order of runs: a repeated run at {other.dt:.4g} s "
-                    + (f"differs by {percent(self.noise[other.scheme])}" if other.completed else other.reason)
-                )
-
-    # steps
+    def _measure(self) -> None:
+        """Errors of the runs that are new."""
+        every = (run for scheme in self.program.all_schemes for run in self.refinement.of(scheme))
+        new = [run for run in every if (run.scheme, run.dt) not in self.errors]
+        self.errors |= {(run.scheme, run.dt): self.truth.errors(run) for run in new}
 
     def certain(self, scheme: str, limit: Limit) -> bool:
         """Whether the truth, and the runs of a scheme, are good enough to judge an error."""
-        return limit[1] >= CERTAIN * max(self.truth.uncertainty[limit[0]], self.noise[scheme])
+        return limit[1] >= CERTAIN * max(self.truth.uncertainty[limit[0]], self.refinement.noise[scheme])
 
     def largest(self, scheme: str, limit: Limit) -> tuple[float, float]:
         """Largest step tried below which all keep an error, zero if there is none, and the next one above."""
@@ -253,9 +106,9 @@ class Search:
         fails = min((dt for dt, error in errors.items() if not error <= allowed), default=math.inf)
         return max((dt for dt in errors if dt < fails), default=0.0), fails
 
-    def _wanted(self, scheme: str) -> list[Job]:
-        """The next runs of a scheme; none if all is known."""
-        limits = [(name, error) for name in self.truth.uncertainty for error in self.allowed]
+    def _wanted(self, scheme: str, error: float) -> list[Job]:
+        """The next runs of a scheme for an error; none if all is known."""
+        limits = [(name, error) for name in self.truth.uncertainty]
         steps = {step for limit in limits if self.certain(scheme, limit) for step in self._next(scheme, limit)}
         return [(scheme, step) for step in sorted(steps, reverse=True)]
 
@@ -289,19 +142,20 @@ class Search:
 
     def _hopeless(self, scheme: str, name: str) -> bool:
         """Whether halving does not help a scheme any more; a remark says so."""
-        runs = self.of(scheme)
+        runs = self.refinement.of(scheme)
         if runs[-1].status == "timed_out":
             return True
-        last = [self.errors[scheme, run.dt][name] for run in self._last_completed(scheme)[-FEWEST_RUNS:]]
+        last = [self.errors[scheme, run.dt][name] for run in self.refinement.last_completed(scheme)[-FEWEST_RUNS:]]
         stuck = len(last) == FEWEST_RUNS and all(b > STUCK * a for a, b in pairwise(last))
         if stuck:
             remark = f"'{scheme}' goes to another motion: it keeps an error of {percent(last[-1])} of '{name}'"
-            self.remarks += [remark] if remark not in self.remarks else []
+            remarks = self.refinement.remarks
+            remarks += [remark] if remark not in remarks else []
         return stuck
 
     def unfinished(self, scheme: str, limit: Limit) -> bool:
-        """Whether the time was over before the steps for an error were known."""
-        return self.out_of_time and bool(self._next(scheme, limit))
+        """Whether the time was over before the step for an error was known."""
+        return self._late and bool(self._next(scheme, limit))
 
     def needed(self, scheme: str, limit: Limit) -> Needed:
         """What the runs say about an error."""
@@ -313,7 +167,3 @@ class Search:
             one[limit[0]] for (s, dt), one in self.errors.items() if s == scheme and TWENTIETH * step <= dt <= step
         ]
         return Needed(largest, step, len(around), max(around) / limit[1])
-
-
-def _listed(shapes: dict[str, tuple]) -> str:
-    return ", ".join(f"'{name}'" + (f" of {len(shape)} axes" if shape else "") for name, shape in shapes.items())

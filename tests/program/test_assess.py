@@ -1,5 +1,6 @@
 """The assessment of a program: its steps, its truth, and what goes wrong."""
 
+import math
 from dataclasses import replace
 from functools import partial
 
@@ -11,7 +12,8 @@ import study
 from study.assessment.failures import failed_runs
 from study.assessment.search import round_step
 from study.program.attempt import STATUSES
-from study.program.search import NoTruth, Search
+from study.program.refinement import NoTruth
+from study.program.search import Search
 from tests.program import models
 
 ALONG = ["displacement", "velocity"]
@@ -31,7 +33,7 @@ def spring(request, tmp_path_factory):
 
 def test_the_truth_is_as_uncertain_as_it_says(spring):
     own, ds, hardening = spring
-    truth = Search(own, [0.1, 0.01, 0.001], round_step, lambda what: None).truth
+    truth = Search(own, [0.1, 0.01, 0.001], round_step, math.inf, lambda what: None).truth
 
     def rate(t, y):
         return [y[1], -y[0] - hardening * y[0] ** 3]
@@ -130,7 +132,7 @@ def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
         (
             models.two_motions,
             models.SCHEMES,
-            "agree to .* % of '.*' only, at .* so they solve different problems: no step is named for errors below",
+            "agree to .* % of '.*' only, at .* so they solve different problems: no step is named for its errors below",
         ),
     ],
 )
