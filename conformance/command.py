@@ -7,10 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from conformance import writers
 from conformance.judge import CASES, judge
 from conformance.report import page, summary, table
 from conformance.runners import of_command, of_folder, of_function
+from conformance.writers import write
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,8 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tool-version", default="", metavar="VERSION", help="version of the code")
     parser.add_argument("--note", default="", metavar="TEXT", help="a sentence on how the code is run")
     parser.add_argument("--output", type=Path, metavar="PATH", help="PATH.json and PATH.html are written")
-    parser.add_argument("--inputs", type=Path, metavar="FOLDER", help="write input files of a closed code instead")
-    parser.add_argument("--of", default="opensees", choices=list(writers.WRITERS), help="code of the input files")
+    parser.add_argument("--inputs", type=Path, metavar="FOLDER", help="write Tcl files for OpenSees instead")
 
 
 def cases(skip: list[str] | tuple[str, ...] = (), only: list[str] | tuple[str, ...] = ()) -> Iterator[dict[str, Any]]:
@@ -52,7 +51,7 @@ def conform(arguments: argparse.Namespace) -> None:
             "no case has these tags; level letters, families and forms are tags, such as A, newmark, cubic."
         )
     if arguments.inputs:
-        written = writers.write(arguments.of, chosen, arguments.inputs)
+        written = write(chosen, arguments.inputs)
         print(f"written: {written} files in {arguments.inputs}")
         return
     if sum(one is not None for one in (arguments.code, arguments.command, arguments.collect)) != 1:

@@ -1,11 +1,11 @@
-"""Input files of codes that read no JSON, from the same cases.
+"""Input files of OpenSees from the same cases, as an example for codes that read no JSON.
 
-What a writer has no input for, it leaves out: the case is then skipped, as it has no result. Each file writes its
-motion as ``NAME.csv`` into the folder where it runs.
+They are linear and cubic oscillators without a moving ground. Each file writes its motion as ``NAME.csv`` into the
+folder where it runs; a case without a file is skipped, as it has no result.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,7 @@ def _integrator(scheme: Mapping[str, str]) -> str | None:
 
 
 def opensees(case: Mapping[str, Any]) -> str | None:
-    """Tcl commands of OpenSees."""
+    """Tcl commands of OpenSees; None for a problem or a scheme that is not written."""
     one, integrator = _scalars(case), _integrator(case["scheme"])
     if one is None or integrator is None:
         return None
@@ -67,15 +67,10 @@ close $out
 """
 
 
-#: Writer of an input file, or of None where a code has no such input, with the ending of its files.
-WRITERS: dict[str, tuple[Callable[[Mapping[str, Any]], str | None], str]] = {"opensees": (opensees, ".tcl")}
-
-
-def write(code: str, chosen: Iterable[Mapping[str, Any]], folder: Path) -> int:
-    """Write the input files of a code and return their number."""
-    writer, ending = WRITERS[code]
+def write(chosen: Iterable[Mapping[str, Any]], folder: Path) -> int:
+    """Write the files of the cases that have one, ``NAME.tcl``, and return their number."""
     folder.mkdir(parents=True, exist_ok=True)
-    texts = {case["name"]: text for case in chosen if (text := writer(case))}
+    texts = {case["name"]: text for case in chosen if (text := opensees(case))}
     for name, text in texts.items():
-        (folder / f"{name}{ending}").write_text(text, encoding="utf-8")
+        (folder / f"{name}.tcl").write_text(text, encoding="utf-8")
     return len(texts)
