@@ -1,7 +1,8 @@
 """OpenSees, a finite element code: ``python -m conformance conformance.tools.opensees:step``.
 
 Every entry of a stiffness or damping matrix is a spring or a dashpot between two nodes on a line. OpenSees does not
-compute the acceleration at the start; ``step`` sets it, and ``from_zero`` does not.
+compute the acceleration at the start; ``step`` sets it, and ``from_zero`` does not. ``others`` runs integrators of
+other names for the same schemes.
 """
 
 import math
@@ -28,6 +29,21 @@ INTEGRATORS: dict[str, Callable[..., tuple]] = {
     "houbolt": lambda: ("Houbolt",),
     "bathe": lambda gamma, rho_inf: ("TRBDF2",),
     "kr_alpha": lambda rho_inf: ("KRAlphaExplicit", rho_inf),
+}
+
+
+#: Other integrators that stand for the same families.
+OTHERS: dict[str, Callable[..., tuple]] = {
+    "newmark": lambda beta, gamma: ("Newmark", gamma, beta, "-form", "A"),
+    "generalized_alpha": lambda alpha_m, alpha_f, beta, gamma: (
+        "HHTGeneralized",
+        1 - alpha_m,
+        1 - alpha_f,
+        beta,
+        gamma,
+    ),
+    "wilson": lambda theta: ("Collocation", theta, 1 / 6, 0.5),
+    "kr_alpha": lambda rho_inf: ("KRAlphaExplicit_TP", rho_inf),
 }
 
 
@@ -75,12 +91,12 @@ def _loads(text):
         ops.pattern("UniformExcitation", 2, 1, "-accel", 2)
 
 
-def step(problem, scheme, dt, steps, started=True):
+def step(problem, scheme, dt, steps, started=True, integrators=INTEGRATORS):
     """Displacement, velocity and acceleration at 0, dt, 2 dt, ..., each (steps + 1, n)."""
-    if scheme["family"] not in INTEGRATORS or np.any(problem.mass != np.diag(np.diag(problem.mass))):
+    if scheme["family"] not in integrators or np.any(problem.mass != np.diag(np.diag(problem.mass))):
         raise NotImplementedError("it has no such integrator, or no full mass matrix")
     numbers = {name: float(value) for name, value in scheme.items() if name not in ("family", "start")}
-    integrator = INTEGRATORS[scheme["family"]](**numbers)
+    integrator = integrators[scheme["family"]](**numbers)
     if integrator == ("TRBDF2",) and (numbers["gamma"], numbers["rho_inf"]) != (0.5, 0.0):
         raise NotImplementedError("its TRBDF2 has two equal sub-steps")
     ops.wipe()
@@ -114,3 +130,4 @@ def step(problem, scheme, dt, steps, started=True):
 
 
 from_zero = partial(step, started=False)
+others = partial(step, integrators=OTHERS)
