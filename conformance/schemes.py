@@ -59,12 +59,13 @@ class March:
         part = next((place for word, place in places.items() if word in words), part)
         return self.signed(load(self.t + (part + ("load early" in words)) * self.dt))
 
-    def acceleration(self, part: Any, u: np.ndarray, v: np.ndarray, lag: Any = 0) -> np.ndarray:
-        """The a of M a + C (v + lag a) + p(u) = f(t₀ + part Δt)."""
+    def acceleration(self, part: Any, u: np.ndarray, v: np.ndarray, lag: Any = 0, force: Any = None) -> np.ndarray:
+        """The a of M a + C (v + lag a) + p(u) = f(t₀ + part Δt), with ``force`` in place of p(u) if it is given."""
         damping = self.problem.damping * ("no damping" not in self.words)
         if "damping at start" in self.words:
             v, lag = self.v, 0
-        return solve(self.problem.mass + lag * damping, self.load(part) - damping @ v - self.problem.force(u))
+        force = self.problem.force(u) if force is None else force
+        return solve(self.problem.mass + lag * damping, self.load(part) - damping @ v - force)
 
     def balanced(self, place, damping, inertia, load, weight=1, rest=0) -> np.ndarray:
         """The x of M (a + a′x) + C (v + v′x) + w p(u + u′x) + rest = f, by Newton's iteration.
@@ -255,7 +256,8 @@ class March:
         first = solve(effective, problem.mass @ self.a)
         factor = 1 / problem.numbers.mpf(2) if "no gamma in u" in self.words else gamma + problem.numbers.mpf(1) / 2
         u, v = self.u + dt * self.v + factor * dt**2 * first, self.v + dt * first
-        ahead = self.acceleration(part, part * u + alpha_f * self.u, part * v + alpha_f * self.v)
+        both = part * problem.force(u) + alpha_f * problem.force(self.u) if "two forces" in self.words else None
+        ahead = self.acceleration(part, part * u + alpha_f * self.u, part * v + alpha_f * self.v, force=both)
         right = effective @ ahead - (alpha_m * problem.mass + alpha_f * model) @ self.a
         self.move(u, v, solve((1 - alpha_m) * problem.mass + part * model, right))
 

@@ -57,11 +57,11 @@ def _complement(value: str) -> str:
 
 #: Alternatives first: of two variants with the same values in a case the first is named.
 VARIANTS = (
-    _alternative("two internal forces are weighted", ("hht", "generalized_alpha"), "two forces"),
+    _alternative("two internal forces are weighted", ("hht", "generalized_alpha", "kr_alpha"), "two forces"),
     _alternative("the loads of both ends of the step are weighted", (*ALPHA, "kr_alpha"), "mean of loads"),
     _alternative(
         "two internal forces and the loads of both ends are weighted",
-        ("hht", "generalized_alpha"),
+        ("hht", "generalized_alpha", "kr_alpha"),
         "two forces",
         "mean of loads",
     ),
