@@ -126,7 +126,8 @@ def assess(
     Parameters
     ----------
     problem
-        Name in ``study.problems``, or your own :class:`study.Problem`.
+        Name in ``study.problems``, your own :class:`study.Problem`, or a :class:`study.Program`, which has its schemes,
+        duration and quantities itself.
     schemes
         Names in ``study.schemes``, your own :class:`study.Scheme`, or a mapping from names to schemes; ten usual ones
         by default.
@@ -152,7 +153,8 @@ def assess(
         error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
         the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
         ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is that of small
-        motions about points of the reference's motion.
+        motions about points of the reference's motion. Of a program also ``reason``, ``run_time`` and ``repeated``, and
+        ``remarks`` among the attributes; what it does not report is NaN.
         Attributes name the routes of the reference, the time up to which it holds, versions and processor.
         :func:`study.recommend` and :func:`study.report` take it.
 

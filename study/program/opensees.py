@@ -45,8 +45,10 @@ def opensees(
     schemes
         Names of the study, such as ``"average_acceleration"``, ``"hht_alpha"`` or ``"bathe"``, or of OpenSees'
         integrators, such as ``"Newmark"``, ``"TRBDF2"`` or ``"CentralDifference"``.
-    duration, time_limit, **options
+    duration, time_limit
         As for :func:`study.command`.
+    **options
+        Further parameters of :class:`study.Program`.
 
     Raises
     ------

@@ -45,7 +45,7 @@ INTEGRATORS = {
     "wilson_theta": Integrator(("WilsonTheta", 1.4)),
     "houbolt": Integrator(("Houbolt",)),
     "hht_alpha": Integrator(("HHT", 0.9, 0.6, 0.3025)),
-    "generalized_alpha": Integrator(("GeneralizedAlpha", 0.66666667, 0.55555556)),
+    "generalized_alpha": Integrator(("HHTGeneralized", 2 / 3, 5 / 9, 25 / 81, 11 / 18)),
     "bathe": Integrator(("TRBDF2",), parts=2),
     "central_difference": Integrator(("NewmarkExplicit", 0.5), "Linear"),
     "kr_alpha": Integrator(("KRAlphaExplicit", 0.8), "Linear", "FullGeneral"),
