@@ -114,8 +114,9 @@ def assess(
     up to 128 runs an octave and 500 in that below a recommended step, fewer where they have many steps. ``largest_dt``
     is the largest step tried that keeps an error, as all finer steps that were tried do, with room for the scatter of
     their errors. The recommended step is the largest below it that has two digits, or under a record is a whole part or
-    multiple of the spacing of its samples. It was run too, also from two starts one percent apart from the given one. If none of n random finer steps
-    exceeds the error, at most 3/n of such steps do, with 95 % confidence. No number is interpolated.
+    multiple of the spacing of its samples. It was run too, also from two starts one percent apart from the given one.
+    If none of n random finer steps exceeds the error, at most 3/n of such steps do, with 95 % confidence. No number is
+    interpolated.
 
     A run ends with the last step that fits into the duration and is compared up to there, along time at every step.
 

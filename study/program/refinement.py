@@ -94,7 +94,7 @@ class Refinement:
             reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in self._program.all_schemes])
             raise NoTruth(
                 f"there is no truth for '{self._program.title}', as fewer than two schemes complete {FEWEST_RUNS} runs "
-                f"at steps that halve: {reasons}."
+                f"at steps that halve{' in the time that was given' * self._runs.late}: {reasons}."
             )
         self._judge(truth, wanted, apart > 1)
         return truth
