@@ -45,17 +45,17 @@ class Runs:
     ----------
     program
         The program.
-    tell
+    report
         Takes a sentence on what is being done.
 
     Attributes
     ----------
     made
-        All runs that were asked for, by scheme and step.
+        All runs that were wanted, by scheme and step.
     """
 
-    def __init__(self, program: Program, tell: Callable[[str], None] = lambda what: None):
-        self.program, self.made, self._tell = program, dict[tuple[str, float], Run](), tell
+    def __init__(self, program: Program, report: Callable[[str], None] = lambda what: None):
+        self.program, self.made, self._report = program, dict[tuple[str, float], Run](), report
         self._identity, self._pool = program.identity(), self._start()
 
     def _start(self) -> Executor | None:
@@ -92,7 +92,7 @@ class Runs:
         missing = [job for job, path in jobs.items() if not path.exists() or self._waited_less(_read(path))]
         for number, run in enumerate(self._made(missing), start=1):
             _keep(run, jobs[run.scheme, run.dt])
-            self._tell(f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs)")
+            self._report(f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs)")
         found = [_read(path) for path in jobs.values()]
         if not repeat:
             self.made |= {(run.scheme, run.dt): run for run in found}

@@ -51,7 +51,7 @@ class Search:
         Allowed errors, the largest first.
     round_step
         The largest round step up to another one, for the spacing of a record or None.
-    tell
+    report
         Takes a sentence on what is being done.
 
     Attributes
@@ -72,11 +72,11 @@ class Search:
         program: Program,
         allowed: list[float],
         round_step: Callable[[float, float | None], float],
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ):
         self.program, self.allowed, self._round_step = program, allowed, round_step
         self.errors: dict[tuple[str, float], dict[str, float]] = {}
-        with Runs(program, tell) as runs:
+        with Runs(program, report) as runs:
             self.refinement = Refinement(program, runs, allowed[-1])
             self.truth = self.refinement.truth
             self._measure()
