@@ -26,7 +26,7 @@ Which scheme and which step
 
     ``work_precision`` draws error against time, and ``cite`` lists the works that a dataset rests on as BibTeX.
 
-A model that lives in another program
+A model in another program
     ``assess`` takes a ``Program`` too, any function that runs a model with a scheme and a step. ``command`` makes one
     of an executable, ``opensees`` of a model of OpenSees::
 

@@ -1,8 +1,6 @@
 """``study.assess``: the whole way from a problem to the scheme and the step that it needs."""
 
 import math
-import sys
-import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -12,7 +10,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from tqdm import tqdm
 
 from study.assessment import errors, failures, large, oscillation, search
 from study.assessment.certified import cases_of, certified
@@ -20,6 +17,7 @@ from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.errors import DEFAULT
 from study.assessment.of_program import assess_program, narrowed
 from study.assessment.periods import highest_frequency, length_of, slowest_period
+from study.assessment.progress import Progress
 from study.assessment.search import ENERGY, Search
 from study.assessment.solution import DenseSolution
 from study.io import processor
@@ -53,9 +51,6 @@ LEAST_ERROR = 1e-10
 
 #: Least energy at the start, over the largest kinetic energy, to which errors of its balance can be related.
 LEAST_ENERGY = 0.01
-
-#: Seconds between two lines of progress where there is no terminal.
-PAUSE = 5.0
 
 
 def _checked(one: str | Scheme) -> Scheme:
@@ -176,7 +171,7 @@ def assess(
         if quantities is not None or duration is not None:
             raise ValueError("a program has its own quantities and duration; leave them out.")
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
-        return assess_program(own, _checked_errors(errors), seconds, _Progress(len(own.schemes)).tell)
+        return assess_program(own, _checked_errors(errors), seconds, Progress(len(own.schemes)).tell)
     # as a multiple of itself it shares what is compiled with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = _chosen_schemes(schemes), _checked_errors(errors)
@@ -196,7 +191,7 @@ def assess(
         raise ValueError(next(iter(chosen.values())).refusal(equation))
     if np.size(equation.u0) > large.MOST:
         program = large.program_of(equation, fit, length, quantities, search.spacing(equation, length))
-        return assess_program(program, allowed, seconds, _Progress(len(fit)).tell)
+        return assess_program(program, allowed, seconds, Progress(len(fit)).tell)
     slowest = slowest_period(equation) or length / search.COARSEST
     coarsest = slowest / search.COARSEST
     if length / coarsest > search.MOST_STEPS:
@@ -204,7 +199,7 @@ def assess(
             f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps of which "
             f"{search.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
-    progress = _Progress(len(fit))
+    progress = Progress(len(fit))
     progress.tell(f"solving for a reference of '{equation.title}'")
     reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
@@ -286,25 +281,7 @@ def _asked_for(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]
     return asked
 
 
-class _Progress:
-    """What is being done: on a terminal a bar, elsewhere a line every few seconds at most."""
-
-    def __init__(self, schemes: int):
-        self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
-        self.stopped, self._told = False, -PAUSE
-
-    def tell(self, what: str) -> None:
-        """Tell what is being done; the place at which a thread ends after Ctrl-C."""
-        if self.stopped:
-            raise KeyboardInterrupt
-        if not self.bar.disable:
-            self.bar.set_postfix_str(what)
-        elif time.monotonic() >= self._told + PAUSE:
-            self._told = time.monotonic()
-            print(what, file=sys.stderr, flush=True)
-
-
-def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: _Progress) -> dict[str, Assessed]:
+def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: Progress) -> dict[str, Assessed]:
     """What was found out about each scheme; after Ctrl-C, about those that are done."""
     with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
         waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}

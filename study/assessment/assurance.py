@@ -48,16 +48,16 @@ def limits_of_reference(assessed: xr.Dataset) -> str:
     )
 
 
-def told_of_reference(assessed: xr.Dataset) -> str:
+def reference_of(assessed: xr.Dataset) -> str:
     """What the reference is, and how far it is off."""
     attributes, off = assessed.attrs, assessed.reference_uncertainty
-    told = ", ".join(f"{percent(float(off.sel(quantity=name)))} of {name}" for name in assessed.quantity.values)
+    differences = ", ".join(f"{percent(float(off.sel(quantity=name)))} of {name}" for name in assessed.quantity.values)
     if "interpolation" in attributes:
         return (
             f"The truth is that of the program itself: {attributes['reference']}, compared with "
-            f"{attributes['witness']}; between the steps, {attributes['interpolation']}. They differ by {told}."
+            f"{attributes['witness']}; between the steps, {attributes['interpolation']}. They differ by {differences}."
         )
     return (
         f"{attributes['reference']} and, independent of it, {attributes['witness']}, both with a relative tolerance of "
-        f"{attributes['reference_tolerance']:g}. They differ by {told}."
+        f"{attributes['reference_tolerance']:g}. They differ by {differences}."
     )

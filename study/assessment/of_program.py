@@ -1,4 +1,4 @@
-"""``study.assess`` for a model that lives in another program."""
+"""``study.assess`` for a model in another program."""
 
 import warnings
 from collections.abc import Callable, Sequence
@@ -49,7 +49,7 @@ def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
     return replace(program, schemes=names, witnesses=[name for name in program.all_schemes if name not in names])
 
 
-def assess_program(program: Program, allowed: list[float], seconds: float, tell: Callable[[str], None]) -> xr.Dataset:
+def assess_program(program: Program, allowed: list[float], seconds: float, report: Callable[[str], None]) -> xr.Dataset:
     """What :func:`study.assess` returns for a program.
 
     Raises
@@ -57,7 +57,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, tell:
     NoTruth
         If fewer than two schemes run to the end at three steps that halve.
     """
-    search = Search(program, allowed, round_step, seconds, tell)
+    search = Search(program, allowed, round_step, seconds, report)
     remarks = "; ".join(search.refinement.remarks)
     if remarks:
         warnings.warn(f"{remarks}.", RuntimeWarning, stacklevel=3)
@@ -79,8 +79,8 @@ def assess_program(program: Program, allowed: list[float], seconds: float, tell:
         ds[name].attrs |= attributes
     best, witness = search.truth.best, search.truth.witness
     ds.attrs = io.provenance(f"Which scheme and which step for {program.title}", "study.assess") | {
-        "reference": _told(best),
-        "witness": _told(witness),
+        "reference": _described(best),
+        "witness": _described(witness),
         "interpolation": INTERPOLATION,
         "starts": "No other start was tried.",
         "duration": program.duration,
@@ -94,7 +94,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, tell:
     return ds
 
 
-def _told(one: Estimate) -> str:
+def _described(one: Estimate) -> str:
     orders = ", ".join(f"{name} by order {order}" for name, order in one.order.items())
     return f"{one.scheme} down to Δt = {one.dt:.4g} s" + (f", extrapolated ({orders})" if orders else "")
 

@@ -12,7 +12,7 @@ import xarray as xr
 
 from study.analysis.outcomes import Outcome
 from study.analysis.recommendation import of_assessment
-from study.assessment.assurance import confirmation, limits_of_reference, percent, told_of_reference
+from study.assessment.assurance import confirmation, limits_of_reference, percent, reference_of
 from study.assessment.failures import failed_runs
 from study.assessment.style import STYLE
 from study.io import write
@@ -238,7 +238,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
     parts += _input_lines(assessed)
     parts.append("<h2>The reference</h2>")
-    parts.append(f"<p>{text_of(told_of_reference(assessed))}</p>")
+    parts.append(f"<p>{text_of(reference_of(assessed))}</p>")
     return parts
 
 

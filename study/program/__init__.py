@@ -1,1 +1,1 @@
-"""Models that live in another program: their runs, and the truth that these agree on."""
+"""Models in other programs: their runs, and the truth that these agree on."""

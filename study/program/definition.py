@@ -1,4 +1,4 @@
-"""``study.Program``: a model that lives in another program."""
+"""``study.Program``: a model in another program."""
 
 import hashlib
 import inspect
@@ -21,7 +21,7 @@ FEWEST_STEPS, MOST_STEPS = 16, 2**17
 
 @dataclass(frozen=True)
 class Program:
-    """A model that lives in another program, for :func:`study.assess`.
+    """A model in another program, for :func:`study.assess`.
 
     It may be anything that steps with a fixed step: a function of NumPy, a simulation in another process, a finite
     element code. Of OpenSees, :func:`study.opensees` makes one, and of an executable, :func:`study.command`.
@@ -157,8 +157,8 @@ class Program:
             return hashlib.sha256(repr(_source(self.run)).encode()).hexdigest()
         except (OSError, TypeError, pickle.PicklingError, AttributeError) as error:
             raise ValueError(
-                f"the runs of '{self.title}' cannot be told from those of other programs, as its source cannot be read "
-                f"({error}); give the program a name."
+                f"the runs of '{self.title}' cannot be distinguished from those of other programs, as its source "
+                f"cannot be read ({error}); give the program a name."
             ) from None
 
 

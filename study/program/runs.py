@@ -52,19 +52,19 @@ class Runs:
         The program.
     seconds
         Wall time after which no run begins that would end later.
-    tell
+    report
         Takes a sentence on what is being done.
 
     Attributes
     ----------
     made
-        All runs that were asked for and for which there was time, by scheme and step.
+        All runs that were wanted and for which there was time, by scheme and step.
     late
         Whether there was no time for one.
     """
 
-    def __init__(self, program: Program, seconds: float = math.inf, tell: Callable[[str], None] = lambda what: None):
-        self.program, self.made, self._tell = program, dict[Job, Run](), tell
+    def __init__(self, program: Program, seconds: float = math.inf, report: Callable[[str], None] = lambda what: None):
+        self.program, self.made, self._report = program, dict[Job, Run](), report
         self._workers = program.workers or _cores()
         self._identity, self._pool = program.identity(), self._start()
         self._end, self.late = time.monotonic() + seconds, False
@@ -104,7 +104,7 @@ class Runs:
         self.late |= bool(late)
         for number, run in enumerate(self._made(missing), start=1):
             _keep(run, jobs[run.scheme, run.dt])
-            self._tell(f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs)")
+            self._report(f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs)")
         found = [_read(path) for job, path in jobs.items() if job not in late]
         if not repeat:
             self.made |= {(run.scheme, run.dt): run for run in found}

@@ -53,7 +53,7 @@ class Search:
         The largest round step up to another one, for the spacing of a record or None.
     seconds
         Wall time after which no run begins that would end later.
-    tell
+    report
         Takes a sentence on what is being done.
 
     Attributes
@@ -75,11 +75,11 @@ class Search:
         allowed: list[float],
         round_step: Callable[[float, float | None], float],
         seconds: float,
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
     ):
         self.program, self.allowed, self._round_step = program, allowed, round_step
         self.errors: dict[Job, dict[str, float]] = {}
-        with Runs(program, seconds, tell) as runs:
+        with Runs(program, seconds, report) as runs:
             self.refinement = Refinement(program, runs, allowed[-1])
             self.truth = self.refinement.truth
             self._measure()

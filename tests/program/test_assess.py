@@ -177,5 +177,7 @@ def test_runs_are_known_by_the_source(tmp_path):
     assert own(models.linear) == own(partial(models.oscillator, 0.0)) != own(models.hardening)
     made: dict = {}
     exec("def bare(scheme, dt): ...", made)
-    with pytest.raises(ValueError, match="cannot be told from those of other programs.*give the program a name"):
+    with pytest.raises(
+        ValueError, match="cannot be distinguished from those of other programs.*give the program a name"
+    ):
         own(made["bare"])
