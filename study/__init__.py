@@ -25,7 +25,7 @@ Which scheme and which step
         study.report(ds, "pendulum.html")
 
 What the study knows
-    ``open_dataset`` opens a dataset of the study; ``recommend`` takes the name of its problems too.
+    ``open_dataset`` opens a dataset of the study; ``recommend`` takes the name of one of its assessments.
 
 Analysis
     ``LinearTheory`` derives spectral radius, period elongation, damping and order of a scheme from its code.
