@@ -16,6 +16,7 @@ from typing import Any
 from sphinx.cmd.build import build_main
 
 import study
+from docs import decisions
 from docs.docstrings import parsed
 from docs.plan import OF_SCHEMES, PAGES, PRODUCTS
 from docs.scheme_page import Library, scheme_page
@@ -59,6 +60,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     library = library_of(results, own)
     made = {f"schemes/{name}.md": scheme_page(library.subject(name), library) for name in library.schemes}
     made["schemes/index.md"] = index_page(library)
+    made |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
     made["interface/problems.rst"] = registry_page("Problems", makers)
     made["interface/observers.rst"] = registry_page("Observers", study.observers)
     (folder / "schemes").mkdir()

@@ -14,8 +14,8 @@ OF_SCHEMES = (
     "stability/robustness",
     "work_precision",
 )
-#: Numbers of the article.
-NUMBERS = "numbers.json"
+#: Numbers of the article, and its table of decisions.
+NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
 #: Files of the results that are part of the site.
 PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf")
 
@@ -37,4 +37,4 @@ def reads() -> list[str]:
     questions = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.glob("gallery/*.md")))
     datasets = dict.fromkeys([*OF_SCHEMES, *re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)])
     figures = dict.fromkeys(re.findall(r"/(figures/\w+\.svg)", pages))
-    return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, *PRODUCTS]
+    return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, DECISION, *PRODUCTS]

@@ -14,6 +14,8 @@ from study.analysis.outcomes import Outcome
 from study.analysis.recommendation import recommend
 from study.assessment.style import STYLE
 from study.io import write
+from study.scheme.codes import names_in_codes
+from study.scheme.named import schemes
 from study.words import document, number, text_of
 
 #: Colours that differ in greyscale and for the colour-blind, and markers that tell more curves apart.
@@ -45,13 +47,9 @@ def _time(seconds: float) -> str:
 def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
     """A table; the columns in ``text`` hold sentences."""
     cells = "".join(f"<th>{text_of(one)}</th>" for one in head)
+    cell = {True: '<td class="text">', False: "<td>"}
     body = "".join(
-        "<tr>"
-        + "".join(
-            f'<td class="text">{text_of(c)}</td>' if i in text else f"<td>{text_of(c)}</td>" for i, c in enumerate(row)
-        )
-        + "</tr>"
-        for row in rows
+        f"<tr>{''.join(f'{cell[i in text]}{text_of(one)}</td>' for i, one in enumerate(row))}</tr>" for row in rows
     )
     return f'<div class="scroll"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
 
@@ -92,8 +90,8 @@ def confirmation(assessed: xr.Dataset) -> str:
         f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} random finer "
         "steps down to a twentieth of it, or as fine as runs went. The largest error met is "
         f"{worst} of the allowed one. With 95 % confidence, at most {bounds} of such steps exceed it, the less the "
-        "more were tried. "
-        f"{assessed.attrs['starts']} Errors along time are the largest at any step."
+        f"more were tried. {assessed.attrs['starts']} Errors along time are the largest at any step. Small motions "
+        f"about points of the motion have frequencies up to ω = {assessed.highest_frequency.item():.4g} /s."
     )
 
 
@@ -177,6 +175,15 @@ def figure_of(svg: str, caption: str) -> str:
     return f'<figure><div class="scroll">{svg}</div><figcaption>{text_of(caption)}</figcaption></figure>'
 
 
+def _input_lines(assessed: xr.Dataset) -> list[str]:
+    """The schemes that are recommended for any quantity and error, as other codes name them; nothing if none do."""
+    recommended = assessed.recommended_dt.notnull().any(["quantity", "allowed_error"]).values
+    titles = set(assessed.scheme_title.values[recommended])
+    named = ((schemes[one.scheme].title, one.code, one.name, one.note) for one in names_in_codes())
+    rows = [row for row in named if row[0] in titles]
+    return ["<h2>In other codes</h2>", table_of(("", "code", "input", ""), rows, text=(1, 2, 3))] if rows else []
+
+
 def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
     """A table of implicit and one of explicit schemes, the fastest first."""
     head = ("", "Δt, s", "Δt·ω", "steps", "error", "time", "forces a second", "steps tried", "search")
@@ -254,6 +261,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
             for n in assessed.scheme.values
         ]
         parts.append(table_of(("scheme", "largest safe Δt, s", "what limits it, and what helps"), rows, text=(2,)))
+    parts += _input_lines(assessed)
     parts.append("<h2>The reference</h2>")
     told = {quantity: _percent(float(assessed.reference_uncertainty.sel(quantity=quantity))) for quantity in quantities}
     parts.append(

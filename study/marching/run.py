@@ -213,7 +213,10 @@ def run(
         u0, v0, dt = (one[place] for one in begin)
         return march_lanes(program, (u0, v0, dt), count[place] if count.ndim else count, every, room)
 
-    result = marched(lambda one: one)
+    try:
+        result = marched(lambda one: one)
+    except TypeError as error:  # of a scheme or an observer: the way to it through the march helps nobody
+        raise error.with_traceback(None) from error.__cause__
     unsolved = result.status == NO_SOLUTION
     if not (method.explicit or equation.linear):  # a correction may lead to where the force is not finite
         unsolved |= result.status == NOT_FINITE

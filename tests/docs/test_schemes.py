@@ -14,6 +14,7 @@ from docs.scheme_page import Library, scheme_page
 from docs.scheme_results import orders
 from docs.scheme_table import COLUMNS, table_of
 from docs.theory import theory_of
+from study.scheme.codes import names_in_codes
 from study.user_files import load
 from study.words import number, percent
 from tests import bibliography
@@ -103,14 +104,14 @@ def test_the_table_has_every_scheme_and_column(library):
 
 
 def test_names_in_other_codes_can_be_checked():
-    rows = confirmed.rows(confirmed.NAMES)
-    assert all(row["scheme"] in study.schemes and re.match(r"https?://[\w.-]+\.\w+", row["source"]) for row in rows)
-    assert len({(row["scheme"], row["code"]) for row in rows}) == len(rows)
-    assert {row["code"].split("/")[0] for row in rows} == {"OpenSees", "Abaqus", "LS-DYNA", "Code_Aster", "SciML"}
+    rows = names_in_codes()
+    assert all(row.scheme in study.schemes and re.match(r"https?://[\w.-]+\.\w+", row.source) for row in rows)
+    assert len({(row.scheme, row.code) for row in rows}) == len(rows)
+    assert {row.code.split("/")[0] for row in rows} == {"OpenSees", "Abaqus", "LS-DYNA", "Code_Aster", "SciML"}
     assert "has been confirmed" in confirmed.names_in_codes("gauss4")
 
 
-@pytest.mark.parametrize("row", confirmed.rows(confirmed.LIMITS), ids=lambda row: row["scheme"])
+@pytest.mark.parametrize("row", confirmed.limits(), ids=lambda row: row["scheme"])
 def test_printed_limits_are_those_of_linear_theory(row):
     limit = study.LinearTheory(study.schemes[row["scheme"]], [0.1]).stability_limit()
     assert limit == pytest.approx(float(row["limit"]), abs=5e-4)
