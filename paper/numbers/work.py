@@ -81,6 +81,7 @@ def of_recommendations(springs: list[xr.Dataset]) -> dict:
     explicit = fastest.kind == "explicit"
     there = [name for name in SCHEMES if name in springs[0].scheme.values]
     of_1996 = _fastest([one.sel(scheme=there, quantity=["displacement"]) for one in springs]).scheme
+    tried = xr.concat([one.steps_tried.where(one.recommended_dt > 0) for one in springs], "problem", join="outer")
     closest = fastest[(fastest.quantity == "energy") & (fastest.error == fastest.error.min())]
     return {
         **{
@@ -94,7 +95,7 @@ def of_recommendations(springs: list[xr.Dataset]) -> dict:
         "work_ties": int((fastest.tied.str.len() > 1).sum()),
         "energy_won_by_conserving": bool((closest.scheme == "energy_momentum").all()),
         "assessed_periods": listed(sorted({f"{one.attrs['periods']:,}" for one in springs})),
-        "assessed_steps": min(int(one.steps_tried.where(one.recommended_dt > 0).min()) for one in springs),
+        "assessed_steps": f"{tried.min().item():.0f} to {tried.max().item():.0f}",
         "assessed_errors": listed(f"{100 * error:g}" for error in springs[0].allowed_error.values),
         "work_rk4": int((of_1996 == "rk4").sum()),
         "work_central_difference": int((of_1996 == "central_difference").sum()),

@@ -226,7 +226,7 @@ class Search:
 
     def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
         """Run down to a twentieth of what keeps each error, from all starts at round steps, and again below these."""
-        top, least = self.coarsest, 0.0
+        top = self.coarsest
         while True:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
             least = TWENTIETH * min(largest, default=np.inf)
@@ -242,8 +242,9 @@ class Search:
                 return
             tell(max(steps))
             self.run(np.append(new, missing))
-            for start in set(self._cases) - {1.0} if len(new) else ():
-                self.run(new, start)
+            for start in self._cases:
+                if start != 1.0 and len(new):
+                    self.run(new, start)
 
     def _round(self, limit: Limit) -> float:
         largest = self.largest(*limit)
