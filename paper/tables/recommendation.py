@@ -18,7 +18,7 @@ def _cell(spring: xr.Dataset, error: float, quantity: str) -> str:
         return "–"
     at_most = AT_MOST if best.verdict == COARSEST else ""
     title = spring.scheme_title.sel(scheme=best.name).item()
-    tied = " *" if needs.ties_with_fastest.sum() > 1 else ""
+    tied = "\u00a0*" if needs.ties_with_fastest.sum() > 1 else ""
     return f"{title}: {at_most}{steps_of_period(spring, best.step_size):,}{tied}"
 
 
