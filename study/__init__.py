@@ -34,7 +34,7 @@ A model in another program
         study.recommend(study.assess(program), error=0.01)
 
 What the study knows
-    ``open_dataset`` opens a dataset of the study; ``recommend`` takes the name of its problems too.
+    ``open_dataset`` opens a dataset of the study; ``recommend`` takes the name of one of its assessments.
 
 Analysis
     ``LinearTheory`` derives spectral radius, period elongation, damping and order of a scheme from its code.

@@ -79,14 +79,9 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("recommend", help="list the schemes that keep an error, the cheapest first")
     command.set_defaults(function=_recommend)
-    command.add_argument("problem", metavar="PROBLEM", help="name of a problem")
-    command.add_argument("--error", type=float, required=True, help="largest allowed error as a fraction")
-    command.add_argument(
-        "--quantity",
-        default="max_trajectory_error",
-        help="error that must be kept; default: max_trajectory_error",
-    )
-    command.add_argument("--periods", type=float, default=100, help="length of the run in periods; default: 100")
+    command.add_argument("name", metavar="NAME", help="name of an assessment: hardening, softening or one of your own")
+    command.add_argument("--error", type=float, required=True, help="an error that was assessed, as a fraction")
+    command.add_argument("--quantity", help="what must keep the error; default: the first, displacement")
     command.add_argument("--folder", type=Path, default=io.RESULTS, help="folder of the results; default: results")
 
     command = commands.add_parser("conform", help="judge the integrator of a code by the cases of the conformance kit")
@@ -181,13 +176,7 @@ def _assess_scheme(arguments: argparse.Namespace) -> None:
 
 
 def _recommend(arguments: argparse.Namespace) -> None:
-    table = recommend(
-        arguments.problem,
-        error=arguments.error,
-        quantity=arguments.quantity,
-        periods=arguments.periods,
-        folder=arguments.folder,
-    )
+    table = recommend(arguments.name, error=arguments.error, quantity=arguments.quantity, folder=arguments.folder)
     print(table.to_string())
 
 

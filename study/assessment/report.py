@@ -11,7 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from study.analysis.outcomes import Outcome
-from study.analysis.recommendation import of_assessment
+from study.analysis.recommendation import recommend
 from study.assessment.assurance import confirmation, limits_of_reference, percent, reference_of
 from study.assessment.failures import failed_runs
 from study.assessment.style import STYLE
@@ -54,7 +54,7 @@ def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[
 
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     """The recommendation for one quantity and error: the fastest implicit and the fastest explicit scheme."""
-    table = of_assessment(assessed, error, quantity)
+    table = recommend(assessed, error=error, quantity=quantity)
     found = table[table["step_size"].notna()]
     if found.empty:
         reasons = ", ".join(sorted(set(table.verdict)))
@@ -205,7 +205,8 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         )
         parts.append(f'<div class="pair">{against_step}{against_time}</div>')
         for limit in limits:
-            parts.append(f"<p><b>{percent(limit)}</b></p>{_needs(of_assessment(assessed, limit, quantity), titles)}")
+            table = recommend(assessed, error=limit, quantity=quantity)
+            parts.append(f"<p><b>{percent(limit)}</b></p>{_needs(table, titles)}")
     if np.isfinite(assessed.energy_imbalance).any():
         parts.append("<h2>Energy</h2>")
         parts.append(
