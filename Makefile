@@ -1,7 +1,8 @@
 # `make` installs everything and makes the study; `make test` installs everything and runs the tests;
 # `make coverage` measures their coverage; `make check` checks style and types; `make benchmark` measures speed;
 # `make torture` kills the pipeline again and again; `make cluster` runs it on a Slurm of this machine; `make archive`
-# packs what it has made; `make latex` writes the LaTeX source of its texts; `make site` makes the pages of the site; `make CLUSTER=slurm` makes the study on a cluster.
+# packs what it has made; `make latex` writes the LaTeX source of its texts; `make conformance` packs the conformance
+# kit; `make site` makes the pages of the site; `make CLUSTER=slurm` makes the study on a cluster.
 
 PYTHON ?= python3
 CONFIG ?= config/study.yaml
@@ -13,8 +14,9 @@ OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER) $(WITHOUT_ACCO
 WITHOUT_ACCOUNTING = $(shell sacct > /dev/null 2>&1 || echo --slurm-status-command squeue --slurm-no-account)
 
 KILLS ?= 100
+CONFORMANCE ?= results/conformance.zip
 
-.PHONY: study site test coverage benchmark check lock torture cluster archive latex citation clean
+.PHONY: study site test coverage benchmark check lock torture cluster archive latex conformance citation clean
 
 # the pages of the site, results/site/index.html, are made on request, with what is missing of the study
 study site: .venv/ready
@@ -66,6 +68,12 @@ archive: study
 # article and supplement as LaTeX sources with figures and bibliography
 latex: study
 	$(BIN)/python -m paper.latex results results/latex
+
+# the conformance kit for other codes, which needs NumPy only
+conformance:
+	@mkdir -p $(dir $(CONFORMANCE))
+	@find conformance -type f -not -path '*/__pycache__/*' | sort | $(PYTHON) -c "import sys, zipfile; \
+	  [zipped.write(name.strip()) for zipped in [zipfile.ZipFile('$(CONFORMANCE)', 'w', 8)] for name in sys.stdin]"
 
 # what other catalogues read, derived from CITATION.cff
 citation: .venv/ready

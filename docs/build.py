@@ -17,6 +17,7 @@ from sphinx.cmd.build import build_main
 
 import study
 from docs import decisions
+from docs.conformance_page import conformance_page
 from docs.docstrings import parsed
 from docs.plan import OF_SCHEMES, PAGES, PRODUCTS
 from docs.scheme_page import Library, scheme_page
@@ -56,10 +57,12 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     (folder / "included").mkdir()
     for name in INCLUDED:
         shutil.copy(PROJECT / name, folder / "included")
+    shutil.copy(PROJECT / "conformance" / "README.md", folder / "included" / "conformance.md")
     (folder / "figures").symlink_to(results / "figures")
     library = library_of(results, own)
     made = {f"schemes/{name}.md": scheme_page(library.subject(name), library) for name in library.schemes}
     made["schemes/index.md"] = index_page(library)
+    made["how_to/conformance.md"] = conformance_page()
     made |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
     made["interface/problems.rst"] = registry_page("Problems", makers)
     made["interface/observers.rst"] = registry_page("Observers", study.observers)

@@ -20,8 +20,11 @@ NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
 PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf")
 
 #: Folders and files of the project from which the site is made.
-_FOLDERS = ("study", "docs", "paper/figures", "paper/published", "examples")
-_FILES = ("paper/data.py", "paper/products.py", "paper/orders.py", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff")
+_FOLDERS = ("study", "docs", "paper/figures", "paper/published", "examples", "conformance/verdicts")
+_FILES = (
+    *("paper/data.py", "paper/products.py", "paper/orders.py"),
+    *("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "conformance/README.md"),
+)
 
 
 def sources(root: Path) -> list[str]:

@@ -1,4 +1,4 @@
-"""The command line: ``study run``, ``assess``, ``assess-scheme``, ``recommend``, ``list``; also ``python -m study``."""
+"""The command line, ``study`` or ``python -m study``, with a function for each of its commands."""
 
 import argparse
 import os
@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from conformance.command import add_arguments, conform
 from study import io
 from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
@@ -71,6 +72,10 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--error", type=float, required=True, help="an error that was assessed, as a fraction")
     command.add_argument("--quantity", help="what must keep the error; default: the first, displacement")
     command.add_argument("--folder", type=Path, default=io.RESULTS, help="folder of the results; default: results")
+
+    command = commands.add_parser("conform", help="judge the integrator of a code by the cases of the conformance kit")
+    command.set_defaults(function=conform)
+    add_arguments(command)
 
     command = commands.add_parser("list", help="list the names of problems, schemes and observers")
     command.set_defaults(function=_list)

@@ -11,7 +11,7 @@ from paper.published import printed_energy_errors
 from study.problem.named import printed_periods
 
 PROJECT = Path(__file__).parent.parent
-FOLDERS = ("study", "reference", "paper", "docs", "tests")
+FOLDERS = ("study", "reference", "conformance", "paper", "docs", "tests")
 SOURCES = [path for folder in FOLDERS for path in (PROJECT / folder).rglob("*.py")]
 
 

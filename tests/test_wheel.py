@@ -43,7 +43,7 @@ def wheel(tmp_path_factory) -> Path:
     source, target = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(PROJECT / name, source)
-    for name in ("study", "reference", "paper"):
+    for name in ("study", "reference", "conformance", "paper"):
         shutil.copytree(PROJECT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", target, source]
     subprocess.run([*command, "--quiet"], check=True)
@@ -75,11 +75,12 @@ def _run(command: list, folder: Path) -> str:
     return done.stdout
 
 
-def test_the_wheel_holds_study_and_reference_and_no_paper(wheel):
+def test_the_wheel_holds_study_reference_and_conformance_and_no_paper(wheel):
     names = zipfile.ZipFile(wheel).namelist()
-    assert {name.partition("/")[0] for name in names if ".dist-info/" not in name} == {"study", "reference"}
-    assert "study/py.typed" in names
-    for room in ("study", "reference"):
+    rooms = {"study", "reference", "conformance"}
+    assert {name.partition("/")[0] for name in names if ".dist-info/" not in name} == rooms
+    assert "study/py.typed" in names and "conformance/cases/A-LIN-AVG.json" in names
+    for room in rooms:
         sources = {path.relative_to(PROJECT).as_posix() for path in (PROJECT / room).rglob("*.py")}
         assert sources == {name for name in names if name.startswith(f"{room}/") and name.endswith(".py")}
 
@@ -98,6 +99,12 @@ def test_the_core_recommends_a_scheme_from_a_folder_of_results(python, tmp_path)
         f"folder={str(results)!r}).index[0])"
     )
     assert _run([python, "-c", code], tmp_path).strip() == "central_difference"
+
+
+def test_the_command_line_judges_a_code(python, tmp_path):
+    (tmp_path / "my_code.py").write_text("def step(*arguments):\n    raise NotImplementedError\n")
+    printed = _run([python, "-m", "study", "conform", "my_code:step"], tmp_path)
+    assert printed.startswith("pass 0, differs 0, fail 0, skip 2")
 
 
 @pytest.mark.parametrize("form", ["module", "script"])

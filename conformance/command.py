@@ -1,0 +1,74 @@
+"""The command: run a code over the cases, print what was found and write a report."""
+
+import argparse
+import json
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from conformance.judge import CASES, judge
+from conformance.report import page, summary, table
+from conformance.runners import of_command, of_folder, of_function
+from conformance.writers import write
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what the command takes."""
+    parser.add_argument("code", nargs="?", metavar="MODULE:FUNCTION", help="a Python function of your code")
+    parser.add_argument("--command", metavar="TEXT", help="a command with {case} and {out}, which writes a CSV file")
+    parser.add_argument("--collect", type=Path, metavar="FOLDER", help="a folder of CSV files that exist already")
+    parser.add_argument("--skip", nargs="+", default=[], metavar="TAG", help="tags of cases to leave out")
+    parser.add_argument("--only", nargs="+", default=[], metavar="TAG", help="tags, all of which a case must have")
+    parser.add_argument("--tool", default="a code", help="name of the code")
+    parser.add_argument("--tool-version", default="", metavar="VERSION", help="version of the code")
+    parser.add_argument("--note", default="", metavar="TEXT", help="a sentence on how the code is run")
+    parser.add_argument("--output", type=Path, metavar="PATH", help="PATH.json and PATH.html are written")
+    parser.add_argument("--inputs", type=Path, metavar="FOLDER", help="write Tcl files for OpenSees instead")
+
+
+def cases(skip: list[str] | tuple[str, ...] = (), only: list[str] | tuple[str, ...] = ()) -> Iterator[dict[str, Any]]:
+    """The cases, sorted by name, that have all tags of ``only`` and none of ``skip``."""
+    for file in sorted(CASES.glob("*.json")):
+        case = json.loads(file.read_text(encoding="utf-8"))
+        if set(only) <= set(case["tags"]) and not set(skip) & set(case["tags"]):
+            yield case
+
+
+def conform(arguments: argparse.Namespace) -> None:
+    """Run a code over the cases.
+
+    Raises
+    ------
+    ValueError
+        If not exactly one runner is chosen, or there is no such function, folder or tag.
+    SystemExit
+        With code 1 if a case fails.
+    """
+    chosen = list(cases(arguments.skip, arguments.only))
+    if not chosen:
+        raise ValueError(
+            "no case has these tags; level letters, families and forms are tags, such as A, newmark, cubic."
+        )
+    if arguments.inputs:
+        written = write(chosen, arguments.inputs)
+        print(f"written: {written} files in {arguments.inputs}")
+        return
+    if sum(one is not None for one in (arguments.code, arguments.command, arguments.collect)) != 1:
+        raise ValueError("name one code: MODULE:FUNCTION, or --command, or --collect.")
+    if arguments.code:
+        runner = of_function(arguments.code)
+    else:
+        runner = of_command(arguments.command) if arguments.command else of_folder(arguments.collect)
+    verdicts = [judge(case, partial(runner, case)) for case in chosen]
+    found = summary(verdicts, arguments.tool, arguments.tool_version, arguments.note)
+    print(table(verdicts))
+    if arguments.output:
+        titles = {case["name"]: case["title"] for case in chosen}
+        for suffix, text in (
+            (".json", json.dumps(found, indent=1, ensure_ascii=False)),
+            (".html", page(found, titles)),
+        ):
+            arguments.output.with_name(arguments.output.name + suffix).write_text(text + "\n", encoding="utf-8")
+    if found["counts"]["fail"]:
+        raise SystemExit(1)

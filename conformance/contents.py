@@ -1,0 +1,222 @@
+"""Problems and schemes whose cases the kit holds."""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from mpmath import mp
+
+with mp.workdps(40):
+    _THIRD, _SIXTH, _TWELFTH = (mp.nstr(mp.mpf(1) / n, 30) for n in (3, 6, 12))
+    _ROOT = mp.nstr(2 - mp.sqrt(2), 30)
+    _ROOT_HALF = mp.nstr(2 * (2 - mp.sqrt(3)), 30)
+
+
+def _alpha(alpha_m: str, alpha_f: str) -> dict[str, str]:
+    """Generalized-α of second order with the least damping of low frequencies."""
+    with mp.workdps(40):
+        m, f = (mp.fraction(*map(int, one.split("/"))) for one in (alpha_m, alpha_f))
+        numbers = {"alpha_m": m, "alpha_f": f, "beta": (1 - m + f) ** 2 / 4, "gamma": mp.mpf(1) / 2 - m + f}
+        return {"family": "generalized_alpha", **{name: mp.nstr(+value, 30) for name, value in numbers.items()}}
+
+
+#: Title and numbers of each scheme by its code.
+SCHEMES: dict[str, tuple[str, dict[str, str]]] = {
+    "AVG": ("average acceleration", {"family": "newmark", "beta": "0.25", "gamma": "0.5"}),
+    "LIN": ("linear acceleration", {"family": "newmark", "beta": _SIXTH, "gamma": "0.5"}),
+    "FOX": ("Fox and Goodwin's method", {"family": "newmark", "beta": _TWELFTH, "gamma": "0.5"}),
+    "DIS": ("Newmark's method with γ = 0.6", {"family": "newmark", "beta": "0.3025", "gamma": "0.6"}),
+    "CDM": ("central difference", {"family": "central_difference"}),
+    "WIL": ("Wilson's θ-method", {"family": "wilson", "theta": "1.4"}),
+    "HOU": ("Houbolt's method", {"family": "houbolt", "start": "linear acceleration"}),
+    "HHT": ("HHT-α", {"family": "hht", "alpha": "-0.1", "beta": "0.3025", "gamma": "0.6"}),
+    "H96": ("the α-method of 1996", {"family": "hht_1996", "alpha": "-0.1", "beta": "0.3025", "gamma": "0.6"}),
+    "WBZ": ("WBZ-α with ρ∞ = 0.8", _alpha("-1/9", "0/1")),
+    "GEN": ("generalized-α with ρ∞ = 0.8", _alpha("1/3", "4/9")),
+    "BAT": ("Bathe's method", {"family": "bathe", "gamma": "0.5", "rho_inf": "0"}),
+    "RBA": ("ρ∞-Bathe with ρ∞ = 1/2", {"family": "bathe", "gamma": _ROOT_HALF, "rho_inf": "0.5"}),
+    "TRB": ("TR-BDF2", {"family": "bathe", "gamma": _ROOT, "rho_inf": "0"}),
+    "RK4": ("the classical Runge-Kutta method", {"family": "rk4"}),
+    "MID": ("the implicit midpoint rule", {"family": "midpoint"}),
+    "SYE": ("symplectic Euler", {"family": "symplectic_euler"}),
+    "KRA": ("KR-α with ρ∞ = 0.8", {"family": "kr_alpha", "rho_inf": "0.8"}),
+    "NBA": ("Noh and Bathe's explicit method", {"family": "noh_bathe", "p": "0.54"}),
+    "TCH": ("Tchamwa and Wielgosz's method", {"family": "tchamwa_wielgosz", "phi": "1.033"}),
+}
+
+#: Schemes that are stable at any step on a linear problem.
+STABLE = ("AVG", "DIS", "WIL", "HOU", "HHT", "H96", "WBZ", "GEN", "BAT", "RBA", "TRB", "MID", "KRA")
+
+
+class Entry(NamedTuple):
+    """A problem with its step, of which every scheme makes a case.
+
+    Attributes
+    ----------
+    name, title, why
+        Short name, whose first letter is the level; a few words; one sentence.
+    problem, dt, steps, at
+        The parts of the cases, and the steps at which values are compared.
+    schemes
+        Codes of schemes; None for all.
+    kind
+        What is expected: ``identical``, ``bound`` or ``order``.
+    tags
+        Further tags.
+    """
+
+    name: str
+    title: str
+    why: str
+    problem: dict[str, Any]
+    dt: str
+    steps: int
+    at: tuple[int, ...] = ()
+    schemes: tuple[str, ...] | None = None
+    kind: str = "identical"
+    tags: tuple[str, ...] = ()
+
+
+def _one(
+    form: str, u0: str = "0", v0: str = "0", m: str = "1", c: str = "0", loads: Any = (), **parameters: Any
+) -> dict:
+    """A problem with one unknown."""
+    if "stiffness" in parameters:
+        parameters["stiffness"] = [[parameters["stiffness"]]]
+    matrices = {"mass": [[m]], "damping": [[c]], "u0": [u0], "v0": [v0]}
+    return {"form": form, "parameters": parameters, **matrices, **dict(loads)}
+
+
+def _several(form: str, mass: str, damping: str, u0: str, v0: str, loads: Any = (), **parameters: str) -> dict:
+    """A problem with several unknowns; rows of a matrix are separated by a semicolon."""
+
+    def matrix(text: str) -> list[list[str]]:
+        return [row.split() for row in text.split(";")]
+
+    numbers = {name: matrix(value) if name == "stiffness" else value for name, value in parameters.items()}
+    matrices = {"mass": matrix(mass), "damping": matrix(damping), "u0": u0.split(), "v0": v0.split()}
+    return {"form": form, "parameters": numbers, **matrices, **dict(loads)}
+
+
+def _load(amplitude: str, frequency: str, phase: str = "0") -> dict[str, Any]:
+    return {"load": {"amplitude": amplitude.split(), "frequency": frequency, "phase": phase}}
+
+
+#: A made-up record of the ground with a pulse and a pause.
+_RECORD = "0 0.9 2.1 1.4 -0.6 -2.8 -3.3 -1.2 1.7 2.9 0.4 -1.5 0 0 0.8 -0.3"
+_GROUND = {"ground": {"dt": "0.05", "acceleration": _RECORD.split()}}
+
+_HARDENING = _one("cubic", u0="1.5", S1="100", S2="10")
+_YIELD = {"form": "elastoplastic", "k": "40", "yield_force": "4", "hardening": "0.05", "c": "0.2"}
+_FRAME = {
+    "mass": "2 0 0; 0 2 0; 0 0 1.5",
+    "damping": "2 -0.8 0; -0.8 1.7 -0.6; 0 -0.6 0.9",
+    "stiffness": "600 -280 0; -280 500 -220; 0 -220 220",
+}
+_COUPLED = {"mass": "2 0.5; 0.5 1", "damping": "0.3 0; 0 0.1", "stiffness": "8 -3; -3 5"}
+_STIFF = {"mass": "1 0; 0 1", "damping": "0 0; 0 0", "k1": "1e4", "k2": "1"}
+
+_OF_1996 = ("AVG", "CDM", "DIS", "WIL", "HOU", "H96", "RK4")
+_MAIN = ("AVG", "DIS", "CDM", "WIL", "HOU", "HHT", "GEN", "BAT", "RK4")
+_IMPLICIT = ("AVG", "DIS", "WIL", "HOU", "HHT", "WBZ", "GEN", "BAT", "TRB", "MID")
+_FEW = ("AVG", "DIS", "WIL", "HHT", "GEN", "BAT")
+
+#: The ten steps ωΔt of level B, each with the schemes that take it.
+_STEPS: dict[str, tuple[str, ...] | None] = {
+    "0.05": _MAIN,
+    "0.1": ("AVG", "CDM"),
+    "0.3": ("AVG", "CDM", "HHT", "BAT", "RK4"),
+    "0.6": ("AVG", "CDM"),
+    "1": None,
+    "1.5": ("AVG", "CDM", "WIL", "RK4"),
+    "1.9": ("AVG", "CDM", "FOX", "RK4"),
+    "5": ("AVG", "DIS", "WIL", "HOU", "HHT", "GEN", "BAT"),
+    "30": STABLE,
+    "200": ("AVG", "WIL", "GEN", "BAT"),
+}
+
+
+def _level_a() -> Iterator[Entry]:
+    why = "The first steps show a wrong start, a load at a wrong time and damping on a wrong velocity."
+    problem = _one("linear", "1", "-3", "2", "0.6", _load("5", "3", "0.5"), stiffness="50")
+    yield Entry("A-LIN", "start and two steps, linear", why, problem, "0.05", 2, (0, 1, 2))
+    problem = _one("cubic", "0.5", "3", "1", "4", _load("20", "7"), S1="100", S2="10")
+    schemes = (*_MAIN, "H96", "WBZ", "TRB", "MID", "NBA")
+    yield Entry("A-CUB", "start and two steps, cubic", why, problem, "0.02", 2, (0, 1, 2), schemes)
+
+
+def _level_b() -> Iterator[Entry]:
+    problem = _one("linear", "1", "0.5", stiffness="1")
+    for step, schemes in _STEPS.items():
+        why = f"Every step of linear motion is the amplification matrix at ωΔt = {step}, which is the scheme itself."
+        yield Entry(f"B-{step}", f"free motion at ωΔt = {step}", why, problem, step, 10, (1, 2, 5, 10), schemes)
+    why, problem = "A scheme that is stable on paper must not grow.", _one("linear", "1", stiffness="1")
+    yield Entry("B-BOUND", "energy at ωΔt = 100", why, problem, "100", 100, schemes=STABLE, kind="bound")
+
+
+def _level_c() -> Iterator[Entry]:
+    why, at = "The springs of 1996 show whether the iteration ends at the balance that the scheme states.", (1, 5, 20)
+    yield Entry("C-HARD", "hardening spring", why, _HARDENING, "0.0075", 20, at)
+    schemes: tuple[str, ...] = (*_OF_1996, "HHT", "GEN", "BAT", "MID")
+    yield Entry("C-SOFT", "softening spring", why, _one("tanh", "4", S="100"), "0.057", 20, at, schemes)
+    yield Entry("C-LARGE", "softening spring, large", why, _one("tanh", "10", S="100"), "0.09", 20, at, _OF_1996)
+    yield Entry("C-WELL", "double well", why, _one("cubic", "0.5", S1="-0.5", S2="-1"), "0.365", 20, at, _OF_1996)
+    why, schemes = "Large rotations with an initial velocity.", ("AVG", "HHT", "GEN", "BAT", "MID", "RK4")
+    yield Entry(
+        "C-PEND", "pendulum thrown near its top", why, _one("pendulum", "0", "1.9", g="1"), "0.3", 20, at, schemes
+    )
+    why = "A scheme that is stable on paper must not grow."
+    yield Entry(
+        "C-BOUND", "energy on the hardening spring", why, _HARDENING, "0.0075", 200, schemes=_IMPLICIT, kind="bound"
+    )
+
+
+def _level_d() -> Iterator[Entry]:
+    why = "Damping and load together show the time at which each is taken."
+    problem = _one("linear", c="0.6", loads=_load("2", "6", "0.4"), stiffness="39")
+    schemes: tuple[str, ...] = (*_MAIN, "H96", "TRB", "MID", "KRA", "NBA")
+    yield Entry("D-HARM", "damped, harmonic load near resonance", why, problem, "0.08", 20, (1, 4, 20), schemes)
+    why, schemes = "A record of the ground has kinks, and is zero after its end.", (*_MAIN, "KRA", "NBA")
+    problem = _one("linear", m="3", c="2", loads=_GROUND, stiffness="160")
+    yield Entry("D-BASE", "damped, moving ground", why, problem, "0.05", 20, (1, 6, 20), schemes)
+    why = "A force without symmetry about the start shows errors of sign."
+    problem, title = _one("cubic", "1", c="0.3", loads=_load("0.5", "1.2"), S1="-1", S2="-1"), "Duffing's oscillator"
+    yield Entry("D-DUF", f"{title} with two wells, damped and loaded", why, problem, "0.2", 20, (1, 6, 20), _MAIN)
+    why = "The error must fall with the order of the scheme, with damping and load too."
+    problem = _one("cubic", "1", "0.3", c="0.4", loads=_load("0.8", "1.3", "0.3"), S1="1", S2="0.5")
+    # KR-α is of first order, but not yet at these steps
+    schemes = tuple(code for code in SCHEMES if code != "KRA")
+    yield Entry("D-ORDER", "order with damping and load", why, problem, "0.05", 40, schemes=schemes, kind="order")
+
+
+def _level_e() -> Iterator[Entry]:
+    why = "A spring that yields and unloads shows when its history is committed."
+    schemes = (*_MAIN, "WBZ", "TRB", "MID", "NBA")
+    yield Entry("E-YIELD", "elastoplastic spring", why, _one(**_YIELD, v0="2.5"), "0.05", 20, (1, 5, 20), schemes)
+    why, problem = "Several cycles of yield.", _one(**_YIELD, loads=_load("6", "5"))
+    title = "elastoplastic spring under a load that alternates"
+    yield Entry("E-CYCLE", title, why, problem, "0.06", 20, (1, 6, 20), _FEW)
+    why, problem = (
+        "Contact shows whether the iteration ends at a kink.",
+        _one("gap", "-0.02", loads=_load("9.81", "0"), k="1000", gap="0"),
+    )
+    yield Entry("E-GAP", "a mass that bounces on a stop", why, problem, "0.01", 20, (1, 8, 20), _MAIN)
+
+
+def _level_f() -> Iterator[Entry]:
+    why = "Several unknowns, a damping matrix and a moving ground."
+    problem = _several("linear", u0="0 0 0", v0="0 0 0", loads=_GROUND, **_FRAME)
+    schemes: tuple[str, ...] = (*_MAIN, "KRA")
+    title = "frame of three storeys on moving ground"
+    yield Entry("F-FRAME", title, why, problem, "0.05", 20, (1, 6, 20), schemes, tags=("structure",))
+    why = "A mass matrix with coupling must be factorised, not divided by."
+    problem, schemes = _several("linear", u0="1 0", v0="0 2", **_COUPLED), ("AVG", "CDM", "HHT", "GEN", "BAT", "RK4")
+    title, tags = "two unknowns with a full mass matrix", ("structure", "full_mass")
+    yield Entry("F-MASS", title, why, problem, "0.2", 20, (1, 5, 20), schemes, tags=tags)
+    why, tags = "A stiff mode next to a soft one, at a step that only the soft one needs.", ("structure", "stiff")
+    problem = _several("stiff_sine", u0="0 0", v0="0 1", loads=_load("1e4 0", "1.2", "1.5"), **_STIFF)
+    yield Entry("F-SINE", "stiff and sine spring in a row", why, problem, "0.2", 20, (1, 5, 20), _FEW, tags=tags)
+
+
+PROBLEMS = [entry for level in (_level_a, _level_b, _level_c, _level_d, _level_e, _level_f) for entry in level()]
+
+ORDERS = [entry for entry in PROBLEMS if entry.kind == "order"]

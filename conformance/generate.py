@@ -1,0 +1,218 @@
+"""Make all cases: ``python -m conformance.generate`` writes ``cases/*.json`` from 50 digits.
+
+A case is a problem and a scheme of the tables in ``contents.py``. It holds what the scheme gives, what the alternatives
+and mistakes of ``variants.py`` give where that differs, and the slopes of the values in the numbers of the scheme, by
+which a number that is slightly off is found.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpmath import mp
+
+from conformance import VERSION
+from conformance.contents import ORDERS, PROBLEMS, SCHEMES, Entry
+from conformance.problem import FLOAT, Problem
+from conformance.schemes import run
+from conformance.variants import VARIANTS, WITHOUT_ACCELERATION
+
+CASES = Path(__file__).parent / "cases"
+
+#: Digits of the arithmetic, of expected values and of those of variants.
+DIGITS, EXPECTED, STORED = 50, 17, 12
+
+#: Smallest tolerance as a part of the largest value of a quantity, the number of round-offs and the largest tolerance.
+SAME, ROUND_OFFS, LOOSE = 1e-9, 100, 1e-6
+
+#: Variants nearer to the expected values than so many tolerances are the same algorithm. Those that grow to so many
+#: times the largest value are unstable, and not stored.
+DISTINCT, UNSTABLE = 100, 1e6
+
+
+def _march(entry: Entry, scheme: Mapping[str, str], words=(), numbers=mp, dt=None, steps=None) -> dict[str, np.ndarray]:
+    return run(Problem(entry.problem, numbers), scheme, numbers.mpf(dt or entry.dt), steps or entry.steps, words)
+
+
+def _decimal(value: Any, digits: int) -> str:
+    return mp.nstr(mp.mpf(value), digits, min_fixed=-4, max_fixed=8)
+
+
+def _quantities(entry: Entry, scheme: Mapping[str, str]) -> list[tuple[str, int]]:
+    """Quantity and number of the unknown of every list of values, accelerations last."""
+    names = "uv" if scheme["family"] in WITHOUT_ACCELERATION else "uva"
+    return [(name, unknown) for name in names for unknown in range(len(entry.problem["u0"]))]
+
+
+def _identical(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
+    """What is expected of each quantity of each unknown."""
+    exact, double = _march(entry, scheme), _march(entry, scheme, numbers=FLOAT)
+    expected = []
+    for name, unknown in _quantities(entry, scheme):
+        one = exact[name][:, unknown]
+        scale = float(max(abs(one)))
+        # what round-off does to the same formulas in double precision
+        off = float(max(abs(one - double[name][:, unknown])))
+        tolerance = max(SAME * scale, ROUND_OFFS * off)
+        if tolerance > LOOSE * scale:
+            raise ArithmeticError(f"{entry.name}, {scheme}: round-off grows too much; make fewer steps.")
+        values = [_decimal(one[step], EXPECTED) for step in entry.at]
+        expected.append(
+            {
+                "kind": "identical",
+                "quantity": name,
+                "unknown": unknown,
+                "at": list(entry.at),
+                "values": values,
+                "tolerance": f"{tolerance:.2e}",
+                "scale": f"{scale:.6e}",
+            }
+        )
+    return expected
+
+
+def _values(entry: Entry, motion: Mapping[str, np.ndarray], expected: list[dict]) -> list[np.ndarray]:
+    """Displacements and velocities of a run in the order in which they are expected."""
+    return [motion[one["quantity"]][list(entry.at), one["unknown"]] for one in expected if one["quantity"] != "a"]
+
+
+def _differ(first: list[np.ndarray], second: list[np.ndarray], expected: list[dict]) -> bool:
+    return any(
+        max(abs(a - b)) > DISTINCT * float(one["tolerance"]) for a, b, one in zip(first, second, expected, strict=False)
+    )
+
+
+def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> Iterator[dict]:
+    """Alternatives and mistakes that show in this case, each with its values."""
+    seen = [_values(entry, _march(entry, scheme), expected)]
+    for variant in VARIANTS:
+        if scheme["family"] not in variant.families:
+            continue
+        changed = {**scheme, **variant.change(scheme)}
+        try:
+            values = _values(entry, _march(entry, changed, variant.words), expected)
+        except (ArithmeticError, OverflowError):  # an iteration that does not end gives no values
+            continue
+        stable = all(max(abs(a)) <= UNSTABLE * float(one["scale"]) for a, one in zip(values, expected, strict=False))
+        if stable and all(_differ(values, other, expected) for other in seen):
+            seen.append(values)
+            yield {"verdict": variant.verdict, "text": variant.text, "values": _stored(values)}
+
+
+def _slopes(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> Iterator[dict]:
+    """Derivatives of the values in the numbers of the scheme, and in factors of Δt and of the mass."""
+    here = _values(entry, _march(entry, scheme), expected)
+    little = mp.mpf(10) ** (-DIGITS // 2)
+    for name in [*(name for name in scheme if name not in ("family", "start")), "factor of dt", "factor of the mass"]:
+        if name == "factor of dt":
+            there = _march(entry, scheme, dt=mp.mpf(entry.dt) * (1 + little))
+        elif name == "factor of the mass":
+            mass = [[mp.mpf(one) * (1 + little) for one in row] for row in entry.problem["mass"]]
+            there = _march(entry._replace(problem={**entry.problem, "mass": mass}), scheme)
+        else:
+            there = _march(entry, {**scheme, name: mp.mpf(scheme[name]) + little})
+        slopes = [(a - b) / little for a, b in zip(_values(entry, there, expected), here, strict=True)]
+        if any(max(abs(one)) > 0 for one in slopes):
+            yield {"number": name, "slopes": _stored(slopes)}
+
+
+def _stored(values: list[np.ndarray]) -> list[list[str]]:
+    return [[_decimal(value, STORED) for value in one] for one in values]
+
+
+def _bound(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
+    """The largest energy of the scheme and its alternatives over that at the start, with five percent to spare."""
+    problem, largest = Problem(entry.problem), []
+    alternatives = [one for one in VARIANTS if one.verdict == "differs" and scheme["family"] in one.families]
+    for changed, words in [(scheme, ()), *(({**scheme, **one.change(scheme)}, one.words) for one in alternatives)]:
+        motion = _march(entry, changed, words, FLOAT)
+        energies = [problem.energy(u, v) for u, v in zip(motion["u"], motion["v"], strict=True)]
+        largest.append(max(energies) / energies[0])
+    return [{"kind": "bound", "quantity": "energy", "limit": f"{1.05 * max(largest):.4g}"}]
+
+
+def exact(problem: Mapping[str, Any], end: str) -> Any:
+    """Displacement at the end of the motion of one unknown, by Taylor series."""
+    one = Problem(problem, mp)
+
+    def slope(t, y):
+        u, v = (np.array([value], dtype=object) for value in y)
+        return [v[0], ((one.load(t) - one.damping @ v - one.force(u)) / one.mass[0, 0])[0]]
+
+    with mp.workdps(25):
+        return mp.odefun(slope, 0, [one.u0[0], one.v0[0]])(mp.mpf(end))[0]
+
+
+def _order(entry: Entry, scheme: Mapping[str, str], end: Any) -> list[dict]:
+    """Order of the displacement at the end, as the formulas have it over four steps."""
+    errors = []
+    for part in (1, 2, 4, 8):
+        motion = _march(entry, scheme, dt=mp.mpf(entry.dt) / part, steps=entry.steps * part)
+        errors.append(abs(motion["u"][-1, 0] - end))
+    slope = float(np.polyfit([0, 1, 2, 3], [-float(mp.log(error, 2)) for error in errors], 1)[0])
+    if abs(slope - round(slope)) > 0.08:
+        raise ArithmeticError(f"{entry.name}, {scheme}: the slope {slope:.3f} is no order yet; make the steps smaller.")
+    value = _decimal(end, EXPECTED)
+    return [
+        {"kind": "order", "quantity": "u", "unknown": 0, "value": value, "order": str(round(slope)), "tolerance": "0.1"}
+    ]
+
+
+def made() -> Iterator[dict]:
+    """All cases, one after the other."""
+    ends = {entry.name: exact(entry.problem, str(mp.mpf(entry.dt) * entry.steps)) for entry in ORDERS}
+    for entry in PROBLEMS:
+        for code, (title, scheme) in SCHEMES.items():
+            if entry.schemes is None or code in entry.schemes:
+                yield case(entry, code, title, scheme, ends.get(entry.name))
+
+
+def case(entry: Entry, code: str, title: str, scheme: Mapping[str, str], end: Any = None) -> dict:
+    """One case as a dictionary."""
+    header = {
+        "name": f"{entry.name}-{code}",
+        "version": VERSION,
+        "title": f"{title}: {entry.title}",
+        "why": entry.why,
+        "source": "exact",
+        "tags": [entry.name[0], scheme["family"], entry.problem["form"], *entry.tags],
+        "problem": entry.problem,
+        "scheme": scheme,
+        "run": {"dt": entry.dt, "steps": entry.steps, "newton_tolerance": "1e-12"},
+    }
+    if entry.kind == "order":
+        return {**header, "expect": _order(entry, scheme, end)}
+    if entry.kind == "bound":
+        return {**header, "expect": _bound(entry, scheme)}
+    expected = _identical(entry, scheme)
+    variants = list(_variants(entry, scheme, expected))
+    return {**header, "expect": expected, "variants": variants, "slopes": list(_slopes(entry, scheme, expected))}
+
+
+def written(one: Mapping[str, Any]) -> str:
+    """A case as text, with a line for each of its parts."""
+    return "{\n" + ",\n".join(f" {json.dumps(key)}: {_lines(value)}" for key, value in one.items()) + "\n}\n"
+
+
+def _lines(value: Any) -> str:
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return "[\n" + ",\n".join(f"  {json.dumps(item, ensure_ascii=False)}" for item in value) + "\n ]"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def main() -> None:
+    """Write every case in place of those that are there."""
+    mp.dps = DIGITS
+    texts = {f"{one['name']}.json": written(one) for one in made()}
+    CASES.mkdir(exist_ok=True)
+    for old in CASES.glob("*.json"):
+        if old.name not in texts:
+            old.unlink()
+    for name, text in texts.items():
+        (CASES / name).write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

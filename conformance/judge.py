@@ -1,0 +1,194 @@
+"""Verdict on a case: whether motions of a code are those that it expects, and the likely cause if they are not."""
+
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from conformance.problem import Problem
+
+CASES = Path(__file__).parent / "cases"
+
+#: Most digits that double precision has.
+DIGITS = 16.0
+
+#: Variants are stored with so small an error, as a part of the largest value.
+STORED = 1e-11
+
+#: A number of the scheme is off if its slope explains all but this part of the difference.
+UNEXPLAINED = 0.02
+
+#: Differences below this part of the largest value are those of an iteration that ends early.
+EARLY = 1e-5
+
+#: Displacement ``u``, velocity ``v`` and acceleration ``a`` at 0, Δt, 2Δt, ..., each (steps + 1, n) or None.
+Motion = Mapping[str, np.ndarray | None]
+
+
+class Unsupported(Exception):
+    """The code has no such scheme or problem."""
+
+
+class Verdict(NamedTuple):
+    """Outcome of one case.
+
+    Attributes
+    ----------
+    verdict
+        ``pass``, ``differs`` (an alternative that the case names), ``fail`` or ``skip``.
+    digits
+        Number of correct digits of the worst value, relative to the largest of its quantity; None if not computed.
+    cause
+        Name of the alternative, or likely cause of a failure.
+    """
+
+    name: str
+    verdict: str
+    digits: float | None = None
+    cause: str = ""
+
+
+def judge(case: Mapping[str, Any], motion: Callable[[int], Motion]) -> Verdict:
+    """Verdict on one case.
+
+    Parameters
+    ----------
+    motion
+        Returns the motion of the code with the step Δt/part and ``part`` times the number of steps of the case.
+        It raises ``Unsupported`` to skip the case, and ``ValueError`` with a sentence to fail it.
+    """
+    name, expected = case["name"], case["expect"]
+    try:
+        if expected[0]["kind"] == "order":
+            return _order(case, motion)
+        if expected[0]["kind"] == "bound":
+            return _bound(case, motion(1))
+        return _identical(case, motion(1))
+    except Unsupported as reason:
+        return Verdict(name, "skip", cause=str(reason))
+    except ValueError as error:
+        return Verdict(name, "fail", cause=str(error))
+
+
+def _numbers(texts: list) -> np.ndarray:
+    return np.array([float(text) for text in texts])
+
+
+def _order(case: Mapping[str, Any], motion: Callable[[int], Motion]) -> Verdict:
+    (expected,) = case["expect"]
+    end, halvings = float(expected["value"]), range(4)
+    ends = [_finite(motion(2**k)["u"])[-1, expected["unknown"]] for k in halvings]
+    errors = np.maximum(np.abs(np.array(ends) - end), np.finfo(float).tiny)
+    slope = -float(np.polyfit(halvings, np.log2(errors), 1)[0])
+    if abs(slope - int(expected["order"])) <= float(expected["tolerance"]):
+        return Verdict(case["name"], "pass", _digits(errors[-1], abs(end)))
+    return Verdict(
+        case["name"], "fail", _digits(errors[-1], abs(end)), f"the order is {slope:.2f}, not {expected['order']}"
+    )
+
+
+def _bound(case: Mapping[str, Any], motion: Motion) -> Verdict:
+    (expected,), problem = case["expect"], Problem(case["problem"])
+    moved = zip(_finite(motion["u"]), _finite(motion["v"]), strict=True)
+    energies = np.array([problem.energy(u, v) for u, v in moved])
+    largest = float(max(energies) / energies[0])
+    if largest <= float(expected["limit"]):
+        return Verdict(case["name"], "pass")
+    cause = f"the energy grows to {largest:.3g} times that of the start; {expected['limit']} is the limit"
+    return Verdict(case["name"], "fail", cause=cause)
+
+
+def _finite(values: np.ndarray | None) -> np.ndarray:
+    if values is None:
+        raise ValueError("the case needs displacement and velocity")
+    if not np.isfinite(values).all():
+        raise ValueError(f"values are not finite from step {int(np.argmin(np.isfinite(values).all(axis=1)))} on")
+    return values
+
+
+def _digits(error: float, scale: float) -> float:
+    return round(min(DIGITS, max(0.0, -math.log10(max(error / scale, 1e-300)))), 1)
+
+
+class _Compared(NamedTuple):
+    """One list of expected values, and those of the code."""
+
+    expected: np.ndarray
+    found: np.ndarray
+    tolerance: float
+    scale: float
+
+
+def _identical(case: Mapping[str, Any], motion: Motion) -> Verdict:
+    given = [one for one in case["expect"] if motion[one["quantity"]] is not None]
+    pairs = [
+        _Compared(
+            _numbers(one["values"]),
+            _finite(motion[one["quantity"]])[one["at"], one["unknown"]],
+            float(one["tolerance"]),
+            float(one["scale"]),
+        )
+        for one in given
+    ]
+    digits = min(_digits(float(max(abs(one.found - one.expected))), one.scale) for one in pairs)
+    if all(max(abs(one.found - one.expected)) <= one.tolerance for one in pairs):
+        return Verdict(case["name"], "pass", digits)
+    # variants and slopes have no accelerations, which stand last
+    moved = [pair for pair, one in zip(pairs, given, strict=True) if one["quantity"] != "a"]
+    places = [
+        i for i, one in enumerate(case["expect"]) if motion[one["quantity"]] is not None and one["quantity"] != "a"
+    ]
+    verdict, cause = _explained(case, moved, places, motion)
+    return Verdict(case["name"], verdict, digits, cause)
+
+
+def _explained(case: Mapping[str, Any], pairs: list[_Compared], places: list[int], motion: Motion) -> tuple[str, str]:
+    """Verdict and cause of values that are not those expected."""
+    if all(max(abs(one.found - one.expected)) <= one.tolerance for one in pairs):
+        return "differs", "displacement and velocity agree; the acceleration is not the one that the scheme carries"
+    for variant in case["variants"]:
+        values = [_numbers(variant["values"][i]) for i in places]
+        if all(
+            max(abs(one.found - value)) <= one.tolerance + STORED * max(one.scale, max(abs(value)))
+            for one, value in zip(pairs, values, strict=True)
+        ):
+            return variant["verdict"], variant["text"]
+    if late := _late(case, motion):
+        return "fail", late
+    scales = np.concatenate([np.full(len(one.found), one.scale) for one in pairs])
+    off = np.concatenate([one.found - one.expected for one in pairs]) / scales
+    fits = []
+    for slope in case["slopes"]:
+        direction = np.concatenate([_numbers(slope["slopes"][i]) for i in places]) / scales
+        if (size := direction @ direction) > 0:
+            change = float(off @ direction / size)
+            fits.append(
+                (float(np.linalg.norm(off - change * direction) / np.linalg.norm(off)), slope["number"], change)
+            )
+    if fits and min(fits)[0] <= UNEXPLAINED:
+        return "fail", f"{min(fits)[1]} is off by about {min(fits)[2]:.2g}"
+    if float(max(abs(off))) <= EARLY:
+        return "fail", "the iteration ends early, or numbers are in single precision"
+    wrong = [step for step in case["expect"][0]["at"] if any(_wrong(one, motion, step) for one in case["expect"])]
+    return "fail", f"not known; values differ from step {wrong[0]} on"
+
+
+def _wrong(expected: Mapping[str, Any], motion: Motion, step: int) -> bool:
+    values, at = motion[expected["quantity"]], expected["at"].index(step)
+    if values is None:
+        return False
+    return bool(abs(values[step, expected["unknown"]] - float(expected["values"][at])) > float(expected["tolerance"]))
+
+
+def _late(case: Mapping[str, Any], motion: Motion) -> str:
+    """A sentence if displacements are right but one step late or early."""
+    first = case["expect"][0]
+    found, wanted = _finite(motion["u"])[:, first["unknown"]], _numbers(first["values"])
+    for shift, word in ((1, "late"), (-1, "early")):
+        pairs = [(step + shift, value) for step, value in zip(first["at"], wanted, strict=True)]
+        inside = [(step, value) for step, value in pairs if 0 <= step < len(found)]
+        if len(inside) > 1 and all(abs(found[step] - value) <= float(first["tolerance"]) for step, value in inside):
+            return f"values are right but one step {word}"
+    return ""

@@ -1,0 +1,132 @@
+"""Problems of the cases by their formulas, for arrays of any numbers: floats, or mpmath's with 50 digits."""
+
+import math
+from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+#: Binary floating point numbers, under the names that mpmath has for them.
+FLOAT = SimpleNamespace(
+    mpf=float, cos=math.cos, sin=math.sin, tanh=math.tanh, sqrt=math.sqrt, log=math.log, cosh=math.cosh, eps=2e-16
+)
+
+
+class Problem:
+    """M ü + C u̇ + p(u) = f(t) with n unknowns, as a case states it; README.md has the formulas.
+
+    Parameters
+    ----------
+    text
+        The part ``problem`` of a case.
+    numbers
+        ``FLOAT``, or ``mpmath.mp``.
+
+    Attributes
+    ----------
+    mass, damping
+        M and C, each (n, n).
+    u0, v0
+        Displacement and velocity at t = 0, each (n,).
+    """
+
+    def __init__(self, text: Mapping[str, Any], numbers: Any = FLOAT):
+        self.text, self.numbers = text, numbers
+        self.u0, self.v0 = self.array(text["u0"]), self.array(text["v0"])
+        self.mass, self.damping = self.array(text["mass"]), self.array(text["damping"])
+        self._parameters = {name: self.array(value) for name, value in text.get("parameters", {}).items()}
+        self._plastic = 0 * self.u0
+
+    def array(self, values: Any) -> np.ndarray:
+        """Decimal strings as an array."""
+        flat = [self.numbers.mpf(value) for value in np.ravel(values).tolist()]
+        return np.array(flat, dtype=float if self.numbers is FLOAT else object).reshape(np.shape(values))
+
+    def _each(self, function: str, x: np.ndarray) -> np.ndarray:
+        return np.array([getattr(self.numbers, function)(one) for one in x], dtype=x.dtype)
+
+    def _elastic(self, u: np.ndarray) -> np.ndarray:
+        bound = self._parameters["yield_force"] / self._parameters["k"]
+        return np.minimum(np.maximum(u - self._plastic, -bound), bound)
+
+    def force(self, u: np.ndarray) -> np.ndarray:
+        """p(u), shape (n,); that of an elastoplastic spring is for the motion from the last ``commit``."""
+        form, p = self.text["form"], self._parameters
+        if form == "linear":
+            return p["stiffness"] @ u
+        if form == "cubic":
+            return p["S1"] * u * (1 + p["S2"] * u * u)
+        if form == "tanh":
+            return p["S"] * self._each("tanh", u)
+        if form == "pendulum":
+            return p["g"] * self._each("sin", u)
+        if form == "elastoplastic":
+            return p["k"] * (p["hardening"] * u + (1 - p["hardening"]) * self._elastic(u))
+        if form == "gap":
+            return p["k"] * np.maximum(u - p["gap"], 0 * u)
+        if form == "stiff_sine":
+            soft = p["k2"] * self._each("sin", u[1:] - u[:1])
+            return np.concatenate([p["k1"] * u[:1] - soft, soft])
+        raise ValueError(f"no problem has the form {form!r}; README.md lists the forms.")
+
+    def tangent(self, u: np.ndarray) -> np.ndarray:
+        """∂p/∂u, shape (n, n)."""
+        form, p = self.text["form"], self._parameters
+        if form == "linear":
+            return p["stiffness"]
+        if form == "cubic":
+            slope = p["S1"] * (1 + 3 * p["S2"] * u * u)
+        elif form == "tanh":
+            slope = p["S"] * (1 - self._each("tanh", u) ** 2)
+        elif form == "pendulum":
+            slope = p["g"] * self._each("cos", u)
+        elif form == "elastoplastic":
+            elastic = self._elastic(u) == u - self._plastic
+            slope = p["k"] * (p["hardening"] + (1 - p["hardening"]) * elastic.astype(int))
+        elif form == "gap":
+            slope = p["k"] * (u > p["gap"]).astype(int)
+        else:
+            soft = (p["k2"] * self._each("cos", u[1:] - u[:1]))[0]
+            return np.array([[p["k1"][()] + soft, -soft], [-soft, soft]])
+        return np.diag(slope)
+
+    def potential(self, u: np.ndarray) -> Any:
+        """Potential energy of an elastic force p(u)."""
+        form, p, log, cosh = self.text["form"], self._parameters, self.numbers.log, self.numbers.cosh
+        if form == "linear":
+            return u @ p["stiffness"] @ u / 2
+        if form == "cubic":
+            return (p["S1"] * u**2 * (1 + p["S2"] * u**2 / 2) / 2)[0]
+        if form == "tanh":
+            return p["S"][()] * log(cosh(u[0]))
+        if form == "pendulum":
+            return 2 * p["g"][()] * self.numbers.sin(u[0] / 2) ** 2
+        if form == "gap":
+            return (self.force(u) ** 2 / p["k"] / 2)[0]
+        raise ValueError(f"the form {form!r} has no potential here.")
+
+    def energy(self, u: np.ndarray, v: np.ndarray) -> Any:
+        """½ u̇ᵀ M u̇ + V(u) − fᵀ u with the load of t = 0."""
+        return v @ self.mass @ v / 2 + self.potential(u) - self.load(self.numbers.mpf(0)) @ u
+
+    def commit(self, u: np.ndarray) -> None:
+        """Make u, the displacement at the end of a step, the point from which a spring with a memory goes on."""
+        if self.text["form"] == "elastoplastic":
+            self._plastic = u - self._elastic(u)
+
+    def load(self, t: Any) -> np.ndarray:
+        """f(t), shape (n,): harmonic, and −M 1 a_g(t) of a ground whose acceleration is linear between samples."""
+        load = 0 * self.u0
+        if harmonic := self.text.get("load"):
+            frequency, phase = self.array([harmonic["frequency"], harmonic["phase"]])
+            load = load + self.array(harmonic["amplitude"]) * self.numbers.cos(frequency * t - phase)
+        if ground := self.text.get("ground"):
+            samples = self.array(ground["acceleration"])
+            place = t / self.numbers.mpf(ground["dt"])
+            # a step that ends at a sample may miss it by round-off
+            before = int(place + 1e-9)
+            if before + 1 < len(samples):
+                here = samples[before] + (place - before) * (samples[before + 1] - samples[before])
+                load = load - self.mass.sum(axis=1) * here
+        return load

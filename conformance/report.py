@@ -1,0 +1,63 @@
+"""Verdicts as a text, as the dictionary of a JSON file, and as a page."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+from conformance import VERSION
+from conformance.judge import Verdict
+
+VERDICTS = ("pass", "differs", "fail", "skip")
+
+_STYLE = """body {font: 16px/1.4 sans-serif; margin: 2em auto; max-width: 70em; padding: 0 1em}
+table {border-collapse: collapse} th, td {border-bottom: 1px solid #ccc; padding: .2em .7em; text-align: left}
+.fail {background: #fdd} .differs {background: #ffd} .skip {color: #777}"""
+
+
+def summary(verdicts: Sequence[Verdict], tool: str, version: str, note: str) -> dict[str, Any]:
+    """Verdicts without curves, as they are stored for a tool and its version."""
+    counts = Counter(one.verdict for one in verdicts)
+    return {
+        "kit": VERSION,
+        "tool": tool,
+        "version": version,
+        "note": note,
+        "counts": {verdict: counts[verdict] for verdict in VERDICTS},
+        "cases": [
+            {name: value for name, value in one._asdict().items() if value not in (None, "")} for one in verdicts
+        ],
+    }
+
+
+def table(verdicts: Sequence[Verdict]) -> str:
+    """Verdicts that are no pass and no skip, one a line, and the numbers of all."""
+    lines = [
+        f"{one.name:16} {one.verdict:8} {'' if one.digits is None else f'{one.digits:4.1f}':5} {one.cause}".rstrip()
+        for one in verdicts
+        if one.verdict in ("differs", "fail")
+    ]
+    counts = Counter(one.verdict for one in verdicts)
+    return "\n".join([*lines, ", ".join(f"{verdict} {counts[verdict]}" for verdict in VERDICTS)])
+
+
+def page(found: Mapping[str, Any], titles: Mapping[str, str]) -> str:
+    """The page of a tool, from its ``summary``."""
+    tool = escape(f"{found['tool']} {found['version']}".strip())
+    counts = ", ".join(f"{verdict} {number}" for verdict, number in found["counts"].items())
+    rows = [
+        f'<tr class="{one["verdict"]}"><td>{escape(one["name"])}</td><td>{escape(titles[one["name"]])}</td>'
+        f"<td>{one['verdict']}</td><td>{one.get('digits', '')}</td><td>{escape(one.get('cause', ''))}</td></tr>"
+        for one in found["cases"]
+    ]
+    return "\n".join(
+        [
+            f'<!DOCTYPE html>\n<html lang="en"><meta charset="utf-8"><title>Conformance of {tool}</title>',
+            f"<style>{_STYLE}</style>\n<h1>Conformance of {tool}</h1>",
+            f"<p>Cases {found['kit']}: {counts}. Digits are those of the worst value, relative to the largest.</p>",
+            f"<p>{escape(found['note'])}</p>",
+            "<table><tr><th>case</th><th></th><th>verdict</th><th>digits</th><th>cause</th></tr>",
+            *rows,
+            "</table></html>",
+        ]
+    )

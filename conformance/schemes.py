@@ -1,0 +1,300 @@
+"""Schemes by their formulas, for arrays of any numbers: the arithmetic behind the cases.
+
+The schemes solve for the displacement, as textbooks on finite elements do, and share nothing with a code that is
+judged. Words change a scheme: into one that a code may have with good reason, or into one with a mistake.
+"""
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+
+from conformance.problem import Problem
+
+#: Largest number of Newton's iterations.
+ITERATIONS = 60
+
+
+def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The solution x (n,) of a linear system by Gauss's elimination with pivots."""
+    rows = np.column_stack([matrix, right])
+    for i in range(len(rows)):
+        pivot = i + max(range(len(rows) - i), key=lambda j: abs(rows[i + j, i]))
+        rows[[i, pivot]] = rows[[pivot, i]]
+        rows[i] = rows[i] / rows[i, i]
+        for j in range(len(rows)):
+            if j != i:
+                rows[j] = rows[j] - rows[j, i] * rows[i]
+    return rows[:, -1]
+
+
+class March:
+    """State of a run: t, u, v and the carried acceleration a, with what all schemes use."""
+
+    def __init__(self, problem: Problem, scheme: Mapping[str, Any], dt: Any, words: Collection[str]):
+        self.problem, self.dt, self.words = problem, dt, words
+        self.numbers = {
+            name: problem.numbers.mpf(value) for name, value in scheme.items() if name not in ("family", "start")
+        }
+        self.t, self.u, self.v = 0 * dt, problem.u0, 0 * problem.v0 if "no v0" in words else problem.v0
+        self.rows: list[tuple] = []
+        resisted = not {"a0 without damping", "no damping"} & set(words)
+        force = (
+            self.signed(problem.load(self.t)) * ("a0 without load" not in words) - problem.damping @ self.v * resisted
+        )
+        self.a = solve(problem.mass, force - problem.force(self.u)) * ("a0 = 0" not in words)
+        self.start = scheme.get("start", "")
+        self.past = self.fictitious(self.start) if scheme["family"] == "houbolt" else []
+
+    def signed(self, load: np.ndarray) -> np.ndarray:
+        """A load, or what a mistake in all of the run makes of it."""
+        return load * (0 if "no load" in self.words else -1 if "sign of load" in self.words else 1)
+
+    def load(self, part: Any) -> np.ndarray:
+        """f(t₀ + part Δt)."""
+        words, load = self.words, self.problem.load
+        if "mean of loads" in words:
+            return (1 - part) * load(self.t) + part * load(self.t + self.dt)
+        places = {"load at start": 0, "load at end": 1, "load at half": 1 / self.problem.numbers.mpf(2)}
+        part = next((place for word, place in places.items() if word in words), part)
+        return self.signed(load(self.t + (part + ("load early" in words)) * self.dt))
+
+    def acceleration(self, part: Any, u: np.ndarray, v: np.ndarray, lag: Any = 0, force: Any = None) -> np.ndarray:
+        """The a of M a + C (v + lag a) + p(u) = f(t₀ + part Δt), with ``force`` in place of p(u) if it is given."""
+        damping = self.problem.damping * ("no damping" not in self.words)
+        if "damping at start" in self.words:
+            v, lag = self.v, 0
+        force = self.problem.force(u) if force is None else force
+        return solve(self.problem.mass + lag * damping, self.load(part) - damping @ v - force)
+
+    def balanced(self, place, damping, inertia, load, weight=1, rest=0) -> np.ndarray:
+        """The x of M (a + a′x) + C (v + v′x) + w p(u + u′x) + rest = f, by Newton's iteration.
+
+        ``place``, ``damping`` and ``inertia`` are the pairs (u, u′), (v, v′) and (a, a′).
+        """
+        problem, words = self.problem, self.words
+        viscous = problem.damping * ("no damping" not in words)
+        if "damping at start" in words:
+            damping = (self.v, 0)
+        constant = inertia[1] * problem.mass + damping[1] * viscous
+        few = "one iteration" in words or "one iteration from a" in words
+        x = self.u if "one iteration from a" not in words else self.u + self.dt * self.v + self.dt**2 / 2 * self.a
+        for _ in range(1 if few else ITERATIONS):
+            u = place[0] + place[1] * x
+            residual = problem.mass @ (inertia[0] + inertia[1] * x) + viscous @ (damping[0] + damping[1] * x)
+            residual = residual + weight * problem.force(u) + rest - load
+            change = solve(constant + weight * place[1] * problem.tangent(u), residual)
+            if "commit in iterations" in words:
+                problem.commit(u)
+            x = x - change
+            if max(abs(change)) <= 8 * problem.numbers.eps * (max(abs(x)) + max(abs(self.u))):
+                break
+        else:
+            if not few:
+                raise ArithmeticError(f"Newton's iteration did not end at t = {self.t}.")
+        if "commit at balance" in words:
+            problem.commit(place[0] + place[1] * x)
+        return x
+
+    def move(self, u: np.ndarray, v: np.ndarray, a: np.ndarray | None = None) -> None:
+        """Go to t₁, and commit the history there."""
+        self.u, self.v, self.t = u, v, self.t + self.dt
+        self.a = self.acceleration(0, u, v) if a is None or "rederived" in self.words else a
+        if not {"no commit", "commit at balance", "commit in iterations"} & set(self.words):
+            self.problem.commit(u)
+        self.rows.append((self.u, self.v, self.a))
+
+    def fictitious(self, start: str) -> list:
+        """Displacements of Houbolt's method before t = 0, or no more than u₀ where another scheme makes two steps."""
+        if "two steps" in start:
+            return [self.u]
+        u, v, a, dt = self.u, self.v, self.a, self.dt
+        if start == "taylor":
+            return [u - 2 * dt * v + 2 * dt**2 * a, u - dt * v + dt**2 / 2 * a, u]
+        velocity, inertia = self.newmark_place(self.problem.numbers.mpf(1) / 6)
+        first = self.balanced((0 * u, 1), velocity, inertia, self.load(1))
+        before = dt**2 * a - first + 2 * u
+        return [6 * dt * v - 2 * first - 3 * u + 6 * before, before, u]
+
+    def newmark_place(self, beta: Any, gamma: Any = None) -> tuple:
+        """Velocity and acceleration at t₁ as functions of u₁, by Newmark's formulas."""
+        u, v, a, dt = self.u, self.v, self.a, self.dt
+        gamma = self.problem.numbers.mpf(1) / 2 if gamma is None else gamma
+        new = -(u + dt * v) / (beta * dt**2) - (1 / (2 * beta) - 1) * a, 1 / (beta * dt**2)
+        return (v + dt * ((1 - gamma) * a + gamma * new[0]), dt * gamma * new[1]), new
+
+    def generalized_alpha(self, alpha_m: Any, alpha_f: Any, beta: Any, gamma: Any) -> None:
+        """Generalized-α; Newmark's method for α_m = α_f = 0."""
+        u, part = self.u, 1 - alpha_f
+        velocity, inertia = self.newmark_place(beta, gamma)
+        inertia = (1 - alpha_m) * inertia[0] + alpha_m * self.a, (1 - alpha_m) * inertia[1]
+        damping = part * velocity[0] + alpha_f * self.v, part * velocity[1]
+        if "damping at end" in self.words:
+            damping = velocity
+        if "two forces" in self.words:
+            rest = alpha_f * self.problem.force(u)
+            x = self.balanced((0 * u, 1), damping, inertia, self.load(part), weight=part, rest=rest)
+        else:
+            x = self.balanced((alpha_f * u, part), damping, inertia, self.load(part))
+        new_velocity, new = self.newmark_place(beta, gamma)
+        v = self.v + self.dt * (1 - gamma) * self.a if "no new a in v" in self.words else None
+        self.move(x, new_velocity[0] + new_velocity[1] * x if v is None else v, new[0] + new[1] * x)
+
+    def newmark(self, beta: Any, gamma: Any) -> None:
+        """Newmark's method."""
+        if beta == 0:
+            self.central_difference(gamma)
+        else:
+            self.generalized_alpha(0, 0, beta, gamma)
+
+    def hht(self, alpha: Any, beta: Any, gamma: Any) -> None:
+        """The α-method of Hilber, Hughes and Taylor with one force."""
+        self.generalized_alpha(0, -alpha, beta, gamma)
+
+    def hht_1996(self, alpha: Any, beta: Any, gamma: Any) -> None:
+        """The same with two weighted forces, of which neither damping nor load is weighted."""
+        self.words = {*self.words, "two forces", "damping at end", "load at end"}
+        self.hht(alpha, beta, gamma)
+
+    def central_difference(self, gamma: Any = None) -> None:
+        """Newmark's method with β = 0."""
+        dt, gamma = self.dt, self.problem.numbers.mpf(1) / 2 if gamma is None else gamma
+        half = self.v + dt * (1 - gamma) * self.a
+        u = self.u + dt * self.v + dt**2 / 2 * self.a
+        lag = 0 if "damping at half" in self.words else gamma * dt
+        a = self.acceleration(1, u, half, lag)
+        self.move(u, half + gamma * dt * a, a)
+        if "velocity at half" in self.words:
+            self.rows[-1] = (u, half, a)
+
+    def wilson(self, theta: Any) -> None:
+        """Wilson's θ-method with a linear acceleration."""
+        u, v, a, tau = self.u, self.v, self.a, theta * self.dt
+        inertia = -6 / tau**2 * (u + tau * v) - 2 * a, 6 / tau**2
+        x = self.balanced((0 * u, 1), (-3 / tau * u - 2 * v - tau / 2 * a, 3 / tau), inertia, self.load(theta))
+        ahead, dt = inertia[0] + inertia[1] * x, self.dt
+        new = ahead if "no interpolation" in self.words else a + (ahead - a) / theta
+        self.move(u + dt * v + dt**2 / 6 * (2 * a + new), v + dt / 2 * (a + new), new)
+
+    def houbolt(self) -> None:
+        """Houbolt's method, started by fictitious displacements or by two steps of another scheme."""
+        if len(self.past) < 3:
+            if self.start == "two steps of average acceleration":
+                quarter = self.problem.numbers.mpf(1) / 4
+                self.generalized_alpha(0, 0, quarter, 2 * quarter)
+            else:
+                self.central_difference()
+        else:
+            (u2, u1, u0), dt = self.past, self.dt
+            inertia = (-5 * u0 + 4 * u1 - u2) / dt**2, 2 / dt**2
+            damping = (-18 * u0 + 9 * u1 - 2 * u2) / (6 * dt), 11 / (6 * dt)
+            x = self.balanced((0 * u0, 1), damping, inertia, self.load(1))
+            self.move(x, damping[0] + damping[1] * x, inertia[0] + inertia[1] * x)
+        self.past = [*self.past[-2:], self.u]
+
+    def bathe(self, gamma: Any, rho_inf: Any) -> None:
+        """The composite method: the trapezoidal rule to t₀ + γΔt, then a formula through three points."""
+        u, v, a, whole = self.u, self.v, self.a, self.dt * (1 + ("sub-steps" in self.words))
+        part, self.dt = gamma * whole, whole
+        place = -2 / part * u - v, 2 / part
+        inertia = 2 / part * (place[0] - v) - a, (2 / part) ** 2
+        middle = self.balanced((0 * u, 1), place, inertia, self.load(1 if "first load at end" in self.words else gamma))
+        v_middle, a_middle = (one[0] + one[1] * middle for one in (place, inertia))
+        if "sub-steps" in self.words:
+            self.rows.append((middle, v_middle, a_middle))
+        if "no commit" not in self.words:
+            self.problem.commit(middle)
+        q1 = (1 + rho_inf) / (2 * gamma * (rho_inf - 1) + 4)
+        q0, q2 = (gamma - 1) * q1 + self.problem.numbers.mpf(1) / 2, self.problem.numbers.mpf(1) / 2 - gamma * q1
+        place = -(u + whole * (q0 * v + q1 * v_middle)) / (q2 * whole), 1 / (q2 * whole)
+        inertia = (place[0] - v - whole * (q0 * a + q1 * a_middle)) / (q2 * whole), (1 / (q2 * whole)) ** 2
+        x = self.balanced((0 * u, 1), place, inertia, self.load(1))
+        self.move(x, place[0] + place[1] * x, inertia[0] + inertia[1] * x)
+        self.dt = whole / (1 + ("sub-steps" in self.words))
+
+    def rk4(self) -> None:
+        """The classical Runge-Kutta method."""
+        dt, half = self.dt, self.problem.numbers.mpf(1) / 2
+        stages: list[tuple] = []
+        for part in (0 * half, half, half, 2 * half):
+            u, v = self.u, self.v
+            if stages:
+                u, v = u + part * dt * stages[-1][0], v + part * dt * stages[-1][1]
+            stages.append((v, self.acceleration(part, u, v)))
+        weights = (1, 1, 1, 1) if "equal weights" in self.words else (1, 2, 2, 1)
+        change = [
+            dt * sum(w * stage[i] for w, stage in zip(weights, stages, strict=True)) / sum(weights) for i in (0, 1)
+        ]
+        self.move(self.u + change[0], self.v + change[1])
+
+    def midpoint(self) -> None:
+        """The implicit midpoint rule."""
+        u, v, half = self.u, self.v, self.dt / 2
+        load = self.load(1 / self.problem.numbers.mpf(2))
+        x = self.balanced((0 * u, 1), (-u / half, 1 / half), (-(u / half + v) / half, 1 / half**2), load)
+        self.move(2 * x - u, 2 * (x - u) / half - v)
+
+    def symplectic_euler(self) -> None:
+        """A kick, then a drift; the damping acts at the middle of the kick."""
+        dt, u = self.dt, self.u
+        if "drift first" in self.words:
+            u = u + dt * self.v
+            v = self.v + dt * self.acceleration(1, u, self.v, dt / 2)
+        else:
+            v = self.v + dt * self.acceleration(0, u, self.v, dt / 2)
+            u = u + dt * v
+        self.move(u, v)
+
+    def kr_alpha(self, rho_inf: Any) -> None:
+        """The explicit method of Kolay and Ricles, whose coefficients hold the stiffness at u = 0."""
+        dt, problem = self.dt, self.problem
+        alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
+        gamma = problem.numbers.mpf(1) / 2 - alpha_m + alpha_f
+        beta, part = (gamma + problem.numbers.mpf(1) / 2) ** 2 / 4, 1 - alpha_f
+        model = gamma * dt * problem.damping + beta * dt**2 * problem.tangent(0 * self.u)
+        effective = problem.mass + model
+        first = solve(effective, problem.mass @ self.a)
+        factor = 1 / problem.numbers.mpf(2) if "no gamma in u" in self.words else gamma + problem.numbers.mpf(1) / 2
+        u, v = self.u + dt * self.v + factor * dt**2 * first, self.v + dt * first
+        both = part * problem.force(u) + alpha_f * problem.force(self.u) if "two forces" in self.words else None
+        ahead = self.acceleration(part, part * u + alpha_f * self.u, part * v + alpha_f * self.v, force=both)
+        right = effective @ ahead - (alpha_m * problem.mass + alpha_f * model) @ self.a
+        self.move(u, v, solve((1 - alpha_m) * problem.mass + part * model, right))
+
+    def noh_bathe(self, p: Any) -> None:
+        """The explicit method of Noh and Bathe with two sub-steps."""
+        u, v, a, h, k = self.u, self.v, self.a, p * self.dt, (1 - p) * self.dt
+        half = 1 / self.problem.numbers.mpf(2)
+        q1 = (1 - 2 * p) / (2 * p * (1 - p))
+        q2 = half - p * q1
+        middle = u + h * v + h**2 / 2 * a
+        a_middle = self.acceleration(p, middle, v + h * a)
+        v_middle = v + h / 2 * (a + a_middle)
+        self.problem.commit(middle)
+        new = middle + k * v_middle + k**2 / 2 * a_middle
+        a_new = self.acceleration(1, new, v_middle + k * a_middle)
+        self.move(new, v_middle + k * ((half - q1 - q2) * a + (half + q1) * a_middle + q2 * a_new), a_new)
+
+    def tchamwa_wielgosz(self, phi: Any) -> None:
+        """The explicit method of Tchamwa and Wielgosz."""
+        u, v = self.u + self.dt * self.v + phi * self.dt**2 * self.a, self.v + self.dt * self.a
+        self.move(u, v, self.acceleration(1, u, v))
+
+
+def run(
+    problem: Problem, scheme: Mapping[str, Any], dt: Any, steps: int, words: Collection[str] = ()
+) -> dict[str, np.ndarray]:
+    """Displacement u, velocity v and carried acceleration a at t = 0, Δt, ..., each (steps + 1, n).
+
+    Parameters
+    ----------
+    scheme
+        The part ``scheme`` of a case.
+    words
+        Changes of the scheme, of which ``generate.py`` has the list.
+    """
+    march = March(problem, scheme, dt, words)
+    march.rows.append((march.u, march.v, march.a))
+    while len(march.rows) <= steps:
+        getattr(march, scheme["family"])(**march.numbers)
+    return {name: np.array([row[i] for row in march.rows[: steps + 1]]) for i, name in enumerate("uva")}

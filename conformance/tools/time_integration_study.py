@@ -1,0 +1,150 @@
+"""The schemes of the study: ``python -m conformance conformance.tools.time_integration_study:step``.
+
+Cases with one unknown and a smooth force share the compiled program of a scheme.
+"""
+
+import json
+from collections.abc import Callable
+from functools import cache
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+import study
+from study import materials
+from study.scheme.splitting import symplectic_euler
+from study.scheme.wrapper.with_history import WithHistory
+
+_ARRAYS = ("u0", "v0", "mass", "damping")
+
+#: Rows of the longest case.
+_ROWS = 321
+
+#: Loads of zero, so that problems with and without a load share a program.
+_NO_LOAD, _NO_GROUND = {"frequency": 0, "phase": 0}, {"acceleration": [0] * 16, "dt": 1}
+
+_STARTS = {"linear acceleration": "linear_acceleration", "taylor": "taylor"}
+
+
+class _Smooth(eqx.Module):
+    """K u for several unknowns, and the smooth springs of the kit for one."""
+
+    stiffness: np.ndarray
+    S1: np.ndarray
+    S2: np.ndarray
+    S: np.ndarray
+    g: np.ndarray
+
+    def __call__(self, u):
+        if u.size > 1:
+            return self.stiffness @ u
+        return self.stiffness[0] * u + self.S1 * u * (1 + self.S2 * u * u) + self.S * jnp.tanh(u) + self.g * jnp.sin(u)
+
+
+class _Sine(eqx.Module):
+    """A stiff spring and a soft one with a sine in a row."""
+
+    k1: np.ndarray
+    k2: np.ndarray
+
+    def __call__(self, u):
+        soft = self.k2 * jnp.sin(u[1] - u[0])
+        return jnp.stack([self.k1 * u[0] - soft, soft])
+
+
+class _Load(eqx.Module):
+    """A harmonic load."""
+
+    amplitude: np.ndarray
+    frequency: np.ndarray
+    phase: np.ndarray
+
+    def __call__(self, t):
+        return self.amplitude * jnp.cos(self.frequency * t - self.phase)
+
+
+def _force(form, parameters, n):
+    numbers = {name: np.array(value, float) for name, value in parameters.items()}
+    if form == "elastoplastic":
+        return materials.elastoplastic([numbers["k"]], [numbers["yield_force"]], hardening=[numbers["hardening"]])
+    if form == "gap":
+        return materials.gap([numbers["k"]], [numbers["gap"]])
+    if form == "stiff_sine":
+        return _Sine(**numbers)
+    zero = np.zeros(())
+    given = {"stiffness": np.zeros((n, n)), "S1": zero, "S2": zero, "S": zero, "g": zero} | numbers
+    return _Smooth(**given)
+
+
+@cache
+def problem_of(written):
+    """The problem of a case, a text in JSON, as one of the study."""
+    text = json.loads(written)
+    n, (u0, v0, mass, damping) = len(text["u0"]), (np.array(text[name], float) for name in _ARRAYS)
+    load, ground = text.get("load", _NO_LOAD | {"amplitude": [0] * n}), text.get("ground", _NO_GROUND)
+    harmonic = _Load(*(np.array(load[name], float) for name in ("amplitude", "frequency", "phase")))
+    record = study.GroundMotion(np.array(ground["acceleration"], float), float(ground["dt"]))
+    return study.Problem(
+        _force(text["form"], text["parameters"], n),
+        u0,
+        v0,
+        mass=mass,
+        damping=damping,
+        load=harmonic,
+        ground=record,
+        tangent="dense",
+    )
+
+
+def scheme_of(text):
+    """The scheme of a case as one of the study."""
+    # NumPy numbers are arguments of a compiled program, Python numbers would be constants in it
+    numbers = {name: np.float64(value) for name, value in text.items() if name not in ("family", "start")}
+    makers: dict[str, Callable[..., study.Scheme]] = {
+        "newmark": study.Newmark,
+        "central_difference": lambda: study.Newmark(beta=0.0, gamma=0.5),
+        "hht_1996": study.HHTAlpha1996,
+        "hht": lambda alpha, beta, gamma: study.GeneralizedAlpha(0.0, -alpha, beta, gamma),
+        "generalized_alpha": study.GeneralizedAlpha,
+        "wilson": study.WilsonTheta,
+        "houbolt": lambda: study.Houbolt(_STARTS[text["start"]]),
+        "bathe": study.Bathe,
+        "rk4": study.RungeKutta4,
+        "midpoint": study.ImplicitMidpoint,
+        "symplectic_euler": lambda: symplectic_euler,
+        "kr_alpha": study.KolayRicles,
+        "noh_bathe": study.NohBathe,
+        "tchamwa_wielgosz": study.TchamwaWielgosz,
+    }
+    return makers[text["family"]](**numbers)
+
+
+@eqx.filter_jit
+def _march(problem, scheme, dt, steps):
+    state, _ = scheme.start(problem, problem.u0, problem.v0, dt)
+
+    def read(state):
+        inner = getattr(state, "inner", state)
+        return state.u, state.v, getattr(inner, "a", state.u)
+
+    def one(i, carry):
+        state, rows = carry
+        state, _ = scheme.step(problem, state, i * dt, dt)
+        return state, jax.tree.map(lambda row, value: row.at[i + 1].set(value), rows, read(state))
+
+    rows = jax.tree.map(lambda value: jnp.zeros((_ROWS, *value.shape)).at[0].set(value), read(state))
+    return lax.fori_loop(0, steps, one, (state, rows))[1]
+
+
+def step(problem, scheme, dt, steps):
+    """Displacement, velocity and, where the scheme carries it, acceleration at 0, dt, 2 dt, ..."""
+    ours = scheme_of(scheme)
+    modelled = problem_of(json.dumps(problem.text))
+    if modelled.history is not None:
+        ours = WithHistory(ours)
+    rows = _march(modelled, ours, np.float64(dt), np.int64(steps))
+    carried = scheme["family"] not in ("rk4", "midpoint", "symplectic_euler")
+    return [np.asarray(one)[: steps + 1] for one in rows[: 2 + carried]]

@@ -1,0 +1,163 @@
+"""What a code may do with good reason, and mistakes that codes make: words and numbers that change a scheme."""
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import NamedTuple
+
+#: Schemes that carry no acceleration from step to step.
+WITHOUT_ACCELERATION = ("rk4", "midpoint", "symplectic_euler")
+
+ALPHA = ("hht", "hht_1996", "generalized_alpha")
+_EXPLICIT = ("central_difference", "kr_alpha", "noh_bathe", "tchamwa_wielgosz")
+CARRIED = ("newmark", *ALPHA, "wilson", "houbolt", "bathe", *_EXPLICIT)
+ALL = (*CARRIED, *WITHOUT_ACCELERATION)
+ITERATED = ("newmark", *ALPHA, "wilson", "houbolt", "bathe", "midpoint")
+
+
+class Variant(NamedTuple):
+    """A change of a scheme.
+
+    Attributes
+    ----------
+    verdict
+        ``differs`` for an alternative, ``fail`` for a mistake.
+    text
+        What a code does that has the values of this variant.
+    families
+        Families of schemes that it changes.
+    words
+        Words for ``schemes.run``.
+    change
+        New numbers from those of the scheme.
+    """
+
+    verdict: str
+    text: str
+    families: tuple[str, ...]
+    words: tuple[str, ...] = ()
+    change: Callable[[Mapping[str, str]], Mapping[str, str]] = lambda scheme: {}
+
+
+def _alternative(text, families, *words, change=lambda scheme: {}):
+    return Variant("differs", text, families, words, change)
+
+
+def _mistake(text, families, *words, change=lambda scheme: {}):
+    return Variant("fail", text, families, words, change)
+
+
+def _with(**numbers: str) -> Callable[[Mapping[str, str]], Mapping[str, str]]:
+    """New numbers where the scheme has such numbers."""
+    return lambda scheme: {name: value for name, value in numbers.items() if name in scheme}
+
+
+def _complement(value: str) -> str:
+    return str(1 - Fraction(value)) if "/" in value else f"{1 - float(value):.17g}"
+
+
+#: Alternatives first: of two variants with the same values in a case the first is named.
+VARIANTS = (
+    _alternative("two internal forces are weighted", ("hht", "generalized_alpha", "kr_alpha"), "two forces"),
+    _alternative("the loads of both ends of the step are weighted", (*ALPHA, "kr_alpha"), "mean of loads"),
+    _alternative(
+        "two internal forces and the loads of both ends are weighted",
+        ("hht", "generalized_alpha", "kr_alpha"),
+        "two forces",
+        "mean of loads",
+    ),
+    _alternative(
+        "the method of 1996: two weighted forces, damping and load of the end of the step",
+        ("hht",),
+        "two forces",
+        "damping at end",
+        "load at end",
+    ),
+    _alternative("the history is committed where the balance is", (*ALPHA, "wilson", "midpoint"), "commit at balance"),
+    _alternative("the load is extrapolated from both ends of the step", ("wilson",), "mean of loads"),
+    _alternative(
+        "the load in between is interpolated from both ends of the step", ("bathe", "midpoint"), "mean of loads"
+    ),
+    _alternative(
+        "the first two steps are those of average acceleration",
+        ("houbolt",),
+        change=_with(start="two steps of average acceleration"),
+    ),
+    _alternative(
+        "the first two steps are those of central difference",
+        ("houbolt",),
+        change=_with(start="two steps of central difference"),
+    ),
+    _alternative(
+        "the points before the start are those of Taylor's formula", ("houbolt",), change=_with(start="taylor")
+    ),
+    _alternative("each of the two sub-steps counts as a step", ("bathe",), "sub-steps"),
+    _alternative("the damping acts on the velocity of the half step", ("central_difference",), "damping at half"),
+    _alternative("the velocity is that of the half step before", ("central_difference",), "velocity at half"),
+    _alternative("the displacement moves before the velocity", ("symplectic_euler",), "drift first"),
+    _mistake("the acceleration at the start is zero", CARRIED, "a0 = 0"),
+    _mistake("the acceleration at the start leaves out the damping", CARRIED, "a0 without damping"),
+    _mistake("the acceleration at the start leaves out the load", CARRIED, "a0 without load"),
+    _mistake("the velocity at the start is ignored", ALL, "no v0"),
+    _mistake("the load is that of the start of the step", ALL, "load at start"),
+    _mistake(
+        "the load is that of the end of the step",
+        (*ALPHA, "wilson", "midpoint", "kr_alpha", "rk4", "symplectic_euler"),
+        "load at end",
+    ),
+    _mistake("the load is that of the middle of the step", CARRIED, "load at half"),
+    _mistake("the load is taken one step too late", ALL, "load early"),
+    _mistake("the load is missing", ALL, "no load"),
+    _mistake("the load has the opposite sign", ALL, "sign of load"),
+    _mistake("the damping is missing", ALL, "no damping"),
+    _mistake("the damping acts on the velocity at the start of the step", ALL, "damping at start"),
+    _mistake("the damping acts on the velocity at the end of the step", ("hht", "generalized_alpha"), "damping at end"),
+    _mistake("Newton's iteration stops after one iteration from the last displacement", ITERATED, "one iteration"),
+    _mistake(
+        "Newton's iteration stops after one iteration from a predicted displacement", ITERATED, "one iteration from a"
+    ),
+    _mistake("the acceleration is derived from the equation of motion after every step", ALPHA, "rederived"),
+    _mistake("the displacement after yield is not remembered", ALL, "no commit"),
+    _mistake("the displacement after yield is committed in every iteration", ITERATED, "commit in iterations"),
+    _mistake("the velocity leaves out the new acceleration", ("newmark", *ALPHA), "no new a in v"),
+    _mistake("it is average acceleration: β = 1/4 and γ = 1/2", ("newmark",), change=_with(beta="0.25", gamma="0.5")),
+    _mistake(
+        "it is linear acceleration: β = 1/6 and γ = 1/2",
+        ("newmark",),
+        change=lambda scheme: {"beta": f"{1 / 6:.17g}", "gamma": "0.5"},
+    ),
+    _mistake(
+        "β and γ are exchanged",
+        ("newmark", *ALPHA),
+        change=lambda scheme: {"beta": scheme["gamma"], "gamma": scheme["beta"]},
+    ),
+    _mistake("γ is 1/2: the numerical damping is missing", ("newmark", *ALPHA), change=_with(gamma="0.5")),
+    _mistake("β is 1/4", ALPHA, change=_with(beta="0.25")),
+    _mistake("β is 1/4 and γ is 1/2", ALPHA, change=_with(beta="0.25", gamma="0.5")),
+    _mistake("it is Newmark's method: α is missing", ("hht", "hht_1996"), change=_with(alpha="0")),
+    _mistake(
+        "α has the opposite sign", ("hht", "hht_1996"), change=lambda scheme: {"alpha": scheme["alpha"].lstrip("-")}
+    ),
+    _mistake(
+        "α_m and α_f are exchanged",
+        ("generalized_alpha",),
+        change=lambda scheme: {"alpha_m": scheme["alpha_f"], "alpha_f": scheme["alpha_m"]},
+    ),
+    _mistake(
+        "α_m and α_f weight the end of the step instead of its start",
+        ("generalized_alpha",),
+        change=lambda scheme: {name: _complement(scheme[name]) for name in ("alpha_m", "alpha_f")},
+    ),
+    _mistake("α_m is missing in the balance", ("generalized_alpha",), change=_with(alpha_m="0")),
+    _mistake("α_f is missing in the balance", ("generalized_alpha",), change=_with(alpha_f="0")),
+    _mistake(
+        "α_m is missing in the balance, and β and γ are exchanged",
+        ("generalized_alpha",),
+        change=lambda scheme: {"alpha_m": "0", "beta": scheme["gamma"], "gamma": scheme["beta"]},
+    ),
+    _mistake("θ is 1: it is linear acceleration", ("wilson",), change=_with(theta="1")),
+    _mistake("the acceleration is not interpolated back to the end of the step", ("wilson",), "no interpolation"),
+    _mistake("the load of the first sub-step is that of the end of the step", ("bathe",), "first load at end"),
+    _mistake("both sub-steps are those of the trapezoidal rule", ("bathe",), change=_with(gamma="0.5", rho_inf="1")),
+    _mistake("the displacement leaves out γ in its coefficient ½ + γ", ("kr_alpha",), "no gamma in u"),
+    _mistake("the four stages have equal weights", ("rk4",), "equal weights"),
+)

@@ -1,0 +1,76 @@
+"""Input files of OpenSees from the same cases, as an example for codes that read no JSON.
+
+They are linear and cubic oscillators without a moving ground. Each file writes its motion as ``NAME.csv`` into the
+folder where it runs; a case without a file is skipped, as it has no result.
+"""
+
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+
+def _scalars(case: Mapping[str, Any]) -> dict[str, float] | None:
+    """Numbers of a linear or cubic oscillator with one unknown; None for any other problem."""
+    problem = case["problem"]
+    if len(problem["u0"]) > 1 or problem["form"] not in ("linear", "cubic") or "ground" in problem:
+        return None
+    parameters = problem["parameters"]
+    k = float(parameters["stiffness"][0][0]) if problem["form"] == "linear" else float(parameters["S1"])
+    numbers = {"k": k, "k3": k * float(parameters.get("S2", 0)), "dt": float(case["run"]["dt"])}
+    numbers |= {name: float(problem[key][0][0]) for name, key in (("m", "mass"), ("c", "damping"))}
+    numbers |= {name: float(problem[name][0]) for name in ("u0", "v0")}
+    load = problem.get("load", {"amplitude": ["0"], "frequency": "1", "phase": "0"})
+    numbers |= {"amplitude": float(load["amplitude"][0]), "w": float(load["frequency"]), "phase": float(load["phase"])}
+    start = numbers["amplitude"] * math.cos(numbers["phase"]) - numbers["c"] * numbers["v0"]
+    u0 = numbers["u0"]
+    return numbers | {"a0": (start - k * u0 - numbers["k3"] * u0**3) / numbers["m"]}
+
+
+def _integrator(scheme: Mapping[str, str]) -> str | None:
+    """OpenSees' command for a scheme."""
+    family, numbers = scheme["family"], {name: one for name, one in scheme.items() if name not in ("family", "start")}
+    if family == "newmark":
+        return f"Newmark {numbers['gamma']} {numbers['beta']}"
+    if family == "hht":
+        return f"HHT {1 + float(numbers['alpha']):.17g} {numbers['gamma']} {numbers['beta']}"
+    known = {"central_difference": "NewmarkExplicit 0.5", "houbolt": "Houbolt"}
+    return f"WilsonTheta {numbers['theta']}" if family == "wilson" else known.get(family)
+
+
+def opensees(case: Mapping[str, Any]) -> str | None:
+    """Tcl commands of OpenSees; None for a problem or a scheme that is not written."""
+    one, integrator = _scalars(case), _integrator(case["scheme"])
+    if one is None or integrator is None:
+        return None
+    return f"""# {case["name"]}: {case["title"]}
+model basic -ndm 1 -ndf 1
+node 1 0; node 2 0; fix 1 1; mass 2 {one["m"]!r}
+uniaxialMaterial ElasticPowerFunc 1 -coeff {one["k"]!r} {one["k3"]!r} -exp 1.0 3.0
+uniaxialMaterial Elastic 2 0.0 {one["c"]!r}
+element zeroLength 1 1 2 -mat 1 -dir 1
+element zeroLength 2 1 2 -mat 2 -dir 1
+timeSeries Trig 1 0.0 1e9 {2 * math.pi / one["w"]!r} -shift {math.pi / 2 - one["phase"]!r}
+pattern Plain 1 1 {{ load 2 {one["amplitude"]!r} }}
+constraints Plain; numberer Plain; system FullGeneral; test NormDispIncr 1e-12 50
+algorithm {"Linear" if "Explicit" in integrator else "Newton"}
+integrator {integrator}
+analysis Transient
+setNodeDisp 2 1 {one["u0"]!r} -commit; setNodeVel 2 1 {one["v0"]!r} -commit; setNodeAccel 2 1 {one["a0"]!r} -commit
+set out [open {case["name"]}.csv w]
+puts $out "t,u1,v1,a1"
+for {{set i 0}} {{$i <= {case["run"]["steps"]}}} {{incr i}} {{
+  if {{$i > 0}} {{analyze 1 {one["dt"]!r}}}
+  puts $out "[expr $i * {one["dt"]!r}],[nodeDisp 2 1],[nodeVel 2 1],[nodeAccel 2 1]"
+}}
+close $out
+"""
+
+
+def write(chosen: Iterable[Mapping[str, Any]], folder: Path) -> int:
+    """Write the files of the cases that have one, ``NAME.tcl``, and return their number."""
+    folder.mkdir(parents=True, exist_ok=True)
+    texts = {case["name"]: text for case in chosen if (text := opensees(case))}
+    for name, text in texts.items():
+        (folder / f"{name}.tcl").write_text(text, encoding="utf-8")
+    return len(texts)

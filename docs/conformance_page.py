@@ -1,0 +1,72 @@
+"""The page of the conformance kit: how to run it, and what it found in codes."""
+
+import json
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from docs.text import described, table
+
+RESULTS = Path(__file__).parent.parent / "conformance" / "verdicts"
+
+#: Causes without the numbers, which differ from case to case.
+_OF_KIND = {"ORDER": "the order is not that of the scheme", "BOUND": "the energy grows"}
+
+#: Names of cases that a row shows at most.
+SHOWN = 4
+
+
+def found() -> list[dict[str, Any]]:
+    """Verdicts of all codes, the one with the most passes first."""
+    results = [json.loads(file.read_text(encoding="utf-8")) for file in RESULTS.glob("*.json")]
+    return sorted(results, key=lambda one: (-one["counts"]["pass"], one["tool"]))
+
+
+def _named(code: Mapping[str, Any]) -> str:
+    return f"{code['tool']} {code['version']}".strip()
+
+
+def _overview(codes: Sequence[Mapping[str, Any]]) -> str:
+    """A row for every code, with the passes of the cases that it has, by level."""
+    rows = []
+    for code in codes:
+        ran, passed = Counter[str](), Counter[str]()
+        for case in code["cases"]:
+            ran[case["name"][0]] += case["verdict"] != "skip"
+            passed[case["name"][0]] += case["verdict"] == "pass"
+        levels = [f"{passed[level]}/{ran[level]}" if ran[level] else "–" for level in "ABCDEF"]
+        counts = [str(code["counts"][verdict]) for verdict in ("pass", "differs", "fail", "skip")]
+        rows.append([_named(code), *levels, *counts])
+    return table(["code", *"ABCDEF", "pass", "differs", "fail", "skip"], rows)
+
+
+def _causes(code: Mapping[str, Any]) -> str:
+    """A row for every alternative and every likely cause, the most frequent first; empty if all cases pass."""
+    cases = defaultdict(list)
+    for case in code["cases"]:
+        if case["verdict"] in ("differs", "fail"):
+            cause = _OF_KIND.get(case["name"].split("-")[1], case["cause"])
+            cases[case["verdict"], cause].append(case["name"])
+    rows = [
+        [verdict, cause, str(len(names)), ", ".join(names[:SHOWN]) + (" ..." if len(names) > SHOWN else "")]
+        for (verdict, cause), names in sorted(cases.items(), key=lambda item: (item[0][0], -len(item[1])))
+    ]
+    if not rows:
+        return ""
+    head = ["verdict", "alternative or likely cause", "cases", ""]
+    return "\n\n".join([f"### {_named(code)}", code["note"], table(head, rows, 4)])
+
+
+def conformance_page() -> str:
+    """The page in Markdown; the guide is that of the kit."""
+    codes = found()
+    parts = [
+        "```{include} /included/conformance.md\n```",
+        "## What it found",
+        "Passes over the cases that a code has, by level. The version is that of the code.",
+        _overview(codes),
+        *filter(None, map(_causes, codes)),
+    ]
+    sentence = "A kit of cases that shows whether the time integrator of a code does what its name says."
+    return described(sentence, "\n\n".join(parts) + "\n")

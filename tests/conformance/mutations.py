@@ -1,0 +1,65 @@
+"""Small mistakes for the programs in NumPy and C: a text of the source, its replacement, and the cause to find."""
+
+PYTHON = [
+    ('numbers["beta"] if', '1e-3 + numbers["beta"] if', "beta is off by about 0.001"),
+    ('numbers.get("gamma", 0.5)', 'numbers.get("gamma", 0.5) + 1e-3', "gamma is off by about 0.001"),
+    (
+        'numbers.get("theta", 1.0)',
+        'numbers.get("theta", 1.0) + 1e-3 * ("theta" in numbers)',
+        "theta is off by about 0.001",
+    ),
+    ('-numbers.get("alpha", 0.0)', '-1.01 * numbers.get("alpha", 0.0)', "alpha is off by about -0.001"),
+    (
+        "a = np.linalg.solve(M, problem.load(0.0) - C @ v - problem.force(u))",
+        "a = 0 * u",
+        "acceleration at the start is zero",
+    ),
+    ("problem.load(0.0) - C @ v - problem", "problem.load(0.0) - problem", "leaves out the damping"),
+    ("problem.load(0.0) - C @ v", "-C @ v", "leaves out the load"),
+    ("u, v = problem.u0, problem.v0", "u, v = problem.u0, 0 * problem.v0", "velocity at the start is ignored"),
+    ("problem.load(i * dt + part * tau)", "problem.load(i * dt)", "load is that of the start"),
+    ("problem.load(i * dt + part * tau)", "problem.load(i * dt + part * dt)", "load is that of the end"),
+    ("problem.load(i * dt + part * tau)", "problem.load(i * dt + tau)", "load is that of the end"),
+    ("problem.load(i * dt + part * tau)", "problem.load(i * dt + tau / 2)", "load is that of the middle"),
+    ("problem.load(i * dt + part * tau)", "problem.load((i + 1) * dt + part * tau)", "one step too late"),
+    ("problem.load(i * dt + part * tau)", "0 * u", "load is missing"),
+    ("residual + problem.force(at) - load", "residual + problem.force(at) + load", "opposite sign"),
+    ("C @ (part * v_new + alpha_f * v)", "C @ v", "velocity at the start of the step"),
+    ("C @ (part * v_new + alpha_f * v)", "C @ v_new", "velocity at the end of the step"),
+    ("range(50)", "range(1)", "stops after one iteration"),
+    ('gamma, theta = numbers.get("gamma", 0.5)', "gamma, theta = 0.5", "γ is 1/2"),
+    ("v = v + dt * ((1 - gamma) * a + gamma * new)", "v = v + dt * (1 - gamma) * a", "leaves out the new acceleration"),
+    ("new = a + (new - a) / theta", "new = new", "not interpolated back"),
+    (
+        'theta = numbers.get("gamma", 0.5), numbers.get("theta", 1.0)',
+        'theta = numbers.get("gamma", 0.5), 1.0',
+        "θ is 1",
+    ),
+    ('numbers.get("alpha_m", 0.0)', "0.0", "α_m is missing"),
+    ("at = part * x + alpha_f * u", "at = x", ""),
+    ("problem.commit(u)", "pass", "not remembered"),
+    ("M, C = problem.mass, problem.damping", "M, C = np.diag(np.diag(problem.mass)), problem.damping", ""),
+    (
+        "M, C = problem.mass, problem.damping",
+        "M, C = 1.001 * problem.mass, problem.damping",
+        "factor of the mass is off",
+    ),
+    ("1e-14 * np.abs(x).max()", "1e-4 * np.abs(x).max()", "ends early"),
+    ("rows = [(u, v, a)]", "rows = [(u, v, a), (u, v, a)]; steps -= 1", "one step late"),
+    (
+        "a = new\n",
+        "a = np.linalg.solve(M, problem.load((i + 1) * dt) - C @ v - problem.force(u))\n",
+        "derived from the equation",
+    ),
+]
+
+C = [
+    ("0.5 - beta) * a, v_ahead", "0.5 - beta - 1e-3) * a, v_ahead", ""),
+    ("double a = (load(0) - c * v - force(u)) / m;", "double a = 0;", "acceleration at the start is zero"),
+    ("force(at) - load(t)", "force(at) - load(t - dt)", "load is that of the start"),
+    ("c * (v_ahead + gamma * dt * a)", "c * v", "velocity at the start of the step"),
+    ("j < 50", "j < 1", "stops after one iteration"),
+    ('number("\\"gamma\\"", 0.5)', "0.5", "γ is 1/2"),
+    ('phase = number("\\"phase\\"", 0)', "phase = 0", ""),
+    ('number("\\"dt\\"", 0)', '1.001 * number("\\"dt\\"", 0)', "factor of dt is off by about 0.001"),
+]

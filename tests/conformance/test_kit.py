@@ -1,0 +1,268 @@
+"""The conformance kit: its cases, its runners, and whether it finds mistakes."""
+
+import json
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections import Counter
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+
+import jax
+import jsonschema
+import numpy as np
+import pytest
+from mpmath import mp
+
+from conformance import VERSION, generate, runners
+from conformance.command import cases
+from conformance.contents import ORDERS, PROBLEMS, SCHEMES
+from conformance.judge import judge
+from conformance.tools import newmark
+from docs.conformance_page import conformance_page, found
+from study.__main__ import main
+from tests.conformance import mutations
+
+PROJECT = Path(__file__).parents[2]
+TOOLS = PROJECT / "conformance" / "tools"
+ALL = list(cases())
+#: Cases that a mutation is run on: fast ones, which together reach every line of the examples.
+QUICK = [case for case in ALL if case["expect"][0]["kind"] == "identical" and case["name"][0] in "ADEF"]
+QUICK = [case for case in QUICK if not case["name"].startswith(("E-GAP", "F-SINE", "F-FRAME"))]
+
+
+def verdicts(runner, chosen=ALL):
+    return [judge(case, partial(runner, case)) for case in chosen]
+
+
+def counted(outcomes):
+    return Counter(one.verdict for one in outcomes)
+
+
+def test_every_case_follows_the_schema_and_is_small():
+    validator = jsonschema.Draft202012Validator(json.loads((PROJECT / "conformance" / "schema.json").read_text()))
+    files = sorted(generate.CASES.glob("*.json"))
+    assert len(files) >= 250 and sum(file.stat().st_size for file in files) <= 1_000_000
+    for file in files:
+        assert file.stat().st_size <= 20_000
+        validator.validate(json.loads(file.read_text(encoding="utf-8")))
+    assert {case["version"] for case in ALL} == {VERSION}
+    assert {case["name"][0] for case in ALL} == set("ABCDEF")
+
+
+@pytest.mark.parametrize(
+    "place", ["A-LIN-HHT", "B-30-WIL", "C-SOFT-HOU", "D-BASE-NBA", "E-YIELD-BAT", "F-MASS-AVG", "B-BOUND-KRA"]
+)
+def test_a_case_is_what_the_generator_makes(place):
+    problem, _, code = place.rpartition("-")
+    (entry,) = [one for one in PROBLEMS if one.name == problem]
+    with mp.workdps(generate.DIGITS):
+        made = generate.written(generate.case(entry, code, *SCHEMES[code]))
+    assert (generate.CASES / f"{place}.json").read_text(encoding="utf-8") == made
+
+
+def test_the_stored_end_of_a_case_of_order_is_exact():
+    """By SciPy's pair of order eight, which shares nothing with the Taylor series of the generator."""
+    from scipy.integrate import solve_ivp
+
+    from conformance.problem import Problem
+
+    (entry,) = ORDERS
+    (case,) = [case for case in ALL if case["name"] == "D-ORDER-RK4"]
+    one = Problem(entry.problem)
+
+    def slope(t, y):
+        return [y[1], ((one.load(t) - one.damping @ y[1:] - one.force(y[:1])) / one.mass[0, 0])[0]]
+
+    end = solve_ivp(slope, (0, 2), [*one.u0, *one.v0], method="DOP853", rtol=1e-13, atol=1e-14).y[0, -1]
+    assert float(case["expect"][0]["value"]) == pytest.approx(end, abs=1e-11)
+
+
+def test_the_study_passes():
+    """All cases of levels A to D, and those of E and F, which compile a program each, for four schemes."""
+    chosen = [case for case in ALL if case["name"][0] in "ABCD" or case["name"][-3:] in ("AVG", "HHT", "BAT", "RK4")]
+    with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
+        outcomes = verdicts(runners.of_function("conformance.tools.time_integration_study:step"), chosen)
+    assert [one for one in outcomes if one.verdict != "pass"] == []
+    stored = json.loads((PROJECT / "conformance" / "verdicts" / "study.json").read_text(encoding="utf-8"))
+    assert stored["counts"]["pass"] == len(ALL) and stored["kit"] == VERSION
+
+
+def test_the_example_in_numpy_passes_what_it_does():
+    outcomes = verdicts(runners.of_function("conformance.tools.newmark:step"))
+    assert counted(outcomes)["pass"] == sum(case["scheme"]["family"] in newmark.FAMILIES for case in ALL)
+    assert set(counted(outcomes)) == {"pass", "skip"}
+
+
+def _mutated(text, change):
+    old, new, cause = change
+    assert text.count(old) >= 1, old
+    return text.replace(old, new), cause
+
+
+def _caught(found, cause):
+    """Whether a mistake is caught, and whether it gets its cause."""
+    failed = [one for one in found if one.verdict in ("fail", "differs")]
+    return bool(failed), bool(cause) and any(cause in one.cause for one in failed)
+
+
+def test_mistakes_in_the_numpy_program_are_caught_and_named():
+    text = (TOOLS / "newmark.py").read_text(encoding="utf-8")
+    named = []
+    for change in mutations.PYTHON:
+        module = ModuleType("mutated")
+        source, cause = _mutated(text, change)
+        exec(source, module.__dict__)
+        sys.modules["mutated"] = module
+        caught, right = _caught(verdicts(runners.of_function("mutated:step"), QUICK), cause)
+        assert caught, change
+        assert right or not cause, change
+        named.append(right)
+    del sys.modules["mutated"]
+    assert sum(named) >= 20
+
+
+needs_c = pytest.mark.skipif(shutil.which("cc") is None, reason="no compiler of C")
+
+
+def _compiled(source, folder):
+    program = folder / "newmark"
+    file = folder / "newmark.c"
+    file.write_text(source, encoding="utf-8")
+    subprocess.run(["cc", "-O1", "-o", program, file, "-lm"], check=True)
+    return runners.of_command(f"{program} {{case}} {{out}}")
+
+
+@needs_c
+def test_the_example_in_c_passes_what_it_does_and_its_mistakes_are_caught(tmp_path):
+    text = (TOOLS / "newmark.c").read_text(encoding="utf-8")
+    first = counted(verdicts(_compiled(text, tmp_path)))
+    assert first["pass"] >= 60 and set(first) == {"pass", "skip"}
+    few = [case for case in QUICK if case["scheme"]["family"] == "newmark"]
+    for change in mutations.C:
+        source, cause = _mutated(text, change)
+        caught, right = _caught(verdicts(_compiled(source, tmp_path), few), cause)
+        assert caught and (right or not cause), change
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="no Node")
+def test_the_reader_in_javascript_judges_a_case(tmp_path):
+    def read(file):
+        return subprocess.run(["node", TOOLS / "reader.js", file], capture_output=True, text=True)
+
+    good = read(generate.CASES / "D-HARM-AVG.json")
+    assert good.returncode == 0 and good.stdout == "D-HARM-AVG: pass\n"
+    text = (generate.CASES / "D-HARM-AVG.json").read_text(encoding="utf-8").replace('"beta": "0.25"', '"beta": "0.251"')
+    (tmp_path / "case.json").write_text(text, encoding="utf-8")
+    bad = read(tmp_path / "case.json")
+    assert bad.returncode == 1 and bad.stdout == "D-HARM-AVG: fail, u, v, a differ\n"
+
+
+def test_the_zip_works_without_the_study(tmp_path):
+    """In a Python that finds NumPy and nothing else of the project."""
+    subprocess.run(
+        ["make", "conformance", f"CONFORMANCE={tmp_path / 'kit.zip'}"], cwd=PROJECT, check=True, capture_output=True
+    )
+    zipfile.ZipFile(tmp_path / "kit.zip").extractall(tmp_path)
+    words = ["conformance.tools.newmark:step", "--only", "A", "--tool", "NumPy", "--output", "out"]
+    code = f"""import runpy, sys
+sys.modules.update(jax=None, study=None, mpmath=None)
+sys.argv[1:] = {words}
+runpy.run_module("conformance", run_name="__main__")"""
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    stored = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
+    assert stored["kit"] == VERSION and stored["tool"] == "NumPy" and stored["counts"]["pass"] > 5
+    assert "A-LIN-AVG" in (tmp_path / "out.html").read_text(encoding="utf-8")
+
+
+def test_stored_verdicts_are_those_of_these_cases_and_on_the_page():
+    page, names = conformance_page(), {case["name"] for case in ALL}
+    codes = found()
+    assert {"OpenSees", "Exudyn", "SciPy, bilinear transform", "This study"} <= {code["tool"] for code in codes}
+    for code in codes:
+        assert code["kit"] == VERSION and {case["name"] for case in code["cases"]} == names
+        assert code["counts"] == {verdict: counted_in(code, verdict) for verdict in code["counts"]}
+        assert f"| {code['tool']}" in page
+    assert "| fail | α_m is missing in the balance |" in page
+
+
+def counted_in(code, verdict):
+    return sum(case["verdict"] == verdict for case in code["cases"])
+
+
+def test_opensees_has_newmarks_method_and_starts_houbolts_by_average_acceleration():
+    try:
+        runner = runners.of_function("conformance.tools.opensees:step")
+    except ValueError as reason:
+        pytest.skip(str(reason))
+    chosen = [case for case in QUICK if case["name"].endswith(("AVG", "DIS", "HHT", "WIL", "HOU"))]
+    outcomes = Counter((one.name[-3:], one.verdict) for one in verdicts(runner, chosen))
+    assert {code for code, verdict in outcomes if verdict == "pass"} >= {"AVG", "DIS", "HHT", "WIL"}
+    assert {code for code, verdict in outcomes if verdict in ("differs", "fail")} == {"HOU"}
+
+
+def test_tables_of_a_folder_are_judged(tmp_path, capsys):
+    case = next(case for case in ALL if case["name"] == "A-LIN-AVG")
+    motion = runners.of_function("conformance.tools.newmark:step")(case, 1)
+    rows = np.hstack([0.05 * np.arange(3.0)[:, None], *(np.array(motion[name]) for name in "uv")])
+    np.savetxt(tmp_path / "A-LIN-AVG.csv", rows, delimiter=",", header="t,u1,v1", comments="", fmt="%.17g")
+    main(["conform", "--collect", str(tmp_path)])
+    assert capsys.readouterr().out == f"pass 1, differs 0, fail 0, skip {len(ALL) - 1}\n"
+    np.savetxt(tmp_path / "A-LIN-DIS.csv", rows[:, :2], delimiter=",", header="t,u1", comments="", fmt="%.17g")
+    with pytest.raises(SystemExit) as ended:
+        main(["conform", "--collect", str(tmp_path), "--only", "A", "newmark"])
+    assert ended.value.code == 1
+    assert "it is average acceleration" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ([], "name one code: MODULE:FUNCTION, or --command, or --collect."),
+        (["nowhere:step"], "'nowhere:step' must name a module and a function in it, such as my_code:step"),
+        (["--collect", "nowhere"], "there is no folder 'nowhere'."),
+        (["conformance.tools.newmark:step", "--only", "Z"], "no case has these tags"),
+    ],
+)
+def test_a_wrong_call_gets_one_sentence(words, sentence, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["conform", *words])
+    assert ended.value.code == 2 and sentence in capsys.readouterr().err
+
+
+def _wrong(problem, scheme, dt, steps):
+    if scheme["family"] == "wilson":
+        raise ZeroDivisionError("division by zero")
+    if scheme["family"] == "houbolt":
+        return [np.full(steps + 1, np.nan)] * 2
+    return [np.zeros(steps)] * 2
+
+
+def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence(monkeypatch):
+    module = ModuleType("broken")
+    module.__dict__["step"] = _wrong
+    monkeypatch.setitem(sys.modules, "broken", module)
+    outcomes = verdicts(runners.of_function("broken:step"), [case for case in ALL if case["name"].startswith("A-LIN")])
+    causes = {one.name: one.cause for one in outcomes}
+    assert causes["A-LIN-WIL"] == "the code raises ZeroDivisionError: division by zero"
+    assert causes["A-LIN-HOU"] == "values are not finite from step 0 on"
+    assert causes["A-LIN-AVG"] == "u has the shape (2, 1), not (3, 1): a row at t = 0 and one a step"
+
+
+def test_a_command_that_fails_is_a_failure_of_the_case():
+    case = ALL[0]
+    (one,) = verdicts(runners.of_command("sh -c 'echo no licence >&2; exit 3' {case} {out}"), [case])
+    assert one.verdict == "fail" and one.cause == "the command ends with status 3: no licence"
+    (one,) = verdicts(runners.of_command("sh -c 'exit 77'"), [case])
+    assert one.verdict == "skip"
+
+
+def test_input_files_of_opensees_are_written_for_what_it_has(tmp_path):
+    main(["conform", "--inputs", str(tmp_path)])
+    files = {file.stem for file in tmp_path.glob("*.tcl")}
+    assert len(files) > 80 and "A-CUB-HHT" in files and "E-YIELD-AVG" not in files and "A-LIN-RK4" not in files
+    text = (tmp_path / "A-CUB-HHT.tcl").read_text(encoding="utf-8")
+    assert "integrator HHT 0.9" in text and "setNodeAccel 2 1 -167.0 -commit" in text
