@@ -101,8 +101,8 @@ def _load(amplitude: str, frequency: str, phase: str = "0") -> dict[str, Any]:
     return {"load": {"amplitude": amplitude.split(), "frequency": frequency, "phase": phase}}
 
 
-#: A made-up record of the ground with a pulse and a pause.
-_RECORD = "0 0.9 2.1 1.4 -0.6 -2.8 -3.3 -1.2 1.7 2.9 0.4 -1.5 0 0 0.8 -0.3"
+#: A made-up record of the ground with a pulse and a pause. It ends at zero: codes differ in the load at a last sample.
+_RECORD = "0 0.9 2.1 1.4 -0.6 -2.8 -3.3 -1.2 1.7 2.9 0.4 -1.5 0 0 0.8 -0.3 0"
 _GROUND = {"ground": {"dt": "0.05", "acceleration": _RECORD.split()}}
 
 _HARDENING = _one("cubic", u0="1.5", S1="100", S2="10")

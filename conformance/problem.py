@@ -124,8 +124,7 @@ class Problem:
         if ground := self.text.get("ground"):
             samples = self.array(ground["acceleration"])
             place = t / self.numbers.mpf(ground["dt"])
-            # a step that ends at a sample may miss it by round-off
-            before = int(place + 1e-9)
+            before = int(place)
             if before + 1 < len(samples):
                 here = samples[before] + (place - before) * (samples[before + 1] - samples[before])
                 load = load - self.mass.sum(axis=1) * here
