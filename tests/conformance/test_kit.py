@@ -49,6 +49,8 @@ def test_every_case_follows_the_schema_and_is_small():
         assert file.stat().st_size <= 20_000
         validator.validate(json.loads(file.read_text(encoding="utf-8")))
     assert {case["version"] for case in ALL} == {VERSION}
+    records = [case["problem"]["ground"]["acceleration"] for case in ALL if "ground" in case["problem"]]
+    assert records and {record[-1] for record in records} == {"0"}, "codes differ in the load at a last sample"
     assert {case["name"][0] for case in ALL} == set("ABCDEF")
 
 
