@@ -92,6 +92,16 @@ OF_THE_TABLES: dict[str, Any] = {
     "energy_error.steps_per_period": STEPS,
     "energy_error.periods": 100,
 }
+#: What products read of the assessments of these problems, over any number of periods.
+OF_THE_ASSESSMENTS: dict[str, Any] = {
+    f"assess.{problem}.{key}": asked
+    for problem in PROBLEMS
+    for key, asked in (
+        ("schemes", ["average_acceleration", "central_difference", "rk4"]),
+        ("errors", [0.1, 0.01, 0.001]),
+        ("periods", lambda periods: ""),
+    )
+}
 #: The accident of the Runge-Kutta method on the softening spring.
 OF_THE_DRIFT: dict[str, Any] = {
     "energy_drift.problem": "softening",

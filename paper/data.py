@@ -1,11 +1,15 @@
 """Parts of datasets that several products read."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
+
+#: Assessments of the springs of the paper's tables.
+ASSESSED = [f"assessment/{name}" for name in PROBLEMS]
 
 #: Structures that turn, so that their stiff modes are not linear.
 TURNING = ["elastic_pendulum", "spinning_truss"]
@@ -46,6 +50,11 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
     steady = ((ratio > 0.5) & (ratio < 2)).rolling(steps_per_period=neighbours).sum() == neighbours
     ends = [steady.shift(steps_per_period=-ahead, fill_value=False) for ahead in range(neighbours)]
     return size.sel(periods=longer).where(np.logical_or.reduce(ends))
+
+
+def steps_of_period(assessed: xr.Dataset, step: float) -> int:
+    """Steps in a period of an assessed spring, rounded up, of a step in seconds."""
+    return math.ceil(assessed.attrs["duration"] / assessed.attrs["periods"] / step * (1 - 1e-9))
 
 
 def keeps(atlas: xr.Dataset, error: float) -> xr.DataArray:

@@ -24,8 +24,17 @@ Which scheme and which step
         study.recommend(ds, error=0.01, quantity="angle")
         study.report(ds, "pendulum.html")
 
+    ``work_precision`` draws error against time, and ``cite`` lists the works that a dataset rests on as BibTeX.
+
+A model in another program
+    ``assess`` takes a ``Program`` too, any function that runs a model with a scheme and a step. ``command`` makes one
+    of an executable, ``opensees`` of a model of OpenSees::
+
+        program = study.command("./mycode {dt} {scheme} {output}", ["newmark", "hht"], duration=10.0)
+        study.recommend(study.assess(program), error=0.01)
+
 What the study knows
-    ``open_dataset`` opens a dataset of the study; ``recommend`` takes the name of its problems too.
+    ``open_dataset`` opens a dataset of the study; ``recommend`` takes the name of one of its assessments.
 
 Analysis
     ``LinearTheory`` derives spectral radius, period elongation, damping and order of a scheme from its code.

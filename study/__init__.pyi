@@ -9,8 +9,10 @@ from study.analysis.outcomes import Outcome as Outcome
 from study.analysis.outcomes import outcomes as outcomes
 from study.analysis.recommendation import recommend as recommend
 from study.assessment.assess import assess as assess
+from study.assessment.citation import cite as cite
 from study.assessment.report import report as report
 from study.assessment.scheme import assess_scheme as assess_scheme
+from study.assessment.work_precision import work_precision as work_precision
 from study.io import __version__ as __version__
 from study.io import open_dataset as open_dataset
 from study.marching.failure import RunFailedWarning as RunFailedWarning
@@ -27,6 +29,9 @@ from study.observer.motion import Quantity as Quantity
 from study.observer.named import observers as observers
 from study.observer.outcome import OutcomeObserver as OutcomeObserver
 from study.problem.named import problems as problems
+from study.program.command import command as command
+from study.program.definition import Program as Program
+from study.program.opensees import opensees as opensees
 from study.scheme.alpha import GeneralizedAlpha as GeneralizedAlpha
 from study.scheme.alpha import HHTAlpha1996 as HHTAlpha1996
 from study.scheme.backward_differences import BackwardDifferences as BackwardDifferences

@@ -12,12 +12,16 @@ from conformance.command import add_arguments, conform
 from study import io
 from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
-from study.assessment.report import answer, limits_of_reference, report
+from study.assessment.assurance import limits_of_reference
+from study.assessment.report import answer, report
 from study.assessment.scheme import BESIDE, ON, assess_scheme, scheme_page
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.named import observers
 from study.problem.named import problems
+from study.program.command import command
+from study.program.definition import Program
+from study.program.opensees import opensees
 from study.registry import Registry, UnknownName
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
@@ -45,7 +49,14 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("assess", help="find the scheme and the step that a problem of your own needs")
     command.set_defaults(function=_assess)
-    command.add_argument("problem", metavar="FILE.py:NAME", help="a study.Problem in a file, or the name of a problem")
+    command.add_argument(
+        "problem", metavar="FILE.py:NAME", nargs="?", help="a study.Problem in a file, or the name of a problem"
+    )
+    command.add_argument("--command", metavar="WORDS", help="a program instead, with {dt}, {scheme} and {output} in it")
+    command.add_argument("--opensees", action="store_true", help="a model of OpenSees in FILE.py instead")
+    command.add_argument("--spacing", type=float, help="time between the samples of a record of such a program")
+    command.add_argument("--time-limit", type=float, help="seconds after which a run of such a program is stopped")
+    command.add_argument("--workers", type=int, metavar="N", help="runs of such a program at once; default: cores")
     command.add_argument("--duration", type=float, help="time of the runs in seconds; default: ten periods, if any")
     command.add_argument(
         "--error", type=float, nargs="+", default=[0.1, 0.01, 0.001], help="errors that may be allowed, as fractions"
@@ -57,7 +68,7 @@ def _parser() -> argparse.ArgumentParser:
         "--quantities", metavar="FILE.py:NAME", help="a dict of study.Quantity in a file; default: u, velocity, energy"
     )
     command.add_argument("--no-maps", dest="maps", action="store_false", help="leave out how the schemes fail")
-    command.add_argument("--output", type=Path, required=True, metavar="PATH", help="PATH.nc and PATH.html are written")
+    command.add_argument("--output", type=Path, metavar="PATH", help="PATH.nc and PATH.html are written; default: none")
 
     command = commands.add_parser("assess-scheme", help="put a scheme of your own beside those of the study")
     command.set_defaults(function=_assess_scheme)
@@ -68,14 +79,9 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("recommend", help="list the schemes that keep an error, the cheapest first")
     command.set_defaults(function=_recommend)
-    command.add_argument("problem", metavar="PROBLEM", help="name of a problem")
-    command.add_argument("--error", type=float, required=True, help="largest allowed error as a fraction")
-    command.add_argument(
-        "--quantity",
-        default="max_trajectory_error",
-        help="error that must be kept; default: max_trajectory_error",
-    )
-    command.add_argument("--periods", type=float, default=100, help="length of the run in periods; default: 100")
+    command.add_argument("name", metavar="NAME", help="name of an assessment: hardening, softening or one of your own")
+    command.add_argument("--error", type=float, required=True, help="an error that was assessed, as a fraction")
+    command.add_argument("--quantity", help="what must keep the error; default: the first, displacement")
     command.add_argument("--folder", type=Path, default=io.RESULTS, help="folder of the results; default: results")
 
     command = commands.add_parser("conform", help="judge the integrator of a code by the cases of the conformance kit")
@@ -112,33 +118,52 @@ def _run(arguments: argparse.Namespace) -> None:
 
 
 def _assess(arguments: argparse.Namespace) -> None:
-    # a name that has one of the two endings already means both files
-    stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
-    outputs = [arguments.output.with_name(stem + suffix) for suffix in (".nc", ".html")]
-    for output in outputs:
-        io.check_writable(output)
-
-    schemes = None
-    if arguments.schemes:
-        schemes = {place.rpartition(":")[2]: _given(place, Scheme) for place in arguments.schemes}
-    dataset = assess(
-        _given(arguments.problem, Problem),
-        schemes,
-        duration=arguments.duration,
-        quantities=load(arguments.quantities, (dict,)) if arguments.quantities else None,
-        errors=arguments.error,
-        maps=arguments.maps,
-    )
+    outputs = []
+    if arguments.output:
+        # a name that has one of the two endings already means both files
+        stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
+        outputs = [io.check_writable(arguments.output.with_name(stem + suffix)) for suffix in (".nc", ".html")]
+    if arguments.command or arguments.opensees:
+        dataset = assess(_program(arguments), errors=arguments.error)
+    else:
+        if not arguments.problem:
+            raise ValueError("assess needs FILE.py:NAME, the name of a problem, or --command.")
+        schemes = None
+        if arguments.schemes:
+            schemes = {place.rpartition(":")[2]: _given(place, Scheme) for place in arguments.schemes}
+        dataset = assess(
+            _given(arguments.problem, Problem),
+            schemes,
+            duration=arguments.duration,
+            quantities=load(arguments.quantities, (dict,)) if arguments.quantities else None,
+            errors=arguments.error,
+            maps=arguments.maps,
+        )
     dataset.attrs["command"] = shlex.join(["study", *arguments.words])
-    io.write(dataset, outputs[0])
-    report(dataset, outputs[1])
+    if outputs:
+        io.write(dataset, outputs[0])
+        report(dataset, outputs[1])
     for quantity in dataset.quantity.values:
         for error in dataset.allowed_error.values:
             print(f"{quantity}, error {error:g}:\n{recommend(dataset, error=error, quantity=quantity).to_string()}\n")
             print(f"{answer(dataset, quantity, error)}\n")
     if told := limits_of_reference(dataset):
         print(f"{told}\n")
-    print(f"written: {outputs[0]}, {outputs[1]}")
+    if outputs:
+        print(f"written: {outputs[0]}, {outputs[1]}")
+
+
+def _program(arguments: argparse.Namespace) -> Program:
+    """The program of a command, or a model of OpenSees."""
+    if not arguments.schemes or not arguments.duration:
+        raise ValueError("a program needs --schemes, such as newmark hht, and --duration.")
+    schemes = [name for word in arguments.schemes for name in word.split(",") if name]
+    options = {key: getattr(arguments, key) for key in ("spacing", "time_limit", "workers")}
+    if bool(arguments.opensees) != bool(arguments.problem):
+        raise ValueError("give --opensees with FILE.py, or --command without a file.")
+    if arguments.opensees:
+        return opensees(arguments.problem, schemes, arguments.duration, **options)
+    return command(arguments.command, schemes, arguments.duration, **options)
 
 
 def _assess_scheme(arguments: argparse.Namespace) -> None:
@@ -151,13 +176,7 @@ def _assess_scheme(arguments: argparse.Namespace) -> None:
 
 
 def _recommend(arguments: argparse.Namespace) -> None:
-    table = recommend(
-        arguments.problem,
-        error=arguments.error,
-        quantity=arguments.quantity,
-        periods=arguments.periods,
-        folder=arguments.folder,
-    )
+    table = recommend(arguments.name, error=arguments.error, quantity=arguments.quantity, folder=arguments.folder)
     print(table.to_string())
 
 
@@ -192,7 +211,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         return
     except KeyboardInterrupt:
         parser.exit(130, "study: interrupted.\n")
-    except (UnknownName, TypeError, ValueError, OSError) as error:
+    except (UnknownName, TypeError, ValueError, OSError, ImportError) as error:
         mistake = str(error)
     else:
         return

@@ -32,7 +32,8 @@ import platformdirs
 
 _OPTION = "xla_cpu_small_while_loop_byte_threshold"
 
-_THRESHOLD = 1 << 20
+#: Bytes of a loop up to which it is native. A run that is compared with a reference carries a table of some megabytes.
+_THRESHOLD = 1 << 24
 
 #: Largest size of the cache in bytes when a process starts.
 _CACHE_SIZE = 1 << 30

@@ -7,43 +7,41 @@ import xarray as xr
 
 from study import io
 
+VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step")
 
-def accuracy() -> xr.Dataset:
-    """Two schemes of second order on the softening spring."""
-    steps, lengths, schemes = [16, 64, 256, 1024], [10, 100], ["average_acceleration", "central_difference"]
-    along = ("problem", "scheme", "steps_per_period", "periods")
-    error = np.multiply.outer([4.0, 2.0], np.multiply.outer(1.0 / np.square(steps), lengths))[None]
+#: Steps by scheme, quantity and allowed error; the implicit scheme keeps the velocity to one percent at none.
+STEPS = np.array([[[0.02, 0.01], [0.01, np.nan]], [[0.02, 0.005], [0.01, 0.004]]])
+
+
+def assessment() -> xr.Dataset:
+    """Two schemes on a spring over ten seconds; central difference is ten times cheaper a step."""
+    dims, per_step = ("scheme", "quantity", "allowed_error"), np.array([50e-9, 5e-9])[:, None, None]
+    time = per_step * 10 / STEPS
     return xr.Dataset(
         {
-            "max_trajectory_error": (along, error, {"units": "1"}),
-            "flagged": (("measure", *along), np.zeros((1, *error.shape), int)),
-            "uncertainty": (("measure", "problem", "periods"), np.zeros((1, 1, 2))),
-            "newton_iterations": (along, np.zeros(error.shape), {"units": "1"}),
+            "recommended_dt": (dims, STEPS),
+            "recommended_error": (dims, np.broadcast_to([0.09, 0.009], STEPS.shape)),
+            "time": (dims, time),
+            "time_spread": (dims, time / 10),
+            "force_evaluations": (dims, np.ceil(10 / STEPS)),
+            "steps_tried": (dims, np.full(STEPS.shape, 700)),
+            "worst_error": (dims, np.full(STEPS.shape, 0.95)),
+            "verdict": (
+                dims,
+                np.where(np.isnan(STEPS), 2, 0),
+                io.flags("how the search ended", VERDICTS, int),
+            ),
+            "highest_frequency": 3.0,
         },
         {
-            "problem": ["softening"],
-            "scheme": schemes,
-            "steps_per_period": steps,
-            "periods": lengths,
-            "measure": ["max_trajectory_error"],
+            "scheme": ["average_acceleration", "central_difference"],
+            "scheme_title": ("scheme", ["Average acceleration", "Central difference"]),
+            "kind": ("scheme", ["implicit", "explicit"]),
+            "quantity": ["displacement", "energy"],
+            "allowed_error": [0.1, 0.01],
         },
+        {"duration": 10.0, "periods": 10, "problem": "softening spring"},
     )
-
-
-def work_precision() -> xr.Dataset:
-    """Times of the steps of these schemes; central difference is ten times cheaper a step."""
-    errors = accuracy()
-    along = ("problem", "scheme", "steps_per_period")
-    per_step = np.broadcast_to(np.array([50.0, 5.0])[None, :, None], (1, 2, errors.sizes["steps_per_period"]))
-    return errors.assign(
-        median_time_per_step=(along, per_step, {"units": "ns"}),
-        spread_of_time_per_step=(along, per_step / 10, {"units": "ns"}),
-    ).assign_coords(forces_per_step=("scheme", [1, 1]), forces_per_iteration=("scheme", [0, 0]))
-
-
-def neighbours() -> xr.Dataset:
-    """The same errors from starts beside."""
-    return accuracy().expand_dims(start=["below", "above"])
 
 
 def energy_error() -> xr.Dataset:
@@ -57,6 +55,6 @@ def energy_error() -> xr.Dataset:
 
 def write_to(results: Path) -> Path:
     """Write the datasets to a folder of results, and return the folder."""
-    for make in (accuracy, neighbours, work_precision, energy_error):
-        io.write(make().assign_attrs(source=io.SOURCE), results / f"{make.__name__}.nc")
+    for name, dataset in (("assessment/softening", assessment()), ("energy_error", energy_error())):
+        io.write(dataset.assign_attrs(source=io.SOURCE), results / f"{name}.nc")
     return results

@@ -8,6 +8,7 @@ import xarray as xr
 
 import study
 from study.__main__ import main
+from tests import small_results
 
 RUN = ["run", "hardening", "rk4", "--dt", "0.0075", "--steps", "20"]
 
@@ -37,18 +38,11 @@ def test_names_are_listed(capsys):
         assert all(f"\n  {name}\n" in printed for name in registry)
 
 
-def test_a_recommendation_is_printed(capsys, monkeypatch):
-    asked: dict[str, object] = {}
-
-    def recommend(problem, **options):
-        asked.update(options, problem=problem)
-        return study.run("hardening", "rk4", dt=0.1, steps=2).u.to_dataframe()
-
-    monkeypatch.setattr("study.__main__.recommend", recommend)
-    main(["recommend", "softening", "--error", "0.01", "--periods", "30", "--folder", "elsewhere"])
-    assert "1.500000" in capsys.readouterr().out
-    assert asked["problem"] == "softening" and asked["error"] == 0.01 and asked["periods"] == 30
-    assert asked["quantity"] == "max_trajectory_error" and str(asked["folder"]) == "elsewhere"
+def test_a_recommendation_is_printed(capsys, tmp_path):
+    folder = small_results.write_to(tmp_path)
+    main(["recommend", "softening", "--error", "0.01", "--quantity", "energy", "--folder", str(folder)])
+    table = study.recommend("softening", error=0.01, quantity="energy", folder=folder)
+    assert capsys.readouterr().out == f"{table.to_string()}\n"
 
 
 @pytest.mark.parametrize(
@@ -61,8 +55,8 @@ def test_a_recommendation_is_printed(capsys, monkeypatch):
         ([*RUN, "--output", "{folder}/file/one.nc"], "'{folder}/file/one.nc' cannot be written: File exists."),
         (
             ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
-            "there is no dataset '{folder}/work_precision.nc'; "
-            "`snakemake {folder}/work_precision.nc` makes those of the study, in the folder of its sources, and "
+            "there is no dataset '{folder}/assessment/hardening.nc'; "
+            "`snakemake {folder}/assessment/hardening.nc` makes those of the study, in the folder of its sources, and "
             "`folder` names results elsewhere.",
         ),
     ],

@@ -148,7 +148,7 @@ def test_a_missing_dataset_says_what_to_run(dataset, tmp_path):
     with pytest.raises(FileNotFoundError, match="`snakemake .*energy_error.nc` makes"):
         study.open_dataset("energy_error", tmp_path)
     io.write(dataset, tmp_path / "energy_error.nc")
-    with pytest.raises(FileNotFoundError, match="work_precision.nc'; `snakemake .*work_precision.nc` makes"):
+    with pytest.raises(FileNotFoundError, match="hardening.nc'; `snakemake .*assessment/hardening.nc` makes"):
         study.recommend("hardening", error=0.01, folder=tmp_path)
     with pytest.raises(FileNotFoundError, match="did you mean 'energy_error'[?] If not, `snakemake"):
         study.open_dataset("energy_eror", tmp_path)

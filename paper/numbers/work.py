@@ -1,12 +1,17 @@
 """Numbers of the text: time against error, and the cheapest schemes."""
 
+from itertools import product
+
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.data import of_the_paper
+from paper.asks import OF_THE_ASSESSMENTS
+from paper.data import ASSESSED
 from paper.products import numbers
 from paper.published import SCHEMES, printed_cpu_times
+from study.analysis.recommendation import recommend
+from study.words import listed
 
 #: The error of the displacement at which the fastest are compared.
 EXACTING = 1e-10
@@ -26,18 +31,13 @@ def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time:
         "work_precision.schemes.problems": ["hardening"],
         "work_precision.solvers.problems": ["hardening"],
         "work_precision.solvers.periods": [100],
-        "recommendation.measures": ["max_trajectory_error"],
     },
 )
-def of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
-    """Cost of an error, and the cheapest schemes."""
+def of_work(work: xr.Dataset) -> dict:
+    """Cost of an error with schemes and with general solvers."""
     spring = work.sel(problem="hardening", periods=100)
     rk4 = spring.sel(scheme="rk4").isel(steps_per_period=-1)
     heyoka = spring.sel(solver="heyoka").isel(tolerance=-1)
-    of_1996 = of_the_paper(recommendation).time.sel(measure="max_trajectory_error")
-    kept = of_1996.notnull().any("scheme")
-    fastest = of_1996.fillna(np.inf).idxmin("scheme").where(kept, "")
-    count = {scheme: int((fastest == scheme).sum()) for scheme in ("rk4", "central_difference")}
     titles = dict(zip(work.scheme.values, work.scheme_title.values, strict=True))
     best, best_ms = _cheapest_below(spring, "scheme", spring.max_trajectory_error, spring.time_per_run)
     _, peer_ms = _cheapest_below(
@@ -45,9 +45,6 @@ def of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
     )
     coarse = spring.newton_iterations_per_step.sel(scheme="average_acceleration").isel(steps_per_period=0)
     return {
-        "work_rk4": count["rk4"],
-        "work_central_difference": count["central_difference"],
-        "seven_explicit_only": sum(count.values()) == int(kept.sum()),
         "work_best": titles.get(best),
         "work_best_ms": f"{best_ms:.2f}" if np.isfinite(best_ms) else None,
         "work_peer_ms": f"{peer_ms:.2f}" if np.isfinite(peer_ms) else None,
@@ -64,43 +61,47 @@ def of_work(work: xr.Dataset, recommendation: xr.Dataset) -> dict:
     }
 
 
-def _counted(names: np.ndarray, titles: dict[str, str]) -> str:
-    """Schemes with the number of times that each is named, the most frequent first."""
-    ranking = pd.Series(names).value_counts()
-    return ", ".join(f"{titles[name]} ({number})" for name, number in ranking.items())
+def _fastest(springs: list[xr.Dataset]) -> pd.DataFrame:
+    """The fastest scheme of every spring, quantity and error, its title and kind, and the kinds that tie for it."""
+    rows = []
+    for spring in springs:
+        titles = spring.scheme_title.to_series()
+        for quantity, error in product(spring.quantity.values, spring.allowed_error.values):
+            needs = recommend(spring, error=error, quantity=quantity)
+            best, tied = needs.index[0], needs.kind[needs.ties_with_fastest].tolist()
+            if tied:
+                rows.append((quantity, error, best, titles[best], needs.kind[best], tied))
+    return pd.DataFrame(rows, columns=["quantity", "error", "scheme", "title", "kind", "tied"])
 
 
-@numbers(asks={"recommendation.measures": ["max_energy_error"]})
-def of_all_measures(recommendation: xr.Dataset) -> dict:
-    """The fastest schemes over all problems, errors, lengths and measures of error."""
-    titles = dict(zip(recommendation.scheme.values, recommendation.scheme_title.values, strict=True))
-    explicit = dict(zip(recommendation.scheme.values, recommendation.explicit.values == 1, strict=True))
-    fastest = recommendation.cheapest_scheme.values.ravel()
-    fastest = fastest[fastest != ""]
-    implicit = recommendation.scheme.values[recommendation.explicit.values == 0]
-    ties = (recommendation.ties_with_fastest.sel(scheme=implicit) == 1).any("scheme").values.ravel()
-    names = recommendation.cheapest_scheme.values.ravel()
-    tied_by_implicit = [bool(tie) and explicit[name] for name, tie in zip(names, ties, strict=True) if name]
-    won = sum(explicit[name] for name in fastest)
-    by_measure = {
-        measure: [name for name in recommendation.cheapest_scheme.sel(measure=measure).values.ravel() if name]
-        for measure in recommendation.measure.values
-    }
-    *shorter, longest = (f"{length:,}" for length in recommendation.periods.values)
-    close = recommendation.cheapest_scheme.sel(measure="max_energy_error", error=recommendation.error.min()).values
-    tied = (recommendation.ties_with_fastest.sum("scheme") > 1).sum()
+@numbers(springs=ASSESSED, asks=OF_THE_ASSESSMENTS)
+def of_recommendations(springs: list[xr.Dataset]) -> dict:
+    """The fastest schemes of the assessed springs, over all quantities and errors, and among the schemes of 1996."""
+    fastest = _fastest(springs)
+    explicit = fastest.kind == "explicit"
+    there = [name for name in SCHEMES if name in springs[0].scheme.values]
+    of_1996 = _fastest([one.sel(scheme=there, quantity=["displacement"]) for one in springs]).scheme
+    tried = xr.concat([one.steps_tried.where(one.recommended_dt > 0) for one in springs], "problem", join="outer")
+    closest = fastest[(fastest.quantity == "energy") & (fastest.error == fastest.error.min())]
     return {
         **{
-            f"work_explicit_{measure}": f"{sum(explicit[name] for name in cells)} of {len(cells)}"
-            for measure, cells in by_measure.items()
+            f"work_explicit_{quantity}": f"{int(of_quantity.sum())} of {len(of_quantity)}"
+            for quantity, of_quantity in explicit.groupby(fastest.quantity)
         },
-        "work_of_all": fastest.size,
-        "work_explicit_tied": sum(tied_by_implicit),
-        "explicit_wins_most": won > fastest.size / 2,
-        "work_ranking_of_all": _counted(fastest, titles),
-        "work_ties": int(tied),
-        "energy_won_by_conserving": bool((close == "energy_momentum").all()),
-        "recommended_periods": " and ".join(filter(None, (", ".join(shorter), longest))),
+        "work_of_all": len(fastest),
+        "work_explicit_tied": sum("implicit" in tied for tied in fastest.tied[explicit]),
+        "explicit_wins_most": bool(explicit.mean() > 0.5),
+        "work_ranking_of_all": ", ".join(f"{one} ({count})" for one, count in fastest.title.value_counts().items()),
+        "work_ties": int((fastest.tied.str.len() > 1).sum()),
+        "energy_won_by_conserving": bool((closest.scheme == "energy_momentum").all()),
+        "assessed_periods": listed(sorted({f"{one.attrs['periods']:,}" for one in springs})),
+        "assessed_steps": f"{tried.min().item():.0f} to {tried.max().item():.0f}",
+        "assessed_errors": listed(f"{100 * error:g}" for error in springs[0].allowed_error.values),
+        "work_rk4": int((of_1996 == "rk4").sum()),
+        "work_central_difference": int((of_1996 == "central_difference").sum()),
+        "assessed_of_1996": len(there),
+        "assessed_schemes": springs[0].sizes["scheme"],
+        "explicit_of_1996_only": set(of_1996) <= {"rk4", "central_difference"},
     }
 
 

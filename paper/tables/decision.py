@@ -6,26 +6,23 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from paper.asks import OF_THE_ASSESSMENTS
+from paper.data import ASSESSED, steps_of_period
 from paper.numbers.spectrum import share_at_the_spacing, share_between
 from paper.products import table
+from paper.published import PROBLEMS
+from study.analysis.recommendation import recommend
 
 #: Errors of the columns.
 ERRORS = (0.1, 0.01, 0.001)
-#: What must be right, by the measure of error of the springs.
-MEASURES = {
-    "max_trajectory_error": "displacement",
-    "period_elongation": "phase",
-    "amplitude_decay": "peak",
-    "max_energy_error": "energy",
-}
-#: Those that are told of a period, and add up over the periods of a run.
-OF_A_PERIOD = ("period_elongation", "amplitude_decay")
-#: Springs, which the dataset of kinks holds for comparison.
-SPRINGS = ["hardening", "softening", "double_well"]
-#: Springs whose amplitude is one of those of another one's map.
-MAPPED = {"softening_large": "softening"}
-#: Length in periods, and percent of the energy, for which the springs are judged.
-PERIODS, LEVEL = 100, 10
+#: What must be right of a spring.
+QUANTITIES = ("displacement", "velocity", "phase", "energy")
+#: Spring that the dataset of kinks holds for comparison.
+SPRING = "hardening"
+#: Percent by which an energy may be off.
+LEVEL = 10
+#: How the search for a step ends at the coarsest one.
+COARSEST = "already the coarsest step"
 #: Percent of its largest size by which a velocity may be off: half of it is lost where an oscillation that the step
 #: does not resolve is left out, and all of it where it turns into a sawtooth.
 VELOCITY = 75
@@ -55,7 +52,7 @@ def _first(named: list[str]) -> str:
     return "; ".join(named[:NAMED]) + ("; …" if len(named) > NAMED else "") if named else "–"
 
 
-def _sentence(title: str) -> str:
+def sentence(title: str) -> str:
     """A title as the beginning of a sentence."""
     return title[0].upper() + title[1:]
 
@@ -70,52 +67,43 @@ def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
         yield name, runs.isel(scheme=np.flatnonzero(runs.explicit.values == flag))
 
 
-def _both(needs: xr.Dataset, also: xr.Dataset) -> xr.Dataset:
-    """Needs of every scheme that keeps two errors: those of the error that takes more steps."""
-    return needs.where(needs.steps_per_period >= also.steps_per_period, also.where(needs.steps_per_period.notnull()))
+def _fastest(spring: xr.Dataset, kind: str, error: float, quantity: str) -> pd.DataFrame:
+    """The fastest schemes of a class that tie, each with the finer one of its steps for a quantity and the energy."""
+    wanted = (error, quantity), (LEVEL / 100, "energy")
+    needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
+    needs = needs[needs.kind == kind].sort_values("step_size")
+    kept = needs[needs.step_size.groupby(level="scheme").transform("count") == len(wanted)]
+    finer = kept[~kept.index.duplicated()].sort_values("time")
+    tied = finer.time - finer.time.min() <= (finer.time_spread + finer.time_spread.head(1).sum()) / 2
+    steps = [steps_of_period(spring, step) for step in finer.step_size]
+    titles = spring.scheme_title.sel(scheme=finer.index.tolist()).values
+    marks = np.where(finer.verdict == COARSEST, AT_MOST, "")
+    cells = [f"{title}: {mark}{number:,}" for title, mark, number in zip(titles, marks, steps, strict=True)]
+    return finer.assign(steps=steps, cell=cells)[tied]
 
 
-def _fastest(needs: xr.Dataset) -> list[Choice]:
-    """The fastest scheme, and those whose interquartile range of the time meets its range."""
-    needs = needs.isel(scheme=np.flatnonzero(needs.steps_per_period.notnull())).sortby("time")
-    if not needs.sizes["scheme"]:
-        return []
-    fastest = needs.isel(scheme=0)
-    tied = needs.time - fastest.time <= (needs.time_spread + fastest.time_spread) / 2
-    return list(zip(needs.scheme_title.values[tied], needs.steps_per_period.values[tied], strict=True))
-
-
-def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: list[Choice]) -> str:
+def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: pd.DataFrame) -> str:
     """The steps that the first scheme of a choice needs at all amplitudes of the maps, if they are more."""
-    problem = MAPPED.get(problem, problem)
-    if not chosen or problem not in robustness.problem.values:
+    known = problem in robustness.problem.values and not chosen.empty
+    if not known or chosen.index[0] not in robustness.scheme.values:
         return ""
-    title, steps = chosen[0]
-    needed = robustness.steps_needed.sel(problem=problem, level=LEVEL).isel(periods=-1)
-    at_all = needed.values[needed.scheme_title.values == title]
-    most = robustness.most_steps.item()
-    if not at_all.size or (at_all.item() if np.isfinite(at_all.item()) else most) <= steps:
+    needed = robustness.steps_needed.sel(problem=problem, level=LEVEL, scheme=chosen.index[0])
+    at_all, most = needed.isel(periods=-1).item(), robustness.most_steps.item()
+    if (at_all if np.isfinite(at_all) else most) <= chosen.steps.iloc[0]:
         return ""
-    more = f"{at_all.item():.0f}" if np.isfinite(at_all.item()) else f"more than {most}"
-    return f"at all amplitudes: {more}"
+    return f"at all amplitudes: {f'{at_all:.0f}' if np.isfinite(at_all) else f'more than {most}'}"
 
 
-def _springs(recommendation: xr.Dataset, robustness: xr.Dataset) -> Iterator[dict]:
-    known = recommendation[["steps_per_period", "time", "time_spread"]].sel({"periods": PERIODS})
-    tried = recommendation.coarsest.item(), recommendation.finest.item()
-    for problem, title in zip(known.problem.values, known.problem_title.values, strict=True):
-        for k, (measure, what) in enumerate(MEASURES.items()):
-            limits = [error / PERIODS if measure in OF_A_PERIOD else error for error in ERRORS]
-            for c, (name, one) in enumerate(_by_class(known.sel({"problem": problem}))):
-                sound = one.sel({"measure": "max_energy_error", "error": LEVEL / 100})
-                needs = [_both(one.sel({"measure": measure, "error": limit}), sound) for limit in limits]
-                choices = [_fastest(each) for each in needs]
-                cells = {_column(error): _listed(each, *tried) for error, each in zip(ERRORS, choices, strict=True)}
+def _springs(springs: list[xr.Dataset], robustness: xr.Dataset) -> Iterator[dict]:
+    for problem, spring in zip(PROBLEMS, springs, strict=True):
+        for k, quantity in enumerate(QUANTITIES):
+            for c, kind in enumerate(CLASSES):
+                choices = [_fastest(spring, kind, error, quantity) for error in ERRORS]
                 yield {
-                    "Problem": _sentence(title) if k == c == 0 else "",
-                    "Right in": what if c == 0 else "",
-                    "Scheme": name,
-                    **cells,
+                    "Problem": sentence(spring.attrs["problem"]) if k == c == 0 else "",
+                    "Right in": quantity if c == 0 else "",
+                    "Scheme": kind,
+                    **{_column(error): _first(one.cell.tolist()) for error, one in zip(ERRORS, choices, strict=True)},
                     "Beware of": _of_amplitudes(robustness, problem, choices[0]),
                 }
 
@@ -153,11 +141,11 @@ def _lost_order(kinks: xr.Dataset) -> str:
 def _remembering(kinks: xr.Dataset) -> Iterator[dict]:
     tried = kinks.steps_per_period.values[[0, -1]]
     for problem in kinks.problem.values:
-        if problem in SPRINGS:
+        if problem == SPRING:
             continue
         for c, (name, one) in enumerate(_by_class(kinks.sel(problem=problem))):
             yield {
-                "Problem": _sentence(one.problem_title.item()) if c == 0 else "",
+                "Problem": sentence(one.problem_title.item()) if c == 0 else "",
                 "Right in": "displacement" if c == 0 else "",
                 "Scheme": name,
                 **{_column(error): _listed(_fewest_forces(one, one.error, error), *tried) for error in ERRORS},
@@ -186,7 +174,7 @@ def _structures(structures: xr.Dataset) -> Iterator[dict]:
             for c, (name, one) in enumerate(_by_class(structures.sel(problem=problem))):
                 size = one.displacement_error if what == "displacement" else one.max_energy_imbalance / 100
                 yield {
-                    "Problem": _sentence(one.problem_title.item()) if k == c == 0 else "",
+                    "Problem": sentence(one.problem_title.item()) if k == c == 0 else "",
                     "Right in": what if c == 0 else "",
                     "Scheme": name,
                     **{_column(error): _listed(_fewest_forces(one, size, error), *tried) for error in ERRORS},
@@ -231,16 +219,9 @@ def _record(spectrum: xr.Dataset) -> Iterator[dict]:
         }
 
 
-@table(
-    robustness="stability/robustness",
-    asks={
-        "recommendation.measures": list(MEASURES),
-        "recommendation.errors": [*ERRORS, *(error / PERIODS for error in ERRORS)],
-        "recommendation.periods": [PERIODS],
-    },
-)
+@table(springs=ASSESSED, robustness="stability/robustness", asks=OF_THE_ASSESSMENTS)
 def tabulate(
-    recommendation: xr.Dataset,
+    springs: list[xr.Dataset],
     robustness: xr.Dataset,
     kinks: xr.Dataset,
     spectrum: xr.Dataset,
@@ -252,5 +233,5 @@ def tabulate(
     with it, among those whose energy is right to ``LEVEL`` percent too; of the others the scheme with the fewest forces
     in a period. Numbers are steps in a period.
     """
-    rows = [*_springs(recommendation, robustness), *_structures(structures), *_remembering(kinks), *_record(spectrum)]
+    rows = [*_springs(springs, robustness), *_structures(structures), *_remembering(kinks), *_record(spectrum)]
     return pd.DataFrame(rows)

@@ -1,35 +1,26 @@
-"""Cost of accuracy with every scheme: steps per period and time for an error of the displacement."""
+"""Cost of accuracy with every scheme: steps in a period and time for an error of the displacement."""
 
 import pandas as pd
 import xarray as xr
 
-from paper.data import families
+from paper.asks import OF_THE_ASSESSMENTS
+from paper.data import steps_of_period
 from paper.products import table
+from study.analysis.recommendation import recommend
 
-PROBLEM, MEASURE, PERIODS = "hardening", "max_trajectory_error", 100
 
-
-@table(
-    asks={
-        "recommendation.problems": [PROBLEM],
-        "recommendation.measures": [MEASURE],
-        "recommendation.periods": [PERIODS],
-    },
-)
-def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
-    """One row per scheme, one column per error; a dash where no step size of the study keeps it."""
-    needs = recommendation.sel({"problem": PROBLEM, "measure": MEASURE, "periods": PERIODS})
+@table(spring="assessment/hardening", asks=OF_THE_ASSESSMENTS)
+def tabulate(spring: xr.Dataset) -> pd.DataFrame:
+    """One row per scheme, one column per error; a dash where no step was found."""
     rows = []
-    for part in families(needs).values():
-        for name in part.scheme.values:
-            scheme = part.sel(scheme=name)
-            row = {"Scheme": scheme.scheme_title.item()}
-            for error in part.error.values:
-                # by a mapping: error is a coordinate here
-                one = scheme.sel({"error": error})
-                steps, time = one.steps_per_period.item(), one.time.item()
-                title = f"{100 * error:g} %" if error > 1e-5 else f"{error:g}"
-                at_most = "≤ " if steps == needs.coarsest else ""
-                row[title] = f"{at_most}{steps:,.0f}, {1e3 * time:.2g} ms" if steps == steps else "–"
-            rows.append(row)
+    tables = {
+        f"{100 * error:g} %": recommend(spring, error=error, quantity="displacement")
+        for error in spring.allowed_error.values
+    }
+    for name, title in zip(spring.scheme.values, spring.scheme_title.values, strict=True):
+        row = {"Scheme": title, "Kind": spring.kind.sel(scheme=name).item()}
+        for error, needs in tables.items():
+            step, time = needs.step_size[name], needs.time[name]
+            row[error] = f"{steps_of_period(spring, step):,}, {1e3 * time:.2g} ms" if step > 0 else "–"
+        rows.append(row)
     return pd.DataFrame(rows)

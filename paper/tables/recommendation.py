@@ -1,39 +1,33 @@
-"""The fastest scheme for an allowed error, by every measure of error, and its steps per period."""
+"""The fastest scheme for an allowed error, by everything that must be right, and its steps in a period."""
 
 import pandas as pd
 import xarray as xr
 
+from paper.asks import OF_THE_ASSESSMENTS
+from paper.data import ASSESSED, steps_of_period
 from paper.products import table
-from paper.tables.decision import AT_MOST, MEASURES
+from paper.tables.decision import AT_MOST, COARSEST, sentence
+from study.analysis.recommendation import recommend
 
 
-def _cell(needs: xr.Dataset) -> str:
+def _cell(spring: xr.Dataset, error: float, quantity: str) -> str:
     """The fastest scheme with its steps, and an asterisk if another ties with it."""
-    name = needs.cheapest_scheme.item()
-    if not name:
+    needs = recommend(spring, error=error, quantity=quantity)
+    best = needs.iloc[0]
+    if not best.step_size > 0:
         return "–"
-    best = needs.sel(scheme=name)
-    at_most = AT_MOST if best.steps_per_period == needs.coarsest else ""
-    tied = (needs.ties_with_fastest == 1).sum() > 1
-    return f"{best.scheme_title.item()}: {at_most}{best.steps_per_period.item():,.0f}{' *' if tied else ''}"
+    at_most = AT_MOST if best.verdict == COARSEST else ""
+    title = spring.scheme_title.sel(scheme=best.name).item()
+    tied = "\u00a0*" if needs.ties_with_fastest.sum() > 1 else ""
+    return f"{title}: {at_most}{steps_of_period(spring, best.step_size):,}{tied}"
 
 
-@table(asks={"recommendation.measures": list(MEASURES)})
-def tabulate(recommendation: xr.Dataset) -> pd.DataFrame:
-    """One row per problem, length of the run and error; a dash where no scheme keeps the error."""
-    titles = dict(zip(recommendation.problem.values, recommendation.problem_title.values, strict=True))
-    rows = []
-    for problem, title in titles.items():
-        for periods in recommendation.periods.values:
-            for error in recommendation.error.values:
-                # by a mapping: a problem's error is a coordinate here, and xarray has methods of such names
-                needs = recommendation.sel({"problem": problem, "error": error, "periods": periods})
-                row = {
-                    "Problem": title[0].upper() + title[1:],
-                    "Periods": f"{periods:,}",
-                    "Error": f"{100 * error:g} %" if error > 1e-5 else f"{error:g}",
-                }
-                rows.append(
-                    row | {what.capitalize(): _cell(needs.sel({"measure": name})) for name, what in MEASURES.items()}
-                )
-    return pd.DataFrame(rows)
+@table(springs=ASSESSED, asks=OF_THE_ASSESSMENTS)
+def tabulate(springs: list[xr.Dataset]) -> pd.DataFrame:
+    """One row per spring and error; a dash where no scheme keeps the error."""
+    return pd.DataFrame(
+        {"Problem": sentence(spring.attrs["problem"]), "Error": f"{100 * error:g} %"}
+        | {quantity.capitalize(): _cell(spring, error, quantity) for quantity in spring.quantity.values}
+        for spring in springs
+        for error in spring.allowed_error.values
+    )

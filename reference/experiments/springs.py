@@ -1,7 +1,6 @@
 """Exact period of each spring, and its motion over one period: the datasets ``reference/PROBLEM``."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from typing import Annotated
 
@@ -64,13 +63,13 @@ def _jobs(options: Options) -> dict[str, Options]:
     return {problem: {"problem": problem, "steps_per_period": steps_per_period} for problem in options["problems"]}
 
 
-def numbers_held(options: Options, configuration: Mapping) -> float:
+def _numbers_held(options: Options, configuration: Mapping) -> float:
     """Numbers that a job holds at once."""
     # each phase is held in four integrations as numbers of 192 bits, which are objects
     return 100 * sum(options["steps_per_period"])
 
 
-@experiment("reference", section="references", model=_References, split=_jobs, values=numbers_held)
+@experiment("reference", section="references", model=_References, split=_jobs, values=_numbers_held)
 def reference(problem: Spring, steps_per_period: Sequence[int]) -> xr.Dataset:
     """Compute the exact period of a spring and its motion over one period.
 
@@ -81,19 +80,7 @@ def reference(problem: Spring, steps_per_period: Sequence[int]) -> xr.Dataset:
     RouteFailed
         If the integrations do not agree.
     """
-    return over_one_period(problem, 1.0, steps_per_period)
-
-
-def over_one_period(problem: str, start: float, steps_per_period: Sequence[int]) -> xr.Dataset:
-    """Exact period and motion over it from a multiple of the displacement from which a problem starts.
-
-    Raises
-    ------
-    RouteFailed
-        If the integrations do not agree.
-    """
     definition = problems_by_name[problem]
-    definition = replace(definition, u0=start * definition.u0)
     progress(f"exact solution of {problem} with 128 and 192 bits in two formulations")
     exact_period, period_certified = exact.period(definition, approximate_periods[problem])
     parts = phases(steps_per_period)

@@ -1,7 +1,6 @@
 """``study.assess``: the whole way from a problem to the scheme and the step that it needs."""
 
-import sys
-import time
+import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -11,13 +10,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import xarray as xr
-from tqdm import tqdm
 
-from study.assessment import errors, failures, oscillation, search
+from study.assessment import errors, failures, large, oscillation, search
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.errors import DEFAULT
+from study.assessment.of_program import assess_program, narrowed
 from study.assessment.periods import highest_frequency, length_of, slowest_period
+from study.assessment.progress import Progress
 from study.assessment.search import ENERGY, Search
 from study.assessment.solution import DenseSolution
 from study.io import processor
@@ -27,6 +27,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
 from study.observer.motion import Quantity
 from study.problem.named import problems
+from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.scheme.contract import check_told
 from study.scheme.named import schemes as schemes_by_name
@@ -50,9 +51,6 @@ LEAST_ERROR = 1e-10
 
 #: Least energy at the start, over the largest kinetic energy, to which errors of its balance can be related.
 LEAST_ENERGY = 0.01
-
-#: Seconds between two lines of progress where there is no terminal.
-PAUSE = 5.0
 
 
 def _checked(one: str | Scheme) -> Scheme:
@@ -95,13 +93,14 @@ def _checked_errors(allowed: Sequence[float]) -> list[float]:
 
 
 def assess(
-    problem: str | Problem,
+    problem: str | Problem | Program,
     schemes: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None = None,
     *,
     duration: float | None = None,
     quantities: Mapping[str, Quantity] | None = None,
     errors: Sequence[float] = (0.1, 0.01, 0.001),
     maps: bool = True,
+    seconds: float = math.inf,
 ) -> xr.Dataset:
     """Find out which scheme and which step a problem needs for an error, by runs against a certified reference.
 
@@ -110,16 +109,21 @@ def assess(
     up to 128 runs an octave and 500 in that below a recommended step, fewer where they have many steps. ``largest_dt``
     is the largest step tried that keeps an error, as all finer steps that were tried do, with room for the scatter of
     their errors. The recommended step is the largest below it that has two digits, or under a record is a whole part or
-    multiple of the spacing of its
-    samples. It was run too, also from two starts one percent apart from the given one. If none of n random finer steps
-    exceeds the error, at most 3/n of such steps do, with 95 % confidence. No number is interpolated.
+    multiple of the spacing of its samples. It was run too, also from two starts one percent apart from the given one.
+    If none of n random finer steps exceeds the error, at most 3/n of such steps do, with 95 % confidence. No number is
+    interpolated.
 
     A run ends with the last step that fits into the duration and is compared up to there, along time at every step.
+
+    A problem of more than 1,000 unknowns is assessed as a :class:`study.Program` is: the reference is what two schemes
+    agree on as their steps are halved, among the named ones, ``rk4`` and ``nystrom4``, and their difference is its
+    uncertainty. Few random finer steps confirm a step.
 
     Parameters
     ----------
     problem
-        Name in ``study.problems``, or your own :class:`study.Problem`.
+        Name in ``study.problems``, your own :class:`study.Problem`, or a :class:`study.Program`, which has its schemes,
+        duration and quantities itself.
     schemes
         Names in ``study.schemes``, your own :class:`study.Scheme`, or a mapping from names to schemes; ten usual ones
         by default.
@@ -132,7 +136,10 @@ def assess(
     errors
         Errors that may be allowed, as fractions of the largest value of each quantity.
     maps
-        Whether to map over step size and excitation how each scheme fails.
+        Whether to map over step size and excitation how each scheme fails, for up to 1,000 unknowns.
+    seconds
+        Wall time after which no run begins that would end later. What is known then is returned, and the verdict on the
+        rest is ``out_of_time``. The reference of two solvers is finished in any case.
 
     Returns
     -------
@@ -142,7 +149,8 @@ def assess(
         error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
         the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
         ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is that of small
-        motions about points of the reference's motion.
+        motions about points of the reference's motion. Of a program also ``reason``, ``run_time`` and ``repeated``, and
+        ``remarks`` among the attributes; what it does not report is NaN.
         Attributes name the routes of the reference, the time up to which it holds, versions and processor.
         :func:`study.recommend` and :func:`study.report` take it.
 
@@ -159,6 +167,11 @@ def assess(
     >>> ds = study.assess("softening", ["average_acceleration", "rk4"])  # doctest: +SKIP
     >>> study.recommend(ds, error=0.01, quantity="displacement")  # doctest: +SKIP
     """
+    if isinstance(problem, Program):
+        if quantities is not None or duration is not None:
+            raise ValueError("a program has its own quantities and duration; leave them out.")
+        own = narrowed(problem, schemes)  # type: ignore[arg-type]
+        return assess_program(own, _checked_errors(errors), seconds, Progress(len(own.schemes)).tell)
     # as a multiple of itself it shares what is compiled with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = _chosen_schemes(schemes), _checked_errors(errors)
@@ -176,6 +189,9 @@ def assess(
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))
+    if np.size(equation.u0) > large.MOST:
+        program = large.program_of(equation, fit, length, quantities, search.spacing(equation, length))
+        return assess_program(program, allowed, seconds, Progress(len(fit)).tell)
     slowest = slowest_period(equation) or length / search.COARSEST
     coarsest = slowest / search.COARSEST
     if length / coarsest > search.MOST_STEPS:
@@ -183,7 +199,7 @@ def assess(
             f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps of which "
             f"{search.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
-    progress = _Progress(len(fit))
+    progress = Progress(len(fit))
     progress.tell(f"solving for a reference of '{equation.title}'")
     reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
@@ -265,25 +281,7 @@ def _asked_for(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]
     return asked
 
 
-class _Progress:
-    """What is being done: on a terminal a bar, elsewhere a line every few seconds at most."""
-
-    def __init__(self, schemes: int):
-        self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
-        self.stopped, self._told = False, -PAUSE
-
-    def tell(self, what: str) -> None:
-        """Tell what is being done; the place at which a thread ends after Ctrl-C."""
-        if self.stopped:
-            raise KeyboardInterrupt
-        if not self.bar.disable:
-            self.bar.set_postfix_str(what)
-        elif time.monotonic() >= self._told + PAUSE:
-            self._told = time.monotonic()
-            print(what, file=sys.stderr, flush=True)
-
-
-def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: _Progress) -> dict[str, Assessed]:
+def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: Progress) -> dict[str, Assessed]:
     """What was found out about each scheme; after Ctrl-C, about those that are done."""
     with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
         waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}

@@ -1,4 +1,4 @@
-"""Assessments in the pipeline, of problems and schemes in files that the section ``assess`` names."""
+"""Assessments in the pipeline, of the problems that the section ``assess`` names: springs, and your own in files."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -7,10 +7,11 @@ from typing import NotRequired
 import xarray as xr
 from typing_extensions import TypedDict
 
+from study import io
 from study.assessment.assess import assess
 from study.assessment.periods import length_of
 from study.declaration.experiment import Options, experiment, progress
-from study.declaration.options import Name, Place, ProblemPlace, Schemes, Size, Tolerances, section
+from study.declaration.options import Count, Name, Place, ProblemPlace, Schemes, Size, Tolerances, section
 from study.mechanics.definition import Problem
 from study.problem.named import problems
 from study.registry import UnknownName
@@ -21,9 +22,11 @@ from study.user_files import load
 class _Assessment(TypedDict):
     problem: ProblemPlace
     duration: NotRequired[Size]
+    periods: NotRequired[Count]
     quantities: NotRequired[Place]
     schemes: NotRequired[Schemes]
     errors: NotRequired[Tolerances]
+    maps: NotRequired[bool]
 
 
 def _places(options: Options) -> list[tuple[str, str]]:
@@ -35,7 +38,14 @@ def _files(options: Options) -> Iterable[str]:
     return sorted({place.rpartition(":")[0] for _, place in _places(options)})
 
 
+def _reads(options: Options) -> list[str]:
+    """The exact solution of a spring whose run is counted in periods."""
+    return [f"reference/{options['problem']}"] if "periods" in options else []
+
+
 def _check(options: Options, configuration: Mapping) -> str | None:
+    if {"duration", "periods"} <= options.keys():
+        return "periods: the length of the runs is given by duration already; leave one of them out."
     for key, place in _places(options):
         file, separator, _ = place.rpartition(":")
         if not separator or not file.endswith(".py"):
@@ -43,7 +53,9 @@ def _check(options: Options, configuration: Mapping) -> str | None:
         if not Path(file).is_file():
             return f"{key} names the file '{file}', which is not there."
     try:
-        length_of(_problem(options["problem"]), options.get("duration"))
+        problem = _problem(options["problem"])
+        if "periods" not in options:
+            length_of(problem, options.get("duration"))
         if "quantities" in options:
             load(options["quantities"], (dict,))
     except (UnknownName, ValueError) as error:
@@ -60,6 +72,7 @@ def _problem(place: str) -> Problem:
     section="assess",
     model=dict[Name, _Assessment],
     split=lambda options: options,
+    reads=_reads,
     files=_files,
     check=_check,
     page="study.assessment.report",
@@ -68,20 +81,27 @@ def _problem(place: str) -> Problem:
 def assessment(
     problem: ProblemPlace,
     duration: float | None = None,
+    periods: int | None = None,
     quantities: Place | None = None,
     schemes: Schemes | None = None,
     errors: Sequence[float] = (0.1, 0.01, 0.001),
+    maps: bool = True,
 ) -> xr.Dataset:
     """Assess a problem in a file, or one of the study: which scheme and which step it needs for an error.
 
     ``problem`` and ``quantities`` name a :class:`study.Problem` and a dict of :class:`study.Quantity` as
-    ``FILE.py:NAME``; ``problem`` may also be a name of the study.
+    ``FILE.py:NAME``; ``problem`` may also be a name of the study. ``periods`` counts the time to run in exact periods
+    of a spring, as the dataset ``reference/PROBLEM`` has them.
     """
     progress(f"assessment of {problem}")
-    return assess(
+    if periods is not None:
+        duration = periods * io.open_dataset(f"reference/{problem}").period.item()
+    assessed = assess(
         _problem(problem),
         schemes,
         duration=duration,
         quantities=load(quantities, (dict,)) if quantities else None,
         errors=errors,
+        maps=maps,
     )
+    return assessed if periods is None else assessed.assign_attrs(periods=periods)

@@ -95,3 +95,11 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
             "map_dt": ("map_dt", dt[shown], {"long_name": "step size of the map", "units": "s"}),
         },
     )
+
+
+def failed_runs(assessed: xr.Dataset) -> list[tuple[str, str, str]]:
+    """Scheme, step and reason of each run of a program that is of no use; none of a problem."""
+    if "reason" not in assessed:
+        return []
+    every = assessed.reason.stack(run=["scheme", "dt"])
+    return [(one.scheme.item(), f"{one.dt.item():.4g}", one.item()) for one in every if one.item()]

@@ -65,6 +65,11 @@ def _solvers():
     return diffrax, sundials
 
 
+@eqx.filter_jit
+def _switches(load, times):
+    return jax.lax.map(lambda t: switches(load, t), times)
+
+
 def _switches_of_load(load: Callable | None, duration: float) -> Times:
     """Times at which a comparison in the program of a load gets another answer; a record declares its kinks itself.
 
@@ -74,12 +79,13 @@ def _switches_of_load(load: Callable | None, duration: float) -> Times:
 
     if load is None or hasattr(load, "kinks"):
         return np.zeros(0)
-    at = jax.jit(lambda t: switches(load, t))
     times = np.linspace(0.0, duration, SWITCHES + 1)
-    values = np.asarray(jax.lax.map(at, times))
+    values = np.asarray(_switches(load, times))
     places = np.argwhere(np.sign(values[1:]) != np.sign(values[:-1]))
     roots = (
-        optimize.brentq(lambda t, k=k: float(at(t)[k]), times[i], times[i + 1], xtol=1e-300, rtol=1e-15)
+        optimize.brentq(
+            lambda t, k=k: _switches(load, np.array([t]))[0, k], *times[[i, i + 1]], xtol=1e-300, rtol=1e-15
+        )
         for i, k in places
         if values[i, k] * values[i + 1, k] <= 0
     )

@@ -11,7 +11,9 @@ import pandas as pd
 import xarray as xr
 
 from study.analysis.outcomes import Outcome
-from study.analysis.recommendation import of_assessment
+from study.analysis.recommendation import recommend
+from study.assessment.assurance import confirmation, limits_of_reference, percent, reference_of
+from study.assessment.failures import failed_runs
 from study.assessment.style import STYLE
 from study.io import write
 from study.scheme.codes import names_in_codes
@@ -33,10 +35,6 @@ SHADES = np.linspace(1.0, 0.25, len(Outcome))
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
 
 
-def _percent(fraction: float) -> str:
-    return f"{number(100 * fraction)} %"
-
-
 def _time(seconds: float) -> str:
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= size:
@@ -56,11 +54,11 @@ def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[
 
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
     """The recommendation for one quantity and error: the fastest implicit and the fastest explicit scheme."""
-    table = of_assessment(assessed, error, quantity)
+    table = recommend(assessed, error=error, quantity=quantity)
     found = table[table["step_size"].notna()]
     if found.empty:
         reasons = ", ".join(sorted(set(table.verdict)))
-        return f"No scheme was found to keep {_percent(error)} of {quantity}: {reasons}."
+        return f"No scheme was found to keep {percent(error)} of {quantity}: {reasons}."
     titles = dict(zip(assessed.scheme.values, assessed.scheme_title.values, strict=True))
     best = []
     for one in found.groupby("kind", sort=False).head(1).itertuples():
@@ -73,37 +71,8 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
             text += "" if one.step_size <= safe else ", which is beyond its largest safe step (see how it fails)"
         best.append(text + (", the coarsest step tried" if one.verdict == "already the coarsest step" else ""))
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
-    return f"For {_percent(error)} of {quantity}: {'; '.join(best)}." + (
+    return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
         f" As fast within the spread of times: {', '.join(ties)}." if ties else ""
-    )
-
-
-def confirmation(assessed: xr.Dataset) -> str:
-    """How many steps confirm the recommended ones, and what that proves; empty if there are none."""
-    tried = assessed.steps_tried.values[assessed.recommended_dt.notnull().values]
-    if not tried.size:
-        return ""
-    few, many = tried.min(), tried.max()
-    bounds = " to ".join(_percent(3 / n) for n in (many, few))
-    worst = _percent(float(assessed.worst_error.max()))
-    return (
-        f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} random finer "
-        "steps down to a twentieth of it, or as fine as runs went. The largest error met is "
-        f"{worst} of the allowed one. With 95 % confidence, at most {bounds} of such steps exceed it, the less the "
-        f"more were tried. {assessed.attrs['starts']} Errors along time are the largest at any step. Small motions "
-        f"about points of the motion have frequencies up to ω = {assessed.highest_frequency.item():.4g} /s."
-    )
-
-
-def limits_of_reference(assessed: xr.Dataset) -> str:
-    """A sentence on a reference that holds for a part of the time only; empty if it holds to the end."""
-    held, asked = assessed.attrs["duration"], assessed.attrs["duration_asked_for"]
-    if held >= asked:
-        return ""
-    return (
-        f"Beyond t = {held:.4g} s of the {asked:.4g} s asked for, {assessed.attrs['reference']} and "
-        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do where neighbouring "
-        "motions part; all errors are measured up to there."
     )
 
 
@@ -114,8 +83,13 @@ def svg_of(figure) -> str:
     return text.getvalue()[text.getvalue().index("<svg") :]
 
 
-def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, ylabel: str, limits=()) -> str:
-    """Values of every scheme against step size or time."""
+def times_of_runs(assessed: xr.Dataset) -> xr.DataArray:
+    """Times of all runs: those that were measured, of a program, and otherwise steps at the time of a step."""
+    return assessed.run_time if "run_time" in assessed else assessed.time_per_step * assessed.steps
+
+
+def curves(assessed: xr.Dataset, along: xr.DataArray, label: str, values: xr.DataArray, ylabel: str, limits=()) -> str:
+    """Values of every scheme against steps or times of its runs, as SVG; empty if there is nothing to draw."""
     from matplotlib.figure import Figure
 
     # at the width of a phone the letters keep their size
@@ -124,7 +98,7 @@ def _curves(assessed: xr.Dataset, along: str, label: str, values: xr.DataArray, 
     drawn = 0
     for s, name in enumerate(assessed.scheme.values):
         one = assessed.sel(scheme=name)
-        x = one.dt.values if along == "dt" else one.steps.values * float(one.time_per_step)
+        x = along.broadcast_like(values).sel(scheme=name).values
         y = values.sel(scheme=name).values
         tried = np.isfinite(y) & (y > 0) & np.isfinite(x)
         colour, marker = COLOURS[s % len(COLOURS)], MARKERS[s % len(MARKERS)]
@@ -193,11 +167,11 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
             (
                 titles[row.Index],
                 f"{row.step_size:.4g}",
-                f"{row.omega_step:.2g}",
+                number(row.omega_step, 2),
                 f"{row.number_of_steps:.0f}",
-                _percent(row.error),
+                percent(row.error),
                 "–" if np.isnan(row.time) else f"{_time(row.time)} ± {_time(row.time_spread / 2)}",
-                f"{row.forces_per_time:.3g}",
+                number(row.forces_per_time),
                 row.steps_tried,
                 row.verdict,
             )
@@ -211,7 +185,6 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
 
 def judgement(assessed: xr.Dataset) -> list[str]:
     """What an assessment says, as parts of a page: answers, errors, energy, failures, reference."""
-    attributes = assessed.attrs
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
     quantities, limits = assessed.quantity.values.tolist(), assessed.allowed_error.values
     parts = ['<div class="answer">']
@@ -224,19 +197,21 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts.append(f"<h2>Error of {text_of(quantity)}</h2>")
         values = assessed.error.sel(quantity=quantity)
         caption = f"The worst error around each step; dashed, the errors asked for. {quantity}, relative to its peak."
-        against_step = figure_of(_curves(assessed, "dt", "step size, s", values, "error", limits), caption)
+        against_step = figure_of(curves(assessed, assessed.dt, "step size, s", values, "error", limits), caption)
         against_time = figure_of(
-            _curves(assessed, "time", "time of a run, s", values, "error", limits),
-            "The same against the time that a run takes, at the time of a step of a long run.",
+            curves(assessed, times_of_runs(assessed), "time of a run, s", values, "error", limits),
+            "The same against the time that a run takes"
+            + ("." if "run_time" in assessed else ", at the time of a step of a long run."),
         )
         parts.append(f'<div class="pair">{against_step}{against_time}</div>')
         for limit in limits:
-            parts.append(f"<p><b>{_percent(limit)}</b></p>{_needs(of_assessment(assessed, limit, quantity), titles)}")
+            table = recommend(assessed, error=limit, quantity=quantity)
+            parts.append(f"<p><b>{percent(limit)}</b></p>{_needs(table, titles)}")
     if np.isfinite(assessed.energy_imbalance).any():
         parts.append("<h2>Energy</h2>")
         parts.append(
             figure_of(
-                _curves(assessed, "dt", "step size, s", assessed.energy_imbalance, "imbalance of energies"),
+                curves(assessed, assessed.dt, "step size, s", assessed.energy_imbalance, "imbalance of energies"),
                 "Largest error of the balance of energy, dissipation and work, relative to the energy put in.",
             )
         )
@@ -260,14 +235,11 @@ def judgement(assessed: xr.Dataset) -> list[str]:
             for n in assessed.scheme.values
         ]
         parts.append(table_of(("scheme", "largest safe Δt, s", "what limits it, and what helps"), rows, text=(2,)))
+    if rows := failed_runs(assessed):
+        parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
     parts += _input_lines(assessed)
     parts.append("<h2>The reference</h2>")
-    told = {quantity: _percent(float(assessed.reference_uncertainty.sel(quantity=quantity))) for quantity in quantities}
-    parts.append(
-        f"<p>{text_of(attributes['reference'])} and, independent of it, {text_of(attributes['witness'])}, both with a "
-        f"relative tolerance of {attributes['reference_tolerance']:g}. They differ by "
-        f"{text_of(', '.join(f'{value} of {name}' for name, value in told.items()))}.</p>"
-    )
+    parts.append(f"<p>{text_of(reference_of(assessed))}</p>")
     return parts
 
 

@@ -1,7 +1,7 @@
 """Runs of one scheme at many random steps, octave by octave, and the largest step below which all keep an error."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -16,7 +16,6 @@ from study.marching.ensemble import FEW, TILE, cores
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
-from study.problem.named import neighbouring_starts
 from study.scheme.base import Scheme
 
 #: Steps with which a search begins in a period of the slowest small motion.
@@ -38,12 +37,12 @@ WORK = {True: 1_500_000, False: 4_000_000}
 #: Runs up to an octave below a recommended step, where errors are largest, and their steps × unknowns at most.
 CONFIRMED, WORK_OF_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}
 
-#: Steps of a run of one unknown from which on it is made alone, and of one of few: a tile takes as long if it is empty.
-#: A search that makes no longer runs does without the program of a single run.
-LONG, LONG_OF_FEW, LONG_OF_SHORT = 30_000, 7_500, 120_000
+#: Steps of a run of one unknown from which on it is made alone. A search that makes no longer runs than the second of
+#: these numbers does without the program of a single run, which takes as long to compile as it saves.
+LONG, LONG_OF_SHORT = 30_000, 120_000
 
 #: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
-STARTS = tuple(neighbouring_starts.values())
+STARTS = (0.99, 1.01)
 
 #: Quantile of the errors up to an octave below a step. Steps that were not tried may exceed the worst error by as much
 #: as that exceeds this quantile.
@@ -53,8 +52,8 @@ USUAL = 0.9
 CERTAIN = 10
 
 #: How a search for a step ended.
-FOUND, COARSEST_KEEPS, FINEST_FAILS, UNCERTAIN = range(4)
-VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference")
+FOUND, COARSEST_KEEPS, FINEST_FAILS, UNCERTAIN, OUT_OF_TIME = range(5)
+VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference", "out_of_time")
 
 #: Name of the balance of energies among the quantities.
 ENERGY = "energy"
@@ -178,8 +177,8 @@ class Search:
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
         """Run at some steps."""
-        long = self._long if len(dt) >= LEAST_IN_TILES else LONG_OF_FEW
-        alone = (self.duration / dt > long) & (self._size == 1)
+        dt = np.sort(dt)  # lanes of a tile end together
+        alone = (self.duration / dt > self._long) & (self._size == 1)
         at_once, together = TILE * cores() if self._size == 1 else FEW, dt[~alone]
         parts = [*(together[i : i + at_once] for i in range(0, len(together), at_once)), *dt[alone]]
         self.runs = pd.concat([self.runs, *(self._run(start, part) for part in parts)], ignore_index=True)
@@ -188,26 +187,35 @@ class Search:
         """Run at random steps between two steps, as many as their work allows."""
         steps, alone = self.duration / bottom, self._size > 1 or self.duration / bottom > self._long
         least = LEAST_RUNS if alone else LEAST_IN_TILES
-        self._draw(
-            bottom, top, int(np.clip(WORK[self._size == 1] / steps / self._size, least, MOST_RUNS)) // least * least
-        )
+        count = int(np.clip(WORK[self._size == 1] / steps / self._size, least, MOST_RUNS)) // least * least
+        self.run(self._drawn(bottom, top, count))
 
-    def _draw(self, bottom: float, top: float, count: int) -> None:
-        """Run at random steps, one in each of as many equal parts between two steps on a logarithmic scale."""
-        self.run(top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count))
+    def _drawn(self, bottom: float, top: float, count: int) -> np.ndarray:
+        """Random steps, one in each of as many equal parts between two steps on a logarithmic scale."""
+        return top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count)
 
-    def _unconfirmed(self, step: float) -> int:
-        """Runs that are missing up to an octave below a step."""
-        work = 2 * self.duration / step * self._size
-        wanted = min(CONFIRMED, int(WORK_OF_CONFIRMED[self._size == 1] / work))
-        own = self.runs.dt[self.runs.start == 1.0]
-        return wanted - int(((own >= step / 2) & (own <= step)).sum())
+    def _unconfirmed(self, steps: Iterable[float]) -> np.ndarray:
+        """Random steps at which runs are missing up to an octave below each of some steps."""
+        tried = self._arrays()[0]
+        drawn = tried
+        for step in sorted(steps, reverse=True):
+            work = 2 * self.duration / step * self._size
+            wanted = min(CONFIRMED, int(WORK_OF_CONFIRMED[self._size == 1] / work))
+            lacking = wanted - int(((drawn >= step / 2) & (drawn <= step)).sum())
+            drawn = np.append(drawn, self._drawn(step / 2, step, max(lacking, 0)))
+        return drawn[len(tried) :]
+
+    def _arrays(self, name: str = "dt") -> tuple[np.ndarray, np.ndarray]:
+        """Steps tried from the start of the problem, and what their runs have under a name."""
+        own = self.runs.start.to_numpy() == 1.0
+        return self.runs.dt.to_numpy()[own], self.runs[name].to_numpy()[own]
 
     def largest(self, name: str, allowed: float) -> float:
         """Largest step tried below which all runs keep an error, with room for their scatter; zero if there is none."""
-        fails = self.runs.dt[~(self.runs[name] <= allowed)].min()  # a failed run, NaN, counts as above
-        own = self.runs[(self.runs.start == 1.0) & ~(self.runs.dt >= fails)]
-        dt, error = own.dt.to_numpy(), own[name].to_numpy()
+        fails = ~(self.runs[name].to_numpy() <= allowed)  # a failed run, NaN, counts as above
+        dt, error = self._arrays(name)
+        below = dt < self.runs.dt.to_numpy()[fails].min(initial=np.inf)
+        dt, error = dt[below], error[below]
         while dt.size:
             step = dt.max()
             octave = error[dt > step / 2]
@@ -218,24 +226,25 @@ class Search:
 
     def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
         """Run down to a twentieth of what keeps each error, from all starts at round steps, and again below these."""
-        top, least = self.coarsest, 0.0
+        top = self.coarsest
         while True:
+            largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
+            least = TWENTIETH * min(largest, default=np.inf)
             if top > ENOUGH * max(least, self.finest):
                 tell(top)
                 bottom = max(top / 2, least, self.finest)
                 self._stretch(bottom, top)
                 top = bottom
-            else:
-                steps = {self._round(limit) for limit in limits} - {0.0}
-                if new := steps - {*self.runs.dt[self.runs.start == 1.0]}:
-                    for start in self._cases:
-                        self.run(np.array(sorted(new)), start)
-                elif missing := [(step, count) for step in steps if (count := self._unconfirmed(step)) > 0]:
-                    tell(max(missing)[0])
-                    self._draw(max(missing)[0] / 2, *max(missing))
-                else:
-                    return
-            least = min((TWENTIETH * self.largest(*limit) for limit in limits), default=np.inf)
+                continue
+            steps = {round_step(one, self._spacing) for one in largest if one}
+            new, missing = np.array(sorted(steps - {*self._arrays()[0]})), self._unconfirmed(steps)
+            if not len(new) + len(missing):
+                return
+            tell(max(steps))
+            self.run(np.append(new, missing))
+            for start in self._cases:
+                if start != 1.0 and len(new):
+                    self.run(new, start)
 
     def _round(self, limit: Limit) -> float:
         largest = self.largest(*limit)

@@ -1,6 +1,6 @@
 """Accuracy of the schemes: errors of trajectory, phase, period, amplitude and energy against exact solutions."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -13,7 +13,6 @@ from study.declaration.options import RisingCounts, Schemes, Springs
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
-from study.mechanics.definition import Problem
 from study.observer.diagnostics import NewtonIterations
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import problems as problems_by_name
@@ -52,22 +51,6 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
         If a reference lacks the phases of a step size.
     """
     motions = [(problems_by_name[problem], io.open_dataset(f"reference/{problem}")) for problem in problems]
-    errors = errors_of(motions, schemes, steps_per_period, periods)
-    return errors.assign_coords(coordinates.problem_coordinates(problems)).assign_attrs(
-        title="Accuracy of the schemes against the exact solution"
-    )
-
-
-def errors_of(
-    motions: Sequence[tuple[Problem, xr.Dataset]],
-    schemes: Sequence[str],
-    steps_per_period: Sequence[int],
-    periods: Sequence[int],
-) -> xr.Dataset:
-    """Errors of every scheme on every motion, each of which is a free oscillator and its reference over one period.
-
-    Each variable has the shape (problem, scheme, steps_per_period, periods), with the motions along the first.
-    """
     dims = ("problem", "scheme", "steps_per_period", "periods")
     shape = (len(motions), len(schemes), len(steps_per_period), len(periods))
     measured: dict[str, np.ndarray] = {}
@@ -98,6 +81,7 @@ def errors_of(
             "flagged": flagged(values, uncertainty[:, :, None, None, :], ("measure", *dims)),
         },
         coords={
+            **coordinates.problem_coordinates(problems),
             **coordinates.scheme_coordinates(schemes),
             **coordinates.steps_per_period_coordinate(steps_per_period),
             "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
@@ -108,4 +92,5 @@ def errors_of(
                 {"long_name": "what the measure is"},
             ),
         },
+        attrs={"title": "Accuracy of the schemes against the exact solution"},
     )

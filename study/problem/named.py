@@ -22,9 +22,6 @@ makers = {name: getattr(entry.make, "func", entry.make) for name, entry in _ENTR
 #: Time that measures the step sizes of each structure.
 time_scales = {name: entry.time_scale for name, entry in _ENTRIES.items() if entry.time_scale is not None}
 
-#: Starts one percent beside that of a problem, as multiples of it, which show what holds by accident.
-neighbouring_starts = {"below": 0.99, "above": 1.01}
-
 #: Approximate period of each spring.
 approximate_periods = {name: entry.period for name, entry in _ENTRIES.items() if entry.period is not None}
 

@@ -40,7 +40,10 @@ def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
     }
     (folder / "mine.yaml").write_text(yaml.safe_dump(overlay))
     overlays = SMALL, folder / "mine.yaml"
-    make(folder, "assessment/mine.html", "sensitivity.nc", overlays=overlays)
+    make(folder, "assessment/mine.html", "assessment/hardening.nc", "sensitivity.nc", overlays=overlays)
+    spring = study.open_dataset("assessment/hardening", folder / "results")
+    period = study.open_dataset("reference/hardening", folder / "results").period.item()
+    assert spring.duration == spring.periods * period and (spring.verdict == 0).any()
     assert "For 5 % of displacement: " in (folder / "results/assessment/mine.html").read_text()
     ds = study.open_dataset("assessment/mine", folder / "results")
     assert ds.scheme.values.tolist() == ["rk4", "heun"] and (ds.verdict == 0).any()

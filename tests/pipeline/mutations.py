@@ -14,7 +14,7 @@ from study.declaration.experiment import discover
 from tests.pipeline.pipeline import PROJECT, SMALL
 
 #: Sections on which most of the others depend, and which would all be made anew.
-DEEP = {"references", "agreement", "accuracy", "work_precision", "recommendation", "structures"}
+DEEP = {"references", "agreement", "accuracy", "work_precision", "assess", "structures"}
 #: Numbers that are changed, and what they are multiplied by.
 NUMBERS, FACTORS = 5, (0.3, 0.5, 0.7, 1.4, 2.0)
 

@@ -15,6 +15,7 @@ TIMED = {
     "reference_agreement",
     "work_precision",
     "recommendation",
+    "assessment",
     "solvers",
     "families",
     "needs",

@@ -144,7 +144,7 @@ def test_what_is_no_configuration_is_told(whole):
         (lambda c: c["work_precision"]["solvers"].update(periods=[1]), "work_precision.solvers.periods lacks 100,"),
         (lambda c: c["work_precision"]["solvers"].update(longest=0), "solvers.longest must be greater than 0, not 0."),
         (lambda c: c["agreement"].update(tolerances=[1e-9, 1e-4]), "agreement.tolerances: must fall, not [1e-09,"),
-        (lambda c: c["recommendation"].update(measures=["energy"]), "recommendation.measures: there is no energy"),
+        (lambda c: c["assess"]["hardening"].update(duration=1.0), "assess.hardening.periods: the length of the runs"),
         (lambda c: c["accuracy"].update(periods=[100, 1, 3]), "accuracy.periods: must rise, not [100, 1, 3]."),
         (lambda c: c["accuracy"].update(schemes=[]), "accuracy.schemes must have at least 1 items, not 0."),
         (lambda c: c["cpu_time"].update(repeats=10**7), "cpu_time.repeats must be less than or equal to 1000, not"),

@@ -1,0 +1,63 @@
+"""How far an assessment is to be trusted, in sentences: what confirms its steps, and what its reference is."""
+
+import xarray as xr
+
+from study.words import number
+
+
+def percent(fraction: float) -> str:
+    """A fraction in percent, as pages of an assessment have it."""
+    return f"{number(100 * fraction)} %"
+
+
+def confirmation(assessed: xr.Dataset) -> str:
+    """How many steps confirm the recommended ones, and what that proves; empty if there are none."""
+    tried = assessed.steps_tried.values[assessed.recommended_dt.notnull().values]
+    if not tried.size:
+        return ""
+    few, many = tried.min(), tried.max()
+    bounds = " to ".join(percent(3 / n) for n in (many, few))
+    worst = percent(float(assessed.worst_error.max()))
+    # few runs of a program are random, and its frequencies are not known
+    of_program = "reason" in assessed
+    kind = "finer steps, some of them random," if of_program else "random finer steps"
+    certain = f" With 95 % confidence, at most {bounds} of such steps exceed it, the less the more were tried."
+    frequency = (
+        " Small motions about points of the motion have frequencies up to "
+        f"ω = {assessed.highest_frequency.item():.4g} /s."
+    )
+    return (
+        f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} {kind} "
+        f"down to a twentieth of it, or as fine as runs went. The largest error met is {worst} of the allowed one."
+        f"{'' if of_program else certain} {assessed.attrs['starts']} Errors along time are the largest at any step."
+        f"{'' if of_program else frequency}"
+    )
+
+
+def limits_of_reference(assessed: xr.Dataset) -> str:
+    """A sentence on a reference that holds for a part of the time only, or on a program; empty if there is none."""
+    if assessed.attrs.get("remarks"):
+        return f"{assessed.attrs['remarks']}."
+    held, asked = assessed.attrs["duration"], assessed.attrs["duration_asked_for"]
+    if held >= asked:
+        return ""
+    return (
+        f"Beyond t = {held:.4g} s of the {asked:.4g} s asked for, {assessed.attrs['reference']} and "
+        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do where neighbouring "
+        "motions part; all errors are measured up to there."
+    )
+
+
+def reference_of(assessed: xr.Dataset) -> str:
+    """What the reference is, and how far it is off."""
+    attributes, off = assessed.attrs, assessed.reference_uncertainty
+    differences = ", ".join(f"{percent(float(off.sel(quantity=name)))} of {name}" for name in assessed.quantity.values)
+    if "interpolation" in attributes:
+        return (
+            f"The truth is that of the program itself: {attributes['reference']}, compared with "
+            f"{attributes['witness']}; between the steps, {attributes['interpolation']}. They differ by {differences}."
+        )
+    return (
+        f"{attributes['reference']} and, independent of it, {attributes['witness']}, both with a relative tolerance of "
+        f"{attributes['reference_tolerance']:g}. They differ by {differences}."
+    )

@@ -1,0 +1,77 @@
+"""``study.cite``: what a dataset rests on, as BibTeX."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from study.scheme.named import schemes
+
+#: The bibliography of the study: a link to that of the article, of which a wheel holds a copy.
+WORKS = Path(__file__).with_name("references.bib")
+
+#: The paper of 1996, and the works of the solvers for references, by a word in their names.
+PAPER, SOLVERS = "xie1996", {"heyoka": "biscani2021", "CVODE": "hindmarsh2005", "diffrax": "kidger2021"}
+
+_ENTRY = re.compile(r"^@\w+\{(\w+),\n.*?^\}$", re.MULTILINE | re.DOTALL)
+
+#: Fields that are not for print.
+_OWN = re.compile(r"^  (?:shortjournal|shortbooktitle|unconfirmed) = .*\n", re.MULTILINE)
+
+
+def _label(entry: str) -> str:
+    """Authors and year, as a scheme states its source."""
+    found = {
+        key: re.sub("[{}]", "", value) for key, value in re.findall(r"^  (\w+) = \{(.*)\},?$", entry, re.MULTILINE)
+    }
+    first, *others = (name.partition(",")[0] for name in found["author"].split(" and "))
+    more = "" if not others else f" and {others[0]}" if len(others) == 1 else " et al."
+    return f"{first}{more} ({found['year']})"
+
+
+def _study(attributes: dict) -> str:
+    made = attributes.get("date_created", "")[:4]
+    year = f"  year = {{{made}}},\n" if made.isdigit() else ""
+    return (
+        "@software{time_integration_study,\n  author = {{The founders of the study}},\n  title = {Time integration "
+        "schemes on non-linear dynamic equations: a reproducible study},\n"
+        f"{year}  version = {{{attributes['version']}}}\n}}"
+    )
+
+
+def _sources(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
+    """Source and identifier of each scheme of the study in a dataset."""
+    named = dataset["scheme"].values if "scheme" in dataset.variables else dataset.attrs.get("scheme", [])
+    for name in np.atleast_1d(named).tolist():
+        if name in schemes:
+            yield schemes[name].source, schemes[name].doi
+
+
+def cite(dataset: xr.Dataset) -> str:
+    """BibTeX of the study and of the works that a dataset rests on.
+
+    Parameters
+    ----------
+    dataset
+        A dataset of the study, such as that of :func:`study.assess`.
+
+    Returns
+    -------
+    str
+        Entries of the study, the paper that it reproduces, the schemes of the dataset that the study knows, and the
+        solvers of its reference. Records of ground motion are not among them.
+
+    Raises
+    ------
+    ValueError
+        If it is no dataset of the study.
+    """
+    if not isinstance(dataset, xr.Dataset) or "version" not in dataset.attrs:
+        raise ValueError("cite takes a dataset of the study, such as that of study.assess.")
+    works = {found[1]: found[0] for found in _ENTRY.finditer(WORKS.read_text(encoding="utf-8"))}
+    by_source = {(_label(text), (re.findall(r"  doi = \{(.*)\}", text) or [""])[0]): key for key, text in works.items()}
+    solvers = " ".join(str(dataset.attrs.get(key, "")) for key in ("reference", "witness"))
+    keys = {PAPER, *(by_source[one] for one in _sources(dataset)), *(key for w, key in SOLVERS.items() if w in solvers)}
+    return "\n\n".join([_study(dataset.attrs), *(_OWN.sub("", works[key]) for key in sorted(keys))])

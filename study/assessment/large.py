@@ -1,0 +1,87 @@
+"""``study.assess`` for a problem of many unknowns: its schemes are refined until two of them agree."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import jax
+import numpy as np
+
+from study.marching.run import run
+from study.mechanics.balance import acceleration
+from study.mechanics.definition import Problem
+from study.mechanics.tangent import FINDABLE
+from study.observer.motion import Quantity
+from study.program.definition import Program
+from study.scheme.base import Scheme
+from study.scheme.named import schemes as schemes_by_name
+
+#: Most unknowns of a problem whose reference is that of two solvers with a tolerance.
+MOST = FINDABLE
+
+#: Unknowns, spread evenly, at which displacement and velocity are compared if no quantities are given.
+SHOWN = 256
+
+#: Explicit schemes that may give the reference too: their steps solve no equations, and their order is high.
+WITNESSES = ("rk4", "nystrom4")
+
+
+@dataclass(frozen=True)
+class _Runs:
+    """Runs of a problem as those of a program."""
+
+    problem: Problem
+    schemes: Mapping[str, Scheme]
+    duration: float
+    quantities: list[Quantity]
+    source: str = field(init=False)
+
+    #: Threads march at once as processes do.
+    starts_a_process = True
+
+    def __post_init__(self):
+        at = self.problem.u0, self.problem.v0
+        traced = jax.make_jaxpr(
+            lambda t, u, v: (
+                acceleration(self.problem, t, u, v),
+                [one.value(self.problem, t, u, v) for one in self.quantities],
+            )
+        )(0.0, *at)
+        digest = hashlib.sha256(f"{traced.jaxpr} {self.schemes} {[one.reduce for one in self.quantities]}".encode())
+        for numbers in (*traced.consts, *at):
+            digest.update(np.asarray(numbers).tobytes())
+        object.__setattr__(self, "source", digest.hexdigest())
+
+    @property
+    def title(self) -> str:
+        """Title of the problem."""
+        return self.problem.title
+
+    def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
+        """The quantities of a run, those that are reduced as constants along time."""
+        steps = int(np.floor(self.duration / dt * (1 + 1e-9)))
+        ds = run(self.problem, self.schemes[scheme], dt=dt, steps=steps, observe=self.quantities, on_failure="raise")
+        found: dict[str, np.ndarray] = {"t": dt * np.arange(steps + 1)}
+        for one in self.quantities:
+            value = ds[one.name].values
+            found[one.name] = np.broadcast_to(value, (steps + 1, *value.shape)) if one.reduce else value
+        return found
+
+
+def program_of(
+    problem: Problem,
+    schemes: Mapping[str, Scheme],
+    duration: float,
+    quantities: Mapping[str, Quantity] | None,
+    spacing: float | None,
+) -> Program:
+    """A problem as a program, with explicit schemes of high order among its schemes."""
+    if quantities is None:
+        shown = np.unique(np.linspace(0, np.size(problem.u0) - 1, SHOWN).astype(int))
+        quantities = {"displacement": Quantity(lambda u: u[shown]), "velocity": Quantity(lambda v: v[shown])}
+    titles = {one.title for one in schemes.values()}
+    of_high_order = {name: schemes_by_name[name] for name in WITNESSES}
+    witnesses = {n: one for n, one in of_high_order.items() if one.title not in titles and not one.refusal(problem)}
+    named = [replace(one, name=name, long_name=name) for name, one in quantities.items()]
+    runs = _Runs(problem, witnesses | dict(schemes), duration, named)
+    return Program(runs, list(schemes), duration, spacing=spacing, witnesses=list(witnesses))

@@ -1,0 +1,168 @@
+"""``study.assess`` for a model in another program."""
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from study import io
+from study.assessment.dataset import ATTRIBUTES
+from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, OUT_OF_TIME, UNCERTAIN, round_step
+from study.io import flags, processor
+from study.program.attempt import STATUSES
+from study.program.curves import INTERPOLATION
+from study.program.definition import Program
+from study.program.search import Limit, Search
+from study.program.truth import Estimate
+from study.registry import UnknownName, did_you_mean
+from study.scheme.named import schemes as schemes_by_name
+
+#: Attributes of variables that differ from those of a problem, or that a problem has not.
+OWN = {
+    "status": flags("how the run ended", STATUSES, np.int8),
+    "reason": {"long_name": "why the run is of no use"},
+    "run_time": {"long_name": "wall time of the run", "units": "s"},
+    "reference_uncertainty": {"long_name": "difference of the two schemes that give the truth, relative", "units": "1"},
+    "repeated": {"long_name": "difference of a repeated run, relative", "units": "1"},
+    "highest_frequency": {"long_name": "highest circular frequency of small motions, unknown", "units": "s-1"},
+}
+
+#: Numbers of a verdict.
+NUMBERS = "largest_dt recommended_dt recommended_error worst_error time time_spread force_evaluations".split()
+
+
+def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
+    """The program with some of its schemes, to which the others are witnesses.
+
+    Raises
+    ------
+    UnknownName
+        If it has no such scheme.
+    """
+    names = [schemes] if isinstance(schemes, str) else list(schemes or program.schemes)
+    for name in names:
+        if name not in program.schemes:
+            raise UnknownName(f"'{program.title}' has no scheme {name!r}; {did_you_mean(str(name), program.schemes)}")
+    return replace(program, schemes=names, witnesses=[name for name in program.all_schemes if name not in names])
+
+
+def assess_program(program: Program, allowed: list[float], seconds: float, report: Callable[[str], None]) -> xr.Dataset:
+    """What :func:`study.assess` returns for a program.
+
+    Raises
+    ------
+    NoTruth
+        If fewer than two schemes run to the end at three steps that halve.
+    """
+    search = Search(program, allowed, round_step, seconds, report)
+    remarks = "; ".join(search.refinement.remarks)
+    if remarks:
+        warnings.warn(f"{remarks}.", RuntimeWarning, stacklevel=3)
+    names = list(search.truth.uncertainty)
+    dts = sorted({dt for name, dt in search.errors if name in program.schemes}, reverse=True)
+    ds = _verdicts(search, names, allowed).merge(_runs(search, names, dts))
+    known = {name: schemes_by_name.get(name) for name in program.schemes}
+    kinds = [("explicit" if one.explicit else "implicit") if one else "unknown" for one in known.values()]
+    ds = ds.assign_coords(
+        scheme_title=("scheme", [one.title if one else name for name, one in known.items()]),
+        kind=("scheme", kinds),
+        steps=("dt", np.floor(program.duration / np.array(dts) * (1 + 1e-9)).astype(int)),
+        quantity_title=("quantity", names, {"long_name": "what it is"}),
+    )
+    ds["reference_uncertainty"] = "quantity", list(search.truth.uncertainty.values())
+    ds["repeated"] = "scheme", [search.refinement.noise[name] for name in program.schemes]
+    ds["highest_frequency"] = (), np.nan
+    for name, attributes in (ATTRIBUTES | OWN).items():
+        ds[name].attrs |= attributes
+    best, witness = search.truth.best, search.truth.witness
+    ds.attrs = io.provenance(f"Which scheme and which step for {program.title}", "study.assess") | {
+        "reference": _described(best),
+        "witness": _described(witness),
+        "interpolation": INTERPOLATION,
+        "starts": "No other start was tried.",
+        "duration": program.duration,
+        "duration_asked_for": program.duration,
+        "problem": program.title,
+        "command": f"study.assess(program, {list(program.schemes)}, errors={allowed})",
+        "processor": processor(),
+        "remarks": remarks,
+        "folder": str(program.place),
+    }
+    return ds
+
+
+def _described(one: Estimate) -> str:
+    orders = ", ".join(f"{name} by order {order}" for name, order in one.order.items())
+    return f"{one.scheme} down to Δt = {one.dt:.4g} s" + (f", extrapolated ({orders})" if orders else "")
+
+
+def _verdicts(search: Search, names: list[str], allowed: list[float]) -> xr.Dataset:
+    rows = []
+    for scheme in search.program.schemes:
+        for limit in ((name, error) for name in names for error in allowed):
+            rows.append(
+                {"scheme": scheme, "quantity": limit[0], "allowed_error": limit[1]} | _row(search, scheme, limit)
+            )
+    table = pd.DataFrame(rows).set_index(["scheme", "quantity", "allowed_error"])
+    ds = table.to_xarray().sel(scheme=list(search.program.schemes), quantity=names, allowed_error=allowed)
+    return ds.assign(verdict=ds.verdict.astype(np.int8), steps_tried=ds.steps_tried.astype(np.int32))
+
+
+def _row(search: Search, scheme: str, limit: Limit) -> dict[str, float]:
+    """The verdict on a scheme, with the time of the recommended run and its spread over the runs around it."""
+    runs = {run.dt: run for run in search.refinement.of(scheme)}
+    row = dict.fromkeys(NUMBERS, np.nan) | {"verdict": UNCERTAIN, "steps_tried": 0}
+    if not search.certain(scheme, limit):
+        return row
+    if search.unfinished(scheme, limit):
+        return row | {"verdict": OUT_OF_TIME, "largest_dt": search.largest(scheme, limit)[0] or np.nan}
+    needed = search.needed(scheme, limit)
+    if not needed.largest:
+        return row | {"verdict": FINEST_FAILS}
+    around = [run.seconds * run.dt for run in runs.values() if needed.recommended / 2 <= run.dt <= needed.recommended]
+    seconds = runs[needed.recommended].seconds
+    low, high = np.quantile(around, [0.25, 0.75])
+    return row | {
+        "verdict": COARSEST_KEEPS if needed.largest == max(runs) else FOUND,
+        "largest_dt": needed.largest,
+        "recommended_dt": needed.recommended,
+        "steps_tried": needed.tried,
+        "worst_error": needed.worst,
+        "recommended_error": search.errors[scheme, needed.recommended][limit[0]],
+        "time": seconds,
+        "time_spread": (high - low) / needed.recommended,
+    }
+
+
+def _runs(search: Search, names: list[str], dts: list[float]) -> xr.Dataset:
+    """Every run, by scheme and step."""
+    schemes = search.program.schemes
+    shape = len(schemes), len(dts)
+    error = np.full((*shape, len(names)), np.nan)
+    status, seconds = np.full(shape, STATUSES.index("not_tried"), np.int8), np.full(shape, np.nan)
+    reason = np.full(shape, "", object)
+    per_step = []
+    for s, scheme in enumerate(schemes):
+        runs = search.refinement.of(scheme)
+        for run in runs:
+            at = s, dts.index(run.dt)
+            error[at] = [search.errors[scheme, run.dt][name] for name in names]
+            status[at], reason[at], seconds[at] = STATUSES.index(run.status), run.reason, run.seconds
+        finest = next((run for run in reversed(runs) if run.completed), None)
+        per_step.append(finest.seconds * finest.dt / search.program.duration if finest else np.nan)
+    of_runs = ("scheme", "dt")
+    return xr.Dataset(
+        {
+            "error": ((*of_runs, "quantity"), error),
+            "status": (of_runs, status),
+            "reason": (of_runs, reason.astype(str)),
+            "run_time": (of_runs, seconds),
+            "energy_imbalance": (of_runs, np.full(shape, np.nan)),
+            "newton_iterations": (of_runs, np.full(shape, np.nan)),
+            "time_per_step": ("scheme", per_step),
+        },
+        {"scheme": list(schemes), "dt": dts, "quantity": names},
+    )

@@ -1,0 +1,66 @@
+"""``study.work_precision``: error against time, for anyone's problem or program."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from study.assessment.assess import assess
+from study.assessment.report import curves, times_of_runs
+from study.io import write
+from study.mechanics.definition import Problem
+from study.program.definition import Program
+from study.registry import UnknownName, did_you_mean
+from study.scheme.base import Scheme
+
+
+def work_precision(
+    problem: str | Problem | Program,
+    schemes: Iterable[str | Scheme] | None = None,
+    *,
+    figure: str | Path | None = None,
+    quantity: str | None = None,
+    **options: Any,
+) -> xr.Dataset:
+    """Errors of schemes against the times of their runs.
+
+    Parameters
+    ----------
+    problem, schemes
+        As for :func:`study.assess`.
+    figure
+        File for the diagram, ``.svg``; by default none is drawn.
+    quantity
+        Quantity of the diagram, by default the first.
+    **options
+        Further parameters of :func:`study.assess`, such as ``duration`` and ``errors``, down to which runs go.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``scheme``, ``dt`` and ``quantity``: ``error``, NaN where a step was not tried or a run failed; over
+        ``scheme`` and ``dt``: ``status`` and ``time`` in s.
+
+    Raises
+    ------
+    KeyError
+        If there is no such quantity.
+    TypeError, ValueError
+        As :func:`study.assess`.
+
+    Examples
+    --------
+    >>> study.work_precision("softening", ["rk4", "bathe"], figure="softening.svg")  # doctest: +SKIP
+    """
+    assessed = assess(problem, schemes, maps=False, **options)
+    names = ["error", "status", *(["reason"] if "reason" in assessed else [])]
+    ds = assessed[names].assign(time=times_of_runs(assessed))
+    ds.time.attrs = {"long_name": "time of a run", "units": "s"}
+    if figure is not None:
+        known = assessed.quantity.values.tolist()
+        if quantity is not None and quantity not in known:
+            raise UnknownName(f"the assessment has no quantity {quantity!r}; {did_you_mean(quantity, known)}")
+        of = assessed.error.sel(quantity=quantity or known[0])
+        write(curves(assessed, ds.time, "time of a run, s", of, f"error of {of.quantity.item()}"), figure)
+    return ds

@@ -1,0 +1,154 @@
+"""One run of a program, checked: its times and quantities, or the reason why they are of no use."""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+
+#: How a run of a program can end; some steps of a scheme are not tried.
+STATUSES = (
+    "completed",
+    "raised",
+    "nothing",
+    "unusable",
+    "not_finite",
+    "unequal_times",
+    "too_short",
+    "exit_code",
+    "signal",
+    "timed_out",
+    "not_tried",
+)
+
+#: Names among what a run returns: its times, and the seconds that it took or that had passed, if it measures them.
+TIME, SECONDS = "t", "seconds"
+
+#: Largest size of a value; a run that grows beyond it has left all bounds.
+LARGEST = 1e100
+
+#: Part of a step by which times may be off, for the digits of a file.
+UNIFORM = 1e-3
+
+#: Times of a run, of shape (t,).
+Times = Float[np.ndarray, "t"]
+
+#: Values of a quantity along time, or a single one.
+Values = Float[np.ndarray, "..."]
+
+#: A run of a program: a function of the name of a scheme and the step in s.
+Runnable = Callable[[str, float], Mapping]
+
+
+class Unusable(Exception):
+    """A run is of no use; with one of the ``STATUSES`` and the reason."""
+
+    def __init__(self, status: str, reason: str):
+        super().__init__(reason)
+        self.status, self.reason = status, reason
+
+
+class Run(NamedTuple):
+    """A run of a program.
+
+    Attributes
+    ----------
+    status, reason
+        One of the ``STATUSES``, and the reason if it is not the first, otherwise empty.
+    seconds
+        Wall time that it took.
+    t
+        Times in s, of shape (t,); empty if all quantities are single numbers, or if the run is of no use.
+    values
+        Quantities by name: along time, of shape (t, ...), or a single number, of shape ().
+    """
+
+    scheme: str
+    dt: float
+    status: str
+    reason: str
+    seconds: float
+    t: Times
+    values: dict[str, Values]
+
+    @property
+    def completed(self) -> bool:
+        """Whether it is of use."""
+        return self.status == STATUSES[0]
+
+
+def _array(name: str, given: object) -> Values:
+    try:
+        values = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        raise Unusable("unusable", f"'{name}' must be numbers, not {type(given).__name__}") from None
+    if not values.size:
+        raise Unusable("nothing", f"'{name}' is empty")
+    return values
+
+
+def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
+    """Times are whole numbers of steps apart, always the same number, up to the last one; they reach the end."""
+    gaps = np.diff(t)
+    if t.ndim != 1 or not gaps.size:
+        raise Unusable("too_short", f"'{TIME}' has {t.size} time{'s' * (t.size != 1)}, and at least two are needed")
+    if not np.isfinite(t).all() or (gaps <= 0).any():
+        raise Unusable("unequal_times", f"its times do not increase after t = {t[np.argmin(gaps > 0)]:g} s")
+    # the last gap may be shorter
+    off = np.flatnonzero(np.append(np.abs(gaps[:-1] - gaps[0]), gaps[-1] - gaps[0]) > UNIFORM * gaps[0])
+    if off.size:
+        raise Unusable(
+            "unequal_times", f"its times are {gaps[0]:g} s apart, and {gaps[off[0]]:g} s after t = {t[off[0]]:g} s"
+        )
+    if gaps.size > 1 and abs(gaps[0] / dt - max(round(gaps[0] / dt), 1)) > UNIFORM * gaps[0] / dt:
+        raise Unusable("unequal_times", f"its times are {gaps[0]:g} s apart at a step of {dt:g} s")
+    if t[-1] + gaps[0] < duration * (1 - UNIFORM * dt / duration):
+        raise Unusable("too_short", f"it ends at t = {t[-1]:g} of {duration:g} s")
+
+
+def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, dict[str, Values]]:
+    """Times and quantities of what a run returned.
+
+    Raises
+    ------
+    Unusable
+        If it is no mapping from names to finite numbers, or its times are no steps that reach the end.
+    """
+    if returned is None:
+        raise Unusable("nothing", "it returned nothing")
+    if not isinstance(returned, Mapping):
+        raise Unusable("unusable", f"it returned {type(returned).__name__}, and not a mapping from names to numbers")
+    values = {str(name): _array(str(name), given) for name, given in returned.items()}
+    t = values.pop(TIME, np.empty(0))
+    if not values:
+        raise Unusable("nothing", "it returned no quantity")
+    if t.size:
+        _check_times(t, dt, duration)
+    for name, one in values.items():
+        if one.ndim and len(one) != len(t):
+            raise Unusable("unusable", f"'{name}' has {len(one)} values at {len(t)} times '{TIME}'")
+        if not np.isfinite(one).all():
+            at = f" at t = {t[np.argmin(np.isfinite(one.reshape(len(t), -1)).all(axis=1))]:g} s" if one.ndim else ""
+            raise Unusable("not_finite", f"'{name}' is not finite{at}")
+        if np.abs(one).max() > LARGEST:
+            raise Unusable("not_finite", f"'{name}' grows to {np.abs(one).max():.1g}")
+    return t, values
+
+
+def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
+    """Run a program once; a failure is recorded."""
+    start = time.perf_counter()
+    try:
+        # numbers of a program may overflow, which its values show
+        with np.errstate(all="ignore"):
+            returned = run(scheme, dt)
+        seconds = time.perf_counter() - start
+        t, values = checked(returned, dt, duration)
+        seconds = values.pop(SECONDS, np.array(seconds)).flat[-1]
+        return Run(scheme, dt, STATUSES[0], "", float(seconds), t, values)
+    except Unusable as failed:
+        status, reason = failed.status, failed.reason
+    except Exception as error:  # a user's program may raise anything
+        status, reason = "raised", f"it raised {type(error).__name__}: {error}"
+    return Run(scheme, dt, status, reason, time.perf_counter() - start, np.empty(0), {})

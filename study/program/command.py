@@ -1,0 +1,148 @@
+"""``study.command``: an executable as a program."""
+
+import hashlib
+import shlex
+import shutil
+import signal
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import psutil
+
+from study.program.attempt import TIME, Unusable
+from study.program.definition import Program
+
+#: Places of a command that a run fills.
+PLACES = ("dt", "scheme", "output", "duration")
+
+#: Letters of a program's last words that a reason quotes.
+LAST_WORDS = 200
+
+
+@dataclass(frozen=True)
+class Command:
+    """A run of an executable, which writes a CSV file."""
+
+    title: str
+    template: str
+    duration: float
+    time_limit: float | None
+    #: A digest of files that matter and that the command does not name.
+    more: str = ""
+
+    #: Its runs need no process of this package.
+    starts_a_process = True
+
+    @property
+    def source(self) -> str:
+        """The command and the content of every file that it names, by which its runs are known."""
+        words = shlex.split(self.template)
+        files = [Path(shutil.which(words[0]) or words[0]), *map(Path, words[1:])]
+        digests = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files if file.is_file()]
+        return " ".join([self.template, self.more, *digests])
+
+    def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
+        """Run it in a process, and read what it writes."""
+        with tempfile.TemporaryDirectory() as folder:
+            output, said = Path(folder) / "output.csv", Path(folder) / "said"
+            given = {"dt": repr(float(dt)), "scheme": scheme, "output": str(output), "duration": repr(self.duration)}
+            words = [_filled(word, given) for word in shlex.split(self.template)]
+            # a file, as a process that outlives the program would keep a pipe open
+            with said.open("wb") as file:
+                process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT)
+                try:
+                    code = process.wait(self.time_limit)
+                except subprocess.TimeoutExpired:
+                    _kill(process)
+                    raise Unusable("timed_out", f"it was stopped after {self.time_limit:g} s") from None
+            _check_end(code, said.read_text(errors="replace"))
+            return _quantities(output)
+
+
+def _kill(process: subprocess.Popen) -> None:
+    """End a process and all that it has started."""
+    own = psutil.Process(process.pid)
+    for one in [*own.children(recursive=True), own]:
+        with suppress(psutil.NoSuchProcess):
+            one.kill()
+    process.wait()
+
+
+def _filled(word: str, given: dict[str, str]) -> str:
+    for place, value in given.items():
+        word = word.replace(f"{{{place}}}", value)
+    return word
+
+
+def _check_end(code: int, said: str) -> None:
+    lines = said.strip().splitlines()
+    last = f": {lines[-1][:LAST_WORDS]}" if lines else ""
+    if code < 0:
+        raise Unusable("signal", f"the signal {signal.Signals(-code).name} ended it{last}")
+    if code > 0:
+        raise Unusable("exit_code", f"it ended with the exit code {code}{last}")
+
+
+def _quantities(output: Path) -> dict[str, np.ndarray]:
+    """Columns of a CSV file with a header; a file of one row and no times holds single numbers."""
+    if not output.is_file() or not output.stat().st_size:
+        raise Unusable("nothing", "it wrote nothing to {output}")
+    try:
+        table = pd.read_csv(output, skipinitialspace=True, comment="#")
+    except ValueError as error:
+        raise Unusable("unusable", f"its output is no CSV file ({error})") from None
+    if table.empty:
+        raise Unusable("nothing", "its output has a header and no row")
+    if TIME in table:
+        return {name: table[name].to_numpy() for name in table}
+    if len(table) > 1:
+        raise Unusable("unusable", f"its output has no column '{TIME}'")
+    return {name: table[name].to_numpy()[0] for name in table}
+
+
+def command(
+    template: str, schemes: Sequence[str], duration: float, *, time_limit: float | None = None, **options: Any
+) -> Program:
+    """A program that any executable runs, which writes a CSV file.
+
+    Parameters
+    ----------
+    template
+        The command, such as ``./mycode --dt {dt} --scheme {scheme} --output {output}``. The step in s, a scheme and the
+        file to write are put in place of ``{dt}``, ``{scheme}`` and ``{output}``, and the duration in s in place of
+        ``{duration}``. No shell sees it. Runs share the folder of this process, so that a program that writes files of
+        fixed names needs ``workers=1``. The first line of the file names its columns: ``t`` and quantities along time,
+        or single numbers in one row.
+    schemes, duration
+        As for :class:`study.Program`.
+    time_limit
+        Seconds after which a run is stopped; it is recorded, and its scheme is not run at finer steps. By default a run
+        takes as long as it does.
+    **options
+        Further parameters of :class:`study.Program`.
+
+    Returns
+    -------
+    Program
+        The program, for :func:`study.assess`. Its runs are known by the command and the content of the files in it.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such executable.
+    ValueError
+        If the command lacks ``{dt}``, ``{scheme}`` or ``{output}``.
+    """
+    words = shlex.split(template)
+    if lacking := [place for place in PLACES[:3] if f"{{{place}}}" not in template]:
+        raise ValueError(f"the command must have {{{lacking[0]}}} where a run gives its own, not {template!r}.")
+    if shutil.which(words[0]) is None:
+        raise FileNotFoundError(f"there is no executable '{words[0]}'.")
+    return Program(Command(Path(words[0]).name, template, float(duration), time_limit), schemes, duration, **options)

@@ -1,0 +1,179 @@
+"""``study.Program``: a model in another program."""
+
+import hashlib
+import inspect
+import math
+import pickle
+from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import platformdirs
+
+from study.program.attempt import Runnable
+
+#: Steps of the coarsest and of the finest run, if no steps are given.
+FEWEST_STEPS, MOST_STEPS = 16, 2**17
+
+
+@dataclass(frozen=True)
+class Program:
+    """A model in another program, for :func:`study.assess`.
+
+    It may be anything that steps with a fixed step: a function of NumPy, a simulation in another process, a finite
+    element code. Of OpenSees, :func:`study.opensees` makes one, and of an executable, :func:`study.command`.
+
+    Every run is kept on disk, so that a second question, or one that was interrupted, repeats none. The runs of a
+    program are known by its source: the file in which ``run`` stands and the data that it holds. What that file imports
+    is not looked at. Give a ``name``, and change it whenever the program changes, if that does not serve.
+
+    Parameters
+    ----------
+    run
+        ``run(scheme, dt)`` runs the program with a scheme and a step in s up to ``duration``. It returns a mapping from
+        names to quantities: arrays along its times ``t``, of shape (t,) or (t, components), and single numbers such as
+        a peak. The times are steps, or every n-th one. A program that measures its time returns it as ``seconds``. What
+        it raises is recorded and ends nothing else.
+    schemes
+        Names by which ``run`` knows schemes, at least two with the witnesses. If the study has a scheme of that name,
+        the assessment describes it so.
+    duration
+        Time of every run in s.
+    spacing
+        Time in s between the samples of a record. All steps then divide it.
+    coarsest, finest
+        Largest and smallest step that may be run, in s. By default a sixteenth of the duration, or the spacing, and the
+        duration over 131,072.
+    witnesses
+        Names of further schemes, which help to find the truth. No step is sought for them.
+    name
+        Title of the program, and what its runs are known by in place of its source.
+    folder
+        Where runs are kept; by default in the user's cache folder.
+    workers
+        Runs at once. By default as many as there are cores, in processes, if ``run`` can be pickled, as a function of a
+        file can; otherwise one, in this process. A script then needs ``if __name__ == "__main__":``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is unfit; in one sentence.
+
+    Examples
+    --------
+    >>> def run(scheme, dt):
+    ...     '''The oscillator ü + u = 0 from u = 1 at rest.'''
+    ...     t, u, v = np.arange(0, 10 + dt / 2, dt), [1.0], [0.0]
+    ...     for _ in t[1:]:
+    ...         if scheme == "symplectic_euler":
+    ...             v.append(v[-1] - dt * u[-1])
+    ...             u.append(u[-1] + dt * v[-1])
+    ...         else:
+    ...             v.append(((1 - dt**2 / 4) * v[-1] - dt * u[-1]) / (1 + dt**2 / 4))
+    ...             u.append(u[-1] + dt * (v[-1] + v[-2]) / 2)
+    ...     return {"t": t, "displacement": u}
+    >>> program = Program(run, ["average_acceleration", "symplectic_euler"], duration=10.0)
+    """
+
+    run: Runnable
+    schemes: Sequence[str]
+    duration: float
+    _: KW_ONLY
+    spacing: float | None = None
+    coarsest: float | None = None
+    finest: float | None = None
+    witnesses: Sequence[str] = ()
+    name: str | None = None
+    folder: str | Path | None = None
+    workers: int | None = None
+
+    def __post_init__(self):
+        if not callable(self.run):
+            raise TypeError(f"run must be a function of the name of a scheme and a step, not {self.run!r}.")
+        for key in ("schemes", "witnesses"):
+            names = getattr(self, key)
+            if isinstance(names, str) or not isinstance(names, Sequence) or not all(isinstance(n, str) for n in names):
+                raise TypeError(f"{key} must be a list of names, such as ['newmark', 'hht'], not {names!r}.")
+        if not self.schemes or len(set(self.all_schemes)) < max(2, len(self.all_schemes)):
+            raise ValueError(
+                f"schemes must be at least two different names, not {self.all_schemes}: the truth is what two schemes "
+                "agree on."
+            )
+        for key in ("duration", "spacing", "coarsest", "finest"):
+            value = getattr(self, key)
+            number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+            if not (value is None and key != "duration") and not (number and 0 < value < np.inf):
+                raise ValueError(f"{key} must be a time in s greater than zero, not {value!r}.")
+        if self.largest > self.duration / 2 or self.smallest >= self.largest:
+            raise ValueError(
+                f"steps from {self.largest:g} s down to {self.smallest:g} s do not fit a duration of {self.duration:g} "
+                "s; give a coarsest step of half of it at most, and a smaller finest one."
+            )
+
+    @property
+    def all_schemes(self) -> list[str]:
+        """The schemes, and the witnesses."""
+        return [*self.schemes, *self.witnesses]
+
+    @property
+    def largest(self) -> float:
+        """The coarsest step, in s."""
+        return self.fitted(self.coarsest or self.spacing or self.duration / FEWEST_STEPS)
+
+    @property
+    def smallest(self) -> float:
+        """The finest step, in s."""
+        return self.finest or self.duration / MOST_STEPS
+
+    def fitted(self, step: float) -> float:
+        """The largest step up to another one that divides the spacing of a record, if there is one."""
+        return self.spacing / math.ceil(self.spacing / step * (1 - 1e-9)) if self.spacing else step
+
+    @property
+    def title(self) -> str:
+        """The name, or that of the function."""
+        of_run = getattr(self.run, "title", None) or getattr(self.run, "__name__", type(self.run).__name__)
+        return self.name or str(of_run)
+
+    @property
+    def place(self) -> Path:
+        """The folder of its runs."""
+        return Path(self.folder or platformdirs.user_cache_path("time-integration-study") / "programs")
+
+    def identity(self) -> str:
+        """What its runs are known by: a digest of its name, or of its source.
+
+        Raises
+        ------
+        ValueError
+            If it has no name, and no source that can be read.
+        """
+        if self.name is not None:
+            return hashlib.sha256(self.name.encode()).hexdigest()
+        try:
+            return hashlib.sha256(repr(_source(self.run)).encode()).hexdigest()
+        except (OSError, TypeError, pickle.PicklingError, AttributeError) as error:
+            raise ValueError(
+                f"the runs of '{self.title}' cannot be distinguished from those of other programs, as its source "
+                f"cannot be read ({error}); give the program a name."
+            ) from None
+
+
+def _source(run: Any) -> list:
+    """The text of the file in which a function stands, and the data that it holds."""
+    if isinstance(run, partial):
+        return [_source(run.func), pickle.dumps((run.args, run.keywords))]
+    if hasattr(run, "source"):
+        return [run.source]
+    if not inspect.isroutine(run):
+        return [_source(type(run).__call__), pickle.dumps(vars(run))]
+    if inspect.ismethod(run):
+        return [_source(run.__func__), pickle.dumps(run.__self__)]
+    file = inspect.getsourcefile(run)
+    text = Path(file).read_text(encoding="utf-8") if file and Path(file).is_file() else inspect.getsource(run)
+    held = [cell.cell_contents for cell in getattr(run, "__closure__", None) or ()]
+    held += [getattr(run, key, None) for key in ("__defaults__", "__kwdefaults__")]
+    return [text, run.__qualname__, *(_source(one) if inspect.isfunction(one) else pickle.dumps(one) for one in held)]

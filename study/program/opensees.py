@@ -1,0 +1,69 @@
+"""``study.opensees``: a model of OpenSees as a program."""
+
+import hashlib
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from study.program import opensees_run
+from study.program.command import Command
+from study.program.definition import Program
+from study.program.opensees_run import INTEGRATORS
+from study.registry import UnknownName, did_you_mean
+from study.scheme.named import schemes as schemes_by_name
+
+#: The first scheme of each integrator, by OpenSees' name.
+_NAMES = {one.words[0]: name for name, one in reversed(INTEGRATORS.items())}
+
+
+def _name(given: str) -> str:
+    """The name among the integrators, of a scheme by OpenSees' name or one of the study's."""
+    name = _NAMES.get(given, given)
+    if name not in INTEGRATORS and name in schemes_by_name:
+        name = schemes_by_name.resolve(name)
+    if name not in INTEGRATORS:
+        raise UnknownName(f"OpenSees has no scheme {given!r}; {did_you_mean(given, INTEGRATORS)}")
+    return name
+
+
+def opensees(
+    file: str | Path, schemes: Sequence[str], duration: float, *, time_limit: float | None = None, **options: Any
+) -> Program:
+    """A program of a model of OpenSees, for :func:`study.assess`.
+
+    The extra ``opensees`` of this package has OpenSees. Each run is a process.
+
+    Parameters
+    ----------
+    file
+        A file of Python with ``def build(ops)``, which makes the model with its masses, damping, patterns and, if need
+        be, gravity (then with ``ops.loadConst("-time", 0.0)``) in the interpreter ``ops``; and ``measure``, a dict from
+        names to functions of ``ops`` that return a number, such as ``{"roof": lambda ops: ops.nodeDisp(5, 1)}``. The
+        transient analysis is made here. Newton's iteration ends at a correction of 1e-10, or ``tolerance``.
+    schemes
+        Names of the study, such as ``"average_acceleration"``, ``"hht_alpha"`` or ``"bathe"``, or of OpenSees'
+        integrators, such as ``"Newmark"``, ``"TRBDF2"`` or ``"CentralDifference"``.
+    duration, time_limit
+        As for :func:`study.command`.
+    **options
+        Further parameters of :class:`study.Program`.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    KeyError
+        If OpenSees has no such scheme.
+    ImportError
+        If OpenSees is not installed.
+    """
+    if not Path(file).is_file():
+        raise FileNotFoundError(f"there is no file '{file}' with a model of OpenSees.")
+    opensees_run.interpreter()
+    words = [sys.executable, "-m", opensees_run.__name__, str(Path(file).resolve())]
+    driver = hashlib.sha256(Path(opensees_run.__file__).read_bytes()).hexdigest()
+    template = f"{shlex.join(words)} {{scheme}} {{dt}} {{duration}} {{output}}"
+    run = Command(Path(file).stem, template, float(duration), time_limit, driver)
+    return Program(run, [_name(one) for one in schemes], duration, **options)

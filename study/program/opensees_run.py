@@ -1,0 +1,140 @@
+"""A run of a model of OpenSees, in a process of its own: ``FILE SCHEME DT DURATION OUTPUT``.
+
+OpenSees has one model in a process, and what it fails on may end the process.
+"""
+
+import importlib
+import math
+import os
+import runpy
+import sys
+import time
+from collections.abc import Callable
+from types import ModuleType
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Integrator(NamedTuple):
+    """OpenSees' integrator of a scheme, with what it needs.
+
+    Attributes
+    ----------
+    words
+        Its name and parameters.
+    algorithm, system
+        Solution algorithm and system of equations.
+    parts
+        OpenSees' steps in a step of the scheme.
+    """
+
+    words: tuple[str | float, ...]
+    algorithm: str = "Newton"
+    system: str = "UmfPack"
+    parts: int = 1
+
+
+#: Integrators by the study's names, or by OpenSees' where the study has no such scheme. OpenSees takes its default
+#: integrator for a name that it does not know, and says so in passing only.
+INTEGRATORS = {
+    "average_acceleration": Integrator(("Newmark", 0.5, 0.25)),
+    "newmark_dissipative": Integrator(("Newmark", 0.6, 0.3025)),
+    "linear_acceleration": Integrator(("Newmark", 0.5, 1 / 6)),
+    "fox_goodwin": Integrator(("Newmark", 0.5, 1 / 12)),
+    "wilson_theta": Integrator(("WilsonTheta", 1.4)),
+    "houbolt": Integrator(("Houbolt",)),
+    "hht_alpha": Integrator(("HHT", 0.9, 0.6, 0.3025)),
+    "generalized_alpha": Integrator(("HHTGeneralized", 2 / 3, 5 / 9, 25 / 81, 11 / 18)),
+    "bathe": Integrator(("TRBDF2",), parts=2),
+    "central_difference": Integrator(("NewmarkExplicit", 0.5), "Linear"),
+    "kr_alpha": Integrator(("KRAlphaExplicit", 0.8), "Linear", "FullGeneral"),
+    "CentralDifference": Integrator(("CentralDifference",), "Linear"),
+    "ExplicitDifference": Integrator(("ExplicitDifference",), "Linear", "Diagonal"),
+}
+
+#: Algorithms that are tried, one after the other, where Newton's iteration finds no balance.
+OTHERS = (("NewtonLineSearch",), ("KrylovNewton",), ("ModifiedNewton", "-initial"))
+
+#: Norm of the last correction of the displacements, in the units of the model, if the file names no ``tolerance``; and
+#: the most iterations.
+TOLERANCE, ITERATIONS = 1e-10, 50
+
+
+def interpreter() -> ModuleType:
+    """OpenSees' interpreter.
+
+    Raises
+    ------
+    ImportError
+        If the extra ``opensees`` of this package, or a library that it needs, is not installed.
+    """
+    try:
+        return importlib.import_module("openseespy.opensees")
+    except (ImportError, RuntimeError) as error:
+        raise ImportError(
+            "OpenSees is not available: install the extra 'opensees' of this package, and the system's BLAS and LAPACK "
+            f"({error})."
+        ) from None
+
+
+def _prepare(ops: ModuleType, one: Integrator, tolerance: float) -> None:
+    ops.wipeAnalysis()
+    ops.constraints("Transformation")
+    ops.numberer("RCM")
+    ops.system(one.system)
+    ops.test("NormDispIncr", tolerance, ITERATIONS, 0)
+    ops.algorithm(one.algorithm)
+    ops.integrator(*one.words)
+    ops.analysis("Transient")
+
+
+def _step(ops: ModuleType, one: Integrator, dt: float) -> None:
+    """One step; if its iteration fails, by other algorithms."""
+    for _ in range(one.parts):
+        failed = ops.analyze(1, dt / one.parts)
+        for other in OTHERS if failed and one.algorithm == "Newton" else ():
+            ops.algorithm(*other)
+            failed = ops.analyze(1, dt / one.parts)
+            ops.algorithm(one.algorithm)
+            if not failed:
+                break
+        if failed:
+            raise ArithmeticError(f"OpenSees finds no balance after t = {ops.getTime():g} s")
+
+
+def history(file: dict, scheme: str, dt: float, duration: float) -> dict[str, np.ndarray]:
+    """Times, measured quantities, and seconds that passed, step by step.
+
+    Parameters
+    ----------
+    file
+        Names of the user's file: ``build``, ``measure``, perhaps ``tolerance``.
+    """
+    ops, measure = interpreter(), dict[str, Callable](file["measure"])
+    ops.wipe()
+    file["build"](ops)
+    _prepare(ops, INTEGRATORS[scheme], file.get("tolerance", TOLERANCE))
+    start, clock = ops.getTime(), time.perf_counter()
+    rows = [[0.0, 0.0, *(read(ops) for read in measure.values())]]
+    for _ in range(math.ceil(duration / dt * (1 - 1e-9))):
+        _step(ops, INTEGRATORS[scheme], dt)
+        rows.append([ops.getTime() - start, time.perf_counter() - clock, *(read(ops) for read in measure.values())])
+    return dict(zip(("t", "seconds", *measure), np.array(rows, float).T, strict=True))
+
+
+def main(file: str, scheme: str, dt: str, duration: str, output: str) -> None:
+    """Write a run as CSV."""
+    found = history(runpy.run_path(file), scheme, float(dt), float(duration))
+    np.savetxt(output, np.stack([*found.values()], axis=1), "%.17g", ",", header=",".join(found), comments="")
+
+
+if __name__ == "__main__":
+    code = 0
+    try:
+        main(*sys.argv[1:])
+    except Exception as error:  # the user's file may raise anything
+        print(f"{type(error).__name__}: {error}", file=sys.stderr, flush=True)
+        code = 1
+    # at an exit of Python OpenSees writes a line, which would hide the reason
+    os._exit(code)

@@ -1,0 +1,187 @@
+"""The truth of a program: its steps are halved until two of its schemes agree, and its runs are repeated."""
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from study.program.attempt import Run
+from study.program.definition import Program
+from study.program.runs import Job, Runs
+from study.program.truth import FEWEST_RUNS, Estimate, Truth, agreed, estimate
+from study.words import percent
+
+#: Least ratio of an error to the uncertainty of the truth.
+CERTAIN = 10.0
+
+
+class NoTruth(ValueError):
+    """The runs of a program give no truth; the message says why, in one sentence."""
+
+
+class Refinement:
+    """The runs of a program, and the truth that follows from those at steps that halve.
+
+    Parameters
+    ----------
+    program, runs
+        The program and its runs.
+    smallest
+        Smallest allowed error.
+
+    Attributes
+    ----------
+    truth
+        What two schemes agree on.
+    remarks
+        Sentences on the program as a whole.
+    noise
+        Relative difference of a repeated run of each scheme; infinite if the scheme ignores the step.
+
+    Raises
+    ------
+    NoTruth
+        If fewer than two schemes run to the end at three steps that halve, or a quantity is zero all the time.
+    """
+
+    def __init__(self, program: Program, runs: Runs, smallest: float):
+        self._program, self._runs, self._smallest = program, runs, smallest
+        self._shapes: dict[str, tuple] = {}
+        self.remarks: list[str] = []
+        self.noise = dict.fromkeys(program.all_schemes, 0.0)
+        self.truth = self._find_truth()
+        self._repeat()
+
+    def of(self, scheme: str) -> list[Run]:
+        """Runs of a scheme, the largest step first."""
+        found = [run for run in self._runs.made.values() if run.scheme == scheme]
+        return sorted(found, key=lambda run: -run.dt)
+
+    def run(self, jobs: Iterable[Job]) -> list[Run]:
+        """Make the runs for which there is time. They must have the quantities of the first one."""
+        made = self._runs.run(jobs)
+        for run in made:
+            shapes = {name: one.shape[1:] for name, one in run.values.items()}
+            self._shapes = self._shapes or shapes
+            if run.completed and shapes != self._shapes:
+                reason = f"it returned {_listed(shapes)}, and the first run {_listed(self._shapes)}"
+                self._runs.made[run.scheme, run.dt] = run._replace(status="unusable", reason=reason)
+        return made
+
+    def _find_truth(self) -> Truth:
+        """Halve the steps until two schemes agree to a tenth of the smallest error."""
+        wanted, truth, apart, done = self._smallest / CERTAIN, None, 0, set[str]()
+        steps = [self._program.largest]
+        while True:
+            refined = [s for s in self._program.all_schemes if s not in done and not self._ends(s)]
+            self.run((s, step) for s in refined for step in steps if (s, step) not in self._runs.made)
+            estimates = {s: estimate(self.last_completed(s)) for s in refined if not self._ignores(s)} | {
+                s: estimate(self.last_completed(s)) for s in done
+            }
+            truth = agreed(one for one in estimates.values() if one)
+            if truth:
+                self._check_sizes(truth)
+                apart = apart + 1 if truth.apart and all(estimates.values()) else 0
+                if max(truth.uncertainty.values()) <= wanted or apart > 1:
+                    break
+                work = {s: self._work(one, wanted) for s, one in estimates.items() if one}
+                # as long as schemes agree, the two that need the least work decide
+                done = set() if truth.apart else set(sorted(work, key=work.__getitem__)[2:])
+            steps.append(steps[-1] / 2)
+            if not refined or self._runs.late or steps[-1] < self._program.smallest * (1 - 1e-9):
+                break
+        if truth is None:
+            reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in self._program.all_schemes])
+            raise NoTruth(
+                f"there is no truth for '{self._program.title}', as fewer than two schemes complete {FEWEST_RUNS} runs "
+                f"at steps that halve{' in the time that was given' * self._runs.late}: {reasons}."
+            )
+        self._judge(truth, wanted, apart > 1)
+        return truth
+
+    def _work(self, one: Estimate, wanted: float) -> float:
+        """Seconds in which a scheme of second order would reach an error."""
+        return self.of(one.scheme)[-1].seconds * math.sqrt(max(1.0, max(one.error.values()) / wanted))
+
+    def _check_sizes(self, truth: Truth) -> None:
+        for name, size in truth.sizes.items():
+            if not size:
+                raise NoTruth(
+                    f"the quantity '{name}' of '{self._program.title}' is zero all the time, so that an error relative "
+                    "to it has no meaning; leave it out."
+                )
+
+    def last_completed(self, scheme: str) -> list[Run]:
+        """Runs of a scheme at its finest steps, from the last failure on."""
+        runs = self.of(scheme)
+        failed = [place for place, run in enumerate(runs) if not run.completed]
+        return runs[failed[-1] + 1 :] if failed else runs
+
+    def _ends(self, scheme: str) -> bool:
+        """Whether finer runs of a scheme have no use."""
+        runs = self.of(scheme)
+        return self.noise[scheme] > 0 or bool(runs and runs[-1].status == "timed_out")
+
+    def _reason(self, scheme: str) -> str:
+        failed = [run for run in self.of(scheme) if not run.completed]
+        return f"ends at Δt = {failed[-1].dt:.4g} s: {failed[-1].reason}" if failed else "has too few steps to halve"
+
+    def _ignores(self, scheme: str) -> bool:
+        """Whether two runs of a scheme are the same to the last digit; a remark says so."""
+        runs = self.last_completed(scheme)[-2:]
+        if self.noise[scheme] or len(runs) < 2:
+            return bool(self.noise[scheme])
+        coarse, fine = runs
+        ratio = round(coarse.dt / fine.dt)
+        if all(_same(coarse, fine, name, ratio) for name in coarse.values):
+            self.noise[scheme] = math.inf
+            self.remarks.append(
+                f"'{scheme}' ignores the step: its runs at {coarse.dt:.4g} s and {fine.dt:.4g} s are the same to the "
+                "last digit"
+            )
+        return bool(self.noise[scheme])
+
+    def _judge(self, truth: Truth, wanted: float, apart: bool) -> None:
+        """A remark if the truth is not as good as the smallest error needs."""
+        name = max(truth.uncertainty, key=lambda one: truth.uncertainty[one])
+        off = truth.uncertainty[name]
+        if off <= wanted:
+            return
+        pair = f"'{truth.best.scheme}' and '{truth.witness.scheme}'"
+        steps = f"at steps of {truth.best.dt:.4g} s and {truth.witness.dt:.4g} s"
+        why = "halving changes each by far less, so they solve different problems" if apart else "none finer may be run"
+        why = "the time is over" if self._runs.late else why
+        self.remarks.append(
+            f"{pair} agree to {percent(off)} of '{name}' only, {steps}, and {why}: no step is named for its "
+            f"errors below {percent(CERTAIN * off)}"
+        )
+
+    def _repeat(self) -> None:
+        """Repeat a cheap run of every scheme, which must return the same."""
+        first = {s: next((run for run in self.of(s) if run.completed), None) for s in self._program.all_schemes}
+        known = {s: run for s, run in first.items() if run is not None and not self.noise[s]}
+        again = self._runs.run([(s, run.dt) for s, run in reversed(known.items())], repeat=1)
+        for other in again:
+            one, self.noise[other.scheme] = known[other.scheme], math.inf
+            if other.completed and other.t.shape == one.t.shape and other.values.keys() == one.values.keys():
+                sizes = self.truth.sizes
+                apart = {n: np.abs(one.values[n] - other.values[n]).max() / sizes[n] for n in sizes}
+                self.noise[other.scheme] = max(apart.values())
+            if self.noise[other.scheme] * CERTAIN > self._smallest:
+                self.remarks.append(
+                    f"'{other.scheme}' depends on the order of runs: a repeated run at {other.dt:.4g} s "
+                    + (f"differs by {percent(self.noise[other.scheme])}" if other.completed else other.reason)
+                )
+
+
+def _listed(shapes: dict[str, tuple]) -> str:
+    return ", ".join(f"'{name}'" + (f" of {len(shape)} axes" if shape else "") for name, shape in shapes.items())
+
+
+def _same(coarse: Run, fine: Run, name: str, ratio: int) -> bool:
+    """Whether a quantity of two runs is the same at the times that they share."""
+    one, other = coarse.values[name], fine.values[name]
+    if one.ndim and len(coarse.t) != len(fine.t):
+        other = other[(ratio - 1) * (fine.t[0] > 0) :: ratio]
+        one, other = one[: len(other)], other[: len(one)]
+    return bool(np.array_equal(one, other))

@@ -1,0 +1,174 @@
+"""All runs of a program: kept on disk, several at once."""
+
+import hashlib
+import io as streams
+import json
+import math
+import os
+import pickle
+import time
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import suppress
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from study.io import NotRead, write
+from study.program.attempt import Run, attempt
+from study.program.definition import Program
+
+#: Names of the scheme, the status and the reason, and of the time that a run took, in its file.
+WORDS, SECONDS, T = "words", "seconds", "t"
+#: A scheme and a step.
+Job = tuple[str, float]
+
+#: Before the names of quantities there.
+QUANTITY = "quantity "
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _picklable(program: Program) -> bool:
+    try:
+        pickle.dumps(program.run)
+    except (pickle.PicklingError, AttributeError, TypeError):
+        return False
+    return True
+
+
+class Runs:
+    """Runs of a program, each of which is made once.
+
+    Parameters
+    ----------
+    program
+        The program.
+    seconds
+        Wall time after which no run begins that would end later.
+    report
+        Takes a sentence on what is being done.
+
+    Attributes
+    ----------
+    made
+        All runs that were wanted and for which there was time, by scheme and step.
+    late
+        Whether there was no time for one.
+    """
+
+    def __init__(self, program: Program, seconds: float = math.inf, report: Callable[[str], None] = lambda what: None):
+        self.program, self.made, self._report = program, dict[Job, Run](), report
+        self._workers = program.workers or _cores()
+        self._identity, self._pool = program.identity(), self._start()
+        self._end, self.late = time.monotonic() + seconds, False
+
+    def _start(self) -> Executor | None:
+        """Processes, or threads for a program that starts a process for each of its runs; None for this process."""
+        if getattr(self.program.run, "starts_a_process", False):
+            return ThreadPoolExecutor(self._workers)
+        if self.program.workers == 1 or not _picklable(self.program):
+            return None
+        pool = ProcessPoolExecutor(self._workers, mp_context=get_context("spawn"))
+        try:
+            pool.submit(os.getpid).result()
+        except BrokenProcessPool:
+            raise RuntimeError(
+                f"the processes for the runs of '{self.program.title}' end at once: put what starts them under `if "
+                '__name__ == "__main__":`, or give the program workers=1.'
+            ) from None
+        return pool
+
+    def __enter__(self) -> "Runs":
+        return self
+
+    def __exit__(self, *of_error: object) -> None:
+        if self._pool is not None:
+            self._pool.shutdown(cancel_futures=True)
+
+    def _path(self, scheme: str, dt: float, repeat: int) -> Path:
+        key = json.dumps([self._identity, scheme, float(dt).hex(), float(self.program.duration).hex(), repeat])
+        return self.program.place / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npz"
+
+    def run(self, wanted: Iterable[Job], repeat: int = 0) -> list[Run]:
+        """Runs of pairs of a scheme and a step; those that are on disk are read. ``repeat`` numbers repeated runs."""
+        jobs = {job: self._path(*job, repeat) for job in wanted}
+        missing = [job for job, path in jobs.items() if not path.exists() or self._waited_less(_read(path))]
+        late = {*missing} - {*(missing := self._in_time(missing))}
+        self.late |= bool(late)
+        for number, run in enumerate(self._made(missing), start=1):
+            _keep(run, jobs[run.scheme, run.dt])
+            self._report(f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs)")
+        found = [_read(path) for job, path in jobs.items() if job not in late]
+        if not repeat:
+            self.made |= {(run.scheme, run.dt): run for run in found}
+        return found
+
+    def _in_time(self, jobs: list[Job]) -> list[Job]:
+        """The runs that end in time if a step takes as long as in the finest one of its scheme, the shortest first."""
+        finest = {run.scheme: run for run in sorted(self.made.values(), key=lambda run: -run.dt) if run.completed}
+        expected = {(s, dt): finest[s].seconds * finest[s].dt / dt if s in finest else 0.0 for s, dt in jobs}
+        left, found = (self._end - time.monotonic()) * (self._workers if self._pool else 1), []
+        for job in sorted(expected, key=expected.__getitem__):
+            left -= expected[job]
+            found += [job] if left > 0 else []
+        return found
+
+    def _waited_less(self, run: Run) -> bool:
+        """Whether a run was stopped before the limit that holds now."""
+        limit = getattr(self.program.run, "time_limit", None)
+        return run.status == "timed_out" and (limit is None or run.seconds < limit)
+
+    def _made(self, jobs: list[Job]) -> Iterator[Run]:
+        """Make runs, in the order in which they end."""
+        if self._pool is None:
+            yield from (attempt(self.program.run, *job, self.program.duration) for job in jobs)
+            return
+        waiting = {self._submit(job): job for job in jobs}
+        lost = []
+        for one in as_completed(waiting):
+            try:
+                yield one.result()
+            except BrokenProcessPool:  # one run has ended the process, and all that wait end with it
+                lost.append(waiting[one])
+        self._pool = self._start() if lost else self._pool
+        for job in lost:
+            yield self._alone(job)
+
+    def _submit(self, job: Job) -> Future:
+        assert self._pool is not None
+        return self._pool.submit(attempt, self.program.run, *job, self.program.duration)
+
+    def _alone(self, job: Job) -> Run:
+        """A run while no other is made; one that ends its process is recorded."""
+        with suppress(BrokenProcessPool):
+            return self._submit(job).result()
+        self._pool = self._start()
+        reason = "its process ended without an exception, as after a segmentation fault"
+        return Run(*job, "signal", reason, np.nan, np.empty(0), {})
+
+
+def _keep(run: Run, path: Path) -> None:
+    content = streams.BytesIO()
+    values = {f"{QUANTITY}{name}": one for name, one in run.values.items()}
+    words, numbers = np.array([run.scheme, run.status, run.reason]), np.array([run.dt, run.seconds])
+    named: dict[str, Any] = {WORDS: words, SECONDS: numbers, T: run.t} | values
+    np.savez(content, **named)
+    write(content.getvalue(), path)
+
+
+def _read(path: Path) -> Run:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            scheme, status, reason = map(str, file[WORDS])
+            dt, seconds = file[SECONDS].tolist()
+            values = {key.removeprefix(QUANTITY): file[key] for key in file.files if key.startswith(QUANTITY)}
+            return Run(scheme, dt, status, reason, seconds, file[T], values)
+    except (OSError, ValueError, KeyError, BadZipFile) as error:
+        raise NotRead(f"'{path}' cannot be used, it is damaged ({error}): remove it, and it is made again.") from None

@@ -1,0 +1,169 @@
+"""The steps that the schemes of a program need for an error, from its truth and few runs."""
+
+import math
+import zlib
+from collections.abc import Callable
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from study.program.definition import Program
+from study.program.refinement import CERTAIN, Refinement
+from study.program.runs import Job, Runs
+from study.program.truth import FEWEST_RUNS
+from study.words import percent
+
+#: Ratio of two steps, of which one keeps an error and one does not, that is small enough.
+NEAR = 1.25
+
+#: Steps up to an octave below a recommended one, most of them random, in addition to one of those that halve; and the
+#: part of a recommended step down to which steps count as tried.
+CONFIRMED, TWENTIETH = 4, 1 / 20
+
+#: Part of the finest step of the truth down to which a scheme that keeps no error is tried.
+FINER = 1 / 32
+
+#: Ratio of the errors of a run and of one with half its step from which on the scheme goes to another motion.
+STUCK = 0.9
+
+#: A quantity, and the error that it is allowed.
+Limit = tuple[str, float]
+
+
+class Needed(NamedTuple):
+    """The largest step that keeps an error, the round one below it, and what confirms that; zero if there is none."""
+
+    largest: float
+    recommended: float
+    tried: int
+    worst: float
+
+
+class Search:
+    """The search for the steps of all schemes.
+
+    Parameters
+    ----------
+    program
+        The program.
+    allowed
+        Allowed errors, the largest first.
+    round_step
+        The largest round step up to another one, for the spacing of a record or None.
+    seconds
+        Wall time after which no run begins that would end later.
+    report
+        Takes a sentence on what is being done.
+
+    Attributes
+    ----------
+    refinement
+        The runs, and what two schemes agree on.
+    errors
+        Errors of every run, by scheme and step: of each quantity, NaN if it is of no use.
+
+    Raises
+    ------
+    NoTruth
+        As :class:`Refinement`.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        allowed: list[float],
+        round_step: Callable[[float, float | None], float],
+        seconds: float,
+        report: Callable[[str], None],
+    ):
+        self.program, self.allowed, self._round_step = program, allowed, round_step
+        self.errors: dict[Job, dict[str, float]] = {}
+        with Runs(program, seconds, report) as runs:
+            self.refinement = Refinement(program, runs, allowed[-1])
+            self.truth = self.refinement.truth
+            self._measure()
+            # the largest errors first, for which coarse steps suffice
+            for error in allowed:
+                while self.refinement.run(job for scheme in program.schemes for job in self._wanted(scheme, error)):
+                    self._measure()
+            self._late = runs.late
+
+    def _measure(self) -> None:
+        """Errors of the runs that are new."""
+        every = (run for scheme in self.program.all_schemes for run in self.refinement.of(scheme))
+        new = [run for run in every if (run.scheme, run.dt) not in self.errors]
+        self.errors |= {(run.scheme, run.dt): self.truth.errors(run) for run in new}
+
+    def certain(self, scheme: str, limit: Limit) -> bool:
+        """Whether the truth, and the runs of a scheme, are good enough to judge an error."""
+        return limit[1] >= CERTAIN * max(self.truth.uncertainty[limit[0]], self.refinement.noise[scheme])
+
+    def largest(self, scheme: str, limit: Limit) -> tuple[float, float]:
+        """Largest step tried below which all keep an error, zero if there is none, and the next one above."""
+        name, allowed = limit
+        errors = {dt: one[name] for (s, dt), one in self.errors.items() if s == scheme}
+        fails = min((dt for dt, error in errors.items() if not error <= allowed), default=math.inf)
+        return max((dt for dt in errors if dt < fails), default=0.0), fails
+
+    def _wanted(self, scheme: str, error: float) -> list[Job]:
+        """The next runs of a scheme for an error; none if all is known."""
+        limits = [(name, error) for name in self.truth.uncertainty]
+        steps = {step for limit in limits if self.certain(scheme, limit) for step in self._next(scheme, limit)}
+        return [(scheme, step) for step in sorted(steps, reverse=True)]
+
+    def _next(self, scheme: str, limit: Limit) -> list[float]:
+        """Steps to try for one error: finer ones, closer ones, the round one, or random ones below it."""
+        tried = {dt for s, dt in self.errors if s == scheme}
+        largest, fails = self.largest(scheme, limit)
+        if not largest:
+            finer = min(tried) / 2
+            least = max(self.program.smallest, FINER * self.truth.best.dt)
+            return [finer] if finer >= least and not self._hopeless(scheme, limit[0]) else []
+        if largest * NEAR < fails < math.inf:
+            between = self._round(math.sqrt(largest * fails))
+            if largest < between < fails:
+                return [between]
+        step = self._round(largest)
+        if step not in tried:
+            return [step]
+        # one of those that halve is there
+        missing = CONFIRMED + 1 - sum(step / 2 <= dt < step for dt in tried)
+        return [one for one in self._random(scheme, step, missing) if one not in tried] if missing > 0 else []
+
+    def _round(self, step: float) -> float:
+        return self._round_step(step, self.program.spacing)
+
+    def _random(self, scheme: str, step: float, count: int) -> set[float]:
+        """Random steps up to an octave below another one, the same whenever they are drawn."""
+        random = np.random.default_rng(zlib.crc32(f"{scheme} {step:.12g}".encode()))
+        drawn = {self.program.fitted(step * 2.0**-part) for part in random.random(count)}
+        return {one for one in drawn if one < step and one >= self.program.smallest}
+
+    def _hopeless(self, scheme: str, name: str) -> bool:
+        """Whether halving does not help a scheme any more; a remark says so."""
+        runs = self.refinement.of(scheme)
+        if runs[-1].status == "timed_out":
+            return True
+        last = [self.errors[scheme, run.dt][name] for run in self.refinement.last_completed(scheme)[-FEWEST_RUNS:]]
+        stuck = len(last) == FEWEST_RUNS and all(b > STUCK * a for a, b in pairwise(last))
+        if stuck:
+            remark = f"'{scheme}' goes to another motion: it keeps an error of {percent(last[-1])} of '{name}'"
+            remarks = self.refinement.remarks
+            remarks += [remark] if remark not in remarks else []
+        return stuck
+
+    def unfinished(self, scheme: str, limit: Limit) -> bool:
+        """Whether the time was over before the step for an error was known."""
+        return self._late and bool(self._next(scheme, limit))
+
+    def needed(self, scheme: str, limit: Limit) -> Needed:
+        """What the runs say about an error."""
+        largest, _ = self.largest(scheme, limit)
+        if not largest:
+            return Needed(0.0, 0.0, 0, math.nan)
+        step = self._round(largest)
+        around = [
+            one[limit[0]] for (s, dt), one in self.errors.items() if s == scheme and TWENTIETH * step <= dt <= step
+        ]
+        return Needed(largest, step, len(around), max(around) / limit[1])

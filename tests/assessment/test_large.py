@@ -1,0 +1,52 @@
+"""Problems of many unknowns, whose reference is what two schemes agree on."""
+
+import pytest
+
+import study
+from study.assessment import large
+from study.program.refinement import NoTruth
+
+#: The chain is assessed over half of its slowest period.
+OPTIONS = {"duration": 6.0, "errors": (0.1, 0.01), "maps": False}
+SCHEMES = ["average_acceleration", "central_difference"]
+
+
+@pytest.fixture
+def of_programs(monkeypatch, tmp_path):
+    """Every problem counts as large, and its runs are kept in a folder of the test."""
+    monkeypatch.setattr(large, "MOST", 1)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+
+
+def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, of_programs, monkeypatch):
+    found = study.assess(damped_chain(), SCHEMES, **OPTIONS)
+    monkeypatch.undo()
+    certified = study.assess(damped_chain(), SCHEMES, **OPTIONS)
+    assert set(found.quantity.values) == {"displacement", "velocity"}
+    assert found.reference_uncertainty.max() < 1e-3
+    # at one percent, whose steps are finer than the coarsest of a program
+    ratio = (found.largest_dt / certified.largest_dt).sel(quantity=found.quantity, allowed_error=0.01)
+    assert ((ratio > 0.9) & (ratio < 1.1)).all()
+    assert found.attrs["reference"].startswith(("rk4", "nystrom4"))
+
+
+def test_quantities_that_are_reduced_are_single_numbers(damped_chain, of_programs):
+    peak = {
+        "peak": study.Quantity(lambda u: u[-1], reduce="peak"),
+        "both": study.Quantity(lambda u: u[:2], reduce="rms"),
+    }
+    found = study.assess(damped_chain(), SCHEMES, quantities=peak, **OPTIONS)
+    assert list(found.quantity.values) == ["peak", "both"] and (found.recommended_dt > 0).all()
+
+
+def test_what_there_is_no_time_for_is_said(damped_chain, of_programs):
+    with pytest.raises(NoTruth, match="in the time that was given"):
+        study.assess(damped_chain(), SCHEMES, seconds=0.0, **OPTIONS)
+
+
+def test_another_problem_of_the_same_title_has_other_runs(damped_chain, of_programs):
+    one, other = (
+        large.program_of(damped_chain(linear=linear), {"rk4": study.schemes["rk4"]}, 1.0, None, None).identity()
+        for linear in (False, True)
+    )
+    assert one != other

@@ -1,0 +1,81 @@
+"""Oscillators as anyone might write them, without this package, and programs that go wrong."""
+
+import os
+import signal
+from functools import partial
+
+import numpy as np
+
+DURATION = 20.0
+SCHEMES = ["average_acceleration", "central_difference"]
+
+
+def oscillator(hardening, scheme, dt):
+    """The oscillator ü + u + h u³ = 0 from u = 1 at rest."""
+    u, v, a = 1.0, 0.0, -1.0 - hardening
+    steps = int(np.ceil(DURATION / dt * (1 - 1e-9)))
+    path = np.empty((steps + 1, 2))
+    path[0] = u, v
+    for i in range(steps):
+        before = a
+        if scheme == "central_difference":
+            u += dt * v + dt**2 / 2 * a
+            a = -u - hardening * u**3
+        else:
+            predicted, weight = u + dt * v + dt**2 / 4 * a, dt**2 / 4
+            for _ in range(20):
+                u = predicted + weight * a
+                a -= (a + u + hardening * u**3) / (1 + weight * (1 + 3 * hardening * u**2))
+            u = predicted + weight * a
+        v += dt / 2 * (before + a)
+        path[i + 1] = u, v
+    return {"t": dt * np.arange(steps + 1), "displacement": path[:, 0], "velocity": path[:, 1]}
+
+
+linear, hardening = partial(oscillator, 0.0), partial(oscillator, 0.5)
+
+
+def fails(how, scheme, dt):
+    """The linear oscillator; its third scheme goes wrong."""
+    right = linear("central_difference" if scheme == "wrong" else scheme, dt)
+    if scheme != "wrong":
+        return right
+    if how == "raised":
+        raise ValueError("no convergence")
+    if how == "signal":
+        if dt > 1:
+            os.kill(os.getpid(), signal.SIGSEGV)
+        return right
+    t = right["t"]
+    return {
+        "nothing": None,
+        "unusable": right | {"velocity": [1.0, 2.0]},
+        "not_finite": right | {"velocity": np.where(t > 10, np.nan, t)},
+        "unequal_times": right | {"t": t**1.01},
+        "too_short": {name: values[: len(t) // 2] for name, values in right.items()},
+    }[how]
+
+
+def ignores_the_step(scheme, dt):
+    """One of its schemes always takes the same step."""
+    if scheme != "wrong":
+        return linear(scheme, dt)
+    own = DURATION / 2048
+    return {name: values[:: max(round(dt / own), 1)] for name, values in linear("central_difference", own).items()}
+
+
+class Remembers:
+    """A program whose second scheme starts where its last run has ended."""
+
+    def __init__(self):
+        self.runs = 0
+
+    def __call__(self, scheme, dt):
+        self.runs += scheme == "central_difference"
+        right = linear(scheme, dt)
+        return right | {"displacement": right["displacement"] * (1 + 1e-3 * self.runs)}
+
+
+def two_motions(scheme, dt):
+    """The schemes solve different problems."""
+    return linear(scheme, dt) if scheme == "central_difference" else oscillator(0.02, scheme, dt)

@@ -1,0 +1,183 @@
+"""The assessment of a program: its steps, its truth, and what goes wrong."""
+
+import math
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import study
+from study.assessment.failures import failed_runs
+from study.assessment.search import round_step
+from study.program.attempt import STATUSES
+from study.program.refinement import NoTruth
+from study.program.search import Search
+from tests.program import models
+
+ALONG = ["displacement", "velocity"]
+
+
+def program(run, folder, schemes=models.SCHEMES, **options):
+    return study.Program(run, schemes, models.DURATION, **{"folder": folder, "name": "model", "workers": 1} | options)
+
+
+@pytest.fixture(scope="module", params=[0.0, 0.5], ids=["linear", "hardening"])
+def spring(request, tmp_path_factory):
+    """A spring as a program, its assessment, and its hardening."""
+    run = models.linear if request.param == 0 else models.hardening
+    own = program(run, tmp_path_factory.mktemp("runs"))
+    return own, study.assess(own), request.param
+
+
+def test_the_truth_is_as_uncertain_as_it_says(spring):
+    own, ds, hardening = spring
+    truth = Search(own, [0.1, 0.01, 0.001], round_step, math.inf, lambda what: None).truth
+
+    def rate(t, y):
+        return [y[1], -y[0] - hardening * y[0] ** 3]
+
+    t = np.linspace(0, truth.best.motion["velocity"].t[-1], 5001)
+    exact = solve_ivp(rate, (0, models.DURATION), [1.0, 0.0], method="DOP853", t_eval=t, rtol=1e-12, atol=1e-13).y
+    for name, along in zip(ALONG, exact, strict=True):
+        off = np.abs(truth.best.motion[name].at(t) - along).max() / np.abs(along).max()
+        assert off <= truth.uncertainty[name] <= 1e-4
+        assert truth.uncertainty[name] == ds.reference_uncertainty.sel(quantity=name)
+    assert "by order 2" in ds.attrs["reference"] and "by order 2" in ds.attrs["witness"]
+
+
+def test_its_steps_are_those_of_the_same_problem(spring):
+    """Up to the ratio of steps that a sparing search leaves, and to that of two digits."""
+    _, ds, hardening = spring
+    problem = study.Problem(lambda u: u + hardening * u**3, u0=1.0, title="spring")
+    asked = {"displacement": study.Quantity(lambda u: u), "velocity": study.Quantity(lambda v: v)}
+    expected = study.assess(problem, models.SCHEMES, duration=models.DURATION, quantities=asked, maps=False)
+    ratio = ds.recommended_dt / expected.recommended_dt
+    assert ((ratio > 1 / 1.25) & (ratio < 1.25)).all()
+    assert (ds.recommended_error <= ds.allowed_error).all() and (ds.worst_error <= 1).all()
+    assert (ds.steps_tried > 4).all() and ds.kind.values.tolist() == ["implicit", "explicit"]
+
+
+def test_recommend_and_report_take_it(spring, tmp_path):
+    _, ds, _ = spring
+    table = study.recommend(ds, error=0.01, quantity="velocity")
+    assert table.step_size["central_difference"] == pytest.approx(2**0.5 * table.step_size.iloc[-1], rel=0.25)
+    page = study.report(ds, tmp_path / "page.html").read_text()
+    assert "Central difference (explicit) with Δt" in page and "cubic splines" in page and "random finer" not in page
+    study.io.write(ds, tmp_path / "ds.nc")
+    assert study.io.read(tmp_path / "ds.nc").reason.dtype.kind in "OU"
+
+
+def test_error_against_time_is_drawn(spring, tmp_path):
+    own, ds, _ = spring
+    found = study.work_precision(own, figure=tmp_path / "work.svg", quantity="velocity")
+    assert found.error.equals(ds.error) and (found.time.notnull() == (ds.status == 0)).all()
+    assert (found.time > 0).any() and "error of velocity" in (tmp_path / "work.svg").read_text()
+    with pytest.raises(KeyError, match="no quantity 'speed'; known are displacement"):
+        study.work_precision(own, figure=tmp_path / "work.svg", quantity="speed")
+
+
+def test_a_second_question_repeats_no_run(spring):
+    own, _, _ = spring
+
+    def never(scheme, dt):
+        raise AssertionError("a run was repeated")
+
+    again = study.assess(replace(own, run=never))
+    assert set(np.unique(again.status)) == {0, STATUSES.index("not_tried")}
+
+
+@pytest.mark.parametrize(
+    "how, reason",
+    [
+        ("raised", "it raised ValueError: no convergence"),
+        ("nothing", "it returned nothing"),
+        ("unusable", "'velocity' has 2 values at 17 times 't'"),
+        ("not_finite", "'velocity' is not finite at t = 11.25 s"),
+        ("unequal_times", "its times are 1.25279 s apart, and 1.27022 s after t = 1.25279 s"),
+        ("too_short", "it ends at t = 8.75 of 20 s"),
+    ],
+)
+def test_a_scheme_that_goes_wrong_is_recorded(how, reason, tmp_path):
+    own = program(partial(models.fails, how), tmp_path, [*models.SCHEMES, "wrong"])
+    ds = study.assess(own, errors=[0.01])
+    wrong = ds.sel(scheme="wrong")
+    assert wrong.status[0] == STATUSES.index(how) and wrong.reason[0] == reason
+    assert wrong.verdict[0].item() == 2 and (ds.verdict.sel(scheme=models.SCHEMES) == 0).all()
+    assert failed_runs(ds)[0] == ("wrong", "1.25", reason)
+
+
+def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
+    own = program(partial(models.fails, "signal"), tmp_path, [*models.SCHEMES, "wrong"], workers=2)
+    ds = study.assess(own, errors=[0.1])
+    assert ds.status.sel(scheme="wrong", dt=1.25) == STATUSES.index("signal")
+    assert (ds.status.sel(scheme=models.SCHEMES, dt=1.25) == 0).all()
+    assert (ds.verdict.sel(quantity="velocity") == 0).all()
+
+
+@pytest.mark.parametrize(
+    "run, schemes, sentence",
+    [
+        (
+            models.ignores_the_step,
+            [*models.SCHEMES, "wrong"],
+            "'wrong' ignores the step: its runs at 1.25 s and 0.625 s are the same to the last digit",
+        ),
+        (
+            models.Remembers(),
+            models.SCHEMES,
+            "'central_difference' depends on the order of runs: a repeated run at 1.25 s differs by",
+        ),
+        (
+            models.two_motions,
+            models.SCHEMES,
+            "agree to .* % of '.*' only, at .* so they solve different problems: no step is named for its errors below",
+        ),
+    ],
+)
+def test_what_is_wrong_with_all_runs_is_said(run, schemes, sentence, tmp_path):
+    with pytest.warns(RuntimeWarning, match=sentence):
+        ds = study.assess(program(run, tmp_path, schemes), errors=[0.001])
+    wrong = ds.verdict.sel(scheme=schemes[-1])
+    assert (wrong == 3).all() and ds.recommended_dt.sel(scheme=schemes[-1]).isnull().all()
+    assert ds.attrs["remarks"] and study.recommend(ds, error=0.001).verdict[schemes[-1]] == "below the reference"
+
+
+@pytest.mark.parametrize(
+    "change, error, sentence",
+    [
+        ({"run": 3}, TypeError, "run must be a function of the name of a scheme and a step, not 3."),
+        ({"schemes": "newmark"}, TypeError, "schemes must be a list of names, such as"),
+        ({"schemes": ["newmark"]}, ValueError, "schemes must be at least two different names, not"),
+        ({"duration": -1.0}, ValueError, "duration must be a time in s greater than zero, not -1.0."),
+        ({"coarsest": 15.0}, ValueError, "steps from 15 s down to .* do not fit a duration of 20 s"),
+    ],
+)
+def test_an_unfit_program_is_refused(change, error, sentence, tmp_path):
+    with pytest.raises(error, match=sentence):
+        replace(program(models.linear, tmp_path), **change)
+
+
+def test_a_program_that_never_runs_has_no_truth(tmp_path):
+    own = program(partial(models.fails, "nothing"), tmp_path, ["wrong", "average_acceleration"])
+    with pytest.raises(NoTruth, match=r"no truth for 'model', as fewer than two .* 'wrong' ends at Δt = 1.25 s: it"):
+        study.assess(replace(own, finest=1.0))
+    still = program(lambda scheme, dt: models.linear(scheme, dt) | {"idle": 0.0}, tmp_path / "still")
+    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero all the time"):
+        study.assess(still)
+    with pytest.raises(KeyError, match="'model' has no scheme 'newmark'; known are wrong, average_acceleration."):
+        study.assess(own, ["newmark", "wrong"])
+
+
+def test_runs_are_known_by_the_source(tmp_path):
+    def own(run):
+        return replace(program(run, tmp_path), name=None).identity()
+
+    assert own(models.linear) == own(partial(models.oscillator, 0.0)) != own(models.hardening)
+    made: dict = {}
+    exec("def bare(scheme, dt): ...", made)
+    with pytest.raises(
+        ValueError, match="cannot be distinguished from those of other programs.*give the program a name"
+    ):
+        own(made["bare"])

@@ -1,0 +1,99 @@
+"""Programs that are executables: what they write, how they end, and the example in C."""
+
+import contextlib
+import io
+import shutil
+import stat
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import study
+from study.__main__ import main
+from study.program.attempt import attempt
+from study.program.command import command
+from tests.program import models
+
+PROJECT = Path(__file__).parents[2]
+WORDS = "--dt {dt} --scheme {scheme} --output {output}"
+
+
+@pytest.fixture
+def script(tmp_path):
+    """Makes an executable of the lines of a shell script, which has its output in $6."""
+
+    def made(lines, **options):
+        path = tmp_path / "mycode"
+        path.write_text(f"#!/bin/sh\n{lines}\n")
+        path.chmod(path.stat().st_mode | stat.S_IXUSR)
+        return command(f"{path} {WORDS}", ["a", "b"], 4.0, **{"folder": tmp_path / "runs"} | options)
+
+    return made
+
+
+@pytest.mark.parametrize(
+    "lines, status, reason",
+    [
+        ("exit 0", "nothing", "it wrote nothing to {output}"),
+        ("echo t,u > $6", "nothing", "its output has a header and no row"),
+        ("echo 1,2 > $6; exit 3", "exit_code", "it ended with the exit code 3"),
+        ("echo no convergence at step 7 >&2; exit 1", "exit_code", "it ended with the exit code 1: no convergence at"),
+        ("kill -SEGV $$", "signal", "the signal SIGSEGV ended it"),
+        ("sleep 60", "timed_out", "it was stopped after 0.2 s"),
+        (r"printf 't,u\n0,1\n2,1e200\n4,1\n' > $6", "not_finite", "'u' grows to 1e+200"),
+        (r"printf 't,u\n0,1\n2,nan\n4,3\n' > $6", "not_finite", "'u' is not finite at t = 2 s"),
+        (r"printf 't,u\n0,1\n2,3\n5,2\n' > $6", "unequal_times", "its times are 2 s apart, and 3 s after t = 2 s"),
+        (r"printf 't,u\n0,1\n2,much\n4,3\n' > $6", "unusable", "'u' must be numbers"),
+        (r"printf 'u\n0\n2\n' > $6", "unusable", "its output has no column 't'"),
+    ],
+)
+def test_a_run_that_goes_wrong_has_a_reason(script, lines, status, reason):
+    own = script(lines, time_limit=0.2 if status == "timed_out" else None)
+    run = attempt(own.run, "a", 2.0, own.duration)
+    assert run.status == status and run.reason.startswith(reason)
+
+
+def test_single_numbers_need_no_times(script):
+    run = attempt(script(r"printf 'peak, drift\n1.5, 2\n' > $6").run, "a", 2.0, 4.0)
+    assert run.completed and run.values == {"peak": 1.5, "drift": 2.0}
+
+
+def test_a_scheme_that_hangs_is_run_once(script):
+    """And again if it may take longer."""
+    own = script("sleep 60", time_limit=0.2)
+    with pytest.raises(ValueError, match="there is no truth for 'mycode'.* 'a' ends at Δt = 0.25 s: it was stopped"):
+        study.assess(own)
+    kept = list(own.place.glob("*.npz"))
+    assert len(kept) == 2
+    longer = replace(own, run=replace(own.run, time_limit=0.3))
+    with pytest.raises(ValueError, match=r"it was stopped after 0.3 s"):
+        study.assess(longer)
+    assert list(own.place.glob("*.npz")) == kept
+
+
+def test_an_unfit_command_is_refused():
+    with pytest.raises(ValueError, match=r"the command must have \{output\} where a run gives its own"):
+        command("./mycode {dt} {scheme}", ["a", "b"], 4.0)
+    with pytest.raises(FileNotFoundError, match="there is no executable './mycode'"):
+        command("./mycode {dt} {scheme} {output}", ["a", "b"], 4.0)
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+def test_the_example_in_c_is_assessed(tmp_path, monkeypatch):
+    """As the same oscillator in Python."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    source, made = PROJECT / "examples" / "oscillator.c", tmp_path / "oscillator"
+    subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", made, source, "-lm"], check=True)
+    words = ["assess", "--command", f"{made} {WORDS}", "--schemes", ",".join(models.SCHEMES), "--duration", "10"]
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        main([*words, "--error", "0.01", "--output", str(tmp_path / "assessed")])
+    ds = study.io.read(tmp_path / "assessed.nc")
+    assert "For 1 % of velocity: " in printed.getvalue() and (tmp_path / "assessed.html").is_file()
+    assert (ds.verdict == 0).all() and ds.attrs["problem"] == "oscillator"
+    own = study.Program(models.hardening, models.SCHEMES, 10.0, folder=tmp_path, workers=1, coarsest=0.625)
+    monkeypatch.setattr(models, "DURATION", 10.0)
+    same = study.assess(own, errors=[0.01])
+    assert ds.recommended_dt.values == pytest.approx(same.recommended_dt.values)
+    assert ds.recommended_error.values == pytest.approx(same.recommended_error.values, rel=1e-6)

@@ -1,0 +1,77 @@
+"""Models of OpenSees in files; skipped where it is not installed."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import study
+from reference import opensees as reference
+from study.program import opensees_run
+from study.program.attempt import attempt
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture
+def example(tmp_path):
+    """Makes a program of an example; skipped with a sentence where OpenSees is not installed."""
+    try:
+        opensees_run.interpreter()
+    except ImportError as reason:
+        pytest.skip(str(reason))
+    return lambda name, *given, **options: study.opensees(EXAMPLES / name, *given, folder=tmp_path, **options)
+
+
+def _errors_against(found, finer):
+    """Largest differences from a finer run at the times of a run, relative to its size."""
+    every = round((len(finer["t"]) - 1) / (len(found["t"]) - 1))
+    return {n: np.abs(found[n] - finer[n][::every]).max() / np.abs(finer[n]).max() for n in found}
+
+
+def test_a_frame_of_fibres_keeps_its_errors_against_steps_ten_times_finer(example):
+    own = example("opensees_frame.py", ["hht", "TRBDF2"], 4.0, spacing=0.02)
+    assert own.schemes == ["hht_alpha", "bathe"] and own.title == "opensees_frame"
+    ds = study.assess(own, errors=[0.05, 0.01])
+    assert (ds.verdict <= 1).all() and (ds.reference_uncertainty <= 1e-3).all()
+    steps = ds.recommended_dt.sel(allowed_error=0.01)
+    assert np.allclose(0.02 / steps, np.round(0.02 / steps))
+    model = runpy.run_path(str(EXAMPLES / "opensees_frame.py"))
+    for scheme in own.schemes:
+        step = steps.sel(scheme=scheme, quantity="drift").item()
+        found, finer = (opensees_run.history(model, scheme, dt, 4.0) for dt in (step, step / 10))
+        error, stated = _errors_against(found, finer)["drift"], ds.error.sel(scheme=scheme, dt=step, quantity="drift")
+        assert error <= 0.01 and error == pytest.approx(stated.item(), abs=2e-3)
+        if (coarser := ds.dt[ds.dt > step]).size:
+            found = opensees_run.history(model, scheme, float(coarser.min()), 4.0)
+            assert max(_errors_against(found, finer).values()) > 0.005
+
+
+def test_floors_that_pound_are_assessed(example):
+    own = example("opensees_gap.py", ["average_acceleration", "central_difference"], 1.0, coarsest=0.04)
+    ds = study.assess(own, errors=[0.1])
+    assert (ds.verdict == 0).all() and (ds.worst_error <= 1).all()
+    beyond = ds.sel(scheme="central_difference", quantity="second floor").error.max()
+    assert not float(beyond) <= 1  # beyond its limit of stability
+
+
+def test_a_file_that_fails_says_why(example, tmp_path):
+    own = example("opensees_gap.py", ["Newmark", "hht"], 2.0)
+    (tmp_path / "broken.py").write_text("measure = {}\ndef build(ops):\n    raise RuntimeError('no such section')\n")
+    broken = study.opensees(tmp_path / "broken.py", own.schemes, 2.0)
+    run = attempt(broken.run, "hht_alpha", 0.5, 2.0)
+    assert run.reason == "it ended with the exit code 1: RuntimeError: no such section"
+    with pytest.raises(KeyError, match="OpenSees has no scheme 'rk4'; known are average_acceleration, newmark_diss"):
+        example("opensees_gap.py", ["rk4", "hht"], 2.0)
+    with pytest.raises(FileNotFoundError, match="there is no file 'none.py' with a model of OpenSees."):
+        study.opensees("none.py", ["Newmark", "hht"], 2.0)
+
+
+def test_integrators_are_those_that_agree_to_round_off():
+    """Those of the comparison with OpenSees step by step."""
+    for name, (words, algorithm) in reference.INTEGRATORS.items():
+        one = opensees_run.INTEGRATORS.get(name)
+        assert one is None or (one.words, one.algorithm) == (words, algorithm)
+        assert one is None or one.parts == reference.SUB_STEPS.get(name, 1)
+    assert len(opensees_run.INTEGRATORS.keys() & reference.INTEGRATORS.keys()) == 10
