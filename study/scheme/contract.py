@@ -46,7 +46,7 @@ def _returned(scheme: Any, method: str, *arguments: Any) -> tuple[Any, Effort]:
             f"{of} branches on a number that JAX traces, or hands it to NumPy or to Python: write it with jax.numpy, a "
             "choice as jnp.where."
         ) from error
-    except (AttributeError, RuntimeError) as error:
+    except (AttributeError, NameError, RuntimeError) as error:
         raise TypeError(f"{of} raises {type(error).__name__}: {error}") from error
     if not (isinstance(returned, tuple) and len(returned) == 2 and isinstance(returned[1], Effort)):
         raise TypeError(f"{of} must return a state and a study.building.Effort, not {type(returned).__name__}.")
