@@ -167,6 +167,8 @@ def assess(
     >>> ds = study.assess("softening", ["average_acceleration", "rk4"])  # doctest: +SKIP
     >>> study.recommend(ds, error=0.01, quantity="displacement")  # doctest: +SKIP
     """
+    if not (isinstance(seconds, int | float) and seconds >= 0):
+        raise ValueError(f"seconds must be a time in s, zero or more, not {seconds!r}.")
     if isinstance(problem, Program):
         if quantities is not None or duration is not None:
             raise ValueError("a program has its own quantities and duration; leave them out.")
