@@ -56,7 +56,12 @@ class Command:
         """Run it in a process, and read what it writes."""
         with tempfile.TemporaryDirectory() as folder:
             output, said = Path(folder) / "output.csv", Path(folder) / "said"
-            given = {"dt": repr(float(dt)), "scheme": scheme, "output": str(output), "duration": repr(float(self.duration))}
+            given = {
+                "dt": repr(float(dt)),
+                "scheme": scheme,
+                "output": str(output),
+                "duration": repr(float(self.duration)),
+            }
             words = [_filled(word, given) for word in shlex.split(self.template)]
             # a file, as a process that outlives the program would keep a pipe open
             with said.open("wb") as file:

@@ -13,6 +13,7 @@ from study.assessment.failures import failed_runs
 from study.assessment.search import round_step
 from study.program.attempt import STATUSES
 from study.program.refinement import NoTruth
+from study.program.runs import Runs
 from study.program.search import Search
 from tests.program import models
 
@@ -160,6 +161,21 @@ def test_what_is_wrong_with_all_runs_is_said(run, schemes, sentence, tmp_path):
 def test_an_unfit_program_is_refused(change, error, sentence, tmp_path):
     with pytest.raises(error, match=sentence):
         replace(program(models.linear, tmp_path), **change)
+
+
+class Slow:
+    """A program whose runs say that they take eight seconds at a step of one second."""
+
+    starts_a_process = True
+
+    def __call__(self, scheme, dt):
+        return {"peak": 1.0, "seconds": 8.0 / dt}
+
+
+def test_no_run_begins_that_would_end_late_on_its_own_worker(tmp_path):
+    with Runs(program(Slow(), tmp_path, ["a", "b"], workers=2), seconds=10.0) as runs:
+        assert len(runs.run([("a", 1.0)])) == 1 and not runs.late
+        assert len(runs.run([("a", 0.8)])) == 0 and runs.late
 
 
 def test_a_program_that_never_runs_has_no_truth(tmp_path):
