@@ -45,21 +45,25 @@ def conform(arguments: argparse.Namespace) -> None:
     SystemExit
         With code 1 if a case fails.
     """
+    known = {tag for case in cases() for tag in case["tags"]}
+    for tag in (*arguments.skip, *arguments.only):
+        if tag not in known:
+            raise ValueError(f"no case has the tag '{tag}'; tags are {', '.join(sorted(known))}.")
     chosen = list(cases(arguments.skip, arguments.only))
     if not chosen:
-        raise ValueError(
-            "no case has these tags; level letters, families and forms are tags, such as A, newmark, cubic."
-        )
+        raise ValueError("no case has all tags of --only and none of --skip.")
     if arguments.inputs:
         written = write(chosen, arguments.inputs)
         print(f"written: {written} files in {arguments.inputs}")
         return
     if sum(one is not None for one in (arguments.code, arguments.command, arguments.collect)) != 1:
         raise ValueError("name one code: MODULE:FUNCTION, or --command, or --collect.")
-    if arguments.code:
+    if arguments.output:
+        arguments.output.parent.mkdir(parents=True, exist_ok=True)
+    if arguments.code is not None:
         runner = of_function(arguments.code)
     else:
-        runner = of_command(arguments.command) if arguments.command else of_folder(arguments.collect)
+        runner = of_folder(arguments.collect) if arguments.command is None else of_command(arguments.command)
     verdicts = [judge(case, partial(runner, case)) for case in chosen]
     found = summary(verdicts, arguments.tool, arguments.tool_version, arguments.note)
     print(table(verdicts))

@@ -27,8 +27,8 @@ DIGITS, EXPECTED, STORED = 50, 17, 12
 #: Smallest tolerance as a part of the largest value of a quantity, the number of round-offs and the largest tolerance.
 SAME, ROUND_OFFS, LOOSE = 1e-9, 100, 1e-6
 
-#: Variants nearer to the expected values than so many tolerances are the same algorithm. Those that grow to so many
-#: times the largest value are unstable, and not stored.
+#: Smallest difference of a variant from the expected values in tolerances, and the growth over the largest value or
+#: energy of the scheme from which a variant is unstable and left out.
 DISTINCT, UNSTABLE = 100, 1e6
 
 
@@ -123,14 +123,15 @@ def _stored(values: list[np.ndarray]) -> list[list[str]]:
 
 
 def _bound(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
-    """The largest energy of the scheme and its alternatives over that at the start, with five percent to spare."""
+    """The largest energy of the scheme and its stable alternatives over that at the start, and five percent more."""
     problem, largest = Problem(entry.problem), []
     alternatives = [one for one in VARIANTS if one.verdict == "differs" and scheme["family"] in one.families]
     for changed, words in [(scheme, ()), *(({**scheme, **one.change(scheme)}, one.words) for one in alternatives)]:
         motion = _march(entry, changed, words, FLOAT)
         energies = [problem.energy(u, v) for u, v in zip(motion["u"], motion["v"], strict=True)]
         largest.append(max(energies) / energies[0])
-    return [{"kind": "bound", "quantity": "energy", "limit": f"{1.05 * max(largest):.4g}"}]
+    limit = 1.05 * max(one for one in largest if one <= UNSTABLE * largest[0])
+    return [{"kind": "bound", "quantity": "energy", "limit": f"{limit:.4g}"}]
 
 
 def exact(problem: Mapping[str, Any], end: str) -> Any:

@@ -10,6 +10,9 @@ from conformance.judge import Verdict
 
 VERDICTS = ("pass", "differs", "fail", "skip")
 
+#: Order of the rows of a page.
+_ROWS = ("fail", "differs", "pass", "skip")
+
 _STYLE = """body {font: 16px/1.4 sans-serif; margin: 2em auto; max-width: 70em; padding: 0 1em}
 table {border-collapse: collapse} th, td {border-bottom: 1px solid #ccc; padding: .2em .7em; text-align: left}
 .fail {background: #fdd} .differs {background: #ffd} .skip {color: #777}"""
@@ -48,7 +51,7 @@ def page(found: Mapping[str, Any], titles: Mapping[str, str]) -> str:
     rows = [
         f'<tr class="{one["verdict"]}"><td>{escape(one["name"])}</td><td>{escape(titles[one["name"]])}</td>'
         f"<td>{one['verdict']}</td><td>{one.get('digits', '')}</td><td>{escape(one.get('cause', ''))}</td></tr>"
-        for one in found["cases"]
+        for one in sorted(found["cases"], key=lambda one: _ROWS.index(one["verdict"]))
     ]
     return "\n".join(
         [
@@ -56,7 +59,7 @@ def page(found: Mapping[str, Any], titles: Mapping[str, str]) -> str:
             f"<style>{_STYLE}</style>\n<h1>Conformance of {tool}</h1>",
             f"<p>Cases {found['kit']}: {counts}. Digits are those of the worst value, relative to the largest.</p>",
             f"<p>{escape(found['note'])}</p>",
-            "<table><tr><th>case</th><th></th><th>verdict</th><th>digits</th><th>cause</th></tr>",
+            "<table><tr><th>case</th><th>scheme and problem</th><th>verdict</th><th>digits</th><th>cause</th></tr>",
             *rows,
             "</table></html>",
         ]

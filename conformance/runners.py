@@ -2,17 +2,20 @@
 
 import importlib
 import json
+import os
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from subprocess import DEVNULL, PIPE
 from typing import Any
 
 import numpy as np
 
-from conformance.judge import Motion, Unsupported
+from conformance.judge import CASES, Motion, Unsupported
 from conformance.problem import Problem
 
 #: Exit status by which a command says that it has no such scheme or problem.
@@ -42,6 +45,8 @@ def of_function(place: str) -> Runner:
     sys.path.insert(0, folder)
     try:
         step = getattr(importlib.import_module(module), name)
+        if not callable(step):
+            raise TypeError(f"{name} is no function")
     except Exception as error:  # whatever a module raises when it is imported
         raise ValueError(
             f"'{place}' must name a module and a function in it, such as my_code:step ({error})."
@@ -56,11 +61,25 @@ def of_function(place: str) -> Runner:
                 found = step(Problem(case["problem"]), case["scheme"], dt, steps)
         except NotImplementedError as error:
             raise Unsupported(str(error)) from None
-        except Exception as error:  # whatever a code raises is a failure of this case and of no other
+        except (Exception, SystemExit) as error:  # whatever a code raises is a failure of this case and of no other
             raise ValueError(f"the code raises {type(error).__name__}: {error}") from error
-        arrays = [None if one is None else np.reshape(np.asarray(one, float), (len(one), -1)) for one in found]
-        return _checked(case, part, dict(zip("uva", [*arrays, None], strict=False)))
+        return _checked(case, part, _arrays(found))
 
+    return motion
+
+
+def _arrays(found: Any) -> Motion:
+    """What a function returns as arrays (steps + 1, n), with None for a velocity or acceleration that is missing."""
+    if not isinstance(found, Sequence | np.ndarray) or len(found) not in (2, 3):
+        raise ValueError("the function must return u, v and, if it has it, a")
+    motion: dict[str, np.ndarray | None] = {"a": None}
+    for name, values in zip("uva", found, strict=False):
+        try:
+            motion[name] = (
+                None if values is None and name != "u" else np.asarray(values, float).reshape(len(values), -1)
+            )
+        except (TypeError, ValueError):
+            raise ValueError(f"{name} must be an array of numbers, with a row at t = 0 and one a step") from None
     return motion
 
 
@@ -68,24 +87,53 @@ def of_command(template: str) -> Runner:
     """Runner of a command that reads the file ``{case}`` and writes the file ``{out}``.
 
     The file that it reads is a case with one run, whatever the kind of the case.
+
+    Raises
+    ------
+    ValueError
+        If the command lacks one of the files, or its quotes are not closed.
     """
+    if "{case}" not in template or "{out}" not in template:
+        raise ValueError(f"the command '{template}' must contain {{case}} and {{out}}, for the files of a case.")
+    try:
+        words = shlex.split(template)
+    except ValueError as error:
+        raise ValueError(f"the command '{template}' cannot be split into words ({error}).") from None
 
     def motion(case: Mapping[str, Any], part: int) -> Motion:
         with tempfile.TemporaryDirectory() as folder:
             given, out = Path(folder, "case.json"), Path(folder, "out.csv")
             given.write_text(json.dumps(divided(case, part)), encoding="utf-8")
-            command = [word.format(case=given, out=out) for word in shlex.split(template)]
-            try:
-                done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT)
-            except subprocess.TimeoutExpired:
-                raise ValueError(f"the command takes longer than {TIMEOUT} s") from None
-            if done.returncode == SKIPPED:
-                raise Unsupported(done.stderr.strip())
-            if done.returncode or not out.exists():
-                raise ValueError(f"the command ends with status {done.returncode}: {done.stderr.strip()[-200:]}")
-            return _checked(case, part, _read(out, case))
+            command = [word.replace("{case}", str(given)).replace("{out}", str(out)) for word in words]
+            status, said = _ended(command)
+            if status == SKIPPED:
+                raise Unsupported(said)
+            if status:
+                ended = f"ends with status {status}" if status > 0 else f"is ended by signal {-status}"
+                raise ValueError(f"the command {ended}{said and ': '}{said[-200:]}")
+            if not out.is_file():
+                raise ValueError(f"the command writes no file {{out}}{said and ': '}{said[-200:]}")
+            return _read(out, case, part)
 
     return motion
+
+
+def _ended(command: list[str]) -> tuple[int, str]:
+    """Exit status of a command, negative for a signal, and what it writes to its standard error."""
+    try:
+        # a group of its own, so that the programs that a script starts end with it
+        started = subprocess.Popen(
+            command, stdin=DEVNULL, stdout=DEVNULL, stderr=PIPE, text=True, errors="replace", start_new_session=True
+        )
+    except OSError as error:
+        raise FileNotFoundError(f"the command '{command[0]}' cannot be started ({error.strerror}).") from None
+    try:
+        said = started.communicate(timeout=TIMEOUT)[1]
+    except subprocess.TimeoutExpired:
+        os.killpg(started.pid, signal.SIGKILL)
+        started.communicate()
+        raise ValueError(f"the command takes longer than {TIMEOUT} s") from None
+    return started.returncode, said.strip()
 
 
 def of_folder(folder: Path) -> Runner:
@@ -94,16 +142,18 @@ def of_folder(folder: Path) -> Runner:
     Raises
     ------
     ValueError
-        If there is no such folder.
+        If there is no such folder, or no table in it.
     """
     if not folder.is_dir():
         raise ValueError(f"there is no folder '{folder}'.")
+    if not any((folder / file.with_suffix(".csv").name).exists() for file in CASES.glob("*.json")):
+        raise ValueError(f"the folder '{folder}' has no table of a case, such as A-LIN-AVG.csv.")
 
     def motion(case: Mapping[str, Any], part: int) -> Motion:
         file = folder / (f"{case['name']}.csv" if part == 1 else f"{case['name']}-{part}.csv")
         if not file.exists():
             raise Unsupported(f"no file {file.name}")
-        return _checked(case, part, _read(file, case))
+        return _read(file, case, part)
 
     return motion
 
@@ -114,26 +164,31 @@ def divided(case: Mapping[str, Any], part: int) -> dict[str, Any]:
     return {**{name: case[name] for name in ("name", "problem", "scheme")}, "run": run}
 
 
-def _read(file: Path, case: Mapping[str, Any]) -> Motion:
+def _read(file: Path, case: Mapping[str, Any], part: int) -> Motion:
     """The columns t, u1, u2, ..., v1, ..., a1, ... of a CSV file; those of v and a may be missing."""
-    header = [name.strip() for name in file.read_text(encoding="utf-8").partition("\n")[0].split(",")]
-    n = len(case["problem"]["u0"])
     try:
-        rows = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
-    except ValueError as error:
-        raise ValueError(f"{file.name} is no table of numbers with one line of names: {error}") from None
-    wanted = {name: [f"{name}{i}" for i in range(1, n + 1)] for name in "uva"}
-    if not set(wanted["u"]) <= set(header):
-        raise ValueError(f"{file.name} must have the columns t, {', '.join(wanted['u'])}")
-    return {
-        name: rows[:, [header.index(column) for column in columns]] if set(columns) <= set(header) else None
-        for name, columns in wanted.items()
+        first, *lines = file.read_text(encoding="utf-8-sig").splitlines()
+        rows = [[float(number) for number in line.split(",")] for line in lines if line.strip()]
+        names = [name.strip() for name in first.split(",")]
+        columns = dict(zip(names, map(np.array, zip(*rows, strict=True)), strict=True))
+    except ValueError:
+        raise ValueError(f"{file.name} must be a line of names and rows of as many numbers, with commas") from None
+    wanted = {name: [f"{name}{i + 1}" for i in range(len(case["problem"]["u0"]))] for name in "uva"}
+    if missing := [name for name in ("t", *wanted["u"]) if name not in columns]:
+        raise ValueError(f"{file.name} has no column {missing[0]}")
+    motion = {
+        name: np.column_stack([columns[one] for one in ones]) if set(ones) <= set(columns) else None
+        for name, ones in wanted.items()
     }
+    return _checked(case, part, motion, columns["t"])
 
 
-def _checked(case: Mapping[str, Any], part: int, motion: Motion) -> Motion:
-    shape = case["run"]["steps"] * part + 1, len(case["problem"]["u0"])
+def _checked(case: Mapping[str, Any], part: int, motion: Motion, t: np.ndarray | None = None) -> Motion:
+    steps, dt = case["run"]["steps"] * part, float(case["run"]["dt"]) / part
+    shape = steps + 1, len(case["problem"]["u0"])
     for name, values in motion.items():
         if values is not None and values.shape != shape:
             raise ValueError(f"{name} has the shape {values.shape}, not {shape}: a row at t = 0 and one a step")
+    if t is not None and (wrong := np.flatnonzero(~(abs(t - dt * np.arange(steps + 1)) < dt / 100))).size:
+        raise ValueError(f"t is {t[wrong[0]]:g} after {wrong[0]} steps of {dt:g}")
     return motion

@@ -159,6 +159,9 @@ class March:
     def central_difference(self, gamma: Any = None) -> None:
         """Newmark's method with β = 0."""
         dt, gamma = self.dt, self.problem.numbers.mpf(1) / 2 if gamma is None else gamma
+        if "start at half" in self.words and len(self.rows) == 1:
+            self.a = self.acceleration(0, self.u, self.v, dt / 2)
+            self.v = self.v + dt / 2 * self.a
         half = self.v + dt * (1 - gamma) * self.a
         u = self.u + dt * self.v + dt**2 / 2 * self.a
         lag = 0 if "damping at half" in self.words else gamma * dt

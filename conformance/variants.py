@@ -98,6 +98,9 @@ VARIANTS = (
     _mistake("the acceleration at the start leaves out the damping", CARRIED, "a0 without damping"),
     _mistake("the acceleration at the start leaves out the load", CARRIED, "a0 without load"),
     _mistake("the velocity at the start is ignored", ALL, "no v0"),
+    _mistake(
+        "the velocity at the start is taken for that of half a step before", ("central_difference",), "start at half"
+    ),
     _mistake("the load is that of the start of the step", ALL, "load at start"),
     _mistake(
         "the load is that of the end of the step",

@@ -24,7 +24,7 @@ _ARRAYS = ("u0", "v0", "mass", "damping")
 _ROWS = 321
 
 #: Loads of zero, so that problems with and without a load share a program.
-_NO_LOAD, _NO_GROUND = {"frequency": 0, "phase": 0}, {"acceleration": [0] * 16, "dt": 1}
+_NO_LOAD, _NO_GROUND = {"frequency": 0, "phase": 0}, {"acceleration": [0] * 17, "dt": 1}
 
 _STARTS = {"linear acceleration": "linear_acceleration", "taylor": "taylor"}
 

@@ -1,6 +1,7 @@
 """``study.assess``: the whole way from a problem to the scheme and the step that it needs."""
 
 import math
+import time
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -139,7 +140,8 @@ def assess(
         Whether to map over step size and excitation how each scheme fails, for up to 1,000 unknowns.
     seconds
         Wall time after which no run begins that would end later. What is known then is returned, and the verdict on the
-        rest is ``out_of_time``. The reference of two solvers is finished in any case.
+        rest is ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case;
+        there is no map then.
 
     Returns
     -------
@@ -201,7 +203,7 @@ def assess(
             f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps of which "
             f"{search.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
-    progress = Progress(len(fit))
+    progress, end = Progress(len(fit)), time.monotonic() + seconds
     progress.tell(f"solving for a reference of '{equation.title}'")
     reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
@@ -223,11 +225,13 @@ def assess(
     limits = [(name, error) for name in names for error in allowed if error >= search.CERTAIN * uncertainty[name]]
 
     def of(scheme: Scheme) -> Assessed:
-        runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy)
+        runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy, end)
         runs.search(limits, lambda top: progress.tell(f"{scheme.title}: steps of {top / 2:.3g} to {top:.3g} s"))
         verdicts = {limit: runs.verdict(*limit) for limit in limits}
         recommended = np.unique([one.recommended for one in verdicts.values() if one.recommended > 0])
-        map_of_failures = failures.map_of(equation, scheme, length, coarsest, recommended) if maps else None
+        map_of_failures = (
+            failures.map_of(equation, scheme, length, coarsest, recommended) if maps and not runs.late else None
+        )
         return Assessed(runs.runs, verdicts, map_of_failures)
 
     found = _each(fit, of, progress)

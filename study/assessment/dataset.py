@@ -147,6 +147,6 @@ def dataset_of(
         ds[name].attrs |= attributes
     ds.attrs = io.provenance(f"Which scheme and which step for the {problem.title}", "study.assess")
     parts = {name: one.map for name, one in found.items() if one.map is not None}
-    if parts:
+    if len(parts) == len(found):
         ds = ds.merge(xr.concat(list(parts.values()), "scheme").assign_coords(scheme=list(parts)))
     return ds

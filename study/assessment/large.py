@@ -22,6 +22,9 @@ MOST = FINDABLE
 #: Unknowns, spread evenly, at which displacement and velocity are compared if no quantities are given.
 SHOWN = 256
 
+#: Sizes of states whose accelerations tell problems apart.
+SIZES = (1e-3, 1.0, 1e3)
+
 #: Explicit schemes that may give the reference too: their steps solve no equations, and their order is high.
 WITNESSES = ("rk4", "nystrom4")
 
@@ -40,15 +43,21 @@ class _Runs:
     starts_a_process = True
 
     def __post_init__(self):
+        """A digest of the program of the equation, and of its values at states of several sizes.
+
+        The values tell apart equations that differ in numbers only.
+        """
+
+        def of_state(t, u, v):
+            return acceleration(self.problem, t, u, v), [one.value(self.problem, t, u, v) for one in self.quantities]
+
         at = self.problem.u0, self.problem.v0
-        traced = jax.make_jaxpr(
-            lambda t, u, v: (
-                acceleration(self.problem, t, u, v),
-                [one.value(self.problem, t, u, v) for one in self.quantities],
-            )
-        )(0.0, *at)
-        digest = hashlib.sha256(f"{traced.jaxpr} {self.schemes} {[one.reduce for one in self.quantities]}".encode())
-        for numbers in (*traced.consts, *at):
+        options = self.schemes, [one.reduce for one in self.quantities]
+        digest = hashlib.sha256(f"{jax.make_jaxpr(of_state)(0.0, *at).jaxpr} {options}".encode())
+        random = np.random.default_rng(0)
+        sizes = [size * random.standard_normal(np.shape(at)) for size in SIZES]
+        values = [at, *(jax.jit(of_state)(0.5 * self.duration, *one) for one in sizes)]
+        for numbers in jax.tree.leaves(values):
             digest.update(np.asarray(numbers).tobytes())
         object.__setattr__(self, "source", digest.hexdigest())
 

@@ -1,6 +1,7 @@
 """Runs of one scheme at many random steps, octave by octave, and the largest step below which all keep an error."""
 
 import math
+import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -140,19 +141,30 @@ class Search:
         Largest and smallest step.
     of_energy
         Whether the balance of energies is one of the quantities.
+    end
+        Value of ``time.monotonic()`` after which no runs begin.
 
     Attributes
     ----------
+    late
+        Whether the search ended because of that.
     runs
         A row for each run: ``start``, ``dt``, ``steps``, ``status``, ``imbalance``, ``iterations``, and the error of
         each quantity.
     """
 
     def __init__(
-        self, scheme: Scheme, cases: dict[float, Case], duration: float, coarsest: float, finest: float, of_energy: bool
+        self,
+        scheme: Scheme,
+        cases: dict[float, Case],
+        duration: float,
+        coarsest: float,
+        finest: float,
+        of_energy: bool,
+        end: float = math.inf,
     ):
         self.scheme, self.duration, self.coarsest, self.finest = scheme, duration, coarsest, finest
-        self._cases, self._of_energy = cases, of_energy
+        self._cases, self._of_energy, self._end, self.late = cases, of_energy, end, False
         self._long = LONG if duration / finest > 1.01 * FINEST_OF_RUN else LONG_OF_SHORT
         self._size, self._spacing = np.size(cases[1.0].problem.u0), spacing(cases[1.0].problem, duration)
         self.runs, self._random = pd.DataFrame(), np.random.default_rng(0)
@@ -227,14 +239,14 @@ class Search:
     def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
         """Run down to a twentieth of what keeps each error, from all starts at round steps, and again below these."""
         top = self.coarsest
-        while True:
+        while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
             least = TWENTIETH * min(largest, default=np.inf)
             if top > ENOUGH * max(least, self.finest):
                 tell(top)
                 bottom = max(top / 2, least, self.finest)
                 self._stretch(bottom, top)
-                top = bottom
+                top, self.late = bottom, time.monotonic() > self._end
                 continue
             steps = {round_step(one, self._spacing) for one in largest if one}
             new, missing = np.array(sorted(steps - {*self._arrays()[0]})), self._unconfirmed(steps)
@@ -245,14 +257,22 @@ class Search:
             for start in self._cases:
                 if start != 1.0 and len(new):
                     self.run(new, start)
+            self.late = time.monotonic() > self._end
 
     def _round(self, limit: Limit) -> float:
         largest = self.largest(*limit)
         return round_step(largest, self._spacing) if largest else 0.0
 
+    def _known(self, step: float) -> bool:
+        """Whether a step was run, and all runs that confirm it."""
+        tried = self._arrays()[0]
+        return step in tried and tried.min() <= TWENTIETH * step and not len(self._unconfirmed([step]))
+
     def verdict(self, name: str, allowed: float) -> Recommendation:
         """What the runs say about a quantity and its allowed error."""
         step = self._round((name, allowed))
+        if self.late and not (step and self._known(step)):
+            return Recommendation(OUT_OF_TIME, self.largest(name, allowed) or np.nan)
         if not step:
             return Recommendation(FINEST_FAILS)
         own = self.runs[self.runs.start == 1.0]

@@ -128,6 +128,16 @@ def test_recommend_lists_what_was_run(assessed):
     assert table["time"].is_monotonic_increasing and table.ties_with_fastest.iloc[0]
 
 
+def test_what_there_is_no_time_for_is_said(driven, assessed):
+    hurried = study.assess(
+        driven, "newmark", duration=DURATION, quantities=QUANTITIES, errors=(0.05, 0.01), seconds=0.0
+    )
+    words = np.array(hurried.verdict.flag_meanings.split())[hurried.verdict]
+    assert set(words.ravel()) == {"out_of_time"} and hurried.recommended_dt.isnull().all()
+    assert 0 < hurried.sizes["dt"] < assessed.sizes["dt"] / 3
+    assert "out of time" in answer(hurried, "path", 0.01) and "outcome" not in hurried
+
+
 def test_failures_are_mapped_and_explained(assessed):
     explicit = assessed.sel(scheme="rk4")
     outcome = explicit.outcome.sel(excitation=1.0).values

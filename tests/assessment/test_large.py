@@ -1,5 +1,8 @@
 """Problems of many unknowns, whose reference is what two schemes agree on."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
 import study
@@ -45,8 +48,8 @@ def test_what_there_is_no_time_for_is_said(damped_chain, of_programs):
 
 
 def test_another_problem_of_the_same_title_has_other_runs(damped_chain, of_programs):
-    one, other = (
-        large.program_of(damped_chain(linear=linear), {"rk4": study.schemes["rk4"]}, 1.0, None, None).identity()
-        for linear in (False, True)
-    )
-    assert one != other
+    heavier = replace(damped_chain(), mass=np.array([1.0, 2.0, 1.0, 1.0, 1.6]))
+    of = [damped_chain(), damped_chain(), damped_chain(linear=True), heavier]
+    rk4 = {"rk4": study.schemes["rk4"]}
+    one, same, *others = (large.program_of(problem, rk4, 1.0, None, None).identity() for problem in of)
+    assert one == same and len({one, *others}) == 3

@@ -47,6 +47,14 @@ PYTHON = [
     ("1e-14 * np.abs(x).max()", "1e-4 * np.abs(x).max()", "ends early"),
     ("rows = [(u, v, a)]", "rows = [(u, v, a), (u, v, a)]; steps -= 1", "one step late"),
     (
+        "rows = [(u, v, a)]",
+        """rows = [(u, v, a)]
+    if family == "central_difference":
+        a = np.linalg.solve(M + dt / 2 * C, M @ a)
+        v = v + dt / 2 * a""",
+        "taken for that of half a step before",
+    ),
+    (
         "a = new\n",
         "a = np.linalg.solve(M, problem.load((i + 1) * dt) - C @ v - problem.force(u))\n",
         "derived from the equation",

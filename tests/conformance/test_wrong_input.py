@@ -1,0 +1,126 @@
+"""Wrong calls and broken codes: each gets one sentence that names the culprit."""
+
+import sys
+import time
+from functools import partial
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from conformance import runners
+from conformance.command import cases
+from conformance.judge import CASES, judge
+from study.__main__ import main
+
+ALL = list(cases())
+
+
+def _verdicts(runner, chosen):
+    return [judge(case, partial(runner, case)) for case in chosen]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ([], "name one code: MODULE:FUNCTION, or --command, or --collect."),
+        (["nowhere:step"], "'nowhere:step' must name a module and a function in it, such as my_code:step"),
+        (["--collect", "nowhere"], "there is no folder 'nowhere'."),
+        (["--collect", str(CASES)], "has no table of a case, such as A-LIN-AVG.csv."),
+        (["conformance.tools.newmark:FAMILIES"], "FAMILIES is no function"),
+        (["conformance.tools.newmark:step", "--only", "A", "newmrk"], "no case has the tag 'newmrk'; tags are A, B,"),
+        (["conformance.tools.newmark:step", "--skip", "Z"], "no case has the tag 'Z'"),
+        (["conformance.tools.newmark:step", "--only", "A", "B"], "no case has all tags of --only and none of --skip."),
+        (["--command", "awk '{ print }' {case}"], "must contain {case} and {out}"),
+        (["--command", "prog {case} '{out}"], "cannot be split into words (No closing quotation)."),
+        (["--command", "./nowhere {case} {out}"], "the command './nowhere' cannot be started"),
+    ],
+)
+def test_a_wrong_call_gets_one_sentence(words, sentence, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["conform", *words])
+    assert ended.value.code == 2 and sentence in capsys.readouterr().err
+
+
+def _wrong(problem, scheme, dt, steps):
+    if scheme["family"] == "wilson":
+        raise ZeroDivisionError("division by zero")
+    if scheme["family"] == "houbolt":
+        return [np.full(steps + 1, np.nan)] * 2
+    return [np.zeros(steps)] * 2
+
+
+def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence(monkeypatch):
+    module = ModuleType("broken")
+    module.__dict__["step"] = _wrong
+    monkeypatch.setitem(sys.modules, "broken", module)
+    outcomes = _verdicts(runners.of_function("broken:step"), [case for case in ALL if case["name"].startswith("A-LIN")])
+    causes = {one.name: one.cause for one in outcomes}
+    assert causes["A-LIN-WIL"] == "the code raises ZeroDivisionError: division by zero"
+    assert causes["A-LIN-HOU"] == "values are not finite from step 0 on"
+    assert causes["A-LIN-AVG"] == "u has the shape (2, 1), not (3, 1): a row at t = 0 and one a step"
+
+
+@pytest.mark.parametrize(
+    ("found", "sentence"),
+    [
+        (None, "the function must return u, v and, if it has it, a"),
+        ({"u": 0, "v": 0}, "the function must return u, v and, if it has it, a"),
+        ([np.zeros((3, 1))] * 4, "the function must return u, v and, if it has it, a"),
+        ([np.zeros((3, 1)), [["a"]] * 3], "v must be an array of numbers, with a row at t = 0 and one a step"),
+        ([None, np.zeros((3, 1))], "u must be an array of numbers, with a row at t = 0 and one a step"),
+    ],
+)
+def test_a_function_that_returns_no_motion_fails_with_a_sentence(found, sentence, monkeypatch):
+    module = ModuleType("odd")
+    module.__dict__["step"] = lambda problem, scheme, dt, steps: found
+    monkeypatch.setitem(sys.modules, "odd", module)
+    (one,) = _verdicts(runners.of_function("odd:step"), [case for case in ALL if case["name"] == "A-LIN-AVG"])
+    assert (one.verdict, one.cause) == ("fail", sentence)
+
+
+_TABLE = "out.csv must be a line of names and rows of as many numbers, with commas"
+
+
+@pytest.mark.parametrize(
+    ("script", "verdict", "sentence"),
+    [
+        ("echo no licence >&2; exit 3", "fail", "the command ends with status 3: no licence"),
+        ("exit 77", "skip", ""),
+        ("kill -9 $$", "fail", "the command is ended by signal 9"),
+        ("echo text", "fail", "the command writes no file {out}"),
+        ("echo t,u1 > {out}", "fail", _TABLE),
+        ("printf 't;u1\\n0;1\\n' > {out}", "fail", _TABLE),
+        ("printf 't,u1\\n0,1,2\\n0,1\\n0,1\\n' > {out}", "fail", _TABLE),
+        ("printf 't,v1\\n0,1\\n' > {out}", "fail", "out.csv has no column u1"),
+        (
+            "printf 't, u1\\n0,1\\n1,1\\n' > {out}",
+            "fail",
+            "u has the shape (2, 1), not (3, 1): a row at t = 0 and one a step",
+        ),
+        ("printf 't,u1\\n0,1\\n1,1\\n2,1\\n' > {out}", "fail", "t is 1 after 1 steps of 0.05"),
+        ("printf 't,u1\\n0,1\\n.05,nan\\n.1,1\\n' > {out}", "fail", "values are not finite from step 1 on"),
+    ],
+)
+def test_a_command_that_fails_is_a_failure_of_the_case(script, verdict, sentence, tmp_path):
+    (tmp_path / "run.sh").write_text(script.replace("{out}", '"$2"'), encoding="utf-8")
+    runner = runners.of_command(f"sh {tmp_path / 'run.sh'} {{case}} {{out}}")
+    (one,) = _verdicts(runner, [case for case in ALL if case["name"] == "A-LIN-AVG"])
+    assert (one.verdict, one.cause) == (verdict, sentence)
+
+
+def test_a_command_that_hangs_ends_with_the_programs_that_it_started(tmp_path, monkeypatch):
+    monkeypatch.setattr(runners, "TIMEOUT", 1)
+    (tmp_path / "run.sh").write_text(f"(sleep 3; touch {tmp_path / 'late'}) & wait", encoding="utf-8")
+    (one,) = _verdicts(runners.of_command(f"sh {tmp_path / 'run.sh'} {{case}} {{out}}"), ALL[:1])
+    assert (one.verdict, one.cause) == ("fail", "the command takes longer than 1 s")
+    time.sleep(3)
+    assert not (tmp_path / "late").exists()
+
+
+def test_an_energy_without_a_velocity_is_skipped(tmp_path):
+    (case,) = [case for case in ALL if case["name"] == "B-BOUND-AVG"]
+    rows = "".join(f"{100 * i},1\n" for i in range(101))
+    (tmp_path / "B-BOUND-AVG.csv").write_text("t,u1\n" + rows, encoding="utf-8")
+    (one,) = _verdicts(runners.of_folder(tmp_path), [case])
+    assert (one.verdict, one.cause) == ("skip", "an energy needs the velocity")
