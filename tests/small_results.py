@@ -20,6 +20,7 @@ def assessment() -> xr.Dataset:
     return xr.Dataset(
         {
             "recommended_dt": (dims, STEPS),
+            "largest_dt": (dims, 1.05 * STEPS),
             "recommended_error": (dims, np.broadcast_to([0.09, 0.009], STEPS.shape)),
             "time": (dims, time),
             "time_spread": (dims, time / 10),

@@ -39,7 +39,7 @@ BALANCE_ATTRIBUTES = flags(
 #: What each outcome of :func:`outcomes` means, for readers of the maps.
 EXPLANATIONS = (
     f"energy above rest and period stay within {100 * ACCURATE:g} % of the exact ones",
-    f"energy or period is wrong by more than {100 * ACCURATE:g} %, but none of what follows happens",
+    f"energy or period is wrong by more than {100 * ACCURATE:g} %, but the run does not fail in any other way",
     f"less than {100 * AT_REST:g} % of the energy is left at the end",
     "the motion crosses a barrier for which it lacks the energy",
     "neighbouring runs part until a difference of round-off is as large as the motion",

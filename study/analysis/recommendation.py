@@ -42,6 +42,8 @@ def recommend(
             ``implicit`` or ``explicit``.
         ``step_size``
             The step, in s.
+        ``largest_step``
+            The largest step tried that keeps the error, in s, before it is rounded.
         ``omega_step``
             Δt·ω, with the highest circular frequency ω of small motions about any point of the reference's motion.
         ``number_of_steps``
@@ -107,6 +109,7 @@ def recommend(
         {
             "kind": one.kind,
             "step_size": one.recommended_dt,
+            "largest_step": one.largest_dt,
             "omega_step": one.recommended_dt * assessed.highest_frequency.item(),
             "number_of_steps": steps,
             "error": one.recommended_error,

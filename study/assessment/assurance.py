@@ -29,7 +29,8 @@ def confirmation(assessed: xr.Dataset) -> str:
     return (
         f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} {kind} "
         f"down to a twentieth of it, or as fine as runs went. The largest error met is {worst} of the allowed one."
-        f"{'' if of_program else certain} {assessed.attrs['starts']} Errors along time are the largest at any step."
+        f"{'' if of_program else certain} {assessed.attrs['starts']} Errors along time are the largest at any step, "
+        "and a peak is the largest value at any step."
         f"{'' if of_program else frequency}"
     )
 

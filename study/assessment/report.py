@@ -1,6 +1,7 @@
 """``study.report``: an assessment as one page of HTML that needs nothing else."""
 
 import io
+import itertools
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -30,8 +31,9 @@ WORST = 10.0
 #: Points of a curve in an octave of steps, each the worst error around.
 IN_OCTAVE = 8
 
-#: Greys of outcomes from best to worst, and a letter for each.
+#: Greys of outcomes from best to worst, a letter for each, and its colour.
 SHADES = np.linspace(1.0, 0.25, len(Outcome))
+INK = np.where(SHADES > 0.5, "black", "white")
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
 
 
@@ -44,11 +46,12 @@ def _time(seconds: float) -> str:
 
 def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
     """A table; the columns in ``text`` hold sentences."""
-    cells = "".join(f"<th>{text_of(one)}</th>" for one in head)
-    cell = {True: '<td class="text">', False: "<td>"}
-    body = "".join(
-        f"<tr>{''.join(f'{cell[i in text]}{text_of(one)}</td>' for i, one in enumerate(row))}</tr>" for row in rows
-    )
+
+    def row_of(tag: str, row: Iterable[object]) -> str:
+        kinds = (' class="text"' if i in text else "" for i in itertools.count())
+        return "".join(f"<{tag}{kind}>{text_of(one)}</{tag}>" for kind, one in zip(kinds, row, strict=False))
+
+    cells, body = row_of("th", head), "".join(f"<tr>{row_of('td', row)}</tr>" for row in rows)
     return f'<div class="scroll"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
@@ -68,7 +71,7 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
         )
         if "largest_safe_dt" in assessed and one.step_size >= assessed.map_dt.min():
             safe = assessed.largest_safe_dt.sel(scheme=one.Index)
-            text += "" if one.step_size <= safe else ", which is beyond its largest safe step (see how it fails)"
+            text += "" if one.step_size <= safe else ", beyond its largest step without failure (see how it fails)"
         best.append(text + (", the coarsest step tried" if one.verdict == "already the coarsest step" else ""))
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
     return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
@@ -129,12 +132,15 @@ def _maps(assessed: xr.Dataset) -> str:
     for axes, name in zip(panels, assessed.scheme.values, strict=False):
         outcome = assessed.outcome.sel(scheme=name).values
         axes.imshow(SHADES[outcome], cmap="gray", vmin=0, vmax=1, aspect="auto", origin="lower")
-        for e, i in np.ndindex(outcome.shape):
-            axes.text(i, e, LETTERS[outcome[e, i]], ha="center", va="center", fontsize=8)
+        for e, row in enumerate(outcome):
+            ends = np.flatnonzero(np.diff(row, prepend=-1, append=-1))  # a letter for each stretch of one outcome
+            for first, end in itertools.pairwise(ends):
+                one, middle = row[first], (first + end - 1) / 2
+                axes.text(middle, e, LETTERS[one], color=INK[one], ha="center", va="center", fontsize=8)
         axes.set_title(str(assessed.scheme_title.sel(scheme=name).values), fontsize=9)
     for axes in panels[assessed.sizes["scheme"] :]:
         axes.remove()
-    every = range(0, assessed.sizes["map_dt"], 2)
+    every = range(0, assessed.sizes["map_dt"], max(1, assessed.sizes["map_dt"] // 4))
     panels[0].set_xticks(list(every), [f"{assessed.map_dt.values[i]:.2g}" for i in every])
     panels[0].set_yticks(range(assessed.sizes["excitation"]), [f"{x:g}" for x in assessed.excitation.values])
     figure.supxlabel("step size, s", fontsize=10)
@@ -160,13 +166,13 @@ def _input_lines(assessed: xr.Dataset) -> list[str]:
 
 def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
     """A table of implicit and one of explicit schemes, the fastest first."""
-    head = ("", "Δt, s", "Δt·ω", "steps", "error", "time", "forces a second", "steps tried", "search")
+    head = ("", "Δt (unrounded), s", "Δt·ω", "steps", "error", "time", "forces/s", "tried", "search")
     parts = []
     for kind, of_kind in table.groupby("kind", sort=False):
         rows = [
             (
                 titles[row.Index],
-                f"{row.step_size:.4g}",
+                f"{row.step_size:.4g} ({row.largest_step:.4g})",
                 number(row.omega_step, 2),
                 f"{row.number_of_steps:.0f}",
                 percent(row.error),
@@ -216,15 +222,14 @@ def judgement(assessed: xr.Dataset) -> list[str]:
             )
         )
     if "outcome" in assessed:
-        used = {int(place) for place in np.unique(assessed.outcome)}
-        legend = "; ".join(
-            f"{LETTERS[one] or 'white'}: {one.name.lower().replace('_', ' ')}" for one in Outcome if one in used
-        )
+        names = assessed.outcome.flag_meanings.split()
+        used = np.unique(assessed.outcome)
+        legend = "; ".join(f"{LETTERS[one] or 'white'}: {names[one].replace('_', ' ')}" for one in used)
         parts += [
             "<h2>How it fails</h2>",
             figure_of(_maps(assessed), f"Outcome of runs. {legend}."),
-            "<p>At a safe step, and at all finer ones, no run ends, grows or turns chaotic. That says nothing of its "
-            "error: a step that passes over a fast load may be safe.</p>",
+            "<p>At the largest step without failure, and at all finer ones, no run with up to the given start and load "
+            "ends, grows or turns chaotic. Nothing follows for the error.</p>",
         ]
         rows = [
             (
@@ -234,7 +239,8 @@ def judgement(assessed: xr.Dataset) -> list[str]:
             )
             for n in assessed.scheme.values
         ]
-        parts.append(table_of(("scheme", "largest safe Δt, s", "what limits it, and what helps"), rows, text=(2,)))
+        head = ("scheme", "largest Δt without failure, s", "what limits it, and what helps")
+        parts.append(table_of(head, rows, text=(2,)))
     if rows := failed_runs(assessed):
         parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
     parts += _input_lines(assessed)

@@ -11,7 +11,8 @@ h2 { font-size: 1.2rem; margin-top: 2rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .7rem; text-align: right; border-bottom: 1px solid #ccc; white-space: nowrap; }
 th:first-child, td:first-child { text-align: left; }
-td.text { text-align: left; white-space: normal; min-width: 14rem; }
+th.text, td.text { text-align: left; }
+td.text { white-space: normal; min-width: 14rem; }
 .pair { display: grid; gap: 0 1.5rem; grid-template-columns: repeat(auto-fit, minmax(min(24rem, 100%), 1fr)); }
 figure { margin: 1rem 0; min-width: 0; }
 figure svg { width: 100%; max-width: 40rem; height: auto; }
@@ -33,7 +34,7 @@ dd { margin: 0; overflow-wrap: anywhere; }
   .pair { grid-template-columns: 1fr 1fr; }
   figure svg { max-width: 26rem; }
   .scroll { overflow: visible; }
-  th, td, td.text { white-space: normal; min-width: 0; padding-right: .4rem; }
+  th, td, td.text { white-space: normal; min-width: 0; padding: .25rem .3rem; }
   figure .wide { min-width: 0; }
   pre { white-space: pre-wrap; overflow-wrap: anywhere; }
 }

@@ -30,6 +30,8 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
     highest = None if found is None else found[-1]
     beyond = ", and may be larger beyond the kinks of the force" if problem.kinked else ""
     at_start = "" if highest is None else f" (it is {highest * dt:.3g} at the start{beyond})"
+    if highest == 0:
+        at_start = " (at the start no mode oscillates, and the motion may also grow by itself)"
     if status == NO_SOLUTION:
         return (
             "the force changes too much over a step, or the effective equation has no or several roots; take smaller "

@@ -11,6 +11,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.experimental import checkify
 
 from study.mechanics.terms import StrainEnergy
 
@@ -48,9 +49,10 @@ class AsArrays(eqx.Module):
 
 
 def index_beyond(function: Callable, *arguments) -> str | None:
-    """What NumPy says of an index beyond the end of its arrays; None if it says nothing.
+    """What is wrong with an index beyond the end of its arrays; None if there is none.
 
-    JAX would silently take the last entry. A function that only arrays of JAX can pass through is not checked.
+    JAX would silently take the last entry, or drop what is added to an entry that does not exist. NumPy finds the
+    first kind. Only a function through which no arrays of NumPy pass, as one with ``u.at[i]``, is compiled with checks.
     """
     try:
         # within `eval_shape` JAX computes nothing
@@ -59,8 +61,19 @@ def index_beyond(function: Callable, *arguments) -> str | None:
     except IndexError as error:
         return str(error)
     except Exception:  # a user's function may raise anything on arrays for which it is not written
-        return None
+        return _index_beyond_of_jax(function, arguments)
     return None
+
+
+def _index_beyond_of_jax(function: Callable, arguments: tuple) -> str | None:
+    """The same, of a function that takes arrays of JAX alone; None where the values are traced."""
+    checked = jax.jit(checkify.checkify(function, errors=checkify.index_checks))
+    try:
+        with jax.ensure_compile_time_eval():
+            wrong = checked(*jax.tree.map(jnp.asarray, arguments))[0].get()
+    except (*NOT_TRACEABLE, NotImplementedError):  # of a traced parameter, or what checks do not know
+        return None
+    return wrong and wrong.rstrip(". ")
 
 
 def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:

@@ -16,6 +16,7 @@ def test_the_fastest_scheme_is_first_and_those_without_a_step_are_last(assessed)
     table = study.recommend(assessed, error=0.01)
     assert table.index.tolist() == ["central_difference", "average_acceleration"]
     assert table.step_size.tolist() == [0.005, 0.01] and table.number_of_steps.tolist() == [2000, 1000]
+    assert table.largest_step.tolist() == [1.05 * 0.005, 1.05 * 0.01]
     assert table.omega_step.tolist() == [0.015, 0.03] and table.kind.tolist() == ["explicit", "implicit"]
     assert table["time"].tolist() == pytest.approx([10e-6, 50e-6]) and set(table.verdict) == {"found"}
     without = study.recommend(assessed, error=0.01, quantity="energy")

@@ -45,6 +45,12 @@ def test_a_force_that_is_not_finite_is_the_likely_cause():
         study.run(below, "rk4", dt=0.1, steps=3, on_failure="raise")
 
 
+def test_a_motion_that_grows_by_itself_is_not_blamed_on_the_step_alone():
+    falling = study.Problem(lambda u: -u, u0=1.0)
+    with pytest.raises(RuntimeError, match="at the start no mode oscillates, and the motion may also grow by itself"):
+        study.run(falling, "central_difference", dt=0.1, steps=300, on_failure="raise")
+
+
 def test_problems_and_schemes_of_the_user():
     problem = study.Problem(force=lambda u: 4 * u, u0=1.0, potential=lambda u: 2 * u**2, title="mine")
     ds = study.run(problem, study.Newmark(beta=1 / 6, gamma=0.5), dt=0.01, steps=100, observe=["max_energy_error"])

@@ -87,6 +87,8 @@ def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
         ({"damping": study.Rayleigh(-0.1, 0.1)}, "a and b must be finite numbers that are not negative."),
         ({"force": lambda u: u * u[N]},
          "force of 'tried' takes an entry that does not exist: index 5 is out of bounds for axis 0 with size 5."),
+        ({"force": lambda u: u.at[N].add(1.0)},
+         "force of 'tried' takes an entry that does not exist: out-of-bounds indexing for array of shape (5,)"),
         ({"load": lambda t: [1.0] * (N - 1)}, "load must return the shape (5,), not (4,)."),
         ({"force": lambda t, u: u}, "force of 'tried' takes 't', and is called as force(u), force(u, v) or"),
         ({"positions": "here"}, "positions must be a real number or an array of real numbers, not 'here'."),

@@ -24,6 +24,7 @@ def _assessed(spread: float, energy: float) -> xr.Dataset:
     return xr.Dataset(
         {
             "recommended_dt": (dims, 1 / steps),
+            "largest_dt": (dims, 1 / steps),
             "time": (dims, steps),
             "time_spread": (dims, np.full(steps.shape, spread)),
             "verdict": (dims, verdict, flags("how the search ended", meanings, int)),
