@@ -169,6 +169,8 @@ def assess(
     >>> ds = study.assess("softening", ["average_acceleration", "rk4"])  # doctest: +SKIP
     >>> study.recommend(ds, error=0.01, quantity="displacement")  # doctest: +SKIP
     """
+    if not (isinstance(seconds, int | float) and seconds >= 0):
+        raise ValueError(f"seconds must be a time in s, zero or more, not {seconds!r}.")
     if isinstance(problem, Program):
         if quantities is not None or duration is not None:
             raise ValueError("a program has its own quantities and duration; leave them out.")
@@ -193,7 +195,11 @@ def assess(
         raise ValueError(next(iter(chosen.values())).refusal(equation))
     if np.size(equation.u0) > large.MOST:
         program = large.program_of(equation, fit, length, quantities, search.spacing(equation, length))
-        return assess_program(program, allowed, seconds, Progress(len(fit)).tell)
+        ds = assess_program(program, allowed, seconds, Progress(len(fit)).tell)
+        if quantities is None and np.size(equation.u0) > large.SHOWN:
+            compared = f"{large.SHOWN} of {np.size(equation.u0):,} unknowns"
+            ds.attrs["starts"] += f" Errors were compared at {compared}; others may have larger ones."
+        return ds
     slowest = slowest_period(equation) or length / search.COARSEST
     coarsest = slowest / search.COARSEST
     if length / coarsest > search.MOST_STEPS:

@@ -80,9 +80,12 @@ class Run(NamedTuple):
 
 def _array(name: str, given: object) -> Values:
     try:
-        values = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
-        raise Unusable("unusable", f"'{name}' must be numbers, not {type(given).__name__}") from None
+        values = np.asarray(given)
+        if values.dtype.kind == "c":
+            raise Unusable("unusable", f"'{name}' must be real numbers, and is complex")
+        values = values.astype(float)
+    except (TypeError, ValueError) as error:
+        raise Unusable("unusable", f"'{name}' must be numbers ({error})") from None
     if not values.size:
         raise Unusable("nothing", f"'{name}' is empty")
     return values
@@ -149,6 +152,8 @@ def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
         return Run(scheme, dt, STATUSES[0], "", float(seconds), t, values)
     except Unusable as failed:
         status, reason = failed.status, failed.reason
+    except SystemExit as end:  # which would end this process too
+        status, reason = "exit_code", f"it ended with the exit code {end.code}"
     except Exception as error:  # a user's program may raise anything
         status, reason = "raised", f"it raised {type(error).__name__}: {error}"
     return Run(scheme, dt, status, reason, time.perf_counter() - start, np.empty(0), {})

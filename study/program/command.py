@@ -40,6 +40,10 @@ class Command:
     #: Its runs need no process of this package.
     starts_a_process = True
 
+    def __post_init__(self):
+        if self.time_limit is not None and not (isinstance(self.time_limit, int | float) and self.time_limit > 0):
+            raise ValueError(f"time_limit must be a time in s greater than zero, not {self.time_limit!r}.")
+
     @property
     def source(self) -> str:
         """The command and the content of every file that it names, by which its runs are known."""
@@ -52,7 +56,12 @@ class Command:
         """Run it in a process, and read what it writes."""
         with tempfile.TemporaryDirectory() as folder:
             output, said = Path(folder) / "output.csv", Path(folder) / "said"
-            given = {"dt": repr(float(dt)), "scheme": scheme, "output": str(output), "duration": repr(self.duration)}
+            given = {
+                "dt": repr(float(dt)),
+                "scheme": scheme,
+                "output": str(output),
+                "duration": repr(float(self.duration)),
+            }
             words = [_filled(word, given) for word in shlex.split(self.template)]
             # a file, as a process that outlives the program would keep a pipe open
             with said.open("wb") as file:
@@ -140,9 +149,14 @@ def command(
     ValueError
         If the command lacks ``{dt}``, ``{scheme}`` or ``{output}``.
     """
-    words = shlex.split(template)
+    if not isinstance(template, str):
+        raise TypeError(f"the command must be one text, not {template!r}.")
+    try:
+        words = shlex.split(template)
+    except ValueError as error:
+        raise ValueError(f"the command {template!r} cannot be split into words: {error}.") from None
     if lacking := [place for place in PLACES[:3] if f"{{{place}}}" not in template]:
         raise ValueError(f"the command must have {{{lacking[0]}}} where a run gives its own, not {template!r}.")
     if shutil.which(words[0]) is None:
         raise FileNotFoundError(f"there is no executable '{words[0]}'.")
-    return Program(Command(Path(words[0]).name, template, float(duration), time_limit), schemes, duration, **options)
+    return Program(Command(Path(words[0]).name, template, duration, time_limit), schemes, duration, **options)

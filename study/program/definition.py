@@ -107,6 +107,10 @@ class Program:
             number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
             if not (value is None and key != "duration") and not (number and 0 < value < np.inf):
                 raise ValueError(f"{key} must be a time in s greater than zero, not {value!r}.")
+        if not isinstance(self.name, str | None):
+            raise TypeError(f"name must be a text, not {self.name!r}.")
+        if self.workers is not None and not (isinstance(self.workers, int) and self.workers > 0):
+            raise ValueError(f"workers must be a whole number greater than zero, not {self.workers!r}.")
         if self.largest > self.duration / 2 or self.smallest >= self.largest:
             raise ValueError(
                 f"steps from {self.largest:g} s down to {self.smallest:g} s do not fit a duration of {self.duration:g} "

@@ -65,5 +65,5 @@ def opensees(
     words = [sys.executable, "-m", opensees_run.__name__, str(Path(file).resolve())]
     driver = hashlib.sha256(Path(opensees_run.__file__).read_bytes()).hexdigest()
     template = f"{shlex.join(words)} {{scheme}} {{dt}} {{duration}} {{output}}"
-    run = Command(Path(file).stem, template, float(duration), time_limit, driver)
+    run = Command(Path(file).stem, template, duration, time_limit, driver)
     return Program(run, [_name(one) for one in schemes], duration, **options)

@@ -14,6 +14,10 @@ from study.words import percent
 #: Least ratio of an error to the uncertainty of the truth.
 CERTAIN = 10.0
 
+#: Number of runs, one after the other, with one of these ends, after which a scheme is not run at finer steps: its
+#: program does not return what it must.
+FRUITLESS, WITHOUT_USE = 4, ("nothing", "unusable")
+
 
 class NoTruth(ValueError):
     """The runs of a program give no truth; the message says why, in one sentence."""
@@ -91,7 +95,8 @@ class Refinement:
             if not refined or self._runs.late or steps[-1] < self._program.smallest * (1 - 1e-9):
                 break
         if truth is None:
-            reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in self._program.all_schemes])
+            short = [s for s in self._program.all_schemes if len(self.last_completed(s)) < FEWEST_RUNS]
+            reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in short if not self.noise[s]])
             raise NoTruth(
                 f"there is no truth for '{self._program.title}', as fewer than two schemes complete {FEWEST_RUNS} runs "
                 f"at steps that halve{' in the time that was given' * self._runs.late}: {reasons}."
@@ -119,8 +124,9 @@ class Refinement:
 
     def _ends(self, scheme: str) -> bool:
         """Whether finer runs of a scheme have no use."""
-        runs = self.of(scheme)
-        return self.noise[scheme] > 0 or bool(runs and runs[-1].status == "timed_out")
+        last = [run.status for run in self.of(scheme)[-FRUITLESS:]]
+        fruitless = len(last) == FRUITLESS and all(status in WITHOUT_USE for status in last)
+        return self.noise[scheme] > 0 or last[-1:] == ["timed_out"] or fruitless
 
     def _reason(self, scheme: str) -> str:
         failed = [run for run in self.of(scheme) if not run.completed]

@@ -104,20 +104,28 @@ class Runs:
         self.late |= bool(late)
         for number, run in enumerate(self._made(missing), start=1):
             _keep(run, jobs[run.scheme, run.dt])
-            self._report(f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs)")
+            ended = "" if run.completed else f", {run.reason}"
+            self._report(
+                f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs){ended}"
+            )
         found = [_read(path) for job, path in jobs.items() if job not in late]
         if not repeat:
             self.made |= {(run.scheme, run.dt): run for run in found}
         return found
 
     def _in_time(self, jobs: list[Job]) -> list[Job]:
-        """The runs that end in time if a step takes as long as in the finest one of its scheme, the shortest first."""
-        finest = {run.scheme: run for run in sorted(self.made.values(), key=lambda run: -run.dt) if run.completed}
-        expected = {(s, dt): finest[s].seconds * finest[s].dt / dt if s in finest else 0.0 for s, dt in jobs}
-        left, found = (self._end - time.monotonic()) * (self._workers if self._pool else 1), []
+        """The runs that end in time if a step takes as long as in the fastest run of its scheme, the shortest first."""
+        work = dict[str, float]()  # seconds of a run at a step of one second
+        for run in self.made.values():
+            if run.completed:
+                work[run.scheme] = min(work.get(run.scheme, math.inf), run.seconds * run.dt)
+        expected = {(s, dt): work.get(s, 0.0) / dt for s, dt in jobs}
+        left, found = self._end - time.monotonic(), []
+        of_all = left * (self._workers if self._pool else 1)
         for job in sorted(expected, key=expected.__getitem__):
-            left -= expected[job]
-            found += [job] if left > 0 else []
+            of_all -= expected[job]
+            # one run has one worker
+            found += [job] if expected[job] < left and of_all > 0 else []
         return found
 
     def _waited_less(self, run: Run) -> bool:

@@ -53,3 +53,9 @@ def test_another_problem_of_the_same_title_has_other_runs(damped_chain, of_progr
     rk4 = {"rk4": study.schemes["rk4"]}
     one, same, *others = (large.program_of(problem, rk4, 1.0, None, None).identity() for problem in of)
     assert one == same and len({one, *others}) == 3
+
+
+def test_unknowns_that_are_not_compared_are_said(damped_chain, of_programs, monkeypatch):
+    monkeypatch.setattr(large, "SHOWN", 2)
+    found = study.assess(damped_chain(), SCHEMES, **OPTIONS | {"errors": (0.1,)})
+    assert " Errors were compared at 2 of " in found.attrs["starts"]

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 from functools import partial
 
 import numpy as np
@@ -42,6 +43,8 @@ def fails(how, scheme, dt):
         return right
     if how == "raised":
         raise ValueError("no convergence")
+    if how == "exit_code":
+        sys.exit(3)
     if how == "signal":
         if dt > 1:
             os.kill(os.getpid(), signal.SIGSEGV)

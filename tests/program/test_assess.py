@@ -13,6 +13,7 @@ from study.assessment.failures import failed_runs
 from study.assessment.search import round_step
 from study.program.attempt import STATUSES
 from study.program.refinement import NoTruth
+from study.program.runs import Runs
 from study.program.search import Search
 from tests.program import models
 
@@ -92,6 +93,7 @@ def test_a_second_question_repeats_no_run(spring):
     "how, reason",
     [
         ("raised", "it raised ValueError: no convergence"),
+        ("exit_code", "it ended with the exit code 3"),
         ("nothing", "it returned nothing"),
         ("unusable", "'velocity' has 2 values at 17 times 't'"),
         ("not_finite", "'velocity' is not finite at t = 11.25 s"),
@@ -151,6 +153,8 @@ def test_what_is_wrong_with_all_runs_is_said(run, schemes, sentence, tmp_path):
         ({"schemes": "newmark"}, TypeError, "schemes must be a list of names, such as"),
         ({"schemes": ["newmark"]}, ValueError, "schemes must be at least two different names, not"),
         ({"duration": -1.0}, ValueError, "duration must be a time in s greater than zero, not -1.0."),
+        ({"name": 3}, TypeError, "name must be a text, not 3."),
+        ({"workers": 0}, ValueError, "workers must be a whole number greater than zero, not 0."),
         ({"coarsest": 15.0}, ValueError, "steps from 15 s down to .* do not fit a duration of 20 s"),
     ],
 )
@@ -159,10 +163,27 @@ def test_an_unfit_program_is_refused(change, error, sentence, tmp_path):
         replace(program(models.linear, tmp_path), **change)
 
 
+class Slow:
+    """A program whose runs say that they take eight seconds at a step of one second."""
+
+    starts_a_process = True
+
+    def __call__(self, scheme, dt):
+        return {"peak": 1.0, "seconds": 8.0 / dt}
+
+
+def test_no_run_begins_that_would_end_late_on_its_own_worker(tmp_path):
+    with Runs(program(Slow(), tmp_path, ["a", "b"], workers=2), seconds=10.0) as runs:
+        assert len(runs.run([("a", 1.0)])) == 1 and not runs.late
+        assert len(runs.run([("a", 0.8)])) == 0 and runs.late
+
+
 def test_a_program_that_never_runs_has_no_truth(tmp_path):
     own = program(partial(models.fails, "nothing"), tmp_path, ["wrong", "average_acceleration"])
     with pytest.raises(NoTruth, match=r"no truth for 'model', as fewer than two .* 'wrong' ends at Δt = 1.25 s: it"):
         study.assess(replace(own, finest=1.0))
+    with pytest.raises(NoTruth, match=r"'wrong' ends at Δt = 0.1562 s: it returned nothing.$"):
+        study.assess(own)
     still = program(lambda scheme, dt: models.linear(scheme, dt) | {"idle": 0.0}, tmp_path / "still")
     with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero all the time"):
         study.assess(still)

@@ -45,7 +45,7 @@ def script(tmp_path):
         (r"printf 't,u\n0,1\n2,1e200\n4,1\n' > $6", "not_finite", "'u' grows to 1e+200"),
         (r"printf 't,u\n0,1\n2,nan\n4,3\n' > $6", "not_finite", "'u' is not finite at t = 2 s"),
         (r"printf 't,u\n0,1\n2,3\n5,2\n' > $6", "unequal_times", "its times are 2 s apart, and 3 s after t = 2 s"),
-        (r"printf 't,u\n0,1\n2,much\n4,3\n' > $6", "unusable", "'u' must be numbers"),
+        (r"printf 't,u\n0,1\n2,much\n4,3\n' > $6", "unusable", "'u' must be numbers (could not"),
         (r"printf 'u\n0\n2\n' > $6", "unusable", "its output has no column 't'"),
     ],
 )
@@ -76,6 +76,10 @@ def test_a_scheme_that_hangs_is_run_once(script):
 def test_an_unfit_command_is_refused():
     with pytest.raises(ValueError, match=r"the command must have \{output\} where a run gives its own"):
         command("./mycode {dt} {scheme}", ["a", "b"], 4.0)
+    with pytest.raises(ValueError, match="cannot be split into words: No closing quotation"):
+        command("./mycode '{dt} {scheme} {output}", ["a", "b"], 4.0)
+    with pytest.raises(ValueError, match="time_limit must be a time in s greater than zero, not -1."):
+        command("sh {dt} {scheme} {output}", ["a", "b"], 4.0, time_limit=-1)
     with pytest.raises(FileNotFoundError, match="there is no executable './mycode'"):
         command("./mycode {dt} {scheme} {output}", ["a", "b"], 4.0)
 
