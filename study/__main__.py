@@ -1,6 +1,7 @@
 """The command line, ``study`` or ``python -m study``, with a function for each of its commands."""
 
 import argparse
+import math
 import os
 import shlex
 import sys
@@ -58,6 +59,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--time-limit", type=float, help="seconds after which a run of such a program is stopped")
     command.add_argument("--workers", type=int, metavar="N", help="runs of such a program at once; default: cores")
     command.add_argument("--duration", type=float, help="time of the runs in seconds; default: ten periods, if any")
+    command.add_argument("--seconds", type=float, default=math.inf, help="wall time after which no run begins")
     command.add_argument(
         "--error", type=float, nargs="+", default=[0.1, 0.01, 0.001], help="errors that may be allowed, as fractions"
     )
@@ -124,7 +126,7 @@ def _assess(arguments: argparse.Namespace) -> None:
         stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
         outputs = [io.check_writable(arguments.output.with_name(stem + suffix)) for suffix in (".nc", ".html")]
     if arguments.command or arguments.opensees:
-        dataset = assess(_program(arguments), errors=arguments.error)
+        dataset = assess(_program(arguments), errors=arguments.error, seconds=arguments.seconds)
     else:
         if not arguments.problem:
             raise ValueError("assess needs FILE.py:NAME, the name of a problem, or --command.")
@@ -138,6 +140,7 @@ def _assess(arguments: argparse.Namespace) -> None:
             quantities=load(arguments.quantities, (dict,)) if arguments.quantities else None,
             errors=arguments.error,
             maps=arguments.maps,
+            seconds=arguments.seconds,
         )
     dataset.attrs["command"] = shlex.join(["study", *arguments.words])
     if outputs:
