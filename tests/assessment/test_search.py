@@ -1,5 +1,7 @@
 """The search for the step that keeps an error, on errors that are made up."""
 
+import math
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -27,6 +29,7 @@ class MadeUp(Search):
         self._error, self.runs = error, pd.DataFrame()
         self._cases = dict.fromkeys((1.0, *STARTS))  # type: ignore[assignment]
         self._random, self._long = np.random.default_rng(1), 30_000
+        self._end, self.late = math.inf, False
 
     def _run(self, start, dt):
         dt = np.atleast_1d(dt)
