@@ -17,7 +17,7 @@ def check_contents(report: Path, results: Path) -> None:
     }
     assert told["metadata"]  # without any, the page opens on the graph of rules
     headings = set(told["categories"])
-    assert headings == {"Article", "Explorer", "Figures", "Ledger of claims", "Tables"}
+    assert headings == {"Article", "Assessments", "Explorer", "Figures", "Ledger of claims", "Tables"}
     assert all(heading in told["workflow_desc"] for heading in headings)
     listed = {Path(path).relative_to("results").as_posix() for path in told["results"]}
     assert {"manuscript.pdf", "supplement.pdf", "explorer.html", "tables.html", "claims.html", "claims.csv"} <= listed
