@@ -1,4 +1,4 @@
-"""How long ``study.assess`` takes for a model of many unknowns, beside a run at the recommended step.
+"""How long ``study.assess`` takes for a model of many unknowns, and how many runs at the recommended step that is.
 
 python tools/large_model.py COLUMNS ROWS [SECONDS]
 
@@ -52,7 +52,7 @@ if __name__ == "__main__":
         model, SCHEMES, duration=DURATION, errors=ERRORS, seconds=float(sys.argv[3]) if sys.argv[3:] else math.inf
     )
     taken = time.perf_counter() - start
-    print(f"{model.title}: {taken:.0f} s; the reference is {ds.attrs['reference']} beside {ds.attrs['witness']}")
+    print(f"{model.title}: {taken:.0f} s; the reference is {ds.attrs['reference']}, compared with {ds.attrs['witness']}")
     for quantity in ds.quantity.values:
         for error in ERRORS:
             for row in study.recommend(ds, error=error, quantity=quantity).itertuples():

@@ -22,7 +22,7 @@ MOST = FINDABLE
 #: Unknowns, spread evenly, at which displacement and velocity are compared if no quantities are given.
 SHOWN = 256
 
-#: Sizes of states whose accelerations tell problems apart.
+#: Sizes of states whose accelerations distinguish problems.
 SIZES = (1e-3, 1.0, 1e3)
 
 #: Explicit schemes that may give the reference too: their steps solve no equations, and their order is high.
@@ -45,7 +45,7 @@ class _Runs:
     def __post_init__(self):
         """A digest of the program of the equation, and of its values at states of several sizes.
 
-        The values tell apart equations that differ in numbers only.
+        The values distinguish equations that differ in numbers only.
         """
 
         def of_state(t, u, v):
