@@ -52,7 +52,7 @@ if __name__ == "__main__":
         model, SCHEMES, duration=DURATION, errors=ERRORS, seconds=float(sys.argv[3]) if sys.argv[3:] else math.inf
     )
     taken = time.perf_counter() - start
-    print(f"{model.title}: {taken:.0f} s; the reference is {ds.attrs['reference']}, compared with {ds.attrs['witness']}")
+    print(f"{model.title}: {taken:.0f} s; the reference: {ds.attrs['reference']}, compared with {ds.attrs['witness']}")
     for quantity in ds.quantity.values:
         for error in ERRORS:
             for row in study.recommend(ds, error=error, quantity=quantity).itertuples():
