@@ -12,6 +12,14 @@ Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble, and ``over`` one
 of. ``final_state`` is a run as a pure function, which JAX differentiates. A run that fails warns with
 ``RunFailedWarning``. ``help(study.run)`` describes all arguments, and each of the names below has such a help.
 
+Steps of controlled size
+    ``run`` takes a ``tolerance`` and a ``duration`` in place of ``dt`` and ``steps``. ``estimators`` and
+    ``controllers`` hold those that have a name; ``Estimator`` and ``Controller`` are the base classes of your own.
+    ``DeadBand``, ``Reversible`` and ``Prescribed`` take arguments, and ``UnequalSteps`` is an α-method on unequal
+    steps::
+
+        ds = study.run("hardening", "hht_alpha", tolerance=1e-4, duration=15.0, estimator="three_point")
+
 What can be run
     ``problems``, ``schemes`` and ``observers`` hold everything that has a name: ``list(study.schemes)``,
     ``study.schemes["houbolt"]``.

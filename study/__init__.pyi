@@ -13,6 +13,13 @@ from study.assessment.citation import cite as cite
 from study.assessment.report import report as report
 from study.assessment.scheme import assess_scheme as assess_scheme
 from study.assessment.work_precision import work_precision as work_precision
+from study.control.controllers import Controller as Controller
+from study.control.controllers import DeadBand as DeadBand
+from study.control.controllers import Prescribed as Prescribed
+from study.control.controllers import Reversible as Reversible
+from study.control.estimators import Estimator as Estimator
+from study.control.named import controllers as controllers
+from study.control.named import estimators as estimators
 from study.io import __version__ as __version__
 from study.io import open_dataset as open_dataset
 from study.marching.failure import RunFailedWarning as RunFailedWarning
@@ -57,3 +64,4 @@ from study.scheme.splitting import Splitting as Splitting
 from study.scheme.tchamwa_wielgosz import TchamwaWielgosz as TchamwaWielgosz
 from study.scheme.wilson import WilsonTheta as WilsonTheta
 from study.scheme.wrapper.compensated import Compensated as Compensated
+from study.scheme.wrapper.unequal_steps import UnequalSteps as UnequalSteps

@@ -170,10 +170,10 @@ def _sizes(load, times):
 
 
 def number_of_lanes(
-    problem: Problem, u0: Displacements, v0: Displacements, dt: PerRun, steps: CountPerRun, over: Mapping
+    problem: Problem, u0: Displacements, v0: Displacements, own: Mapping[str, np.ndarray], over: Mapping
 ) -> int:
-    """Number of lanes of an ensemble, 0 for a single run."""
-    lengths = {name: len(value) for name, value in (("dt", dt), ("steps", steps)) if value.ndim}
+    """Number of lanes of an ensemble, 0 for a single run; ``own`` may have one number a run or one per lane."""
+    lengths = {name: len(value) for name, value in own.items() if value.ndim}
     lengths |= {name: len(value) for name, value in (("u0", u0), ("v0", v0)) if value.ndim > np.ndim(problem.u0)}
     lengths |= {f"over['{name}']": len(value) for name, value in over.items()}
     if len(set(lengths.values())) > 1:

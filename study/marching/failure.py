@@ -13,7 +13,7 @@ ON_FAILURE = ("warn", "raise", "ignore")
 
 
 #: What happened to a run, by its status.
-_HOW = {
+HOW = {
     NO_SOLUTION: "Newton's iteration found no balance of forces, not even with a safeguard",
     NOT_FINITE: "the state was no longer finite",
     UNBOUNDED: "the displacement left its bound",
@@ -59,7 +59,7 @@ def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun) -> st
     first = failed[0]
     status, step = (int(np.ravel(values)[first]) for values in (result.status, result.failed_at_step))
     size = float(np.broadcast_to(dt, np.shape(result.status)).ravel()[first])
-    how = _HOW[status]
+    how = HOW[status]
     many = f"{failed.size} of {result.status.size} runs failed, the first of them, lane {first}: "
     where = f"'{scheme.title}' failed on '{problem.title}' at step {step}, t = {step * size:.6g}, with dt = {size:.6g}"
     cause = likely_cause(problem, scheme, status, size)

@@ -92,13 +92,13 @@ class Labels:
     """What makes results of one scheme on one problem into datasets."""
 
     def __init__(self, problem: Problem, scheme: Scheme, observers: Sequence[Observer]):
-        self._attributes = {
+        self.attributes = {
             "status": STATUS_ATTRIBUTES,
             "failed_at_step": FAILED_AT_STEP_ATTRIBUTES,
             **Restarts.variables,
         }
-        self._attributes |= {name: a for observer in observers for name, a in observer.variables.items()}
-        self._of_dataset = {
+        self.attributes |= {name: a for observer in observers for name, a in observer.variables.items()}
+        self.of_dataset = {
             "title": f"{scheme.title} on the {problem.title}",
             "problem": problem.title,
             "scheme": scheme.title,
@@ -159,11 +159,11 @@ class Labels:
             if value.ndim > len(dims):
                 is_of_unknowns = self._component and value.shape[-1] == self._unknowns
                 dims = (*dims, "component" if is_of_unknowns else f"{name}_component")
-            data[name] = (dims, value, self._attributes[name])
+            data[name] = (dims, value, self.attributes[name])
         coordinates: dict[str, tuple] = {
             name: ((*lane, *self._component[: value.ndim - 1]), value, OF_LANE[name]) for name, value in own.items()
         }
         if samples:
             t = np.multiply.outer(dt, np.arange(samples + 1) * every)
             coordinates["t"] = ((*lane, "sample") if dt.ndim else "t", t, {"long_name": "elapsed time", "units": "s"})
-        return xr.Dataset(data, coordinates, self._of_dataset | shared)
+        return xr.Dataset(data, coordinates, self.of_dataset | shared)

@@ -12,7 +12,10 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
+from study.control.controllers import Controller
+from study.control.estimators import Estimator
 from study.marching import failure
+from study.marching.adaptive_run import Adaptive, checked_control
 from study.marching.arguments import (
     check_memory,
     checked_bound,
@@ -94,8 +97,13 @@ def run(
     problem: str | Problem | Callable[..., Problem],
     scheme: str | Scheme,
     *,
-    dt: PerRunLike,
-    steps: CountPerRunLike,
+    dt: PerRunLike | None = None,
+    steps: CountPerRunLike | None = None,
+    tolerance: PerRunLike | None = None,
+    duration: float | None = None,
+    estimator: str | Estimator | None = None,
+    controller: str | Controller | None = None,
+    times: DisplacementsLike | None = None,
     observe: str | Observer | Sequence[str | Observer] = ("trajectory",),
     u0: DisplacementsLike | None = None,
     v0: DisplacementsLike | None = None,
@@ -105,7 +113,7 @@ def run(
     bound: float | None = None,
     on_failure: str = "warn",
 ) -> xr.Dataset:
-    r"""March one scheme on one problem and return what was observed.
+    r"""March one scheme on one problem and return what was observed, with equal steps or with a tolerance.
 
     A run whose Newton iteration fails is marched once more with a safeguard: with one unknown a bracket, which finds a
     root wherever the residual changes its sign, and with several unknowns shorter corrections
@@ -117,9 +125,22 @@ def run(
         Names in ``study.problems`` and ``study.schemes``, or your own :class:`study.Problem` and
         :class:`study.Scheme`.
     dt
-        Step size Δt; an array (lanes,) makes an ensemble.
+        Step size Δt; an array (lanes,) makes an ensemble. With a tolerance the first step, by default a thousandth of
+        the duration.
     steps
-        Number of steps; an array (lanes,) makes an ensemble, which cannot record along time.
+        Number of steps; an array (lanes,) makes an ensemble, which cannot record along time. With a tolerance the
+        largest number of steps, by default a million.
+    tolerance
+        Allowed estimate of the error of a step, in the units of the estimator; an array (lanes,) makes an ensemble.
+        The steps are then chosen by estimator and controller.
+    duration
+        Time at which a run with a tolerance ends.
+    estimator, controller
+        Names in ``study.estimators`` and ``study.controllers``, or objects of :mod:`study.control`. By default
+        ``zienkiewicz_xie`` where the scheme carries an acceleration and is of second order, otherwise
+        ``step_doubling``; and ``pi``.
+    times
+        Times on which a step of a run with a tolerance must end; by default the samples of a record.
     observe
         Names in ``study.observers``, or your own :class:`study.Reduction` and :class:`study.Record`.
     u0, v0
@@ -146,8 +167,10 @@ def run(
         ``newton_restarts``. Records lie along ``t``, the elapsed time; the runs of an ensemble along ``lane``, with the
         ``dt``, ``steps``, ``u0`` and ``v0`` of each as coordinates where they differ. If lanes have their own step
         sizes, records lie along ``sample`` and ``t`` is a coordinate over (lane, sample). Values of a failed run are
-        NaN, and its samples from the failure on. The attributes name problem, scheme, its parameters, version, and the
-        ``dt``, ``steps``, ``u0`` and ``v0`` that all runs share.
+        NaN, and its samples from the failure on. A run with a tolerance has ``steps``, the trial steps that were
+        rejected by the estimate or without a balance, and along time ``step_size``, ``estimate`` and the rejections
+        before each step; it keeps what was computed before a failure. The attributes name problem, scheme, its
+        parameters, version, and the ``dt``, ``steps``, ``u0`` and ``v0`` that all runs share.
 
     Raises
     ------
@@ -155,7 +178,8 @@ def run(
         If there is no such problem, scheme or observer.
     TypeError, ValueError
         If an argument has the wrong type or shape or is out of range, if scheme or observer do not fit the problem, if
-        two observers have a variable of one name, or if the records exceed the memory.
+        two observers have a variable of one name, if the records exceed the memory, or if a scheme needs equal steps
+        and a tolerance is given.
     RuntimeError
         If a run fails and ``on_failure`` is ``"raise"``.
 
@@ -168,9 +192,15 @@ def run(
     """
     _check_not_traced((problem, dt, u0, v0, over))
     method = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
-    chosen, step_size = checked_observers(observe), checked_step_size(dt)
-    count, every = checked_steps(steps), positive_integer("every", every)
+    chosen = checked_observers(observe)
+    controlled = tolerance is not None or controller is not None
     _check_on_failure(on_failure)
+    if not controlled and (dt is None or steps is None):
+        raise TypeError("study.run needs dt and steps, or a tolerance and a duration.")
+    if not controlled and any(given is not None for given in (duration, estimator, times)):
+        raise TypeError("duration, estimator and times belong to a run with a tolerance.")
+    if controlled and (every != 1 or samples is not None):
+        raise TypeError("every and samples belong to a run with equal steps; one with a tolerance stores every step.")
     values: dict[str, np.ndarray] = {}
     if over is None:
         equations = [resolve(problem, problems, Problem)]  # type: ignore[arg-type, misc]
@@ -183,10 +213,18 @@ def run(
         equations = checked_lanes(problem, values)  # type: ignore[arg-type]
     equation = equations[0]
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
-    lanes = number_of_lanes(equation, start, velocity, step_size, count, values)
+    _check_fit(equation, method, chosen)
+    if controlled:
+        control = checked_control(equation, method, estimator, controller, tolerance, duration, times, dt, steps)
+        limit = checked_bound(bound, equations, start, velocity, control.times[-1])
+        lanes = number_of_lanes(equation, start, velocity, {"tolerance": control.tolerance, "dt": control.dt}, values)
+        make = None if over is None else problem
+        adaptive = Adaptive(equations, method, chosen, (start, velocity), make, values, lanes, limit)  # type: ignore[arg-type]
+        return adaptive.dataset(control, on_failure)
+    step_size, count, every = checked_step_size(dt), checked_steps(steps), positive_integer("every", every)
+    lanes = number_of_lanes(equation, start, velocity, {"dt": step_size, "steps": count}, values)
     few = lanes <= FEW and np.ndim(equation.u0) > 0 and jax.default_backend() == "cpu"
     side_by_side = bool(lanes) and not few and not values
-    _check_fit(equation, method, chosen)
     limit = checked_bound(bound, equations, start, velocity, float(np.max(step_size * count)))
     plain = March.of(equation, method, chosen, side_by_side, limit)
     room = _samples(plain.records, count, every, samples)

@@ -83,6 +83,10 @@ class HHTAlpha1996(OneStep):
         return _stability_limit(0.0, -self.alpha, self.beta, self.gamma)
 
     @property
+    def acceleration_offset(self) -> float:
+        return self.alpha
+
+    @property
     def order_with_damping(self) -> int:
         # eq. (12) weights neither damping nor load
         return self.order if self.alpha == 0 else 1
@@ -185,6 +189,10 @@ class GeneralizedAlpha(OneStep):
     @property
     def stability_limit(self) -> float | None:
         return _stability_limit(self.alpha_m, self.alpha_f, self.beta, self.gamma)
+
+    @property
+    def acceleration_offset(self) -> float:
+        return self.alpha_m - self.alpha_f
 
     @property
     def needs_mass(self) -> bool:

@@ -76,6 +76,16 @@ class Scheme(eqx.Module):
         return 1
 
     @property
+    def needs_equal_steps(self) -> bool:
+        """Whether all steps must have one size, because the scheme carries earlier ones."""
+        return True
+
+    @property
+    def acceleration_offset(self) -> float | None:
+        """Offset of the carried acceleration ``a`` from the end of the step, in steps; None if none is carried."""
+        return None
+
+    @property
     def needs_mass(self) -> bool:
         """Whether every unknown must have mass.
 
@@ -124,6 +134,8 @@ class Scheme(eqx.Module):
 
 class OneStep(Scheme):
     """A scheme whose step adds increments to displacement and velocity; these sums can be compensated."""
+
+    needs_equal_steps = False
 
     def start(self, problem: Problem, u0: Vector, v0: Vector, dt: ScalarLike) -> tuple[Any, Effort]:
         """State at t = 0 with the acceleration of the equation of motion, and no effort."""
@@ -184,6 +196,14 @@ class Wrapper(Scheme):
         return self.scheme.forces_per_iteration
 
     @property
+    def needs_equal_steps(self) -> bool:
+        return self.scheme.needs_equal_steps
+
+    @property
+    def acceleration_offset(self) -> float | None:
+        return self.scheme.acceleration_offset
+
+    @property
     def needs_mass(self) -> bool:
         return self.scheme.needs_mass
 
@@ -225,7 +245,7 @@ def check_range(scheme: str, name: str, value, low: float, high: float) -> None:
         raise ValueError(f"{scheme}({name}={value}): {name} must be a number {limits}.")
 
 
-def check_ranges(scheme: Scheme, **ranges: tuple[float, float]) -> None:
-    """Refuse a scheme with a field outside its range (low, high)."""
+def check_ranges(module: eqx.Module, **ranges: tuple[float, float]) -> None:
+    """Refuse a scheme, or a controller, with a field outside its range (low, high)."""
     for name, (low, high) in ranges.items():
-        check_range(type(scheme).__name__, name, getattr(scheme, name), low, high)
+        check_range(type(module).__name__, name, getattr(module, name), low, high)

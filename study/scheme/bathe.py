@@ -59,6 +59,7 @@ class Bathe(OneStep):
     family: ClassVar[str] = "Multi-step and composite"
     order = 2
     explicit = False
+    acceleration_offset = 0.0
     stability_limit = math.inf
 
     def __check_init__(self):

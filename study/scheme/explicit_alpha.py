@@ -87,6 +87,10 @@ class ExplicitAlpha(OneStep):
             return None
         return math.sqrt(2 * (1 - 2 * self.alpha_m) / (2 * self.beta - self.gamma))
 
+    @property
+    def acceleration_offset(self) -> float:
+        return self.alpha_m - 1
+
     def increment(self, problem, state, t, dt):
         u, v, a = state
         a_new = (acceleration(problem, t, u, v) - self.alpha_m * a) / (1 - self.alpha_m)

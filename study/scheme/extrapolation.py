@@ -54,6 +54,7 @@ class Extrapolation(OneStep):
     source: ClassVar[str] = "Gragg (1965)"
     doi: ClassVar[str] = "10.1137/0702030"
     explicit = True
+    acceleration_offset = 0.0
 
     def __check_init__(self):
         check_numbers("Extrapolation", "sequence", self.sequence)

@@ -91,6 +91,7 @@ class Newmark(OneStep):
     doi: str = eqx.field(default="10.1061/JMCEA3.0000098", kw_only=True, static=True)
 
     family: ClassVar[str] = "Newmark and Wilson"
+    acceleration_offset = 0.0
 
     def __check_init__(self):
         check_ranges(self, beta=(0.0, 0.5), gamma=(0.0, 1.0))

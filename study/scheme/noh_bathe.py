@@ -53,6 +53,7 @@ class NohBathe(OneStep):
     doi: ClassVar[str] = "10.1016/j.compstruc.2013.06.007"
     order = 2
     explicit = True
+    acceleration_offset = 0.0
     forces_per_step = 2
 
     def __check_init__(self):

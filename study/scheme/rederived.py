@@ -40,6 +40,7 @@ class Rederived(Wrapper):
     order_with_damping = 1
     stability_limit = None
     needs_mass = True
+    acceleration_offset = 0.0
 
     @property
     def forces_per_step(self) -> int:

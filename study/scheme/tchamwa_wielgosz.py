@@ -47,6 +47,7 @@ class TchamwaWielgosz(OneStep):
     doi: ClassVar[str] = ""
     order = 1
     explicit = True
+    acceleration_offset = 0.0
     forces_per_step = 1
 
     def __check_init__(self):

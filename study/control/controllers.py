@@ -1,0 +1,336 @@
+r"""Controllers of the step size.
+
+A controller takes :math:`r = \eta/\text{tolerance}`, the estimate of a step relative to the tolerance, and the power k
+of Δt with which it falls. It accepts the step or not, and chooses the size of the next one.
+"""
+
+import abc
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+
+from study.algebra.arrays import Scalar, ScalarLike, VectorLike
+from study.mechanics.balance import acceleration
+from study.mechanics.definition import Problem
+from study.scheme.base import check_ranges
+
+#: Limits of the factor between two steps, and part of the step that the estimate allows.
+SMALLEST, LARGEST, SAFETY = 0.2, 5.0, 0.9
+
+#: Smallest estimate relative to the tolerance, which keeps the next step finite where the estimate is zero.
+TINY = 1e-10
+
+
+class Decision(NamedTuple):
+    """Whether a step is accepted, the size of the next one, and what the controller carries on."""
+
+    accepted: jax.Array | bool
+    dt: Scalar
+    carried: Any
+
+
+class Controller(eqx.Module):
+    """The choice of the next step; the methods are pure functions that JAX compiles into the march."""
+
+    title: ClassVar[str]
+    source: ClassVar[str]
+    doi: ClassVar[str]
+    #: Whether a run has a tolerance.
+    needs_tolerance: ClassVar[bool] = True
+
+    def start(self, problem: Problem, state: Any, tolerance: ScalarLike) -> Any:
+        """What the controller carries from step to step, at t = 0."""
+        return ()
+
+    def first(self, carried: Any, dt: Scalar, tolerance: ScalarLike) -> Scalar:
+        """Size of the first step, ``dt`` by default, which is given or a guess."""
+        return dt
+
+    @abc.abstractmethod
+    def decide(self, carried, r, k: int, dt, problem: Problem, state, t, tolerance) -> Decision:
+        """The decision on a step of the size ``dt`` that ended at the time t in that state."""
+
+
+def _limited(factor):
+    return jnp.clip(factor, SMALLEST, LARGEST)
+
+
+class Integral(Controller):
+    r"""The elementary controller, :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`.
+
+    A step is accepted if r ≤ 1, and grows or shrinks by at most five.
+
+    References
+    ----------
+    E. Hairer, S. P. Nørsett, G. Wanner, Solving ordinary differential equations I, 2nd ed., Springer, 1993, section
+    II.4.
+    """
+
+    title = "Integral"
+    source = "Hairer et al. (1993)"
+    doi = "10.1007/978-3-540-78862-1"
+
+    def decide(self, carried, r, k, dt, problem, state, t, tolerance):
+        return Decision(r <= 1, dt * _limited(SAFETY * jnp.maximum(r, TINY) ** (-1 / k)), ())
+
+
+class ProportionalIntegral(Controller):
+    r"""The PI controller, :math:`\Delta t' = 0.9\,\Delta t\,r^{-0.7/k} r_0^{0.4/k}` with r₀ of the step before.
+
+    References
+    ----------
+    K. Gustafsson, Control theoretic techniques for stepsize selection in explicit Runge-Kutta methods, ACM Trans.
+    Math. Softw. 17(4), 1991, 533-554.
+    """
+
+    title = "PI"
+    source = "Gustafsson (1991)"
+    doi = "10.1145/210232.210242"
+
+    def start(self, problem, state, tolerance):
+        return jnp.ones(())
+
+    def decide(self, carried, r, k, dt, problem, state, t, tolerance):
+        r = jnp.maximum(r, TINY)
+        smooth = SAFETY * r ** (-0.7 / k) * carried ** (0.4 / k)
+        again = SAFETY * r ** (-1 / k)
+        return Decision(r <= 1, dt * _limited(jnp.where(r <= 1, smooth, again)), jnp.where(r <= 1, r, carried))
+
+
+class Filtered(Controller):
+    r"""The digital filter H211b with b = 4, whose steps are smooth.
+
+    .. math::
+
+        c = r^{-1/(4k)}\,r_0^{-1/(4k)}\,(\Delta t/\Delta t_0)^{-1/4}, \quad
+        \Delta t' = \Delta t\,[1 + \arctan(c - 1)]
+
+    with r₀ and Δt₀ of the step before. A step is accepted if the factor that r alone allows is at least 0.9.
+
+    References
+    ----------
+    G. Söderlind, Digital filters in adaptive time-stepping, ACM Trans. Math. Softw. 29(1), 2003, 1-26.
+    G. Söderlind, L. Wang, Adaptive time-stepping and computational stability, J. Comput. Appl. Math. 185(2), 2006,
+    225-243.
+    """
+
+    title = "H211b"
+    source = "Söderlind (2003)"
+    doi = "10.1145/641876.641877"
+
+    def start(self, problem, state, tolerance):
+        return jnp.ones(()), jnp.zeros(())
+
+    def decide(self, carried, r, k, dt, problem, state, t, tolerance):
+        r0, dt0 = carried
+        r = jnp.maximum(r, TINY)
+        ratio = jnp.where(dt0 > 0, dt / jnp.where(dt0 > 0, dt0, 1.0), 1.0)
+        accepted = r ** (-1 / k) >= SAFETY
+        c = jnp.where(accepted, (r * r0) ** (-1 / (4 * k)) * ratio ** (-1 / 4), SAFETY * r ** (-1 / k))
+        keep = (jnp.where(accepted, r, r0), jnp.where(accepted, dt, dt0))
+        return Decision(accepted, dt * (1 + jnp.arctan(c - 1)), keep)
+
+
+class DeadBand(Controller):
+    r"""The controller of Zienkiewicz and Xie: the step stays while the estimate stays within bounds.
+
+    A step with r > ``high`` is repeated with :math:`\Delta t' = \Delta t\,r^{-1/k}`. After ``patience`` steps one after
+    the other with r < ``low`` the step grows by this factor.
+
+    Parameters
+    ----------
+    low, high
+        0 < low < high: bounds of r.
+    patience
+        Number of steps before growth.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range.
+
+    References
+    ----------
+    O. C. Zienkiewicz, Y. M. Xie, A simple error estimator and adaptive time stepping procedure for dynamic analysis,
+    Earthquake Eng. Struct. Dyn. 20(9), 1991, 871-887.
+    """
+
+    low: float = 0.1
+    high: float = 1.0
+    patience: int = eqx.field(default=1, static=True)
+
+    title = "Dead band"
+    source = "Zienkiewicz and Xie (1991)"
+    doi = "10.1002/eqe.4290200907"
+
+    def __check_init__(self):
+        check_ranges(self, low=(0.0, float(self.high)), high=(0.0, float("inf")), patience=(1, float("inf")))
+
+    def start(self, problem, state, tolerance):
+        return jnp.zeros((), int)
+
+    def decide(self, carried, r, k, dt, problem, state, t, tolerance):
+        accepted = r <= self.high
+        small = jnp.where(r < self.low, carried + 1, 0)
+        changes = ~accepted | (small >= self.patience)
+        factor = jnp.where(changes, _limited(jnp.maximum(r, TINY) ** (-1 / k)), 1.0)
+        return Decision(accepted, dt * factor, jnp.where(changes, 0, small))
+
+
+class HalfIncrement(Controller):
+    r"""The controller of Abaqus: repeated with :math:`0.85\,\Delta t/r` if r > 1, grown by 1.25 after three good steps.
+
+    References
+    ----------
+    Abaqus analysis user's guide, implicit dynamic analysis using direct integration, Dassault Systèmes.
+    """
+
+    title = "Half-increment"
+    source = "Hibbitt and Karlsson (1979)"
+    doi = ""
+
+    def start(self, problem, state, tolerance):
+        return jnp.zeros((), int)
+
+    def decide(self, carried, r, k, dt, problem, state, t, tolerance):
+        good = jnp.where(r <= 0.85, carried + 1, 0)
+        grows = good >= 3
+        factor = jnp.where(r > 1, jnp.maximum(0.85 / r, SMALLEST), jnp.where(grows, 1.25, 1.0))
+        return Decision(r <= 1, dt * factor, jnp.where(grows, 0, good))
+
+
+class Nastran(Controller):
+    r"""The controller of TSTEPNL for the apparent frequency: the step grows and shrinks by powers of two.
+
+    With 1/r, the ratio of the step that the frequency allows to this one, the step is multiplied by ¼ if 1/r < R/2, by
+    ½ if 1/r < R, by 1 if 1/r < 2, by 2 if 1/r < 3/R, and by 4 beyond. No step is repeated.
+
+    Parameters
+    ----------
+    bound
+        R, 0 < R ≤ 1.
+
+    References
+    ----------
+    MSC Nastran quick reference guide, TSTEPNL.
+    """
+
+    bound: float = 0.75
+
+    title = "Powers of two"
+    source = "MSC Nastran"
+    doi = ""
+
+    def __check_init__(self):
+        check_ranges(self, bound=(0.0, 1.0))
+
+    def decide(self, carried, r, k, dt, problem, state, t, tolerance):
+        allowed = 1 / jnp.maximum(r, TINY)
+        limits = jnp.array([self.bound / 2, self.bound, 2.0, 3 / self.bound])
+        factor = jnp.array([0.25, 0.5, 1.0, 2.0, 4.0])[jnp.searchsorted(limits, allowed, side="right")]
+        return Decision(True, dt * factor, ())
+
+
+class Proportional(Controller):
+    r"""The controller of OpenSees, :math:`\Delta t' = \Delta t/r` within limits.
+
+    A step is repeated only if no balance was found.
+
+    Parameters
+    ----------
+    smallest, largest
+        Limits of the step in s.
+
+    References
+    ----------
+    F. McKenna, Object-oriented finite element programming: frameworks for analysis, algorithms and parallel computing,
+    dissertation, University of California, Berkeley, 1997.
+    """
+
+    smallest: float = 0.0
+    largest: float = float("inf")
+
+    title = "Proportional"
+    source = "McKenna (1997)"
+    doi = ""
+
+    def decide(self, carried, r, k, dt, problem, state, t, tolerance):
+        return Decision(True, jnp.clip(dt / jnp.maximum(r, TINY), self.smallest, self.largest), ())
+
+
+class Reversible(Controller):
+    r"""Reversible control of Hairer and Söderlind: the step follows a density ρ of steps, and not an error.
+
+    .. math::
+
+        \rho_{1/2} = \rho(y_0) + \tfrac12 \varepsilon G(y_0), \quad
+        \rho_{n+1/2} = \rho_{n-1/2} + \varepsilon G(y_n), \quad \Delta t_n = \varepsilon/\rho_{n+1/2},
+        \quad G = \frac{1}{\rho} \frac{d\rho}{dt}
+
+    along the flow, with the tolerance ε. Symmetric schemes on reversible problems then show no drift of energy. One
+    more force a step.
+
+    Parameters
+    ----------
+    density
+        ρ(u, u̇), a positive number in 1/s, the same for u̇ and −u̇, written with ``jax.numpy``.
+
+    References
+    ----------
+    E. Hairer, G. Söderlind, Explicit, time reversible, adaptive step size control, SIAM J. Sci. Comput. 26(6), 2005,
+    1838-1851.
+    """
+
+    density: Callable[[VectorLike, VectorLike], Scalar]
+
+    title = "Reversible"
+    source = "Hairer and Söderlind (2005)"
+    doi = "10.1137/040606995"
+
+    def _growth(self, problem, state, t):
+        a = acceleration(problem, t, state.u, state.v)
+        return jax.jvp(lambda u, v: jnp.log(self.density(u, v)), (state.u, state.v), (state.v, a))[1]
+
+    def start(self, problem, state, tolerance):
+        return self.density(state.u, state.v) + tolerance / 2 * self._growth(problem, state, 0.0)
+
+    def first(self, carried, dt, tolerance):
+        return tolerance / carried
+
+    def decide(self, carried, r, k, dt, problem, state, t, tolerance):
+        density = carried + tolerance * self._growth(problem, state, t)
+        return Decision(True, tolerance / density, density)
+
+
+class Prescribed(Controller):
+    """Steps of given sizes, one after the other and again from the first, whatever the error.
+
+    Parameters
+    ----------
+    sizes
+        Step sizes in s.
+    """
+
+    sizes: tuple[float, ...] = eqx.field(converter=lambda sizes: tuple(map(float, sizes)))
+
+    title = "Prescribed"
+    source = ""
+    doi = ""
+    needs_tolerance = False
+
+    def __check_init__(self):
+        if not self.sizes or not all(0 < size < float("inf") for size in self.sizes):
+            raise ValueError(f"Prescribed needs step sizes greater than zero, not {self.sizes}.")
+
+    def start(self, problem, state, tolerance):
+        return jnp.zeros((), int)
+
+    def first(self, carried, dt, tolerance):
+        return jnp.asarray(self.sizes[0])
+
+    def decide(self, carried, r, k, dt, problem, state, t, tolerance):
+        number = (carried + 1) % len(self.sizes)
+        return Decision(True, jnp.asarray(self.sizes)[number], number)

@@ -1,0 +1,330 @@
+"""Estimators of the error of a step.
+
+An estimator returns one or several sizes of an estimate η, each relative to the largest value so far of a size of the
+motion. It says with which power k of Δt the estimate falls, so that a controller can choose the next step.
+"""
+
+import abc
+import math
+from typing import Any, ClassVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+
+from study.algebra.arrays import ScalarLike, Vector
+from study.algebra.matrices import times
+from study.mechanics.balance import acceleration, load
+from study.mechanics.definition import Problem
+from study.mechanics.state import Effort
+from study.scheme.base import Scheme, WrapperState
+from study.scheme.contract import stepped
+from study.scheme.wrapper.unequal_steps import StateOfStep
+
+#: One or several numbers, each relative to its scale.
+Sizes = tuple[jax.Array, ...]
+
+
+class Estimator(eqx.Module):
+    """The estimate of the error of a step; the methods are pure functions that JAX compiles into the march."""
+
+    title: ClassVar[str]
+    source: ClassVar[str]
+    doi: ClassVar[str]
+    #: Whether a run from rest needs a scale: a part of nothing is no tolerance.
+    relative: ClassVar[bool] = True
+
+    @abc.abstractmethod
+    def exponent(self, scheme: Scheme) -> int:
+        """Power k of Δt with which the estimate falls."""
+
+    def refusal(self, scheme: Scheme, problem: Problem) -> str | None:
+        """Why the error of this scheme cannot be estimated, in one sentence; None if it can."""
+        return None
+
+    def sizes(self, problem: Problem, state: Any) -> Sizes:
+        """Sizes of the motion, to whose largest values so far the estimates are relative."""
+        return (size(state.u),)
+
+    def start(self, scheme: Scheme, problem: Problem, state: Any) -> Any:
+        """What the estimator carries from step to step, at t = 0."""
+        return ()
+
+    def step(
+        self, scheme: Scheme, problem: Problem, carried: Any, state: Any, t: ScalarLike, dt: ScalarLike
+    ) -> tuple[Any, Effort, Sizes, Any]:
+        """The state after a step, its effort, the estimates of its error, and what the estimator carries on."""
+        new, effort = stepped(scheme, problem, state, t, dt)
+        estimates, carried = self.estimate(scheme, problem, carried, state, new, t, dt, effort)
+        return new, effort, estimates, carried
+
+    def estimate(self, scheme, problem, carried, old, new, t, dt, effort) -> tuple[Sizes, Any]:
+        """The estimates for a step from the state ``old`` to ``new``, and what the estimator carries on."""
+        raise NotImplementedError
+
+
+def size(x: Vector) -> jax.Array:
+    """The Euclidean norm of a vector, or the size of a number."""
+    return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.vdot(x, x))
+
+
+class _OfAcceleration(Estimator):
+    """An estimator that integrates an interpolation of the acceleration, and so needs ü at both ends of a step."""
+
+    def exponent(self, scheme):
+        return 3
+
+    def refusal(self, scheme, problem):
+        if scheme.order > 2:
+            return (
+                f"{self.title} estimates errors of the third order of a step, and those of '{scheme.title}' are of "
+                f"order {scheme.order + 1}: take the estimator step_doubling."
+            )
+        if problem.massless:
+            return f"{self.title} needs a mass at every unknown, and that of '{problem.title}' is singular."
+        return None
+
+    def start(self, scheme, problem, state):
+        return acceleration(problem, 0.0, state.u, state.v)
+
+    def ends(self, scheme, problem, before, old, new, t, dt) -> tuple[Vector, Vector, float]:
+        """ü at both ends of a step, and the offset from there in steps; of the equation of motion if none is carried.
+
+        ``before`` is that of the last step's end.
+        """
+        if scheme.acceleration_offset is not None:
+            return *_ends(old, new), scheme.acceleration_offset
+        return before, acceleration(problem, t + dt, new.u, new.v), 0.0
+
+
+def _carried(state: Any) -> Vector:
+    """ü as the scheme carries it."""
+    return _carried(state.inner) if isinstance(state, WrapperState) else state.a
+
+
+def _ends(old: Any, new: Any) -> tuple[Vector, Vector]:
+    """ü as the scheme carries it at both ends of a step, each at the ``acceleration_offset`` from there."""
+    inner = new
+    while isinstance(inner, WrapperState):
+        if isinstance(inner, StateOfStep):
+            return inner.before, inner.inner.a
+        inner = inner.inner
+    return _carried(old), _carried(new)
+
+
+class ZienkiewiczXie(_OfAcceleration):
+    r"""The difference from a motion with linear acceleration.
+
+    .. math::
+
+        e = u_1 - u_0 - \Delta t\,\dot u_0 - \Delta t^2 (\tfrac13 \ddot u_0 + \tfrac16 \ddot u_1), \quad
+        \eta = |e| / \max |u|
+
+    For Newmark's method :math:`e = (\beta - \tfrac16)\,\Delta t^2 (\ddot u_1 - \ddot u_0)`. An α-method carries the
+    acceleration of the time :math:`t_1 + s\,\Delta t` with s = α_m − α_f, which adds
+    :math:`\tfrac{s}{2} \Delta t^2 (\ddot u_1 - \ddot u_0)`. The estimate is blind where the third derivative of u is
+    zero, at every turning point of a free vibration. It does not see the velocity.
+
+    References
+    ----------
+    O. C. Zienkiewicz, Y. M. Xie, A simple error estimator and adaptive time stepping procedure for dynamic analysis,
+    Earthquake Eng. Struct. Dyn. 20(9), 1991, 871-887.
+    """
+
+    title = "Zienkiewicz-Xie"
+    source = "Zienkiewicz and Xie (1991)"
+    doi = "10.1002/eqe.4290200907"
+
+    def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
+        before, after, offset = self.ends(scheme, problem, carried, old, new, t, dt)
+        change = after - before
+        e = new.u - old.u - dt * old.v - dt**2 * (before / 2 + (1 / 6 - offset / 2) * change)
+        return (size(e),), after
+
+
+class ThreePoint(_OfAcceleration):
+    r"""The difference from a motion whose acceleration is the parabola through three times.
+
+    With ü at the ends of this step and at the start of the one before, the parabola is integrated over the step. The
+    estimate is the larger of the errors of u and u̇, each relative to the largest value so far. For equal steps, e_u =
+    :math:`\Delta t^2 [(\beta - \tfrac18) \ddot u_1 + (\tfrac1{12} - \beta) \ddot u_0 + \tfrac1{24} \ddot u_{-1}]` of
+    Newmark's method. It is centred half a step too early, and wrong after a kink of the force.
+
+    References
+    ----------
+    L. F. Zeng, N.-E. Wiberg, X. D. Li, Y. M. Xie, A posteriori local error estimation and adaptive time-stepping for
+    Newmark integration in dynamic analysis, Earthquake Eng. Struct. Dyn. 21(7), 1992, 555-571.
+    N.-E. Wiberg, X. D. Li, A post-processing technique and an a posteriori error estimate for the Newmark method in
+    dynamic analysis, Earthquake Eng. Struct. Dyn. 22(6), 1993, 465-489.
+    """
+
+    title = "Three points"
+    source = "Zeng et al. (1992)"
+    doi = "10.1002/eqe.4290210701"
+
+    def sizes(self, problem, state):
+        return size(state.u), size(state.v)
+
+    def start(self, scheme, problem, state):
+        now = super().start(scheme, problem, state)
+        # before the first step the acceleration counts as constant
+        return now, jnp.zeros_like(now), jnp.ones(())
+
+    def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
+        a0, slope_before, dt_before = carried
+        before, after, offset = self.ends(scheme, problem, a0, old, new, t, dt)
+        # Newton's form of the parabola about the times at which the accelerations hold
+        start, end = offset * dt, (1 + offset) * dt
+        slope = (after - before) / dt
+        bend = jnp.where(slope_before == 0, 0.0, (slope - slope_before) / (dt + dt_before))
+        first, second = dt**2 / 2 - start * dt, dt**3 / 6 - start * dt**2 / 2
+        of_bend = dt**3 / 3 - (start + end) * dt**2 / 2 + start * end * dt
+        twice = dt**4 / 12 - (start + end) * dt**3 / 6 + start * end * dt**2 / 2
+        e_v = new.v - old.v - (dt * before + first * slope + of_bend * bend)
+        e_u = new.u - old.u - dt * old.v - (dt**2 / 2 * before + second * slope + twice * bend)
+        return (size(e_u), size(e_v)), (after, slope, dt)
+
+
+class HalfStepResidual(Estimator):
+    r"""The force that is not balanced in the middle of the step.
+
+    .. math::
+
+        \ddot u_h &= (\ddot u_0 + \ddot u_1)/2, \quad
+        u_h = u_0 + \tfrac{\Delta t}{2} \dot u_0 + \tfrac{\Delta t^2}{16} (3 \ddot u_0 + \ddot u_h) \\
+        \eta &= \max |M \ddot u_h + C \dot u_h + p(u_h) - f(t_h)| / \max |M \ddot u|
+
+    with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. One more force a step. The estimate is of second order in Δt and the error of the
+    step of third.
+
+    References
+    ----------
+    H. D. Hibbitt, B. I. Karlsson, Analysis of pipe whip, ASME paper 79-PVP-122, 1979.
+    """
+
+    title = "Half-step residual"
+    source = "Hibbitt and Karlsson (1979)"
+    doi = ""
+
+    def exponent(self, scheme):
+        return 2
+
+    def refusal(self, scheme, problem):
+        if scheme.acceleration_offset is None:
+            return f"{self.title} needs a scheme that carries the acceleration, which '{scheme.title}' does not."
+        return None
+
+    def sizes(self, problem, state):
+        return (jnp.max(jnp.abs(problem.momentum(_carried(state)))),)
+
+    def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
+        before, after = _ends(old, new)
+        half, a = dt / 2, (before + after) / 2
+        u = old.u + half * old.v + half**2 / 4 * (before + a)
+        v = old.v + half / 2 * (before + a)
+        missing = problem.momentum(a) + problem.internal_force(u, v) - load(problem, t + half)
+        if problem.damping is not None:
+            missing = missing + times(problem.damping, v)
+        return (jnp.max(jnp.abs(missing)),), ()
+
+
+class ApparentFrequency(Estimator):
+    r"""The step as a part of the apparent period of the motion.
+
+    .. math::
+
+        \omega^2 = \frac{\Delta u^T \Delta p}{\Delta u^T M \Delta u}, \quad \eta = \frac{\omega\,\Delta t}{2 \pi}
+
+    with the changes of displacement and internal force over the step: a tolerance of 0.05 is twenty steps a period.
+    It sees no error.
+
+    References
+    ----------
+    P. G. Bergan, E. Mollestad, An automatic time-stepping algorithm for dynamic problems, Comput. Methods Appl. Mech.
+    Eng. 49(3), 1985, 299-318.
+    """
+
+    title = "Apparent frequency"
+    source = "Bergan and Mollestad (1985)"
+    doi = "10.1016/0045-7825(85)90127-8"
+    relative = False
+
+    def exponent(self, scheme):
+        return 1
+
+    def sizes(self, problem, state):
+        return (jnp.ones(()),)
+
+    def start(self, scheme, problem, state):
+        return problem.internal_force(state.u, state.v)
+
+    def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
+        force, way = problem.internal_force(new.u, new.v), new.u - old.u
+        work, inertia = jnp.vdot(way, force - carried), jnp.vdot(way, problem.momentum(way))
+        omega = jnp.sqrt(jnp.where(inertia > 0, jnp.maximum(work, 0.0) / inertia, 0.0))
+        return (omega * dt / (2 * math.pi),), force
+
+
+class Iterations(Estimator):
+    r"""Newton iterations of the step: a tolerance of 6 asks for six.
+
+    It knows the solver and no error: a linear structure goes to the largest step.
+
+    References
+    ----------
+    F. McKenna, Object-oriented finite element programming: frameworks for analysis, algorithms and parallel computing,
+    dissertation, University of California, Berkeley, 1997.
+    """
+
+    title = "Newton iterations"
+    source = "McKenna (1997)"
+    doi = ""
+    relative = False
+
+    def exponent(self, scheme):
+        return 1
+
+    def refusal(self, scheme, problem):
+        if scheme.explicit:
+            return f"'{scheme.title}' takes no Newton iterations, by which {self.title} chooses the step."
+        return None
+
+    def sizes(self, problem, state):
+        return (jnp.ones(()),)
+
+    def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
+        return (jnp.asarray(effort.iterations, float),), ()
+
+
+class StepDoubling(Estimator):
+    r"""The difference of one step from two of half its size, with which the run goes on; any one-step scheme has it.
+
+    .. math::
+
+        \eta = \frac{|y_{2 \times \Delta t/2} - y_{\Delta t}|}{(2^p - 1) \max |y|} \quad\text{for } y = u, \dot u
+
+    for a scheme of order p. Three times the forces of a step.
+
+    References
+    ----------
+    E. Hairer, S. P. Nørsett, G. Wanner, Solving ordinary differential equations I, 2nd ed., Springer, 1993, section
+    II.4.
+    """
+
+    title = "Step doubling"
+    source = "Hairer et al. (1993)"
+    doi = "10.1007/978-3-540-78862-1"
+
+    def exponent(self, scheme):
+        return scheme.order_with_damping + 1
+
+    def sizes(self, problem, state):
+        return size(state.u), size(state.v)
+
+    def step(self, scheme, problem, carried, state, t, dt):
+        coarse, effort = stepped(scheme, problem, state, t, dt)
+        middle, first = stepped(scheme, problem, state, t, dt / 2)
+        fine, second = stepped(scheme, problem, middle, t + dt / 2, dt / 2)
+        factor = 2**scheme.order_with_damping - 1
+        estimates = size(fine.u - coarse.u) / factor, size(fine.v - coarse.v) / factor
+        return fine, effort.then(first).then(second), estimates, carried

@@ -1,0 +1,49 @@
+"""The estimators and controllers that have names."""
+
+from study.control.controllers import (
+    Controller,
+    DeadBand,
+    Filtered,
+    HalfIncrement,
+    Integral,
+    Nastran,
+    Proportional,
+    ProportionalIntegral,
+)
+from study.control.estimators import (
+    ApparentFrequency,
+    Estimator,
+    HalfStepResidual,
+    Iterations,
+    StepDoubling,
+    ThreePoint,
+    ZienkiewiczXie,
+)
+from study.registry import Registry
+
+#: Estimators by name.
+estimators: Registry[Estimator] = Registry(
+    "estimator",
+    {
+        "zienkiewicz_xie": ZienkiewiczXie(),
+        "three_point": ThreePoint(),
+        "half_step_residual": HalfStepResidual(),
+        "apparent_frequency": ApparentFrequency(),
+        "iterations": Iterations(),
+        "step_doubling": StepDoubling(),
+    },
+)
+
+#: Controllers by name; ``Reversible`` and ``Prescribed`` need arguments.
+controllers: Registry[Controller] = Registry(
+    "controller",
+    {
+        "integral": Integral(),
+        "pi": ProportionalIntegral(),
+        "h211b": Filtered(),
+        "dead_band": DeadBand(),
+        "half_increment": HalfIncrement(),
+        "nastran": Nastran(),
+        "proportional": Proportional(),
+    },
+)

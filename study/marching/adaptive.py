@@ -1,0 +1,230 @@
+"""Time marching with a controlled step as one compiled loop, of a single run or of lanes side by side."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+from study.control.controllers import Controller
+from study.control.estimators import Estimator
+from study.marching.march import March
+from study.marching.result import NO_SOLUTION, NOT_FINITE, UNBOUNDED
+from study.scheme.contract import started
+
+#: A run that goes on, and how it ends in addition to the ways of a run with equal steps.
+RUNNING, STEP_TOO_SMALL, TOO_MANY_STEPS = -1, 4, 5
+
+#: Factor of a step whose balance was not found, or whose end is not finite, as in Abaqus.
+AFTER_FAILURE = 0.25
+
+#: Smallest step, as a part of the duration.
+SMALLEST_STEP = 1e-13
+
+#: Part of a step by which a stated time may be missed, so that round-off does not add a tiny step.
+ROUND_OFF = 1e-9
+
+
+class Trial(NamedTuple):
+    """The way of one run, between two trial steps.
+
+    Attributes
+    ----------
+    status
+        ``RUNNING``, or how the run ended.
+    t, dt
+        Time, and size of the next trial step.
+    target
+        Number of the stated time that comes next.
+    taken, place
+        Steps taken, and the place of the next sample in the room.
+    estimated, unsolved
+        Trial steps rejected by the estimate, and because no balance was found or the state was not finite.
+    state, reduced, estimator, controller
+        State of the scheme, and what reductions, estimator and controller carry.
+    scales
+        Largest size so far of each of the estimator's sizes.
+    """
+
+    status: jax.Array
+    t: jax.Array
+    dt: jax.Array
+    target: jax.Array
+    taken: jax.Array
+    place: jax.Array
+    estimated: jax.Array
+    unsolved: jax.Array
+    state: Any
+    reduced: tuple
+    estimator: Any
+    controller: Any
+    scales: tuple
+
+
+class AdaptiveMarch(eqx.Module):
+    """A march with an estimator and a controller, as pure functions of :class:`Trial`."""
+
+    march: March
+    estimator: Estimator
+    controller: Controller
+    #: Times on which a step must end, (times,), the last of which ends the run.
+    times: jax.Array
+    #: Largest number of steps.
+    most: jax.Array
+
+    def begin(self, u0, v0, dt, tolerance, scales, room: int) -> tuple[Trial, Any, dict[str, jax.Array]]:
+        """The run at t = 0, its first state, and room for samples, of which the first is stored.
+
+        Parameters
+        ----------
+        u0, v0, dt
+            Initial displacement and velocity, and the first step.
+        scales
+            Smallest scale of each of the estimator's sizes, or None.
+        room
+            Number of samples to store, zero for none.
+        """
+        march, problem = self.march, self.march.problem
+        state, effort = started(march.scheme, problem, u0, v0, dt)
+        here = problem.at(state)
+        carried = self.controller.start(here, state, tolerance)
+        dt = self.controller.first(carried, dt, tolerance)
+        failed = ~(jnp.asarray(effort.converged) & _finite(state))
+        sizes = self.estimator.sizes(here, state)
+        none = jnp.zeros((), int)
+        trial = Trial(
+            jnp.where(failed, NOT_FINITE, RUNNING),
+            jnp.zeros(()),
+            jnp.minimum(dt, self.times[-1]),
+            none,
+            none,
+            none + 1,
+            none,
+            none,
+            state,
+            tuple(reduction.start(here, state) for reduction in march.reductions),
+            self.estimator.start(march.scheme, here, state),
+            carried,
+            tuple(sizes if scales is None else map(jnp.maximum, sizes, scales)),
+        )
+        if not room:
+            return trial, state, {}
+        sample = self._sample(trial, state, state, 0.0, jnp.nan, jnp.nan)
+        return trial, state, {n: jnp.zeros((room + 1, *x.shape)).at[0].set(x) for n, x in sample.items()}
+
+    def _sample(self, trial: Trial, initial, state, t, dt, estimate) -> dict[str, jax.Array]:
+        return {
+            **self.march._sample(initial, state, t),
+            "t": jnp.asarray(t, float),
+            "step_size": jnp.asarray(dt, float),
+            "estimate": jnp.asarray(estimate, float),
+            "rejected_by_estimate": trial.estimated.astype(float),
+            "rejected_by_solver": trial.unsolved.astype(float),
+        }
+
+    def turn(self, trial: Trial, initial, tolerance) -> tuple[Trial, dict[str, jax.Array]]:
+        """The run after a trial step, and the sample of that step."""
+        march, scheme = self.march, self.march.scheme
+        t, end = trial.t, self.times[-1]
+        # a step that would leave a rest of less than its size is halved, so that the next one is not tiny
+        way = self.times[trial.target] - t
+        lands = trial.dt >= way * (1 - ROUND_OFF)
+        dt = jnp.where(lands, way, jnp.where(trial.dt > way / 2, way / 2, trial.dt))
+
+        problem = march.problem.at(trial.state)
+        state, effort, estimates, estimator = self.estimator.step(scheme, problem, trial.estimator, trial.state, t, dt)
+        now = jnp.where(lands, self.times[trial.target], t + dt)
+        here = march.problem.at(state)
+        scales = tuple(map(jnp.maximum, trial.scales, self.estimator.sizes(here, state)))
+        estimate = jnp.max(jnp.stack([e / jnp.where(s > 0, s, 1.0) for e, s in zip(estimates, scales, strict=True)]))
+        solved = jnp.asarray(effort.converged) & _finite(state) & jnp.isfinite(estimate)
+        k = self.estimator.exponent(scheme)
+        decision = self.controller.decide(trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance)
+        accepted = solved & decision.accepted
+        # a step that was shortened to land says nothing against its size before
+        next_dt = jnp.where(accepted & (dt < trial.dt), jnp.maximum(decision.dt, trial.dt), decision.dt)
+        next_dt = jnp.where(solved, jnp.minimum(next_dt, end), AFTER_FAILURE * dt)
+
+        taken = trial.taken + accepted
+        bounded = jnp.all(jnp.abs(state.u) <= march.bound)
+        status = jnp.where(accepted & (now >= end), 0, RUNNING)
+        status = jnp.where((status == RUNNING) & (taken >= self.most), TOO_MANY_STEPS, status)
+        too_small = (status == RUNNING) & (next_dt < SMALLEST_STEP * end)
+        status = jnp.where(too_small, jnp.where(jnp.isfinite(estimate), STEP_TOO_SMALL, NOT_FINITE), status)
+        status = jnp.where(too_small & ~jnp.asarray(effort.converged), NO_SOLUTION, status)
+        status = jnp.where(accepted & ~bounded, UNBOUNDED, status)
+
+        reduced = tuple(
+            reduction.update(c, here, state, now, effort)
+            for reduction, c in zip(march.reductions, trial.reduced, strict=True)
+        )
+        old = trial.state, trial.reduced, trial.estimator, trial.controller, trial.scales, t
+        new = state, reduced, estimator, decision.carried, scales, now
+        state_, reduced, estimator, controller, scales, t = jax.tree.map(partial(jnp.where, accepted), new, old)
+        return Trial(
+            status,
+            t,
+            next_dt,
+            trial.target + (accepted & lands),
+            taken,
+            trial.place + accepted,
+            trial.estimated + (solved & ~accepted),
+            trial.unsolved + ~solved,
+            state_,
+            reduced,
+            estimator,
+            controller,
+            scales,
+        ), self._sample(trial, initial, state, now, dt, estimate)
+
+    def result(self, trial: Trial) -> dict[str, jax.Array]:
+        """The variables of the reductions."""
+        problem = self.march.problem.at(trial.state)
+        return {
+            name: value
+            for reduction, c in zip(self.march.reductions, trial.reduced, strict=True)
+            for name, value in reduction.result(c, problem, trial.state).items()
+        }
+
+
+#: Makes the march of a lane from its arguments.
+Of = Callable[[Any], AdaptiveMarch]
+
+
+def proceed(
+    of: Of, lanes: bool, arguments, trial: Trial, stored, initial, tolerance, room: int, turns
+) -> tuple[Trial, dict[str, jax.Array]]:
+    """March until every run has ended, the room of one is full, or that many trial steps were made.
+
+    With ``lanes`` all arrays have an axis of lanes in front. A lane that has ended or has no room waits for the others.
+    """
+
+    def goes_on(trial):
+        return trial.status == RUNNING if not room else (trial.status == RUNNING) & (trial.place < room)
+
+    def one(arguments, trial, stored, initial, tolerance):
+        new, sample = of(arguments).turn(trial, initial, tolerance)
+        taken = new.place > trial.place
+        if lanes:
+            active = goes_on(trial)
+            taken &= active
+            new = jax.tree.map(partial(jnp.where, active), new, trial)
+        # the place after the last one takes what is not stored
+        place = jnp.where(taken, trial.place, room)
+        return new, {n: lax.dynamic_update_index_in_dim(x, sample[n], place, 0) for n, x in stored.items()}
+
+    each = jax.vmap(one) if lanes else one
+
+    def step(carry):
+        trial, stored, count = carry
+        return *each(arguments, trial, stored, initial, tolerance), count + 1
+
+    carry = trial, stored, jnp.zeros((), int)
+    return lax.while_loop(lambda carry: (carry[2] < turns) & jnp.any(goes_on(carry[0])), step, carry)[:2]
+
+
+def _finite(state):
+    return jnp.all(jnp.isfinite(state.u)) & jnp.all(jnp.isfinite(state.v))

@@ -1,0 +1,358 @@
+"""A run with a controlled step, as a labelled dataset."""
+
+import warnings
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from jax import lax
+
+from study.algebra.arrays import real_numbers
+from study.algebra.jit import jit
+from study.control.controllers import Controller, Prescribed
+from study.control.estimators import Estimator
+from study.control.named import controllers, estimators
+from study.io import flags
+from study.marching.adaptive import RUNNING, STEP_TOO_SMALL, TOO_MANY_STEPS, AdaptiveMarch, Trial, proceed
+from study.marching.arguments import checked_step_size, positive_integer, resolve
+from study.marching.failure import HOW, RunFailedWarning, likely_cause
+from study.marching.march import March
+from study.marching.program import PAUSE, ROOM, unlabelled
+from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUSES, Labels
+from study.marching.shapes import Displacements, PerRun
+from study.mechanics.definition import Problem
+from study.observer.base import Observer, Reduction
+from study.scheme.base import Scheme
+from study.scheme.newmark import average_acceleration
+from study.scheme.wrapper.unequal_steps import UnequalSteps
+
+#: Samples of one run that a call stores.
+MOST_ROOM = 2**12
+
+#: First step of a run to which none is given, as a part of the duration.
+FIRST_STEP = 1e-3
+
+#: Largest number of steps of a run to which none is given.
+MOST_STEPS = 1_000_000
+
+#: Number of equal steps of the trial run that finds the size of a motion from rest.
+OF_TRIAL = 1000
+
+_STATUS = flags("how the run ended", (*STATUSES, "step_too_small", "too_many_steps"), np.int32)
+
+_HOW = {
+    **HOW,
+    STEP_TOO_SMALL: "the step shrank to nothing, as at a jump of the force or a motion that grows without bound",
+    TOO_MANY_STEPS: "it took the largest number of steps before its end",
+}
+
+_OF_STEPS = {
+    "step_size": {"long_name": "size of the step that ends here", "units": "s"},
+    "estimate": {"long_name": "estimate of the error of that step", "units": "1"},
+    "rejected_by_estimate": {"long_name": "trial steps before it that the estimate rejected", "units": "1"},
+    "rejected_by_solver": {"long_name": "trial steps before it without balance or finite state", "units": "1"},
+}
+
+_OF_RUN = {
+    "steps": {"long_name": "number of steps", "units": "1"},
+    "steps_rejected_by_estimate": {"long_name": "trial steps that the estimate rejected", "units": "1"},
+    "steps_rejected_by_solver": {"long_name": "trial steps without balance or finite state", "units": "1"},
+    "failed_at_time": {"long_name": "time at which the run failed, NaN where it did not", "units": "s"},
+}
+
+
+class Scales(Reduction):
+    """Largest size of the motion along a run, for each of an estimator's sizes."""
+
+    estimator: Estimator
+
+    variables = {"scale": {"long_name": "largest size of the motion", "units": "1"}}
+
+    def start(self, problem, state):
+        return jnp.stack(self.estimator.sizes(problem, state))
+
+    def update(self, carried, problem, state, t, effort):
+        return jnp.maximum(carried, jnp.stack(self.estimator.sizes(problem, state)))
+
+    def result(self, carried, problem, state):
+        return {"scale": carried}
+
+
+class Control(NamedTuple):
+    """What chooses the steps of a run.
+
+    Attributes
+    ----------
+    tolerance, dt
+        Tolerance and first step, of shape () or (lanes,).
+    times
+        Times on which a step must end, the last of which ends the run.
+    steps
+        Largest number of steps.
+    """
+
+    estimator: Estimator
+    controller: Controller
+    tolerance: PerRun
+    dt: PerRun
+    times: np.ndarray
+    steps: int
+
+
+def checked_control(
+    problem: Problem,
+    scheme: Scheme,
+    estimator: Any,
+    controller: Any,
+    tolerance: Any,
+    duration: Any,
+    times: Any,
+    dt: Any,
+    steps: Any,
+) -> Control:
+    """What chooses the steps of a run, from the arguments of :func:`study.run`.
+
+    Raises
+    ------
+    KeyError, TypeError, ValueError
+        If there is no such estimator or controller, they do not fit the scheme, or a number is out of its range.
+    """
+    if scheme.needs_equal_steps:
+        raise ValueError(
+            f"'{scheme.title}' carries earlier steps, whose coefficients hold for steps of one size: give dt and steps."
+        )
+    if estimator is None:
+        simple = scheme.acceleration_offset is not None and scheme.order <= 2 and not problem.massless
+        estimator = "zienkiewicz_xie" if simple else "step_doubling"
+    chosen: Estimator = resolve(estimator, estimators, Estimator)  # type: ignore[type-abstract]
+    control: Controller = resolve("pi" if controller is None else controller, controllers, Controller)  # type: ignore[type-abstract]
+    if control.needs_tolerance and (reason := chosen.refusal(scheme, problem)):
+        raise ValueError(reason)
+    if tolerance is None and control.needs_tolerance:
+        raise ValueError(f"the controller '{control.title}' needs a tolerance.")
+    values = np.asarray(1.0) if tolerance is None else real_numbers("tolerance", tolerance)
+    smallest = np.finfo(float).eps
+    if values.ndim > 1 or not values.size or not np.all(np.isfinite(values) & (values > smallest)):
+        raise ValueError(f"tolerance must be greater than round-off, {smallest:.1e}, and finite, not {tolerance!r}.")
+    if duration is None and isinstance(control, Prescribed):
+        duration = sum(control.sizes)
+    if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
+        raise ValueError(f"duration must be a time greater than zero, not {duration!r}.")
+    if times is None:
+        kinks = np.asarray(() if isinstance(control, Prescribed) else getattr(problem.load, "kinks", ()), float)
+        inside = kinks[(kinks > 0) & (kinks < duration)]
+    else:
+        inside = real_numbers("times", times).ravel()
+        if np.any((inside <= 0) | (inside > duration)):
+            raise ValueError(f"times must lie between zero and the duration, {duration:g} s, not {times!r}.")
+    first = checked_step_size(FIRST_STEP * duration if dt is None else dt)
+    most = MOST_STEPS if steps is None else positive_integer("steps", steps)
+    return Control(chosen, control, values, first, np.union1d(inside, [duration]), most)
+
+
+def _start(march: March, starts: tuple) -> tuple[jax.Array, jax.Array]:
+    return starts or (jnp.asarray(march.problem.u0), jnp.asarray(march.problem.v0))
+
+
+@partial(jit, compiler=eqx.filter_jit)
+def _begin(of, lanes: bool, adaptive, arguments, starts, dt, tolerance, scales, room: int):
+    def one(arguments, starts, dt, tolerance, scales):
+        march = of(adaptive, arguments)
+        return march.begin(*_start(march.march, starts), dt, tolerance, scales, room)
+
+    return (jax.vmap(one) if lanes else one)(arguments, starts, dt, tolerance, scales)
+
+
+@partial(jit, compiler=eqx.filter_jit)
+def _scales_of_trial(of, lanes: bool, adaptive, arguments, starts):
+    """Largest value of each of the estimator's sizes in a run with equal steps."""
+
+    def one(arguments, starts):
+        march = of(adaptive, arguments)
+        start = _start(march.march, starts)
+        dt = march.times[-1] / OF_TRIAL
+        trial = March.of(march.march.problem, average_acceleration, [Scales(adaptive.estimator)])
+        progress = trial.start(*start, dt, 0)[0]
+        progress = lax.fori_loop(0, OF_TRIAL, lambda _, progress: trial.stepped(progress, dt), progress)
+        found = trial.result(progress)[1]["scale"]
+        return tuple(jnp.where(jnp.isfinite(found), found, 0.0))
+
+    return (jax.vmap(one) if lanes else one)(arguments, starts)
+
+
+@partial(jit, compiler=eqx.filter_jit)
+def _proceed(of, lanes: bool, adaptive, arguments, trial, stored, initial, tolerance, room: int, turns):
+    trial, stored = proceed(partial(of, adaptive), lanes, arguments, trial, stored, initial, tolerance, room, turns)
+
+    def result(arguments, trial):
+        return of(adaptive, arguments).result(trial)
+
+    return trial, stored, (jax.vmap(result) if lanes else result)(arguments, trial)
+
+
+def _itself(adaptive: AdaptiveMarch, arguments: Any) -> AdaptiveMarch:
+    return adaptive
+
+
+class _Family(eqx.Module):
+    """Makes the march of a lane whose problem is made from the lane's arguments."""
+
+    make: Callable = eqx.field(static=True)
+
+    def __call__(self, adaptive: AdaptiveMarch, arguments: dict) -> AdaptiveMarch:
+        return eqx.tree_at(lambda a: a.march.problem, adaptive, self.make(**arguments))
+
+
+def _joined(parts: Sequence[tuple[np.ndarray, dict]], lanes: bool) -> dict[str, np.ndarray]:
+    """The samples of all calls, one after the other, of each lane; NaN after the end of a lane that is shorter.
+
+    A part is the number of its samples, of each lane if there are lanes, and the samples.
+    """
+    if not parts:
+        return {}
+    names = list(parts[0][1])
+    if not lanes:
+        return {name: np.concatenate([part[name][:n] for n, part in parts]) for name in names}
+    longest = int(np.sum([n for n, _ in parts], axis=0).max())
+    whole = {}
+    for name in names:
+        first = parts[0][1][name]
+        whole[name] = np.full((first.shape[0], longest, *first.shape[2:]), np.nan)
+        for lane in range(first.shape[0]):
+            own = np.concatenate([part[name][lane, : n[lane]] for n, part in parts])
+            whole[name][lane, : len(own)] = own
+    return whole
+
+
+class Adaptive:
+    """A run with a controlled step: what is marched, and what its result is labelled with.
+
+    Parameters
+    ----------
+    problems
+        The problem, or of a family those of some lanes.
+    starts
+        Initial displacement and velocity, of one run or of all lanes.
+    make, over
+        Of a family, what makes the problem of a lane, and its arguments.
+    lanes
+        Number of lanes, 0 for a single run.
+    bound
+        Largest displacement.
+    """
+
+    def __init__(
+        self,
+        problems: Sequence[Problem],
+        scheme: Scheme,
+        observers: Sequence[Observer],
+        starts: tuple[Displacements, Displacements],
+        make: Callable[..., Problem] | None,
+        over: dict[str, np.ndarray],
+        lanes: int,
+        bound: float,
+    ):
+        self._problem, self._scheme, self._lanes, self._over = problems[0], scheme, lanes, over
+        method = scheme
+        if scheme.acceleration_offset and not isinstance(scheme, UnequalSteps):
+            method = UnequalSteps(scheme)
+        self._march = unlabelled(March.of(self._problem, method, observers, bool(lanes), bound))
+        self._of = _itself if make is None else _Family(make)
+        shape = (lanes, *np.shape(self._problem.u0))
+        self._starts = () if make else tuple(np.broadcast_to(x, shape) if lanes else x for x in starts)
+        moves = [np.any(one.u0) or np.any(one.v0) for one in problems]
+        if not make:
+            axes = tuple(range(bool(lanes), self._starts[0].ndim))
+            moves = np.any(self._starts[0], axis=axes) | np.any(self._starts[1], axis=axes)
+        self._at_rest = not np.all(moves)
+        self._labels = Labels(self._problem, scheme, observers)
+
+    def dataset(self, control: Control, on_failure: str) -> xr.Dataset:
+        """March to the end, and label the result."""
+        tolerance, dt = (np.broadcast_to(x, self._lanes) if self._lanes else x for x in (control.tolerance, control.dt))
+        trial, samples, values = self._marched(control, tolerance, dt)
+        status = np.asarray(trial.status).astype(np.int32)
+        failed, steps, t = status != COMPLETED, np.asarray(trial.taken), np.asarray(trial.t)
+        if on_failure != "ignore" and failed.any():
+            self._tell(status, steps, t, np.asarray(trial.dt), on_failure)
+        lane = ("lane",) if self._lanes else ()
+        data: dict[str, Any] = {
+            "status": (lane, status, _STATUS),
+            "failed_at_step": (lane, np.where(failed, steps + 1, -1), FAILED_AT_STEP_ATTRIBUTES),
+            "failed_at_time": (lane, np.where(failed, t, np.nan), _OF_RUN["failed_at_time"]),
+            "steps": (lane, steps, _OF_RUN["steps"]),
+        }
+        for cause, total in (("estimate", trial.estimated), ("solver", trial.unsolved)):
+            name = f"steps_rejected_by_{cause}"
+            data[name] = (lane, np.asarray(total), _OF_RUN[name])
+        for name, value in values.items():
+            along = failed.reshape(failed.shape + (1,) * (value.ndim - failed.ndim))
+            data[name] = self._labelled(name, np.where(along, np.nan, value), lane)
+        coordinates: dict[str, Any] = {n: ("lane", x) for n, x in self._over.items() if x.ndim == 1}
+        if samples:
+            along = (*lane, "sample" if self._lanes else "t")
+            coordinates["t"] = (along, samples.pop("t"), {"long_name": "elapsed time", "units": "s"})
+            for name in ("rejected_by_estimate", "rejected_by_solver"):
+                samples[name] = np.diff(samples[name], axis=-1, prepend=0)
+            data |= {name: self._labelled(name, value, along) for name, value in samples.items()}
+        named: dict[str, str | float] = {"estimator": control.estimator.title, "controller": control.controller.title}
+        named["duration"] = float(control.times[-1])
+        if control.tolerance.ndim:
+            coordinates["tolerance"] = ("lane", tolerance, {"long_name": "tolerance", "units": "1"})
+        elif control.controller.needs_tolerance:
+            named["tolerance"] = float(control.tolerance)
+        return xr.Dataset(data, coordinates, self._labels.of_dataset | named)
+
+    def _labelled(self, name: str, value: np.ndarray, along: tuple[str, ...]) -> tuple:
+        """A variable with its dimensions and attributes."""
+        if value.ndim > len(along):
+            is_of_unknowns = np.ndim(self._problem.u0) and value.shape[-1] == np.size(self._problem.u0)
+            along = (*along, "component" if is_of_unknowns else f"{name}_component")
+        return along, value, _OF_STEPS.get(name) or self._labels.attributes[name]
+
+    def _marched(
+        self, control: Control, tolerance: PerRun, dt: PerRun
+    ) -> tuple[Trial, dict[str, np.ndarray], dict[str, np.ndarray]]:
+        """The last trial, the samples, and the values of the reductions."""
+        lanes = bool(self._lanes)
+        times, most = jnp.asarray(control.times), jnp.asarray(control.steps)
+        adaptive = AdaptiveMarch(self._march, control.estimator, control.controller, times, most)
+        unknowns = np.size(self._problem.u0) * max(self._lanes, 1)
+        keeps = bool(self._march.records) or not lanes
+        room = max(16, min(MOST_ROOM, ROOM // unknowns)) if keeps else 0
+        turns = max(1, int(PAUSE / 8 / unknowns**1.5))
+        begin = self._of, lanes, adaptive, self._over, self._starts
+        # a tolerance is a part of the motion, and at rest there is none yet
+        scales = _scales_of_trial(*begin) if self._at_rest and control.estimator.relative else None
+        trial, initial, stored = _begin(*begin, dt, tolerance, scales, room)
+        parts = []
+        while True:
+            trial, stored, values = _proceed(
+                self._of, lanes, adaptive, self._over, trial, stored, initial, tolerance, room, turns
+            )
+            ended = np.all(np.asarray(trial.status) != RUNNING)
+            if keeps and (ended or np.any(np.asarray(trial.place) >= room)):
+                parts.append((np.asarray(trial.place), {n: np.asarray(x) for n, x in stored.items()}))
+                trial = trial._replace(place=jnp.zeros_like(trial.place))
+            if ended:
+                return trial, _joined(parts, lanes), {n: np.asarray(x) for n, x in values.items()}
+
+    def _tell(self, status, steps, t, dt, on_failure: str) -> None:
+        """Warn of runs that failed, or raise."""
+        failed = np.flatnonzero(status)
+        first = failed[0]
+        how, step, at, size = (np.ravel(x)[first] for x in (status, steps, t, dt))
+        many = f"{failed.size} of {status.size} runs failed, the first of them, lane {first}: " if status.ndim else ""
+        cause = likely_cause(self._problem, self._scheme, int(how), float(size)) if how < STEP_TOO_SMALL else ""
+        what = (
+            f"{many}'{self._scheme.title}' failed on '{self._problem.title}' after {step} steps, at t = {at:.6g}, with "
+            f"dt = {size:.6g}: {_HOW[int(how)]}." + (f" Likely cause: {cause}" if cause else "")
+        )
+        if on_failure == "raise":
+            raise RuntimeError(what)
+        warnings.warn(what, RunFailedWarning, stacklevel=4)

@@ -1,0 +1,87 @@
+"""A scheme on steps of different sizes: its carried acceleration moves with the size of the step."""
+
+from typing import Any, ClassVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+
+from study.algebra.arrays import Vector
+from study.mechanics.balance import acceleration
+from study.scheme.base import Scheme, Wrapper, WrapperState
+
+CORRECTIONS = ("difference", "balance", "none")
+
+
+class StateOfStep(WrapperState):
+    """State of the scheme, the acceleration with which its last step began, and the size of that step."""
+
+    inner: Any
+    before: Vector
+    size: jax.Array
+
+
+class UnequalSteps(Wrapper):
+    r"""Another scheme on steps of different sizes.
+
+    An α-method carries an acceleration that belongs to the time t₁ + s Δt, with its ``acceleration_offset`` s. When the
+    next step has another size Δt', the acceleration belongs to t₁ + s Δt', and the method drops to first order unless
+    it is moved there:
+
+    .. math::
+
+        \ddot u &\leftarrow \ddot u_1 + s \left(\frac{\Delta t'}{\Delta t} - 1\right) (\ddot u_1 - \ddot u_0)
+            \quad\text{(difference)} \\
+        \ddot u &\leftarrow a_1 + \frac{\Delta t'}{\Delta t} (\ddot u_1 - a_1), \quad
+            M a_1 = f(t_1) - C \dot u_1 - p(u_1) \quad\text{(balance)}
+
+    Order and stability are those of the scheme for equal steps. Carries its state, the acceleration with which the last
+    step began, and the size of that step. The balance takes one more force a step, the difference none.
+
+    Parameters
+    ----------
+    scheme
+        A scheme with an ``acceleration_offset``.
+    correction
+        ``"difference"``, ``"balance"`` or ``"none"``, which leaves the acceleration as it is.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the scheme carries no such acceleration, or there is no such correction.
+
+    References
+    ----------
+    L. O. Jay, D. Negrut, Extensions of the HHT-α method to differential-algebraic equations in mechanics, Electron.
+    Trans. Numer. Anal. 26, 2007, 190-208.
+    """
+
+    scheme: Scheme
+    correction: str = eqx.field(default="difference", static=True)
+    title: str = eqx.field(default="Unequal steps", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Unequal steps"
+    source: ClassVar[str] = "Jay and Negrut (2007)"
+    doi: ClassVar[str] = ""
+
+    def __check_init__(self):
+        if self.scheme.acceleration_offset is None:
+            raise TypeError(
+                f"UnequalSteps takes a scheme with an acceleration_offset, which '{self.scheme.title}' does not have."
+            )
+        if self.correction not in CORRECTIONS:
+            raise ValueError(f"correction must be one of {', '.join(map(repr, CORRECTIONS))}, not {self.correction!r}.")
+
+    def start(self, problem, u0, v0, dt):
+        inner, effort = self.scheme.start(problem, u0, v0, dt)
+        return StateOfStep(inner, inner.a, jnp.asarray(dt, float)), effort
+
+    def step(self, problem, state, t, dt):
+        a, ratio = state.inner.a, dt / state.size
+        if self.correction == "difference":
+            a = a + self.scheme.acceleration_offset * (ratio - 1) * (a - state.before)
+        elif self.correction == "balance":
+            at_end = acceleration(problem, t, state.u, state.v)
+            a = at_end + ratio * (a - at_end)
+        inner, effort = self.scheme.step(problem, state.inner._replace(a=a), t, dt)
+        return StateOfStep(inner, a, jnp.asarray(dt, float)), effort
