@@ -63,6 +63,24 @@ class Estimator(eqx.Module):
         raise NotImplementedError
 
 
+class Unestimated(Estimator):
+    """No estimate, of steps whose sizes are given."""
+
+    title = "none"
+    source = ""
+    doi = ""
+    relative = False
+
+    def exponent(self, scheme):
+        return 1
+
+    def sizes(self, problem, state):
+        return (jnp.ones(()),)
+
+    def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
+        return (jnp.zeros(()),), ()
+
+
 def size(x: Vector) -> jax.Array:
     """The Euclidean norm of a vector, or the size of a number."""
     return jnp.abs(x) if jnp.ndim(x) == 0 else jnp.sqrt(jnp.vdot(x, x))

@@ -75,15 +75,13 @@ class AdaptiveMarch(eqx.Module):
     #: Largest number of steps.
     most: jax.Array
 
-    def begin(self, u0, v0, dt, tolerance, scales, room: int) -> tuple[Trial, Any, dict[str, jax.Array]]:
+    def begin(self, u0, v0, dt, tolerance, room: int) -> tuple[Trial, Any, dict[str, jax.Array]]:
         """The run at t = 0, its first state, and room for samples, of which the first is stored.
 
         Parameters
         ----------
         u0, v0, dt
             Initial displacement and velocity, and the first step.
-        scales
-            Smallest scale of each of the estimator's sizes, or None.
         room
             Number of samples to store, zero for none.
         """
@@ -93,7 +91,6 @@ class AdaptiveMarch(eqx.Module):
         carried = self.controller.start(here, state, tolerance)
         dt = self.controller.first(carried, dt, tolerance)
         failed = ~(jnp.asarray(effort.converged) & _finite(state))
-        sizes = self.estimator.sizes(here, state)
         none = jnp.zeros((), int)
         trial = Trial(
             jnp.where(failed, NOT_FINITE, RUNNING),
@@ -108,7 +105,7 @@ class AdaptiveMarch(eqx.Module):
             tuple(reduction.start(here, state) for reduction in march.reductions),
             self.estimator.start(march.scheme, here, state),
             carried,
-            tuple(sizes if scales is None else map(jnp.maximum, sizes, scales)),
+            self.estimator.sizes(here, state),
         )
         if not room:
             return trial, state, {}
@@ -148,7 +145,8 @@ class AdaptiveMarch(eqx.Module):
         next_dt = jnp.where(accepted & (dt < trial.dt), jnp.maximum(decision.dt, trial.dt), decision.dt)
         next_dt = jnp.where(solved, jnp.minimum(next_dt, end), AFTER_FAILURE * dt)
 
-        taken = trial.taken + accepted
+        one = accepted.astype(int)
+        taken = trial.taken + one
         bounded = jnp.all(jnp.abs(state.u) <= march.bound)
         status = jnp.where(accepted & (now >= end), 0, RUNNING)
         status = jnp.where((status == RUNNING) & (taken >= self.most), TOO_MANY_STEPS, status)
@@ -168,11 +166,11 @@ class AdaptiveMarch(eqx.Module):
             status,
             t,
             next_dt,
-            trial.target + (accepted & lands),
+            trial.target + (accepted & lands).astype(int),
             taken,
-            trial.place + accepted,
-            trial.estimated + (solved & ~accepted),
-            trial.unsolved + ~solved,
+            trial.place + one,
+            trial.estimated + (solved & ~accepted).astype(int),
+            trial.unsolved + (~solved).astype(int),
             state_,
             reduced,
             estimator,

@@ -15,7 +15,7 @@ from jax import lax
 from study.algebra.arrays import real_numbers
 from study.algebra.jit import jit
 from study.control.controllers import Controller, Prescribed
-from study.control.estimators import Estimator
+from study.control.estimators import Estimator, Unestimated
 from study.control.named import controllers, estimators
 from study.io import flags
 from study.marching.adaptive import RUNNING, STEP_TOO_SMALL, TOO_MANY_STEPS, AdaptiveMarch, Trial, proceed
@@ -107,6 +107,7 @@ class Control(NamedTuple):
 def checked_control(
     problem: Problem,
     scheme: Scheme,
+    observers: Sequence[Observer],
     estimator: Any,
     controller: Any,
     tolerance: Any,
@@ -126,12 +127,17 @@ def checked_control(
         raise ValueError(
             f"'{scheme.title}' carries earlier steps, whose coefficients hold for steps of one size: give dt and steps."
         )
-    if estimator is None:
+    for observer in observers:
+        if observer.needs_equal_steps:
+            raise ValueError(f"{', '.join(observer.variables)} needs steps of one size: give dt and steps.")
+    control: Controller = resolve("pi" if controller is None else controller, controllers, Controller)  # type: ignore[type-abstract]
+    if estimator is None and not control.needs_tolerance:
+        estimator = Unestimated()
+    elif estimator is None:
         simple = scheme.acceleration_offset is not None and scheme.order <= 2 and not problem.massless
         estimator = "zienkiewicz_xie" if simple else "step_doubling"
     chosen: Estimator = resolve(estimator, estimators, Estimator)  # type: ignore[type-abstract]
-    control: Controller = resolve("pi" if controller is None else controller, controllers, Controller)  # type: ignore[type-abstract]
-    if control.needs_tolerance and (reason := chosen.refusal(scheme, problem)):
+    if reason := chosen.refusal(scheme, problem):
         raise ValueError(reason)
     if tolerance is None and control.needs_tolerance:
         raise ValueError(f"the controller '{control.title}' needs a tolerance.")
@@ -160,12 +166,12 @@ def _start(march: March, starts: tuple) -> tuple[jax.Array, jax.Array]:
 
 
 @partial(jit, compiler=eqx.filter_jit)
-def _begin(of, lanes: bool, adaptive, arguments, starts, dt, tolerance, scales, room: int):
-    def one(arguments, starts, dt, tolerance, scales):
+def _begin(of, lanes: bool, adaptive, arguments, starts, dt, tolerance, room: int):
+    def one(arguments, starts, dt, tolerance):
         march = of(adaptive, arguments)
-        return march.begin(*_start(march.march, starts), dt, tolerance, scales, room)
+        return march.begin(*_start(march.march, starts), dt, tolerance, room)
 
-    return (jax.vmap(one) if lanes else one)(arguments, starts, dt, tolerance, scales)
+    return (jax.vmap(one) if lanes else one)(arguments, starts, dt, tolerance)
 
 
 @partial(jit, compiler=eqx.filter_jit)
@@ -234,8 +240,8 @@ class Adaptive:
 
     Parameters
     ----------
-    problems
-        The problem, or of a family those of some lanes.
+    problem
+        The problem, or of a family that of the first lane.
     starts
         Initial displacement and velocity, of one run or of all lanes.
     make, over
@@ -248,7 +254,7 @@ class Adaptive:
 
     def __init__(
         self,
-        problems: Sequence[Problem],
+        problem: Problem,
         scheme: Scheme,
         observers: Sequence[Observer],
         starts: tuple[Displacements, Displacements],
@@ -257,7 +263,7 @@ class Adaptive:
         lanes: int,
         bound: float,
     ):
-        self._problem, self._scheme, self._lanes, self._over = problems[0], scheme, lanes, over
+        self._problem, self._scheme, self._lanes, self._over = problem, scheme, lanes, over
         method = scheme
         if scheme.acceleration_offset and not isinstance(scheme, UnequalSteps):
             method = UnequalSteps(scheme)
@@ -265,11 +271,6 @@ class Adaptive:
         self._of = _itself if make is None else _Family(make)
         shape = (lanes, *np.shape(self._problem.u0))
         self._starts = () if make else tuple(np.broadcast_to(x, shape) if lanes else x for x in starts)
-        moves = [np.any(one.u0) or np.any(one.v0) for one in problems]
-        if not make:
-            axes = tuple(range(bool(lanes), self._starts[0].ndim))
-            moves = np.any(self._starts[0], axis=axes) | np.any(self._starts[1], axis=axes)
-        self._at_rest = not np.all(moves)
         self._labels = Labels(self._problem, scheme, observers)
 
     def dataset(self, control: Control, on_failure: str) -> xr.Dataset:
@@ -327,9 +328,11 @@ class Adaptive:
         room = max(16, min(MOST_ROOM, ROOM // unknowns)) if keeps else 0
         turns = max(1, int(PAUSE / 8 / unknowns**1.5))
         begin = self._of, lanes, adaptive, self._over, self._starts
-        # a tolerance is a part of the motion, and at rest there is none yet
-        scales = _scales_of_trial(*begin) if self._at_rest and control.estimator.relative else None
-        trial, initial, stored = _begin(*begin, dt, tolerance, scales, room)
+        trial, initial, stored = _begin(*begin, dt, tolerance, room)
+        if control.estimator.relative and not all(np.all(np.asarray(one)) for one in trial.scales):
+            # a tolerance is a part of the largest displacement, velocity or force, of which there is none yet
+            scales = _scales_of_trial(*begin)
+            trial = trial._replace(scales=tuple(map(jnp.maximum, trial.scales, scales)))
         parts = []
         while True:
             trial, stored, values = _proceed(

@@ -215,11 +215,13 @@ def run(
     start, velocity = checked_start(equation, "u0", u0), checked_start(equation, "v0", v0)
     _check_fit(equation, method, chosen)
     if controlled:
-        control = checked_control(equation, method, estimator, controller, tolerance, duration, times, dt, steps)
-        limit = checked_bound(bound, equations, start, velocity, control.times[-1])
+        control = checked_control(
+            equation, method, chosen, estimator, controller, tolerance, duration, times, dt, steps
+        )
+        limit = checked_bound(bound, equations, start, velocity, float(control.times[-1]))
         lanes = number_of_lanes(equation, start, velocity, {"tolerance": control.tolerance, "dt": control.dt}, values)
         make = None if over is None else problem
-        adaptive = Adaptive(equations, method, chosen, (start, velocity), make, values, lanes, limit)  # type: ignore[arg-type]
+        adaptive = Adaptive(equation, method, chosen, (start, velocity), make, values, lanes, limit)  # type: ignore[arg-type]
         return adaptive.dataset(control, on_failure)
     step_size, count, every = checked_step_size(dt), checked_steps(steps), positive_integer("every", every)
     lanes = number_of_lanes(equation, start, velocity, {"dt": step_size, "steps": count}, values)

@@ -20,6 +20,8 @@ class Observer(eqx.Module):
     needs_positions: ClassVar[bool] = False
     #: Whether the problem must stand on moving ground.
     needs_ground: ClassVar[bool] = False
+    #: Whether all steps must have one size.
+    needs_equal_steps: ClassVar[bool] = False
     #: Whether the run must carry a neighbour of the motion (:class:`study.scheme.wrapper.linearised.Linearised`).
     needs_neighbour: ClassVar[bool] = False
 

@@ -52,6 +52,7 @@ class Oscillations(Reduction):
 
     level: float = 0.0
 
+    needs_equal_steps = True
     variables = {
         "crossings": {"long_name": "upward crossings", "units": "1"},
         "last_crossing_step": {"long_name": "whole steps before the last upward crossing", "units": "1"},

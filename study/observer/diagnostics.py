@@ -56,6 +56,7 @@ class LyapunovExponent(Reduction):
         "lyapunov_exponent": {"long_name": "largest Lyapunov exponent of the numerical map", "units": "s-1"},
         "apart_from": {"long_name": "time from which on a perturbation is 8.6e9 times as large", "units": "s"},
     }
+    needs_equal_steps = True
     needs_neighbour = True
 
     def start(self, problem, state):

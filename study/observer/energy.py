@@ -44,6 +44,7 @@ class MeanEnergyError(Reduction):
         "mean_energy_error": {"long_name": "mean signed relative error of the total energy", "units": "percent"}
     }
     needs_energy = True
+    needs_equal_steps = True
 
     def start(self, problem, state):
         return problem.energy(state.u, state.v), jnp.zeros((), int), jnp.zeros(()), jnp.zeros(())

@@ -115,6 +115,7 @@ class PeriodError(Reduction):
     steps: jax.Array
     dt: jax.Array
 
+    needs_equal_steps = True
     variables = {
         "period_elongation": {"long_name": "relative elongation of the period", "units": "1"},
         "phase_error": {"long_name": "delay of the last upward crossing in periods", "units": "1"},
@@ -169,6 +170,7 @@ class AmplitudeDecay(Reduction):
     rest: jax.Array
     dt: jax.Array
 
+    needs_equal_steps = True
     variables = {"amplitude_decay": {"long_name": "relative loss of amplitude per period", "units": "1"}}
 
     def start(self, problem, state):

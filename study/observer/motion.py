@@ -192,7 +192,7 @@ class _Reduced(Reduction):
         value = self.quantity.value(problem, 0.0, state.u, state.v).astype(float)
         if self.quantity.reduce == "peak":
             return jnp.abs(value)
-        return (value, jnp.zeros((), int), jnp.zeros_like(value)) if self.quantity.reduce == "rms" else value
+        return (value, jnp.zeros(()), jnp.zeros_like(value)) if self.quantity.reduce == "rms" else value
 
     def update(self, carried, problem, state, t, effort):
         value = self.quantity.value(problem, t, state.u, state.v).astype(float)
@@ -200,11 +200,11 @@ class _Reduced(Reduction):
             return jnp.maximum(carried, jnp.abs(value))
         if self.quantity.reduce == "final":
             return value
-        before, steps, squares = carried
-        return value, steps + 1, squares + (before**2 + value**2) / 2
+        before, start, squares = carried
+        return value, t, squares + (t - start) * (before**2 + value**2) / 2
 
     def result(self, carried, problem, state):
         if self.quantity.reduce == "rms":
-            _, steps, squares = carried
-            carried = jnp.sqrt(squares / steps.astype(float))
+            _, end, squares = carried
+            carried = jnp.sqrt(squares / end)
         return {self.quantity.name: carried}

@@ -1,0 +1,119 @@
+"""Estimators against closed forms, and against the error of a step that was restarted from the numerical state."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from study.control.named import estimators
+from study.scheme.named import schemes
+
+OSCILLATOR = study.Problem(lambda u: u, u0=1.0)
+DT = 0.05
+
+
+def march(scheme, estimator, dt=DT, problem=OSCILLATOR):
+    """Two periods with equal steps and their estimates; the largest displacement is one."""
+    steps = round(4 * np.pi / dt)
+    return study.run(
+        problem, scheme, controller=study.Prescribed([dt]), duration=steps * dt, tolerance=1.0, estimator=estimator
+    )
+
+
+def local_errors(ds):
+    """Errors of displacement and velocity of each step, against the exact motion from its start."""
+    u, v = ds.u.values, ds.v.values
+    h = ds.step_size.values[1:]
+    exact = u[:-1] * np.cos(h) + v[:-1] * np.sin(h), v[:-1] * np.cos(h) - u[:-1] * np.sin(h)
+    return np.abs(u[1:] - exact[0]), np.abs(v[1:] - exact[1])
+
+
+@pytest.mark.parametrize("name", ["average_acceleration", "newmark_dissipative", "central_difference"])
+def test_zienkiewicz_and_xie_for_newmark(name):
+    ds, beta = march(name, "zienkiewicz_xie"), schemes[name].beta  # type: ignore[attr-defined]
+    acceleration = -ds.u.values
+    np.testing.assert_allclose(ds.estimate[1:], abs((beta - 1 / 6) * DT**2 * np.diff(acceleration)), atol=1e-14)
+
+
+@pytest.mark.parametrize("name", ["average_acceleration", "hht_alpha", "wbz_alpha", "generalized_alpha", "bathe"])
+def test_zienkiewicz_and_xie_where_the_motion_is_fast(name):
+    """The estimate is the error of the displacement where u''' is large, and zero at the turning points."""
+    ds = march(name, "zienkiewicz_xie")
+    fast = abs(ds.u.values[1:]) < 0.3
+    ratio = ds.estimate.values[1:] / local_errors(ds)[0]
+    np.testing.assert_allclose(ratio[fast], 1, atol=0.05)
+    turning = np.argmin(abs(ds.v.values[5:])) + 5
+    assert ds.estimate[turning] < 0.1 * ds.estimate.max()
+
+
+def test_three_points_see_the_velocity():
+    ds = march("average_acceleration", "three_point")
+    u, v = local_errors(ds)
+    largest = np.maximum(u, v)
+    ratio = ds.estimate.values[2:] / largest[1:]
+    assert 0.9 < np.median(ratio) < 1.1 and np.all((ratio > 0.6) & (ratio < 1.4))
+
+
+@pytest.mark.parametrize("name", ["average_acceleration", "rk4", "hht_alpha"])
+def test_step_doubling_is_the_error_of_the_finer_steps(name):
+    ds = march(name, "step_doubling")
+    u, v = local_errors(ds)
+    np.testing.assert_allclose(ds.estimate[3:], np.maximum(u, v)[2:], rtol=0.12)
+
+
+def test_the_half_step_residual_is_an_eighth_of_the_square_of_the_step():
+    for dt in (0.1, 0.05):
+        assert march("average_acceleration", "half_step_residual", dt).estimate.max() * 8 / dt**2 == pytest.approx(
+            1, abs=0.02
+        )
+
+
+def test_the_apparent_frequency_is_that_of_a_linear_structure():
+    ds = march("average_acceleration", "apparent_frequency")
+    np.testing.assert_allclose(ds.estimate[1:], DT / (2 * np.pi), rtol=1e-9)
+
+
+def test_the_iterations_are_those_that_an_observer_counts():
+    problem = study.Problem(lambda u: u + 5 * u**3, u0=1.0)
+    asked = {"controller": study.Prescribed([0.1]), "duration": 3.0, "tolerance": 6.0, "estimator": "iterations"}
+    ds = study.run(problem, "average_acceleration", observe=["trajectory", "newton_iterations"], **asked)
+    assert ds.estimate.sum() == ds.newton_iterations > 30
+
+
+def test_an_estimate_is_relative_to_the_motion():
+    """Units of displacement and time change no step of a linear structure with several unknowns."""
+    stiffness = np.array([[3.0, -1.0], [-1.0, 2.0]])
+    for name in estimators:
+        if name == "iterations":
+            continue
+        runs = []
+        for length, time in ((1.0, 1.0), (1000.0, 0.01)):
+            problem = study.Problem(stiffness=stiffness / time**2, u0=[length, 0.5 * length])
+            tolerance = 0.05 if name == "apparent_frequency" else 1e-3
+            asked = {"dt": 0.02 * time, "duration": 5 * time, "estimator": name, "tolerance": tolerance}
+            runs.append(study.run(problem, "average_acceleration", **asked))
+        assert runs[0].steps == runs[1].steps
+        np.testing.assert_allclose(runs[0].u[-1], runs[1].u[-1] / 1000, rtol=1e-6)
+
+
+def test_an_estimator_refuses_what_it_cannot_estimate():
+    with pytest.raises(ValueError, match="third order of a step, and those of 'Runge-Kutta' are of order 5"):
+        study.run("hardening", "rk4", tolerance=1e-3, duration=1.0, estimator="zienkiewicz_xie")
+    with pytest.raises(ValueError, match="takes no Newton iterations"):
+        study.run("hardening", "rk4", tolerance=6, duration=1.0, estimator="iterations")
+    with pytest.raises(ValueError, match="needs a scheme that carries the acceleration"):
+        study.run("hardening", "rk4", tolerance=1e-3, duration=1.0, estimator="half_step_residual")
+
+
+def test_an_estimator_of_your_own():
+    class Speed(study.Estimator):
+        title, source, doi = "Speed", "", ""
+
+        def exponent(self, scheme):
+            return 1
+
+        def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
+            return (jnp.abs(new.v) * dt,), carried
+
+    ds = study.run(OSCILLATOR, "rk4", tolerance=0.1, duration=6.0, dt=0.01, estimator=Speed())
+    assert (abs(ds.v[1:] * ds.step_size[1:]) < 0.1).all() and ds.attrs["estimator"] == "Speed"

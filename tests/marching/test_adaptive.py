@@ -1,0 +1,169 @@
+"""Runs with a tolerance: their steps, their order, their ensembles, and how they end."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import study
+from study.scheme.named import schemes
+
+
+def load(t):
+    return 0.5 * jnp.cos(1.3 * t)
+
+
+DRIVEN = study.Problem(lambda u: u + u**3, u0=1.0, v0=0.3, damping=0.1, load=load)
+
+
+@pytest.fixture(scope="module")
+def end():
+    return study.run(DRIVEN, "gauss4", dt=1 / 1000, steps=4000).u.values[-1]
+
+
+def order(scheme, end, sizes):
+    """Observed order of the displacement after four seconds, with steps in these proportions."""
+    errors = []
+    for n in (80, 160):
+        steps = study.Prescribed(np.asarray(sizes) / np.mean(sizes) * 4 / n)
+        errors.append(abs(study.run(DRIVEN, scheme, controller=steps, duration=4.0).u.values[-1] - end))
+    return np.log2(errors[0] / errors[1])
+
+
+RANDOM = np.random.default_rng(1996).uniform(0.3, 1.7, 40)
+
+
+@pytest.mark.parametrize("sizes", [(1, 2), RANDOM], ids=["alternating", "random"])
+@pytest.mark.parametrize("name", ["hht_alpha", "wbz_alpha", "generalized_alpha"])
+def test_an_alpha_method_keeps_its_order_by_either_correction(name, sizes, end):
+    for correction in ("difference", "balance"):
+        assert order(study.UnequalSteps(schemes[name], correction), end, sizes) == pytest.approx(2, abs=0.1)
+    if sizes is not RANDOM:
+        assert order(study.UnequalSteps(schemes[name], "none"), end, sizes) < 1.85
+
+
+@pytest.mark.parametrize(
+    "name", ["average_acceleration", "central_difference", "wilson_theta", "chung_lee", "bathe", "nystrom4", "yoshida4"]
+)
+def test_a_scheme_without_a_shifted_acceleration_keeps_its_order(name, end):
+    assert order(name, end, (1, 2)) == pytest.approx(schemes[name].order_with_damping, abs=0.15)
+
+
+def test_equal_steps_are_those_of_a_run_with_equal_steps():
+    for name in ("hht_alpha", "rk4"):
+        equal = study.run(DRIVEN, name, dt=0.05, steps=60)
+        given = study.run(DRIVEN, name, controller=study.Prescribed([0.05]), duration=3.0)
+        np.testing.assert_allclose(given.t, equal.t, atol=1e-13)
+        np.testing.assert_allclose(given.u, equal.u, atol=1e-11)
+
+
+def test_the_error_falls_with_the_tolerance(end):
+    for name in ("average_acceleration", "rk4", "bathe"):
+        runs = [study.run(DRIVEN, name, tolerance=tolerance, duration=4.0) for tolerance in (1e-3, 1e-5)]
+        errors = [abs(ds.u.values[-1] - end) for ds in runs]
+        assert errors[1] < errors[0] / 5 < 0.02 and runs[0].steps < runs[1].steps
+        for ds in runs:
+            assert ds.t[-1] == 4 and ds.t.size == ds.steps + 1
+            np.testing.assert_allclose(ds.step_size[1:], np.diff(ds.t), atol=1e-14)
+            assert ds.rejected_by_estimate.sum() == ds.steps_rejected_by_estimate
+            assert (ds.estimate[1:] <= float(ds.attrs["tolerance"])).all()
+
+
+def test_steps_end_on_stated_times_and_on_the_samples_of_a_record():
+    ds = study.run(DRIVEN, "average_acceleration", tolerance=1e-2, duration=4.0, times=[0.1, np.pi])
+    assert np.isin([0.1, np.pi, 4.0], ds.t).all()
+    record = study.GroundMotion.kanai_tajimi(3, dt=0.05, duration=4.0)
+    frame = study.Problem(stiffness=30.0, damping=0.5, u0=0.0, ground=record)
+    ds = study.run(frame, "average_acceleration", tolerance=1e-3, duration=3.0)
+    assert ds.status == 0 and np.isin(record.kinks[1:60], ds.t).all() and 60 < ds.steps < 600
+
+
+def test_a_lane_is_a_run():
+    tolerances = [1e-4, 1e-3, 1e-2]
+    lanes = study.run(DRIVEN, "hht_alpha", tolerance=tolerances, duration=4.0)
+    several = study.run(DRIVEN, "hht_alpha", tolerance=tolerances, duration=4.0, observe=["peak"])
+    for lane, tolerance in enumerate(tolerances):
+        one = study.run(DRIVEN, "hht_alpha", tolerance=tolerance, duration=4.0, observe=["trajectory", "peak"])
+        own = lanes.isel(lane=lane).dropna("sample", subset=["u"])
+        assert own.steps == one.steps == several.steps[lane] == own.sizes["sample"] - 1
+        np.testing.assert_allclose(own.u, one.u, atol=1e-6)
+        assert several.peak[lane] == pytest.approx(one.peak.item(), abs=1e-7)
+
+
+def test_a_family():
+    def spring(hardening):
+        return study.Problem(lambda u: u + hardening * u**3, u0=1.0)
+
+    asked = {"tolerance": 1e-4, "duration": 5.0}
+    ds = study.run(spring, "average_acceleration", over={"hardening": [0.0, 1.0, 9.0]}, **asked)
+    last = study.run(spring(9.0), "average_acceleration", **asked)
+    assert ds.steps[2] == last.steps > ds.steps[0]
+    assert ds.u.dropna("sample", how="all")[2, -1] == pytest.approx(last.u[-1].item(), abs=1e-6)
+    assert ds.hardening.values.tolist() == [0, 1, 9]
+
+
+def test_many_samples_and_several_unknowns():
+    """More steps than one call stores."""
+    problem = study.Problem(stiffness=np.array([[2.0, -1.0], [-1.0, 2.0]]), u0=[1.0, 0.0])
+    ds = study.run(problem, "average_acceleration", tolerance=1e-8, duration=30.0)
+    assert ds.steps > 5000 and ds.u.dims == ("t", "component") and (np.diff(ds.t) > 0).all()
+    t = ds.t.values
+    exact = (np.cos(t) + np.cos(np.sqrt(3) * t)) / 2
+    assert abs(ds.u.values[:, 0] - exact).max() < 1e-4
+
+
+def test_a_history_is_committed_by_accepted_steps_alone():
+    yielding = study.problems["yielding"]
+    fine = study.run(yielding, "average_acceleration", dt=1e-3, steps=5000, observe=["trajectory"])
+    ds = study.run(yielding, "average_acceleration", tolerance=1e-5, duration=5.0, observe=["trajectory", "peak"])
+    assert ds.steps_rejected_by_estimate > 0
+    largest = abs(fine.u.values).max()
+    assert abs(np.interp(fine.t, ds.t, np.ravel(ds.u)) - np.ravel(fine.u)).max() < 0.02 * largest
+
+
+def test_a_motion_that_leaves_all_bounds_keeps_what_was_computed():
+    away = study.Problem(lambda u: -(u**3), u0=1.0)
+    with pytest.warns(study.RunFailedWarning, match="the displacement left its bound"):
+        ds = study.run(away, "central_difference", tolerance=1e-4, duration=10.0)
+    assert ds.status == 3 and 1.8 < ds.failed_at_time < 1.9 and np.isfinite(ds.u[:-1]).all() and ds.t.size > 100
+
+
+def test_a_step_that_shrinks_to_nothing_is_a_status():
+    jump = study.Problem(lambda u: jnp.where(u > 0.5, 1.0, -1e6), u0=1.0)
+    with pytest.warns(study.RunFailedWarning, match="shrank to nothing"):
+        ds = study.run(
+            jump, "central_difference", tolerance=1e-12, duration=3.0, estimator="step_doubling", steps=10**5
+        )
+    assert int(ds.status) == 4 and ds.failed_at_time == pytest.approx(1.0, abs=0.01) and (ds.u[:-1] > 0.49).all()
+    with pytest.warns(study.RunFailedWarning, match="took the largest number of steps"):
+        ds = study.run(DRIVEN, "rk4", tolerance=1e-8, duration=10.0, steps=7)
+    assert int(ds.status) == 5 and ds.steps == 7
+    with pytest.raises(RuntimeError, match="took the largest number of steps"):
+        study.run(DRIVEN, "rk4", tolerance=1e-8, duration=10.0, steps=7, on_failure="raise")
+
+
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        ({"tolerance": 0.0}, "tolerance must be greater than round-off, 2.2e-16, and finite, not 0.0"),
+        ({"tolerance": 1e-17}, "greater than round-off"),
+        ({"duration": None}, "duration must be a time greater than zero, not None"),
+        ({"times": [9.0]}, r"times must lie between zero and the duration, 4 s, not \[9.0\]"),
+        ({"dt": -1.0}, "dt must be finite and greater than zero"),
+        ({"scheme": "houbolt"}, "'Houbolt' carries earlier steps"),
+        ({"observe": ["oscillations"]}, "crossings.* needs steps of one size"),
+        ({"controller": "pid"}, "no controller 'pid'; did you mean 'pi'"),
+        ({"estimator": "richardson"}, "no estimator 'richardson'"),
+        ({"every": 5}, "every and samples belong to a run with equal steps"),
+    ],
+)
+def test_a_wrong_argument_gets_a_sentence(given, message):
+    asked = {"scheme": "average_acceleration", "tolerance": 1e-3, "duration": 4.0} | given
+    with pytest.raises((ValueError, KeyError, TypeError), match=message):
+        study.run(DRIVEN, asked.pop("scheme"), **asked)
+
+
+def test_equal_steps_need_their_size_and_number():
+    with pytest.raises(TypeError, match="needs dt and steps, or a tolerance and a duration"):
+        study.run(DRIVEN, "rk4", dt=0.1)
+    with pytest.raises(TypeError, match="belong to a run with a tolerance"):
+        study.run(DRIVEN, "rk4", dt=0.1, steps=5, duration=3.0)
