@@ -41,7 +41,7 @@ FIRST_STEP = 1e-3
 MOST_STEPS = 1_000_000
 
 #: Number of equal steps of the trial run that finds the size of a motion from rest.
-OF_TRIAL = 1000
+OF_TRIAL = 200
 
 _STATUS = flags("how the run ended", (*STATUSES, "step_too_small", "too_many_steps"), np.int32)
 
