@@ -14,6 +14,7 @@ try:
 except ImportError as error:
     raise ImportError(f"the configuration needs the extra 'pipeline' of this package: {error}.") from None
 
+from study.control.named import controllers, estimators
 from study.declaration.experiment import Experiment, Merged, arguments_of, discover
 from study.declaration.options import OwnSchemes
 from study.problem.named import approximate_periods, problems, time_scales
@@ -36,6 +37,8 @@ def _registries() -> dict[str, Registry]:
         "structure": Registry("structure", {name: problems.resolve(name) for name in time_scales}),
         "problem": problems,
         "scheme": schemes,
+        "estimator": estimators,
+        "controller": controllers,
         "one-step scheme": Registry("one-step scheme", {n: s for n, s in schemes.items() if isinstance(s, OneStep)}),
     }
 

@@ -137,8 +137,9 @@ class Filtered(Controller):
 class DeadBand(Controller):
     r"""The controller of Zienkiewicz and Xie: the step stays while the estimate stays within bounds.
 
-    A step with r > ``high`` is repeated with :math:`\Delta t' = \Delta t\,r^{-1/k}`. After ``patience`` steps one after
-    the other with r < ``low`` the step grows by this factor.
+    A step with r > ``high`` is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`. After ``patience`` steps one
+    after the other with r < ``low`` the step grows by this factor. The factor 0.9 is ours: without it a step just above
+    the bound is repeated for ever.
 
     Parameters
     ----------
@@ -176,7 +177,7 @@ class DeadBand(Controller):
         accepted = r <= self.high
         small = jnp.where(r < self.low, carried + 1, 0)
         changes = ~accepted | (small >= self.patience)
-        factor = jnp.where(changes, _limited(jnp.maximum(r, TINY) ** (-1 / k)), 1.0)
+        factor = jnp.where(changes, _limited(SAFETY * jnp.maximum(r, TINY) ** (-1 / k)), 1.0)
         return Decision(accepted, dt * factor, jnp.where(changes, 0, small))
 
 

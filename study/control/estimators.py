@@ -153,6 +153,14 @@ class ZienkiewiczXie(_OfAcceleration):
     source = "Zienkiewicz and Xie (1991)"
     doi = "10.1002/eqe.4290200907"
 
+    def refusal(self, scheme, problem):
+        if getattr(scheme, "beta", None) == 1 / 6 and scheme.acceleration_offset == 0:
+            return (
+                f"{self.title} measures the distance from a motion with linear acceleration, which '{scheme.title}' "
+                "assumes itself: take the estimator three_point."
+            )
+        return super().refusal(scheme, problem)
+
     def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
         before, after, offset = self.ends(scheme, problem, carried, old, new, t, dt)
         change = after - before

@@ -153,6 +153,8 @@ Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
 KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken"], Names("problem")]
 Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
 Schemes = Annotated[list[SchemeName], _FEW, _DISTINCT]
+Estimators = Annotated[list[Annotated[str, _listed("estimator")]], _FEW, _DISTINCT]
+Controllers = Annotated[list[Annotated[str, _listed("controller")]], _FEW, _DISTINCT]
 #: Schemes of a user's own, FILE.py:NAME.
 OwnSchemes = Annotated[list[str], Len(0, 1000), _DISTINCT]
 OneStepSchemes = Annotated[list[OneStepName], _FEW, _DISTINCT]

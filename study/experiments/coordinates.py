@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Sequence
 
 from study import io
+from study.control.controllers import Reversible
+from study.control.named import controllers, estimators
 from study.problem.named import approximate_periods, problems
 from study.scheme.named import schemes
 
@@ -47,6 +49,23 @@ def scheme_coordinates(names: Sequence[str]) -> dict:
         ),
         "scheme_source": ("scheme", [s.source for s in chosen], {"long_name": "source of the scheme"}),
         "doi": ("scheme", [s.doi for s in chosen], {"long_name": "digital object identifier of the source"}),
+    }
+
+
+def estimator_coordinates(names: Sequence[str]) -> dict:
+    """Names of estimators along ``estimator``, with their titles."""
+    return {
+        "estimator": ("estimator", list(names), {"long_name": "estimator of the error of a step"}),
+        "estimator_title": ("estimator", [estimators[name].title for name in names], {"long_name": "its title"}),
+    }
+
+
+def control_coordinates(names: Sequence[str]) -> dict:
+    """Names of controllers along ``control``, with their titles."""
+    titles = [controllers[name].title if name in controllers else Reversible.title for name in names]
+    return {
+        "control": ("control", list(names), {"long_name": "controller of the step"}),
+        "control_title": ("control", titles, {"long_name": "title of the controller"}),
     }
 
 

@@ -134,7 +134,7 @@ def checked_control(
     if estimator is None and not control.needs_tolerance:
         estimator = Unestimated()
     elif estimator is None:
-        simple = scheme.acceleration_offset is not None and scheme.order <= 2 and not problem.massless
+        simple = scheme.acceleration_offset is not None and not estimators["zienkiewicz_xie"].refusal(scheme, problem)
         estimator = "zienkiewicz_xie" if simple else "step_doubling"
     chosen: Estimator = resolve(estimator, estimators, Estimator)  # type: ignore[type-abstract]
     if reason := chosen.refusal(scheme, problem):

@@ -137,7 +137,7 @@ def run(
         Time at which a run with a tolerance ends.
     estimator, controller
         Names in ``study.estimators`` and ``study.controllers``, or objects of :mod:`study.control`. By default
-        ``zienkiewicz_xie`` where the scheme carries an acceleration and is of second order, otherwise
+        ``zienkiewicz_xie`` where the scheme carries an acceleration and that estimator fits, otherwise
         ``step_doubling``; and ``pi``.
     times
         Times on which a step of a run with a tolerance must end; by default the samples of a record.

@@ -37,7 +37,7 @@ def test_published_factors():
 
 def test_the_step_stays_within_the_dead_band():
     found, accepted = factors(DeadBand(low=0.1, high=1.1, patience=2), [0.5, 0.05, 0.2, 0.05, 0.064, 1.05, 8.0])
-    assert found == pytest.approx([1, 1, 1, 1, 2.5, 1, 0.5])
+    assert found == pytest.approx([1, 1, 1, 1, 2.25, 1, 0.45])
     assert accepted == [True] * 6 + [False]
 
 

@@ -99,6 +99,8 @@ def test_an_estimate_is_relative_to_the_motion():
 def test_an_estimator_refuses_what_it_cannot_estimate():
     with pytest.raises(ValueError, match="third order of a step, and those of 'Runge-Kutta' are of order 5"):
         study.run("hardening", "rk4", tolerance=1e-3, duration=1.0, estimator="zienkiewicz_xie")
+    with pytest.raises(ValueError, match="linear acceleration, which 'Wilson-θ' assumes itself"):
+        study.run("hardening", "wilson_theta", tolerance=1e-3, duration=1.0, estimator="zienkiewicz_xie")
     with pytest.raises(ValueError, match="takes no Newton iterations"):
         study.run("hardening", "rk4", tolerance=6, duration=1.0, estimator="iterations")
     with pytest.raises(ValueError, match="needs a scheme that carries the acceleration"):

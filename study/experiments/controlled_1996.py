@@ -1,0 +1,80 @@
+"""Tables 1 and 2 of Xie (1996) once more, with steps that the estimator of 1991 controls."""
+
+import numpy as np
+import xarray as xr
+
+from study.control.named import estimators as estimators_by_name
+from study.declaration.experiment import experiment, progress
+from study.declaration.options import Controllers, Count, Counts, OneStepSchemes, Springs
+from study.experiments import coordinates
+from study.marching.run import run
+from study.problem.named import problems as problems_by_name
+from study.scheme.named import schemes as schemes_by_name
+
+#: Tolerances that are tried first, as powers of ten, and lanes of a run.
+WIDEST, LANES = (-9.0, 0.5), 64
+
+ESTIMATOR = "zienkiewicz_xie"
+
+
+@experiment("controlled_1996", reads=lambda options: [f"reference/{one}" for one in options["problems"]])
+def controlled_1996(
+    problems: Springs, schemes: OneStepSchemes, controllers: Controllers, steps_per_period: Counts, periods: Count
+) -> xr.Dataset:
+    """Find the largest energy error with as many steps as equal ones of T/N, sized by the estimator of 1991.
+
+    Of 64 tolerances, and then of 64 between the nearest ones, that one counts whose number of steps is nearest to N a
+    period, with N = ``steps_per_period``. ``max_energy_error`` is that of eq. (17), in percent, of the shape (problem,
+    controller, steps_per_period, scheme). It is NaN where no run comes within a tenth of that number, and for schemes
+    whose error the estimator does not estimate.
+    """
+    shape = (len(problems), len(controllers), len(steps_per_period), len(schemes))
+    error, taken, tolerance = (np.full(shape, np.nan) for _ in range(3))
+    wanted = periods * np.array(steps_per_period)
+    for p, problem in enumerate(problems):
+        duration = periods * coordinates.periods(problem)["exact"]
+        for s, scheme in enumerate(schemes):
+            if estimators_by_name[ESTIMATOR].refusal(schemes_by_name[scheme], problems_by_name[problem]):
+                continue
+            for c, controller in enumerate(controllers):
+                progress(f"{scheme} on {problem}, {controller}")
+                asked = {"controller": controller, "estimator": ESTIMATOR, "duration": duration}
+                asked |= {"steps": int(1.2 * wanted.max()), "observe": ["max_energy_error"], "on_failure": "ignore"}
+                tried = np.logspace(*WIDEST, LANES)
+                coarse = run(problem, scheme, tolerance=tried, **asked)
+                near = _between(tried, coarse.steps.values, wanted)
+                found = xr.concat([coarse, run(problem, scheme, tolerance=near, **asked)], "lane")
+                completed = found.isel(lane=found.status.values == 0)
+                for k, number in enumerate(wanted):
+                    lane = completed.isel(lane=np.argmin(abs(completed.steps.values - number)))
+                    if abs(lane.steps.item() - number) <= number / 10:
+                        at = p, c, k, s
+                        error[at], taken[at], tolerance[at] = lane.max_energy_error, lane.steps, lane.tolerance
+    dims = ("problem", "controller", "steps_per_period", "scheme")
+    return xr.Dataset(
+        {
+            "max_energy_error": (
+                dims,
+                error,
+                {"long_name": f"largest relative error of the total energy over {periods} periods", "units": "percent"},
+            ),
+            "steps": (dims, taken, {"long_name": "number of steps", "units": "1"}),
+            "tolerance": (dims, tolerance, {"long_name": "tolerance that takes this number of steps", "units": "1"}),
+        },
+        coords={
+            **coordinates.problem_coordinates(problems),
+            "controller": ("controller", list(controllers), {"long_name": "controller of the step"}),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
+            **coordinates.scheme_coordinates(schemes),
+        },
+        attrs={"title": "Tables 1 and 2 of 1996 with steps controlled by the estimator of 1991", "periods": periods},
+    )
+
+
+def _between(tolerances: np.ndarray, steps: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """As many tolerances again, around those that come nearest to the numbers of steps."""
+    ratio = tolerances[1] / tolerances[0]
+    nearest = [tolerances[np.argmin(abs(steps - number))] for number in wanted]
+    each = -(-LANES // len(nearest))
+    around = np.concatenate([one * np.logspace(-1, 1, each, base=ratio) for one in nearest])
+    return around[:LANES]

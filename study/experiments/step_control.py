@@ -1,0 +1,166 @@
+"""What control of the step does to error and energy over many periods, next to equal steps."""
+
+from collections.abc import Mapping
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+
+from study import io
+from study.control.controllers import Controller, Reversible
+from study.control.named import controllers as controllers_by_name
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Controllers, Count, Counts, OneStepSchemes, Springs, Tolerances
+from study.experiments import coordinates
+from study.marching.run import run
+from study.observer.motion import Quantity
+from study.problem.named import problems as problems_by_name
+
+#: Name of reversible control along ``control``, and of equal steps in the histories.
+REVERSIBLE, EQUAL = "reversible", "equal"
+
+#: Largest number of steps in a period; a run whose energy grows takes ever smaller ones.
+MOST = 1000
+
+#: Displacement and velocity at the end of a run.
+ENDS = [Quantity(lambda u: u, name="end_u", reduce="final"), Quantity(lambda v: v, name="end_v", reduce="final")]
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    runs = len(options["problems"]) * len(options["schemes"])
+    return runs * sum(options["steps_per_period"]) * options["periods"]
+
+
+def reversible(problem: str, period: float) -> Reversible:
+    """Reversible control with the density ρ² = ω² + p'(u)/m of a spring, where ω = 2π/T."""
+    force, omega = problems_by_name[problem].force, 2 * np.pi / period
+
+    def density(u, v):
+        return jnp.sqrt(omega**2 + jnp.maximum(jax.grad(force)(u), 0.0))
+
+    return Reversible(density)
+
+
+@experiment(
+    "step_control", reads=lambda options: [f"reference/{one}" for one in options["problems"]], steps=_number_of_steps
+)
+def step_control(
+    problems: Springs,
+    schemes: OneStepSchemes,
+    controllers: Controllers,
+    tolerances: Tolerances,
+    steps_per_period: Counts,
+    periods: Count,
+) -> xr.Dataset:
+    """March springs over whole periods with controlled and with equal steps.
+
+    The exact motion is back at its start after whole periods. ``return_error`` is the distance of the numerical one
+    from there, the larger of displacement and velocity, each relative to its largest value. Energy errors are those of
+    eq. (17) of Xie (1996). Reversible control takes about as many steps as the first controller at the same tolerance.
+    The histories are largest energy errors of each period, of the first scheme at the tolerance in the middle; equal
+    steps are then as many as those of the first controller.
+    """
+    controls = [*controllers, REVERSIBLE]
+    shape = (len(problems), len(schemes), len(controls), len(tolerances))
+    names = "steps", "rejected", "max_energy_error", "energy_drift", "error"
+    found = {name: np.full(shape, np.nan) for name in names}
+    equal = {name: np.full((*shape[:2], len(steps_per_period)), np.nan) for name in ("max_energy_error", "error")}
+    history = np.full((len(problems), len(controls) + 1, periods), np.nan)
+    middle = len(tolerances) // 2
+    for p, problem in enumerate(problems):
+        period = coordinates.periods(problem)["exact"]
+        scale = _scale(problem)
+        start = problems_by_name[problem].u0, problems_by_name[problem].v0
+        named: dict[str, Controller] = {name: controllers_by_name[name] for name in controllers}
+        named[REVERSIBLE] = reversible(problem, period)
+        for s, scheme in enumerate(schemes):
+            progress(f"control of {scheme} on {problem}")
+            for c, (name, controller) in enumerate(named.items()):
+                allowed = np.array(tolerances)
+                if name == REVERSIBLE:  # a mean density of about 3π in a period
+                    allowed = 3 * np.pi * periods / found["steps"][p, s, 0]
+                ds = _controlled(problem, scheme, controller, allowed, period * periods, MOST * periods)
+                at = p, s, c
+                found["steps"][at], found["rejected"][at] = ds.steps, ds.steps_rejected_by_estimate
+                found["max_energy_error"][at], found["energy_drift"][at] = ds.max_energy_error, ds.energy_drift
+                found["error"][at] = _distance(ds, start, scale)
+                if s == 0:
+                    one = run(
+                        problem,
+                        scheme,
+                        controller=controller,
+                        tolerance=allowed[middle],
+                        duration=period * periods,
+                        steps=MOST * periods,
+                        observe="energy_error",
+                        on_failure="ignore",
+                    )
+                    history[p, c] = _by_period(one, period, periods)
+            for k, steps in enumerate(steps_per_period):
+                ds = _equal(problem, scheme, period / steps, steps * periods, [*ENDS, "max_energy_error"])
+                equal["max_energy_error"][p, s, k] = ds.max_energy_error
+                equal["error"][p, s, k] = _distance(ds, start, scale)
+            if s == 0:
+                steps = round(found["steps"][p, 0, 0, middle])
+                ds = _equal(problem, scheme, period * periods / steps, steps, "energy_error")
+                history[p, -1] = _by_period(ds, period, periods)
+    dims = ("problem", "scheme", "control", "tolerance")
+    of_equal = ("problem", "scheme", "steps_per_period")
+    energy = {"long_name": "largest relative error of the total energy", "units": "percent"}
+    distance = {"long_name": "distance from the start after whole periods, over the largest value", "units": "1"}
+    return xr.Dataset(
+        {
+            "steps": (dims, found["steps"], {"long_name": "number of steps", "units": "1"}),
+            "rejected": (dims, found["rejected"], {"long_name": "trial steps that were rejected", "units": "1"}),
+            "max_energy_error": (dims, found["max_energy_error"], energy),
+            "energy_drift": (
+                dims,
+                found["energy_drift"],
+                {"long_name": "signed relative error of the total energy at the end", "units": "percent"},
+            ),
+            "return_error": (dims, found["error"], distance),
+            "equal_max_energy_error": (of_equal, equal["max_energy_error"], energy | {"comment": "with equal steps"}),
+            "equal_return_error": (of_equal, equal["error"], distance | {"comment": "with equal steps"}),
+            "history": (("problem", "with_equal", "period"), history, energy | {"comment": "of each period"}),
+        },
+        coords={
+            **coordinates.problem_coordinates(problems),
+            **coordinates.scheme_coordinates(schemes),
+            **coordinates.control_coordinates(controls),
+            "with_equal": ("with_equal", [*controls, EQUAL], {"long_name": "controller, or equal steps"}),
+            "tolerance": ("tolerance", list(tolerances), {"long_name": "tolerance", "units": "1"}),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
+            "period": ("period", np.arange(1, periods + 1), {"long_name": "number of the period", "units": "1"}),
+        },
+        attrs={"title": "Controlled and equal steps over many periods", "periods": periods},
+    )
+
+
+def _controlled(problem: str, scheme: str, controller: Controller, tolerances: np.ndarray, duration: float, most: int):
+    observed = [*ENDS, "max_energy_error", "energy_drift"]
+    asked = {"controller": controller, "tolerance": tolerances, "duration": duration, "steps": most}
+    return run(problem, scheme, observe=observed, on_failure="ignore", **asked)
+
+
+def _equal(problem: str, scheme: str, dt: float, steps: int, observed) -> xr.Dataset:
+    return run(problem, scheme, dt=dt, steps=steps, observe=observed, on_failure="ignore")
+
+
+def _scale(problem: str) -> tuple[float, float]:
+    """Largest displacement and velocity of the exact motion."""
+    known = io.open_dataset(f"reference/{problem}")
+    return float(np.abs(known.u).max()), float(np.abs(known.v).max())
+
+
+def _distance(ds: xr.Dataset, start, scale) -> np.ndarray:
+    return np.maximum(abs(ds.end_u - start[0]) / scale[0], abs(ds.end_v - start[1]) / scale[1]).values
+
+
+def _by_period(ds: xr.Dataset, period: float, periods: int) -> np.ndarray:
+    """Largest size of the energy error in each period; NaN from the end of a run that failed."""
+    number = np.minimum((ds.t.values[1:] / period - 1e-9).astype(int), periods - 1)
+    largest = np.full(periods, np.nan)
+    size = np.abs(ds.energy_error.values[1:])
+    np.fmax.at(largest, number[np.isfinite(size)], size[np.isfinite(size)])
+    return largest
