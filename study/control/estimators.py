@@ -5,7 +5,6 @@ motion. It says with which power k of Δt the estimate falls, so that a controll
 """
 
 import abc
-import math
 from typing import Any, ClassVar
 
 import equinox as eqx
@@ -13,8 +12,7 @@ import jax
 import jax.numpy as jnp
 
 from study.algebra.arrays import ScalarLike, Vector
-from study.algebra.matrices import times
-from study.mechanics.balance import acceleration, load
+from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.state import Effort
 from study.scheme.base import Scheme, WrapperState
@@ -111,23 +109,23 @@ class _OfAcceleration(Estimator):
         ``before`` is that of the last step's end.
         """
         if scheme.acceleration_offset is not None:
-            return *_ends(old, new), scheme.acceleration_offset
+            return *ends_of_step(old, new), scheme.acceleration_offset
         return before, acceleration(problem, t + dt, new.u, new.v), 0.0
 
 
-def _carried(state: Any) -> Vector:
+def carried_acceleration(state: Any) -> Vector:
     """ü as the scheme carries it."""
-    return _carried(state.inner) if isinstance(state, WrapperState) else state.a
+    return carried_acceleration(state.inner) if isinstance(state, WrapperState) else state.a
 
 
-def _ends(old: Any, new: Any) -> tuple[Vector, Vector]:
+def ends_of_step(old: Any, new: Any) -> tuple[Vector, Vector]:
     """ü as the scheme carries it at both ends of a step, each at the ``acceleration_offset`` from there."""
     inner = new
     while isinstance(inner, WrapperState):
         if isinstance(inner, StateOfStep):
             return inner.before, inner.inner.a
         inner = inner.inner
-    return _carried(old), _carried(new)
+    return carried_acceleration(old), carried_acceleration(new)
 
 
 class ZienkiewiczXie(_OfAcceleration):
@@ -209,117 +207,6 @@ class ThreePoint(_OfAcceleration):
         e_v = new.v - old.v - (dt * before + first * slope + of_bend * bend)
         e_u = new.u - old.u - dt * old.v - (dt**2 / 2 * before + second * slope + twice * bend)
         return (size(e_u), size(e_v)), (after, slope, dt)
-
-
-class HalfStepResidual(Estimator):
-    r"""The force that is not balanced in the middle of the step.
-
-    .. math::
-
-        \ddot u_h &= (\ddot u_0 + \ddot u_1)/2, \quad
-        u_h = u_0 + \tfrac{\Delta t}{2} \dot u_0 + \tfrac{\Delta t^2}{16} (3 \ddot u_0 + \ddot u_h) \\
-        \eta &= \max |M \ddot u_h + C \dot u_h + p(u_h) - f(t_h)| / \max |M \ddot u|
-
-    with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. One more force a step. The estimate is of second order in Δt and the error of the
-    step of third.
-
-    References
-    ----------
-    H. D. Hibbitt, B. I. Karlsson, Analysis of pipe whip, ASME paper 79-PVP-122, 1979.
-    """
-
-    title = "Half-step residual"
-    source = "Hibbitt and Karlsson (1979)"
-    doi = ""
-
-    def exponent(self, scheme):
-        return 2
-
-    def refusal(self, scheme, problem):
-        if scheme.acceleration_offset is None:
-            return f"{self.title} needs a scheme that carries the acceleration, which '{scheme.title}' does not."
-        return None
-
-    def sizes(self, problem, state):
-        return (jnp.max(jnp.abs(problem.momentum(_carried(state)))),)
-
-    def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
-        before, after = _ends(old, new)
-        half, a = dt / 2, (before + after) / 2
-        u = old.u + half * old.v + half**2 / 4 * (before + a)
-        v = old.v + half / 2 * (before + a)
-        missing = problem.momentum(a) + problem.internal_force(u, v) - load(problem, t + half)
-        if problem.damping is not None:
-            missing = missing + times(problem.damping, v)
-        return (jnp.max(jnp.abs(missing)),), ()
-
-
-class ApparentFrequency(Estimator):
-    r"""The step as a part of the apparent period of the motion.
-
-    .. math::
-
-        \omega^2 = \frac{\Delta u^T \Delta p}{\Delta u^T M \Delta u}, \quad \eta = \frac{\omega\,\Delta t}{2 \pi}
-
-    with the changes of displacement and internal force over the step: a tolerance of 0.05 is twenty steps a period.
-    It sees no error.
-
-    References
-    ----------
-    P. G. Bergan, E. Mollestad, An automatic time-stepping algorithm for dynamic problems, Comput. Methods Appl. Mech.
-    Eng. 49(3), 1985, 299-318.
-    """
-
-    title = "Apparent frequency"
-    source = "Bergan and Mollestad (1985)"
-    doi = "10.1016/0045-7825(85)90127-8"
-    relative = False
-
-    def exponent(self, scheme):
-        return 1
-
-    def sizes(self, problem, state):
-        return (jnp.ones(()),)
-
-    def start(self, scheme, problem, state):
-        return problem.internal_force(state.u, state.v)
-
-    def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
-        force, way = problem.internal_force(new.u, new.v), new.u - old.u
-        work, inertia = jnp.vdot(way, force - carried), jnp.vdot(way, problem.momentum(way))
-        omega = jnp.sqrt(jnp.where(inertia > 0, jnp.maximum(work, 0.0) / inertia, 0.0))
-        return (omega * dt / (2 * math.pi),), force
-
-
-class Iterations(Estimator):
-    r"""Newton iterations of the step: a tolerance of 6 asks for six.
-
-    It knows the solver and no error: a linear structure goes to the largest step.
-
-    References
-    ----------
-    F. McKenna, Object-oriented finite element programming: frameworks for analysis, algorithms and parallel computing,
-    dissertation, University of California, Berkeley, 1997.
-    """
-
-    title = "Newton iterations"
-    source = "McKenna (1997)"
-    doi = ""
-    relative = False
-
-    def exponent(self, scheme):
-        return 1
-
-    def refusal(self, scheme, problem):
-        if scheme.explicit:
-            return f"'{scheme.title}' takes no Newton iterations, by which {self.title} chooses the step."
-        return None
-
-    def sizes(self, problem, state):
-        return (jnp.ones(()),)
-
-    def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
-        return (jnp.asarray(effort.iterations, float),), ()
 
 
 class StepDoubling(Estimator):

@@ -1,23 +1,14 @@
 """The estimators and controllers that have names."""
 
-from study.control.controllers import (
-    Controller,
-    DeadBand,
-    Filtered,
-    HalfIncrement,
-    Integral,
-    Nastran,
-    Proportional,
-    ProportionalIntegral,
-)
-from study.control.estimators import (
+from study.control.controllers import Controller, DeadBand, Filtered, Integral, ProportionalIntegral
+from study.control.estimators import Estimator, StepDoubling, ThreePoint, ZienkiewiczXie
+from study.control.of_codes import (
     ApparentFrequency,
-    Estimator,
+    HalfIncrement,
     HalfStepResidual,
     Iterations,
-    StepDoubling,
-    ThreePoint,
-    ZienkiewiczXie,
+    Nastran,
+    Proportional,
 )
 from study.registry import Registry
 

@@ -1,5 +1,7 @@
 """Tables 1 and 2 of Xie (1996) once more, with steps that the estimator of 1991 controls."""
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 
@@ -38,12 +40,21 @@ def controlled_1996(
                 continue
             for c, controller in enumerate(controllers):
                 progress(f"{scheme} on {problem}, {controller}")
-                asked = {"controller": controller, "estimator": ESTIMATOR, "duration": duration}
-                asked |= {"steps": int(1.2 * wanted.max()), "observe": ["max_energy_error"], "on_failure": "ignore"}
+                marched = partial(
+                    run,
+                    problem,
+                    scheme,
+                    duration=duration,
+                    estimator=ESTIMATOR,
+                    controller=controller,
+                    steps=int(1.2 * wanted.max()),
+                    observe=["max_energy_error"],
+                    on_failure="ignore",
+                )
                 tried = np.logspace(*WIDEST, LANES)
-                coarse = run(problem, scheme, tolerance=tried, **asked)
+                coarse = marched(tolerance=tried)
                 near = _between(tried, coarse.steps.values, wanted)
-                found = xr.concat([coarse, run(problem, scheme, tolerance=near, **asked)], "lane")
+                found = xr.concat([coarse, marched(tolerance=near)], "lane")
                 completed = found.isel(lane=found.status.values == 0)
                 for k, number in enumerate(wanted):
                     lane = completed.isel(lane=np.argmin(abs(completed.steps.values - number)))

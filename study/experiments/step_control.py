@@ -138,9 +138,16 @@ def step_control(
 
 
 def _controlled(problem: str, scheme: str, controller: Controller, tolerances: np.ndarray, duration: float, most: int):
-    observed = [*ENDS, "max_energy_error", "energy_drift"]
-    asked = {"controller": controller, "tolerance": tolerances, "duration": duration, "steps": most}
-    return run(problem, scheme, observe=observed, on_failure="ignore", **asked)
+    return run(
+        problem,
+        scheme,
+        tolerance=tolerances,
+        duration=duration,
+        controller=controller,
+        steps=most,
+        observe=[*ENDS, "max_energy_error", "energy_drift"],
+        on_failure="ignore",
+    )
 
 
 def _equal(problem: str, scheme: str, dt: float, steps: int, observed) -> xr.Dataset:

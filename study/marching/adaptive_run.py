@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -12,14 +12,11 @@ import numpy as np
 import xarray as xr
 from jax import lax
 
-from study.algebra.arrays import real_numbers
 from study.algebra.jit import jit
-from study.control.controllers import Controller, Prescribed
-from study.control.estimators import Estimator, Unestimated
-from study.control.named import controllers, estimators
+from study.control.estimators import Estimator
 from study.io import flags
 from study.marching.adaptive import RUNNING, STEP_TOO_SMALL, TOO_MANY_STEPS, AdaptiveMarch, Trial, proceed
-from study.marching.arguments import checked_step_size, positive_integer, resolve
+from study.marching.control import Control
 from study.marching.failure import HOW, RunFailedWarning, likely_cause
 from study.marching.march import March
 from study.marching.program import PAUSE, ROOM, unlabelled
@@ -33,12 +30,6 @@ from study.scheme.wrapper.unequal_steps import UnequalSteps
 
 #: Samples of one run that a call stores.
 MOST_ROOM = 2**12
-
-#: First step of a run to which none is given, as a part of the duration.
-FIRST_STEP = 1e-3
-
-#: Largest number of steps of a run to which none is given.
-MOST_STEPS = 1_000_000
 
 #: Number of equal steps of the trial run that finds the size of a motion from rest.
 OF_TRIAL = 200
@@ -81,84 +72,6 @@ class Scales(Reduction):
 
     def result(self, carried, problem, state):
         return {"scale": carried}
-
-
-class Control(NamedTuple):
-    """What chooses the steps of a run.
-
-    Attributes
-    ----------
-    tolerance, dt
-        Tolerance and first step, of shape () or (lanes,).
-    times
-        Times on which a step must end, the last of which ends the run.
-    steps
-        Largest number of steps.
-    """
-
-    estimator: Estimator
-    controller: Controller
-    tolerance: PerRun
-    dt: PerRun
-    times: np.ndarray
-    steps: int
-
-
-def checked_control(
-    problem: Problem,
-    scheme: Scheme,
-    observers: Sequence[Observer],
-    estimator: Any,
-    controller: Any,
-    tolerance: Any,
-    duration: Any,
-    times: Any,
-    dt: Any,
-    steps: Any,
-) -> Control:
-    """What chooses the steps of a run, from the arguments of :func:`study.run`.
-
-    Raises
-    ------
-    KeyError, TypeError, ValueError
-        If there is no such estimator or controller, they do not fit the scheme, or a number is out of its range.
-    """
-    if scheme.needs_equal_steps:
-        raise ValueError(
-            f"'{scheme.title}' carries earlier steps, whose coefficients hold for steps of one size: give dt and steps."
-        )
-    for observer in observers:
-        if observer.needs_equal_steps:
-            raise ValueError(f"{', '.join(observer.variables)} needs steps of one size: give dt and steps.")
-    control: Controller = resolve("pi" if controller is None else controller, controllers, Controller)  # type: ignore[type-abstract]
-    if estimator is None and not control.needs_tolerance:
-        estimator = Unestimated()
-    elif estimator is None:
-        simple = scheme.acceleration_offset is not None and not estimators["zienkiewicz_xie"].refusal(scheme, problem)
-        estimator = "zienkiewicz_xie" if simple else "step_doubling"
-    chosen: Estimator = resolve(estimator, estimators, Estimator)  # type: ignore[type-abstract]
-    if reason := chosen.refusal(scheme, problem):
-        raise ValueError(reason)
-    if tolerance is None and control.needs_tolerance:
-        raise ValueError(f"the controller '{control.title}' needs a tolerance.")
-    values = np.asarray(1.0) if tolerance is None else real_numbers("tolerance", tolerance)
-    smallest = np.finfo(float).eps
-    if values.ndim > 1 or not values.size or not np.all(np.isfinite(values) & (values > smallest)):
-        raise ValueError(f"tolerance must be greater than round-off, {smallest:.1e}, and finite, not {tolerance!r}.")
-    if duration is None and isinstance(control, Prescribed):
-        duration = sum(control.sizes)
-    if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
-        raise ValueError(f"duration must be a time greater than zero, not {duration!r}.")
-    if times is None:
-        kinks = np.asarray(() if isinstance(control, Prescribed) else getattr(problem.load, "kinks", ()), float)
-        inside = kinks[(kinks > 0) & (kinks < duration)]
-    else:
-        inside = real_numbers("times", times).ravel()
-        if np.any((inside <= 0) | (inside > duration)):
-            raise ValueError(f"times must lie between zero and the duration, {duration:g} s, not {times!r}.")
-    first = checked_step_size(FIRST_STEP * duration if dt is None else dt)
-    most = MOST_STEPS if steps is None else positive_integer("steps", steps)
-    return Control(chosen, control, values, first, np.union1d(inside, [duration]), most)
 
 
 def _start(march: March, starts: tuple) -> tuple[jax.Array, jax.Array]:

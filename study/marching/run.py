@@ -15,7 +15,7 @@ from tqdm import tqdm
 from study.control.controllers import Controller
 from study.control.estimators import Estimator
 from study.marching import failure
-from study.marching.adaptive_run import Adaptive, checked_control
+from study.marching.adaptive_run import Adaptive
 from study.marching.arguments import (
     check_memory,
     checked_bound,
@@ -27,6 +27,7 @@ from study.marching.arguments import (
     positive_integer,
     resolve,
 )
+from study.marching.control import checked_control
 from study.marching.ensemble import FEW, march_in_tiles, march_one_by_one
 from study.marching.failure import ON_FAILURE
 from study.marching.family import checked_family, checked_lanes, march_family

@@ -1,0 +1,208 @@
+"""Claims about estimators of the error of a step and about controlled steps, decided by our runs."""
+
+import numpy as np
+
+from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
+from paper.claims.terms import ALMOST, REASONABLE
+from paper.claims.wording import listed
+from paper.numbers.step_control import DRIFTS, KEPT, growth, ratio_at_equal_steps
+from paper.published import PROBLEMS
+
+AVERAGE, GENERALIZED = "average_acceleration", "generalized_alpha"
+
+#: Largest distance from one of the ratio of a true estimate, and the smallest ratio of one that is not blind.
+TRUE, BLIND = 0.1, 0.1
+
+
+def _ratio(estimates, estimator, error="true_error"):
+    """Estimate over true error, each the largest of a period, at the smallest step; over problems and schemes."""
+    finest = estimates.sel(estimator=estimator).isel(steps_per_period=-1)
+    return finest.estimate / finest[error]
+
+
+def _asked(estimator, scheme=AVERAGE):
+    return {"estimates.problems": PROBLEMS, "estimates.schemes": [scheme], "estimates.estimators": [estimator]}
+
+
+@claim(
+    "adaptive",
+    "The estimate of Zienkiewicz and Xie is the error of the step.",
+    "estimate over the true error of the displacement, and of displacement and velocity, average acceleration",
+    whose="Zienkiewicz and Xie (1991)",
+    asks=_asked("zienkiewicz_xie"),
+)
+def zienkiewicz_xie_is_true(estimates):
+    of_u = _ratio(estimates, "zienkiewicz_xie", "true_displacement_error").sel(scheme=AVERAGE)
+    of_both = _ratio(estimates, "zienkiewicz_xie").sel(scheme=AVERAGE)
+    holds = bool((abs(of_u - 1) < TRUE).all())
+    misses = bool((of_both < 1 - TRUE).any())
+    ours = f"displacement {listed(by_name(of_u), estimates, '.2f')}; state {listed(by_name(of_both), estimates, '.2f')}"
+    return Finding(ours, holds, when(misses, "it does not see the error of the velocity"))
+
+
+@claim(
+    "adaptive",
+    "The estimate of Zienkiewicz and Xie sees the error at every time.",
+    "smallest estimate over the true error along a period, average acceleration",
+    whose=PRACTICE,
+    asks=_asked("zienkiewicz_xie"),
+)
+def zienkiewicz_xie_is_never_blind(estimates):
+    least = estimates.ratio.sel(estimator="zienkiewicz_xie", scheme=AVERAGE).min("phase")
+    sees = bool((least > BLIND).all())
+    return Finding(listed(by_name(least), estimates, ".2f"), sees, when(not sees, "it is near zero at turning points"))
+
+
+@claim(
+    "adaptive",
+    "An acceleration through three times gives the error of displacement and velocity.",
+    "estimate over the true error, average acceleration",
+    whose="Zeng et al. (1992)",
+    asks=_asked("three_point"),
+)
+def three_points_are_true(estimates):
+    ratio = _ratio(estimates, "three_point").sel(scheme=AVERAGE)
+    return Finding(listed(by_name(ratio), estimates, ".2f"), bool((abs(ratio - 1) < TRUE).all()))
+
+
+@claim(
+    "adaptive",
+    "Step doubling gives the error of the step.",
+    "estimate over the true error, average acceleration",
+    whose=PRACTICE,
+    asks=_asked("step_doubling"),
+)
+def step_doubling_is_true(estimates):
+    ratio = _ratio(estimates, "step_doubling").sel(scheme=AVERAGE)
+    return Finding(listed(by_name(ratio), estimates, ".2f"), bool((abs(ratio - 1) < TRUE).all()))
+
+
+@claim(
+    "adaptive",
+    "The residual in the middle of the step measures the error of the step.",
+    "power of the step with which residual over true error falls, average acceleration",
+    whose="Hibbitt and Karlsson (1979)",
+    asks=_asked("half_step_residual"),
+)
+def residual_measures_the_error(estimates):
+    one = estimates.sel(estimator="half_step_residual", scheme=AVERAGE)
+    ratio = (one.estimate / one.true_error).isel(steps_per_period=[-2, -1])
+    first, last = estimates.steps_per_period.values[-2:]
+    power = -np.log(ratio.isel(steps_per_period=1) / ratio.isel(steps_per_period=0)) / np.log(last / first)
+    holds = bool((abs(power) < TRUE).all())
+    reason = when(not holds, "it is of second order in the step, and the error of third")
+    return Finding(listed(by_name(power), estimates, ".1f"), holds, reason)
+
+
+def _of_control(*controllers, scheme=AVERAGE):
+    return {
+        "step_control.problems": PROBLEMS,
+        "step_control.schemes": [scheme],
+        "step_control.controllers": list(controllers),
+    }
+
+
+@claim(
+    "adaptive",
+    "Controlled steps of average acceleration keep the energy as equal ones do.",
+    "energy error of the last period over that of the first: controlled by PI; equal",
+    whose=PRACTICE,
+    asks=_of_control("pi"),
+)
+def control_keeps_the_energy(step_control):
+    grown = growth(step_control)
+    controlled, equal = (by_name(grown.sel(with_equal=one)) for one in ("pi", "equal"))
+    keeps = max(controlled.values()) < KEPT
+    reason = when(not keeps, "the energy drifts from period to period")
+    return Finding(f"{listed(controlled, step_control)}; {listed(equal, step_control)}", keeps, reason)
+
+
+@claim(
+    "adaptive",
+    "A dead band, which holds the step for long, avoids the drift.",
+    "energy error of the last period over that of the first",
+    whose=PRACTICE,
+    asks=_of_control("dead_band"),
+)
+def a_dead_band_avoids_the_drift(step_control):
+    grown = by_name(growth(step_control).sel(with_equal="dead_band"))
+    return Finding(listed(grown, step_control), max(grown.values()) < DRIFTS)
+
+
+@claim(
+    "adaptive",
+    "Reversible control of a symmetric scheme shows no drift.",
+    "energy error of the last period over that of the first",
+    whose="Hairer and Söderlind (2005)",
+    asks=_of_control("pi"),
+)
+def reversible_control_has_no_drift(step_control):
+    grown = by_name(growth(step_control).sel(with_equal="reversible"))
+    return Finding(listed(grown, step_control, ".2f"), max(grown.values()) < KEPT)
+
+
+@claim(
+    "adaptive",
+    "With numerical damping, controlled steps never gain energy.",
+    "signed energy error of generalized-α at the end in percent, the largest over tolerances, controlled by PI",
+    whose=PRACTICE,
+    asks=_of_control("pi", scheme=GENERALIZED),
+)
+def damping_prevents_gain(step_control):
+    drift = step_control.energy_drift.sel(scheme=GENERALIZED, control="pi").max("tolerance")
+    return Finding(listed(by_name(drift), step_control, ".3g"), bool((drift < REASONABLE).all()))
+
+
+@claim(
+    "adaptive",
+    "As many steps, if they are controlled, keep the energy better than equal ones.",
+    "energy error with steps controlled by the estimator of 1991 over that with equal steps, the smallest of all cells "
+    "of Tables 1 and 2, average acceleration",
+    whose=PRACTICE,
+    asks={
+        "controlled_1996.problems": PROBLEMS,
+        "controlled_1996.schemes": [AVERAGE],
+        "energy_error.problems": PROBLEMS,
+    },
+)
+def control_improves_the_tables(controlled_1996, energy_error):
+    ratio = ratio_at_equal_steps(controlled_1996, energy_error).sel(scheme=AVERAGE).min("steps_per_period")
+    return Finding(listed(by_name(ratio), energy_error), bool((ratio < 1 / ALMOST).all()))
+
+
+@claim(
+    "adaptive",
+    "The error at the end is proportional to the tolerance.",
+    "power of the tolerance with which the largest energy error falls between the two smallest tolerances, "
+    "average acceleration, PI",
+    whose=PRACTICE,
+    asks=_of_control("pi"),
+)
+def proportional_to_the_tolerance(step_control):
+    one = step_control.max_energy_error.sel(scheme=AVERAGE, control="pi").sortby("tolerance").isel(tolerance=[0, 1])
+    logs, tolerances = np.log(one), np.log(one.tolerance)
+    power = logs.diff("tolerance").isel(tolerance=0, drop=True) / tolerances.diff("tolerance").item()
+    holds = bool((abs(power - 1) < TRUE).all())
+    return Finding(
+        listed(by_name(power), step_control, ".2f"), holds, when(not holds, "the error of a step adds over the steps")
+    )
+
+
+@claim(
+    "adaptive",
+    "A fourth-order scheme that controls its steps reaches an energy error of a tenth with fewer steps than average "
+    "acceleration.",
+    "steps in a period, of the tolerances that keep the energy within ten percent: Runge-Kutta; average acceleration",
+    whose=PRACTICE,
+    asks={
+        "step_control.problems": PROBLEMS,
+        "step_control.schemes": [AVERAGE, "rk4"],
+        "step_control.controllers": ["pi"],
+    },
+)
+def fourth_order_needs_fewer_steps(step_control):
+    kept = step_control.steps.where(step_control.max_energy_error < REASONABLE).sel(control="pi").min("tolerance")
+    per_period = kept / step_control.attrs["periods"]
+    fourth, second = (per_period.sel(scheme=one) for one in ("rk4", AVERAGE))
+    ours = f"{listed(by_name(fourth), step_control, '.0f')}; {listed(by_name(second), step_control, '.0f')}"
+    return Finding(ours, bool((fourth < second).all()))

@@ -1,0 +1,92 @@
+"""Numbers of the text: estimators of the error of a step, and controlled steps."""
+
+import numpy as np
+import xarray as xr
+
+from paper.products import numbers
+from paper.published import PROBLEMS
+from study.words import span
+
+#: The case that the figure and the text show.
+PROBLEM, SCHEME = "hardening", "average_acceleration"
+#: Growth of the energy error from the first period to the last above which it drifts, and below which it does not.
+DRIFTS, KEPT = 3.0, 1.1
+#: Steps in a period of the cells of 1996 that are compared.
+CELL = 50
+
+
+def growth(step_control: xr.Dataset) -> xr.DataArray:
+    """Largest energy error of the last period over that of the first, of controlled and of equal steps."""
+    return step_control.history.isel(period=-1) / step_control.history.isel(period=0)
+
+
+def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> xr.DataArray:
+    """Energy error with controlled steps over that with equal ones, at equal numbers of steps."""
+    controlled = controlled_1996.max_energy_error.isel(controller=0)
+    equal = energy_error.max_energy_error.sel(
+        period_used="exact", scheme=controlled.scheme, steps_per_period=controlled.steps_per_period
+    )
+    return controlled / equal.sel(problem=controlled.problem)
+
+
+@numbers(
+    asks={
+        "estimates.problems": [PROBLEM],
+        "estimates.schemes": [SCHEME],
+        "estimates.estimators": ["zienkiewicz_xie", "three_point", "half_step_residual"],
+        "step_control.problems": [PROBLEM],
+        "step_control.schemes": [SCHEME, "generalized_alpha"],
+        "step_control.controllers": ["pi", "dead_band"],
+        "controlled_1996.problems": PROBLEMS,
+        "controlled_1996.schemes": [SCHEME],
+        "controlled_1996.steps_per_period": [CELL],
+    },
+)
+def of_step_control(
+    estimates: xr.Dataset, step_control: xr.Dataset, controlled_1996: xr.Dataset, energy_error: xr.Dataset
+) -> dict:
+    """What estimators see, how the energy drifts, and the tables of 1996 with controlled steps."""
+    finest = estimates.sel(problem=PROBLEM, scheme=SCHEME).isel(steps_per_period=-1)
+    of_u = finest.estimate / finest.true_displacement_error
+    of_both = finest.estimate / finest.true_error
+    grown = growth(step_control).sel(problem=PROBLEM)
+    history = step_control.history.sel(problem=PROBLEM).isel(period=-1)
+    cell = {"steps_per_period": CELL, "scheme": SCHEME}
+    equal = energy_error.max_energy_error.sel(period_used="exact", **cell)
+    controlled = controlled_1996.max_energy_error.isel(controller=0).sel(cell)
+    ratio = ratio_at_equal_steps(controlled_1996, energy_error).sel(scheme=SCHEME)
+    generalized = step_control.energy_drift.sel(problem=PROBLEM, scheme="generalized_alpha", control="pi")
+    gained = generalized.max("tolerance")
+    others = [one for one in ("pi", "dead_band") if one in grown.with_equal]
+    return {
+        "control_zx_displacement": f"{of_u.sel(estimator='zienkiewicz_xie').item():.2f}",
+        "control_zx_state": f"{of_both.sel(estimator='zienkiewicz_xie').item():.2f}",
+        "control_zx_least": f"{finest.ratio.sel(estimator='zienkiewicz_xie').min().item():.2f}",
+        "control_three_point": f"{of_both.sel(estimator='three_point').item():.2f}",
+        "control_residual": f"{of_both.sel(estimator='half_step_residual').item():.0f}",
+        "control_finest": int(estimates.steps_per_period[-1]),
+        "control_periods": step_control.attrs["periods"],
+        "control_steps": f"{_steps(step_control):.0f}",
+        "control_pi": f"{history.sel(with_equal='pi').item():.2g}",
+        "control_dead_band": f"{history.sel(with_equal='dead_band').item():.2g}",
+        "control_equal": f"{history.sel(with_equal='equal').item():.2g}",
+        "control_reversible": f"{history.sel(with_equal='reversible').item():.2g}",
+        "control_drifts": bool(
+            (grown.sel(with_equal=others) > DRIFTS).all() and grown.sel(with_equal="equal").item() < KEPT
+        ),
+        "reversible_keeps": bool(grown.sel(with_equal="reversible").item() < KEPT),
+        "control_gained": f"{gained.item():.0f}",
+        "control_gains_energy": bool(gained > 0),
+        "control_cell": CELL,
+        "control_cell_equal": span(equal.sel(problem=PROBLEMS), ".2g"),
+        "control_cell_controlled": span(controlled.sel(problem=PROBLEMS), ".2g"),
+        "control_ratio": span(ratio.where(np.isfinite(ratio), drop=True), ".2g"),
+        "control_is_worse": bool((ratio > 1).all()),
+    }
+
+
+def _steps(step_control: xr.Dataset) -> float:
+    """Steps in a period of the histories."""
+    middle = step_control.sizes["tolerance"] // 2
+    steps = step_control.steps.sel(problem=PROBLEM, scheme=SCHEME, control="pi").isel(tolerance=middle)
+    return steps.item() / step_control.attrs["periods"]

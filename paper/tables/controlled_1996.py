@@ -1,0 +1,26 @@
+"""Tables 1 and 2 of 1996 with equal steps and with as many steps that the estimator of 1991 controls."""
+
+import pandas as pd
+import xarray as xr
+
+from paper.products import table
+from paper.published import PROBLEMS
+
+
+@table(asks={"controlled_1996.problems": PROBLEMS, "energy_error.problems": PROBLEMS})
+def tabulate(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> pd.DataFrame:
+    """Two rows per step size: equal and controlled; for the schemes whose error the estimator estimates."""
+    controlled = controlled_1996.max_energy_error.isel(controller=0)
+    estimated = controlled_1996.scheme[controlled.notnull().any(["problem", "steps_per_period"])].values
+    equal = energy_error.max_energy_error.sel(period_used="exact")
+    titles = dict(zip(energy_error.problem.values, energy_error.problem_title.values, strict=True))
+    rows = []
+    for problem in PROBLEMS:
+        for steps in controlled.steps_per_period.values:
+            for name, errors in (("equal", equal), ("controlled", controlled)):
+                row = {"Problem": titles[problem], "Steps": f"{steps} per period", "Sizes": name}
+                for scheme in estimated:
+                    value = errors.sel(problem=problem, steps_per_period=steps, scheme=scheme).item()
+                    row[energy_error.scheme_title.sel(scheme=scheme).item()] = f"{value:.3g}"
+                rows.append(row)
+    return pd.DataFrame(rows)
