@@ -57,3 +57,4 @@ from study.scheme.splitting import Splitting as Splitting
 from study.scheme.tchamwa_wielgosz import TchamwaWielgosz as TchamwaWielgosz
 from study.scheme.wilson import WilsonTheta as WilsonTheta
 from study.scheme.wrapper.compensated import Compensated as Compensated
+from study.scheme.wrapper.relaxed import Relaxed as Relaxed
