@@ -41,6 +41,7 @@ from study.scheme.bathe import Bathe as Bathe
 from study.scheme.conserving import AverageVectorField as AverageVectorField
 from study.scheme.conserving import EnergyMomentum as EnergyMomentum
 from study.scheme.conserving import ImplicitMidpoint as ImplicitMidpoint
+from study.scheme.diagonally_implicit import DiagonallyImplicit as DiagonallyImplicit
 from study.scheme.explicit_alpha import ExplicitAlpha as ExplicitAlpha
 from study.scheme.extrapolation import Extrapolation as Extrapolation
 from study.scheme.houbolt import Houbolt as Houbolt

@@ -30,6 +30,8 @@ OTHERS = [
     study.NohBathe(p=0.7),
     study.NohBathe(p=0.85),
     study.TchamwaWielgosz(phi=1.5),
+    study.DiagonallyImplicit(3, rho_inf=0.0),
+    study.DiagonallyImplicit(4, rho_inf=1.0),
 ]
 
 
@@ -52,6 +54,8 @@ AT_INFINITY = {
     "energy_momentum": 1.0,
     "average_vector_field": 1.0,
     "gauss4": 1.0,
+    "esdirk3": 0.8,
+    "esdirk4": 0.8,
 }
 
 

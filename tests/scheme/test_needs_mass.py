@@ -116,6 +116,8 @@ OTHERS = [
     study.EnergyMomentum(),
     *(study.AverageVectorField(points=points) for points in (1, 2, 5)),
     study.Gauss4(),
+    study.DiagonallyImplicit(3, rho_inf=0.0),
+    study.DiagonallyImplicit(4, rho_inf=1.0),
 ]
 
 

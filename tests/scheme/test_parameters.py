@@ -52,6 +52,8 @@ def test_parameters_out_of_range_are_refused(make, name, value):
         (lambda: study.Composition((0.5, 0.2, 0.3), of_order=2), "weights must be the same from both ends"),
         (lambda: study.Composition((), of_order=2), "weights must be a tuple of finite numbers"),
         (lambda: study.Extrapolation((2, 1)), "sequence must be whole numbers that rise from at least 1"),
+        (lambda: study.DiagonallyImplicit(3, rho_inf=1.1), "rho_inf must be a number between 0 and 1"),
+        (lambda: study.DiagonallyImplicit(5, rho_inf=0.8), "sub_steps must be 3 or 4"),
         (lambda: study.AverageVectorField(points=0), "points must be a whole number of at least 1"),
     ],
 )

@@ -1,5 +1,7 @@
 """Characteristic polynomials out of the code, against closed forms."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -67,6 +69,17 @@ def test_gauss_is_the_pade_approximation():
     """λ = (1 + z/2 + z²/12)/(1 − z/2 + z²/12), z = iΩ."""
     z = 1j * STEPS
     _assert_roots(study.schemes["gauss4"], ((1 + z / 2 + z**2 / 12) / (1 - z / 2 + z**2 / 12))[:, None])
+
+
+@pytest.mark.parametrize("s, rho_inf, gamma", [(3, 0.0, 0.4358665215), (3, 1.0, 1 / 3), (4, 0.0, 0.5728160625)])
+def test_esdirk_is_the_restricted_pade_approximation(s, rho_inf, gamma):
+    """λ = Σ zᵏ Σ C(s, j) (−γ)ʲ/(k − j)! / (1 − γz)ˢ, z = iΩ, with γ as printed for L-stable methods."""
+    z = 1j * STEPS
+    numerator = sum(
+        z**k * sum(math.comb(s, j) * (-gamma) ** j / math.factorial(k - j) for j in range(k + 1)) for k in range(s + 1)
+    )
+    roots = LinearTheory(study.DiagonallyImplicit(s, rho_inf), PARTS).roots
+    assert np.abs(roots - (numerator / (1 - gamma * z) ** s)[:, None]).min(axis=1).max() < 1e-8
 
 
 def test_houbolt_has_its_polynomial():
