@@ -46,6 +46,8 @@ from study.scheme.explicit_alpha import ExplicitAlpha as ExplicitAlpha
 from study.scheme.extrapolation import Extrapolation as Extrapolation
 from study.scheme.houbolt import Houbolt as Houbolt
 from study.scheme.kolay_ricles import KolayRicles as KolayRicles
+from study.scheme.model_based import Chang as Chang
+from study.scheme.model_based import ChenRicles as ChenRicles
 from study.scheme.named import register_scheme as register_scheme
 from study.scheme.named import schemes as schemes
 from study.scheme.newmark import Newmark as Newmark

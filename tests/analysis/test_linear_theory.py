@@ -45,6 +45,9 @@ AT_INFINITY = {
     "wbz_alpha": 0.8,
     "generalized_alpha": 0.8,
     "kr_alpha": 0.8,
+    "mkr_alpha": 0.8,
+    "chen_ricles": 1.0,
+    "chang": 1.0,
     "bdf2": 0.0,
     "park": 0.0,
     "bathe": 0.0,
@@ -111,6 +114,11 @@ def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
         ("symplectic_euler", 0.1): 2,
         ("kr_alpha", 0.0): 2,
         ("kr_alpha", 0.1): 2,
+        ("mkr_alpha", 0.0): 2,
+        ("mkr_alpha", 0.1): 2,
+        # conjugate to the trapezoidal rule
+        ("chen_ricles", 0.0): 2,
+        ("chen_ricles", 0.1): 2,
         # Numerov's formula
         ("fox_goodwin", 0.0): 4,
     }.get((scheme_name, damping_ratio), scheme.order_with_damping if damping_ratio else scheme.order)

@@ -27,7 +27,8 @@ def _assert_roots(scheme, expected, parts=PARTS, tolerance=1e-10):
 
 
 @pytest.mark.parametrize(
-    "name", ["average_acceleration", "implicit_midpoint", "energy_momentum", "average_vector_field"]
+    "name",
+    ["average_acceleration", "implicit_midpoint", "energy_momentum", "average_vector_field", "chen_ricles", "chang"],
 )
 def test_the_trapezoidal_rule_neither_damps_nor_grows(name):
     """λ = (1 ± iΩ/2)/(1 ∓ iΩ/2)."""
