@@ -58,9 +58,9 @@ An observer of your own
 A scheme with other parameters
     ``Newmark``, ``WilsonTheta``, ``Houbolt``, ``HHTAlpha1996``, ``GeneralizedAlpha``, ``ExplicitAlpha``,
     ``KolayRicles``, ``ChenRicles``, ``Chang``, ``Bathe``, ``NohBathe``, ``TchamwaWielgosz``,
-    ``BackwardDifferences``, ``DiagonallyImplicit``, ``RungeKutta4``, ``Nystrom4``, ``Gauss4``, ``Splitting``,
-    ``Composition``, ``Extrapolation``, ``EnergyMomentum``, ``AverageVectorField``, ``ImplicitMidpoint``,
-    ``Compensated``, ``Relaxed``.
+    ``BackwardDifferences``, ``TwoStep``, ``DiagonallyImplicit``, ``RungeKutta4``, ``Nystrom4``, ``Gauss4``,
+    ``Splitting``, ``Composition``, ``Extrapolation``, ``EnergyMomentum``, ``AverageVectorField``,
+    ``ImplicitMidpoint``, ``Compensated``, ``Relaxed``.
 
 A scheme of your own
     ``Scheme``, or ``OneStep`` for one-step schemes, is the base class. ``building`` states what a scheme must return,

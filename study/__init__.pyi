@@ -58,6 +58,7 @@ from study.scheme.runge_kutta import RungeKutta4 as RungeKutta4
 from study.scheme.splitting import Composition as Composition
 from study.scheme.splitting import Splitting as Splitting
 from study.scheme.tchamwa_wielgosz import TchamwaWielgosz as TchamwaWielgosz
+from study.scheme.two_step import TwoStep as TwoStep
 from study.scheme.wilson import WilsonTheta as WilsonTheta
 from study.scheme.wrapper.compensated import Compensated as Compensated
 from study.scheme.wrapper.relaxed import Relaxed as Relaxed

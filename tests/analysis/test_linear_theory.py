@@ -50,6 +50,7 @@ AT_INFINITY = {
     "chang": 1.0,
     "bdf2": 0.0,
     "park": 0.0,
+    "oalts": 0.8,
     "bathe": 0.0,
     "tr_bdf2": 0.0,
     "rho_bathe": 0.5,

@@ -34,6 +34,8 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
         (VELOCITY_VERLET, study.schemes["central_difference"]),
         (study.Extrapolation((1,)), VELOCITY_VERLET),
         (study.TchamwaWielgosz(phi=1.0), study.schemes["symplectic_euler"]),
+        (study.TwoStep(rho_inf=0.0), bdf2),
+        (study.TwoStep(rho_inf=1.0), study.schemes["average_acceleration"]),
     ],
     ids=[
         "α = 0",
@@ -47,6 +49,8 @@ def _trajectory(scheme, problem="hardening", dt=0.15 / 40, steps=200):
         "velocity Verlet is central difference",
         "nothing to extrapolate",
         "φ = 1",
+        "two-step method of ρ∞ = 0",
+        "two-step method of ρ∞ = 1",
     ],
 )
 @pytest.mark.parametrize("problem", ["hardening", "softening"])

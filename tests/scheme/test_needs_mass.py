@@ -117,6 +117,7 @@ OTHERS = [
     *(study.AverageVectorField(points=points) for points in (1, 2, 5)),
     study.Gauss4(),
     study.DiagonallyImplicit(3, rho_inf=0.0),
+    study.TwoStep(rho_inf=0.8),
     study.DiagonallyImplicit(4, rho_inf=1.0),
 ]
 

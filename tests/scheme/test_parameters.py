@@ -21,6 +21,7 @@ import study
         (study.GeneralizedAlpha.hht, "rho_inf"),
         (study.GeneralizedAlpha.wbz, "rho_inf"),
         (study.KolayRicles, "rho_inf"),
+        (study.TwoStep, "rho_inf"),
         (lambda x: study.Bathe(gamma=x), "gamma"),
         (study.Bathe.of_one_stiffness, "rho_inf"),
         (study.ExplicitAlpha.hulbert_chung, "rho_b"),

@@ -129,6 +129,17 @@ def test_the_generalized_alpha_family_meets_its_spectral_radius(rho_inf):
         assert abs(np.polyval(hht, minus)) < 1e-10 and abs(np.polyval(np.polyder(hht), minus)) < 1e-10
 
 
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.8])
+def test_zhangs_method_damps_low_frequencies_half_as_much_as_the_generalized_alpha_method(rho_inf):
+    """The algorithmic damping ratio of both is proportional to Ω³; at equal ρ∞ their quotient tends to one half."""
+    parts = np.array([1e-3, 2e-3, 5e-3, 1e-2])
+    zhang, chung = (
+        LinearTheory(scheme, parts).motion().algorithmic_damping
+        for scheme in (study.TwoStep(rho_inf), study.GeneralizedAlpha.chung_hulbert(rho_inf))
+    )
+    assert zhang[-1] / chung[-1] == pytest.approx(0.5, abs=3e-3)
+
+
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_kr_alpha_has_the_roots_of_the_generalized_alpha_method(damping_ratio):
     implicit = _polynomials(study.schemes["generalized_alpha"], damping_ratio=damping_ratio)
