@@ -57,7 +57,7 @@ An observer of your own
 
 A scheme with other parameters
     ``Newmark``, ``WilsonTheta``, ``Houbolt``, ``HHTAlpha1996``, ``GeneralizedAlpha``, ``ExplicitAlpha``,
-    ``KolayRicles``, ``ChenRicles``, ``Chang``, ``Bathe``, ``NohBathe``, ``TchamwaWielgosz``,
+    ``SingleSolve``, ``KolayRicles``, ``ChenRicles``, ``Chang``, ``Bathe``, ``NohBathe``, ``TchamwaWielgosz``,
     ``BackwardDifferences``, ``TwoStep``, ``DiagonallyImplicit``, ``RungeKutta4``, ``Nystrom4``, ``Gauss4``,
     ``Splitting``, ``Composition``, ``Extrapolation``, ``EnergyMomentum``, ``AverageVectorField``,
     ``ImplicitMidpoint``, ``Compensated``, ``Relaxed``.

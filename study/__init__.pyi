@@ -55,6 +55,7 @@ from study.scheme.noh_bathe import NohBathe as NohBathe
 from study.scheme.runge_kutta import Gauss4 as Gauss4
 from study.scheme.runge_kutta import Nystrom4 as Nystrom4
 from study.scheme.runge_kutta import RungeKutta4 as RungeKutta4
+from study.scheme.single_solve import SingleSolve as SingleSolve
 from study.scheme.splitting import Composition as Composition
 from study.scheme.splitting import Splitting as Splitting
 from study.scheme.tchamwa_wielgosz import TchamwaWielgosz as TchamwaWielgosz

@@ -30,6 +30,7 @@ OTHERS = [
     study.NohBathe(p=0.7),
     study.NohBathe(p=0.85),
     study.TchamwaWielgosz(phi=1.5),
+    study.SingleSolve(rho_s=0.0, rho_b=0.5),
     study.DiagonallyImplicit(3, rho_inf=0.0),
     study.DiagonallyImplicit(4, rho_inf=1.0),
 ]

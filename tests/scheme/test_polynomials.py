@@ -159,6 +159,32 @@ def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
     assert LinearTheory(scheme, PARTS).stability_limit() == pytest.approx(limit, rel=1e-6)
 
 
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
+@pytest.mark.parametrize(
+    "one, other",
+    [
+        (study.SingleSolve(0.8, 0.8), study.ExplicitAlpha.hulbert_chung(0.8)),
+        (study.SingleSolve.icl(0.5), study.ExplicitAlpha.chung_lee(28 / 27)),
+        (study.SingleSolve.icl(1.0), study.ExplicitAlpha.chung_lee(1.0)),
+    ],
+    ids=["ρ_s = ρ_b", "ICL, ρ_b = ½", "ICL, ρ_b = 1"],
+)
+def test_explicit_methods_with_one_force_share_their_polynomials(one, other, damping_ratio):
+    """GSSE evaluates its force elsewhere than they do, and the sequence of its displacements is theirs."""
+    parts = PARTS[STEPS < 2]
+    of_one, of_other = (_polynomials(scheme, parts, damping_ratio) for scheme in (one, other))
+    np.testing.assert_allclose(of_one, of_other, atol=1e-10)
+
+
+@pytest.mark.parametrize("rho_s, rho_b", [(0.0, 0.8), (0.125, 0.8), (0.5, 0.9)])
+def test_the_roots_of_gsse_meet_at_its_parameters(rho_s, rho_b):
+    """Somewhere the principal roots meet at −ρ_b, where the third one is −ρ_s."""
+    omega = np.linspace(1.5, 2, 4001)
+    polynomials = _polynomials(study.SingleSolve(rho_s, rho_b), omega / (2 * np.pi))
+    meeting = np.poly([-rho_b, -rho_b, -rho_s])
+    assert np.abs(polynomials - meeting).max(axis=1).min() < 2e-3
+
+
 @pytest.mark.parametrize("theta, stable", [(1.36, False), (1.37, True), (1.4, True)])
 def test_wilson_is_unconditionally_stable_from_1_366(theta, stable):
     assert (LinearTheory(study.WilsonTheta(theta=theta), PARTS).stability_limit() == np.inf) == stable
