@@ -60,6 +60,7 @@ from study.scheme.splitting import Composition as Composition
 from study.scheme.splitting import Splitting as Splitting
 from study.scheme.tchamwa_wielgosz import TchamwaWielgosz as TchamwaWielgosz
 from study.scheme.two_step import TwoStep as TwoStep
+from study.scheme.wang_adams_tamma import WangAdamsTamma as WangAdamsTamma
 from study.scheme.wilson import WilsonTheta as WilsonTheta
 from study.scheme.wrapper.compensated import Compensated as Compensated
 from study.scheme.wrapper.relaxed import Relaxed as Relaxed

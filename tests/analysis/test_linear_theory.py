@@ -31,6 +31,8 @@ OTHERS = [
     study.NohBathe(p=0.85),
     study.TchamwaWielgosz(phi=1.5),
     study.SingleSolve(rho_s=0.0, rho_b=0.5),
+    study.WangAdamsTamma(c1=0.3),
+    study.WangAdamsTamma(c1=0.4),
     study.DiagonallyImplicit(3, rho_inf=0.0),
     study.DiagonallyImplicit(4, rho_inf=1.0),
 ]
@@ -121,6 +123,8 @@ def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
         # conjugate to the trapezoidal rule
         ("chen_ricles", 0.0): 2,
         ("chen_ricles", 0.1): 2,
+        # of third order as soon as there is damping, or the force is not linear
+        ("wat2", 0.0): 4,
         # Numerov's formula
         ("fox_goodwin", 0.0): 4,
     }.get((scheme_name, damping_ratio), scheme.order_with_damping if damping_ratio else scheme.order)

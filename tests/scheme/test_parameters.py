@@ -29,6 +29,7 @@ import study
         (study.SingleSolve.icl, "rho_b"),
         (lambda x: study.SingleSolve(rho_s=x, rho_b=0.2), "rho_s"),
         (study.NohBathe, "p"),
+        (study.WangAdamsTamma, "c1"),
         (study.TchamwaWielgosz, "phi"),
     ],
 )
