@@ -38,6 +38,7 @@ from study.scheme.backward_differences import BackwardDifferences as BackwardDif
 from study.scheme.base import OneStep as OneStep
 from study.scheme.base import Scheme as Scheme
 from study.scheme.bathe import Bathe as Bathe
+from study.scheme.bathe import BetaBathe as BetaBathe
 from study.scheme.conserving import AverageVectorField as AverageVectorField
 from study.scheme.conserving import EnergyMomentum as EnergyMomentum
 from study.scheme.conserving import ImplicitMidpoint as ImplicitMidpoint

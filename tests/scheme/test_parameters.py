@@ -26,6 +26,7 @@ import study
         (study.Bathe.of_one_stiffness, "rho_inf"),
         (study.ExplicitAlpha.hulbert_chung, "rho_b"),
         (study.ExplicitAlpha.chung_lee, "beta"),
+        (lambda x: study.BetaBathe(0.39, x), "beta2"),
         (study.SingleSolve.icl, "rho_b"),
         (lambda x: study.SingleSolve(rho_s=x, rho_b=0.2), "rho_s"),
         (study.NohBathe, "p"),
