@@ -46,6 +46,7 @@ from study.scheme.diagonally_implicit import DiagonallyImplicit as DiagonallyImp
 from study.scheme.explicit_alpha import ExplicitAlpha as ExplicitAlpha
 from study.scheme.extrapolation import Extrapolation as Extrapolation
 from study.scheme.houbolt import Houbolt as Houbolt
+from study.scheme.kick_drift_kick import KickDriftKick as KickDriftKick
 from study.scheme.kolay_ricles import KolayRicles as KolayRicles
 from study.scheme.model_based import Chang as Chang
 from study.scheme.model_based import ChenRicles as ChenRicles

@@ -54,6 +54,7 @@ def test_parameters_out_of_range_are_refused(make, name, value):
         (lambda: study.Extrapolation(3), "sequence must be a tuple of finite numbers"),
         (lambda: study.Splitting((0.0, 1.0), (0.5,), of_order=1), "kicks must be numbers that add up to one"),
         (lambda: study.Splitting((1.0,), (1.0,), of_order=1), "one drift more than kicks, not 1 for 1"),
+        (lambda: study.KickDriftKick((1.0,), (1.0,), of_order=2), "one kick more than drifts, not 1 for 1"),
         (lambda: study.Composition((0.5, 0.2, 0.3), of_order=2), "weights must be the same from both ends"),
         (lambda: study.Composition((), of_order=2), "weights must be a tuple of finite numbers"),
         (lambda: study.Extrapolation((2, 1)), "sequence must be whole numbers that rise from at least 1"),

@@ -190,7 +190,7 @@ def test_wilson_is_unconditionally_stable_from_1_366(theta, stable):
     assert (LinearTheory(study.WilsonTheta(theta=theta), PARTS).stability_limit() == np.inf) == stable
 
 
-@pytest.mark.parametrize("name", ["yoshida4", "yoshida6", "kahan_li8", "mclachlan4"])
+@pytest.mark.parametrize("name", ["yoshida4", "yoshida6", "kahan_li8", "mclachlan4", "blanes_moan4"])
 def test_splittings_are_stable_as_long_as_their_product_is(name):
     """Half the trace of the product of its kicks and drifts, written out, first leaves [−1, 1] at the limit."""
     scheme, omega = study.schemes[name], np.linspace(1e-3, 6, 60_000)
@@ -198,6 +198,10 @@ def test_splittings_are_stable_as_long_as_their_product_is(name):
         moves = [("drift", scheme.drifts[0])]
         for kick, drift in zip(scheme.kicks, scheme.drifts[1:], strict=True):
             moves += [("kick", kick), ("drift", drift)]
+    elif isinstance(scheme, study.KickDriftKick):
+        moves = [("kick", scheme.kicks[0])]
+        for kick, drift in zip(scheme.kicks[1:], scheme.drifts, strict=True):
+            moves += [("drift", drift), ("kick", kick)]
     else:
         assert isinstance(scheme, study.Composition)
         moves = [move for w in scheme.weights for move in (("kick", w / 2), ("drift", w), ("kick", w / 2))]
