@@ -59,9 +59,9 @@ A scheme with other parameters
     ``Newmark``, ``WilsonTheta``, ``Houbolt``, ``HHTAlpha1996``, ``GeneralizedAlpha``, ``ExplicitAlpha``,
     ``SingleSolve``, ``KolayRicles``, ``ChenRicles``, ``Chang``, ``Bathe``, ``BetaBathe``, ``NohBathe``,
     ``WangAdamsTamma``, ``TchamwaWielgosz``, ``BackwardDifferences``, ``TwoStep``, ``DiagonallyImplicit``,
-    ``RungeKutta4``, ``Nystrom4``, ``Gauss4``, ``Splitting``, ``KickDriftKick``, ``Composition``,
-    ``Extrapolation``, ``EnergyMomentum``, ``AverageVectorField``, ``ImplicitMidpoint``, ``Compensated``,
-    ``Relaxed``.
+    ``RungeKutta4``, ``Nystrom4``, ``EmbeddedNystrom``, ``Gauss4``, ``Splitting``, ``KickDriftKick``,
+    ``Composition``, ``Extrapolation``, ``EnergyMomentum``, ``AverageVectorField``, ``ImplicitMidpoint``,
+    ``Compensated``, ``Relaxed``.
 
 A scheme of your own
     ``Scheme``, or ``OneStep`` for one-step schemes, is the base class. ``building`` states what a scheme must return,

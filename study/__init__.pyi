@@ -43,6 +43,7 @@ from study.scheme.conserving import AverageVectorField as AverageVectorField
 from study.scheme.conserving import EnergyMomentum as EnergyMomentum
 from study.scheme.conserving import ImplicitMidpoint as ImplicitMidpoint
 from study.scheme.diagonally_implicit import DiagonallyImplicit as DiagonallyImplicit
+from study.scheme.embedded_nystrom import EmbeddedNystrom as EmbeddedNystrom
 from study.scheme.explicit_alpha import ExplicitAlpha as ExplicitAlpha
 from study.scheme.extrapolation import Extrapolation as Extrapolation
 from study.scheme.houbolt import Houbolt as Houbolt
