@@ -62,6 +62,7 @@ from study.scheme.single_solve import SingleSolve as SingleSolve
 from study.scheme.splitting import Composition as Composition
 from study.scheme.splitting import Splitting as Splitting
 from study.scheme.tchamwa_wielgosz import TchamwaWielgosz as TchamwaWielgosz
+from study.scheme.trigonometric import Trigonometric as Trigonometric
 from study.scheme.two_step import TwoStep as TwoStep
 from study.scheme.wang_adams_tamma import WangAdamsTamma as WangAdamsTamma
 from study.scheme.wilson import WilsonTheta as WilsonTheta
