@@ -34,6 +34,7 @@ from study.program.definition import Program as Program
 from study.program.opensees import opensees as opensees
 from study.scheme.alpha import GeneralizedAlpha as GeneralizedAlpha
 from study.scheme.alpha import HHTAlpha1996 as HHTAlpha1996
+from study.scheme.auxiliary_variable import AuxiliaryVariable as AuxiliaryVariable
 from study.scheme.backward_differences import BackwardDifferences as BackwardDifferences
 from study.scheme.base import OneStep as OneStep
 from study.scheme.base import Scheme as Scheme
