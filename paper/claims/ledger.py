@@ -76,7 +76,12 @@ CLAIMS: list[Claim] = []
 #: Who makes a claim: the paper of 1996; its verdicts where it did not compute; common practice; this study.
 XIE, XIE_EXTENDED, PRACTICE, STUDY = "Xie", "Xie, extended", "practice", "this study"
 #: Sections with claims that are not in the paper, and the prefix of their numbers in the text.
-OURS = {"materials": "material_claims", "stability": "stability_claims", "structures": "structure_claims"}
+OURS = {
+    "materials": "material_claims",
+    "schemes": "scheme_claims",
+    "stability": "stability_claims",
+    "structures": "structure_claims",
+}
 #: Datasets over the schemes of 1996, and of later ones if the configuration says so.
 _OVER_SCHEMES = ("accuracy", "cpu_time", "energy_error", "large_steps", "sensitivity", "spectral", "phase_portrait/")
 
