@@ -3,7 +3,7 @@
 import numpy as np
 
 from paper.claims.ledger import Finding, claim, when
-from paper.claims.terms import ALMOST, THIRD_ORDER
+from paper.claims.terms import ALMOST, REASONABLE, ROUND_OFF, THIRD_ORDER
 from paper.claims.wording import listed, number
 
 
@@ -86,3 +86,16 @@ def order_stability_and_dissipation_at_once(spectral):
         found.append(f"s = {s}: {number(order)}, {number(limit)}, {number(radius, '.2f')}")
         holds = holds and order > s - 0.5 and bool(np.isinf(limit)) and radius < 1
     return Finding("; ".join(found), holds)
+
+
+@claim(
+    "schemes",
+    "With relaxation Runge-Kutta keeps the energy to round-off.",
+    "largest error of the energy at the steps of the paper, in percent; largest error of the motion after the periods",
+    whose="Ketcheson (2019)",
+)
+def energy_by_relaxation(relaxation):
+    relaxed = relaxation.sel(variant="relaxed")
+    energy, motion = (float(relaxed[name].max()) for name in ("max_energy_error", "motion_error"))
+    reason = when(motion > REASONABLE, "at large steps the motion is not right")
+    return Finding(f"{number(energy, '.0e')}; {number(motion, '.0f')}", energy < 100 * ROUND_OFF, reason)

@@ -64,3 +64,14 @@ def test_order_stability_and_dissipation_at_once(order, limit, radius, holds):
     }
     spectral = _spectral({name: dict(zip(("esdirk3", "esdirk4"), both, strict=True)) for name, both in values.items()})
     assert later_schemes.order_stability_and_dissipation_at_once(spectral).holds == holds
+
+
+@pytest.mark.parametrize("energy, motion, holds, qualified",
+                         [(1e-11, 5.0, True, False), (1e-11, 90.0, True, True), (1e-3, 5.0, False, False)])  # fmt: skip
+def test_energy_by_relaxation(energy, motion, holds, qualified):
+    along = {"problem": ["hardening"], "steps_per_period": [15, 20], "variant": ["plain", "relaxed"]}
+    data = filled(99.0, **along).to_dataset(name="max_energy_error").assign(motion_error=filled(99.0, **along))
+    data.max_energy_error.loc[{"variant": "relaxed"}] = energy
+    data.motion_error.loc[{"variant": "relaxed"}] = motion
+    finding = later_schemes.energy_by_relaxation(data)
+    assert (finding.holds, bool(finding.qualification)) == (holds, qualified)
