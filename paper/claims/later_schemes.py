@@ -3,7 +3,7 @@
 import numpy as np
 
 from paper.claims.ledger import Finding, claim, when
-from paper.claims.terms import ALMOST, REASONABLE, ROUND_OFF, THIRD_ORDER
+from paper.claims.terms import ALMOST, REASONABLE, ROUND_OFF, SECOND_ORDER, THIRD_ORDER
 from paper.claims.wording import listed, number
 
 
@@ -54,6 +54,34 @@ def stable_with_a_model(spectral):
     overshoot = _undamped(spectral, "displacement_overshoot").sel(scheme="chen_ricles").max().item()
     reason = when(overshoot > 1, "at large steps a motion grows to many times its start before it stays bounded")
     return Finding(f"{number(limit)}; {number(overshoot, '.0f')}", np.isinf(limit), reason)
+
+
+@claim(
+    "schemes",
+    "Chang's method is explicit, unconditionally stable and of second order.",
+    "largest stable ωΔt; order of the principal roots, least over damping",
+    whose="Chang (2002)",
+    asks={"spectral.schemes": ["chang"], "spectral.damping_ratios": [0.0]},
+)
+def second_order_with_a_model(spectral):
+    limit = _undamped(spectral, "stability_limit").sel(scheme="chang").item()
+    order = spectral.linear_order.sel(scheme="chang").min().item()
+    return Finding(f"{number(limit)}; {number(order)}", np.isinf(limit) and order > SECOND_ORDER)
+
+
+@claim(
+    "schemes",
+    "ICL is of second order with damping, with one force and no matrix but the mass.",
+    "order of its principal roots, least over damping; largest stable ωΔt without and with damping",
+    whose="Li et al. (2021)",
+    asks={"spectral.schemes": ["icl"], "spectral.damping_ratios": [0.0]},
+)
+def second_order_with_one_force(spectral):
+    at = spectral.sel(scheme="icl").sortby("damping_ratio")
+    order, limits = at.linear_order.min().item(), at.stability_limit.values
+    reason = when(limits[-1] < limits[0] / ALMOST, "damping lowers its limit of stability")
+    ours = f"{number(order)}; {number(limits[0], '.2f')}, {number(limits[-1], '.2f')}"
+    return Finding(ours, order > SECOND_ORDER, reason)
 
 
 @claim(

@@ -6,7 +6,18 @@ import pytest
 from paper.claims import later_schemes
 from tests.paper.claims.made_up import filled
 
-SCHEMES = ["generalized_alpha", "oalts", "kr_alpha", "mkr_alpha", "chen_ricles", "wat2", "esdirk3", "esdirk4"]
+SCHEMES = [
+    "generalized_alpha",
+    "oalts",
+    "kr_alpha",
+    "mkr_alpha",
+    "chen_ricles",
+    "chang",
+    "icl",
+    "wat2",
+    "esdirk3",
+    "esdirk4",
+]
 
 
 def _spectral(variables):
@@ -44,6 +55,22 @@ def test_stability_with_a_model(limit, overshoot, holds):
     )
     finding = later_schemes.stable_with_a_model(spectral)
     assert (finding.holds, bool(finding.qualification)) == (holds, overshoot > 1)
+
+
+@pytest.mark.parametrize("limit, order, holds", [(np.inf, 2.0, True), (np.inf, 1.0, False), (2.0, 2.0, False)])
+def test_second_order_with_a_model(limit, order, holds):
+    spectral = _spectral({"stability_limit": {"chang": limit}, "linear_order": {"chang": order}})
+    assert later_schemes.second_order_with_a_model(spectral).holds == holds
+
+
+@pytest.mark.parametrize(
+    "order, limits, holds", [(2.0, [1.9, 1.9], True), (1.0, [1.9, 1.9], False), (2.0, [1.9, 1.5], True)]
+)
+def test_second_order_with_one_force(order, limits, holds):
+    finding = later_schemes.second_order_with_one_force(
+        _spectral({"stability_limit": {"icl": limits}, "linear_order": {"icl": order}})
+    )
+    assert (finding.holds, bool(finding.qualification)) == (holds, limits[1] < limits[0])
 
 
 @pytest.mark.parametrize("orders, holds", [([4.0, 3.0], True), ([4.0, 2.0], False)])
