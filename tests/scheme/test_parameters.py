@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import study
+from study.scheme.diagonally_implicit import _tableau
 
 
 @pytest.mark.parametrize(
@@ -66,3 +67,9 @@ def test_parameters_out_of_range_are_refused(make, name, value):
 def test_weights_that_make_no_scheme_are_refused(make, sentence):
     with pytest.raises(ValueError, match=sentence):
         make()
+
+
+@pytest.mark.parametrize("s", [3, 4])
+def test_no_weight_of_esdirk_is_large(s):
+    """At every ρ∞; where two times of a step come near to each other weights would grow."""
+    assert max(np.abs(_tableau(s, rho_inf)).max() for rho_inf in np.linspace(0, 1, 101).tolist()) < 3
