@@ -23,7 +23,7 @@ def names_in_codes(scheme: str) -> str:
         if one.scheme == scheme
     ]
     if not found:
-        return "No name of this scheme in OpenSees, Abaqus, LS-DYNA, Code_Aster or SciML has been confirmed."
+        return "No name of this scheme in OpenSees, Abaqus, LS-DYNA, Code_Aster, SciML or suanPan has been confirmed."
     return table(["code", "name and parameters", "remark", "source"], found, numbers_from=4)
 
 

@@ -65,9 +65,11 @@ An observer of your own
 
 A scheme with other parameters
     ``Newmark``, ``WilsonTheta``, ``Houbolt``, ``HHTAlpha1996``, ``GeneralizedAlpha``, ``ExplicitAlpha``,
-    ``KolayRicles``, ``Bathe``, ``NohBathe``, ``TchamwaWielgosz``, ``BackwardDifferences``, ``RungeKutta4``,
-    ``Nystrom4``, ``Gauss4``, ``Splitting``, ``Composition``, ``Extrapolation``, ``EnergyMomentum``,
-    ``AverageVectorField``, ``ImplicitMidpoint``, ``Compensated``.
+    ``SingleSolve``, ``KolayRicles``, ``ChenRicles``, ``Chang``, ``Bathe``, ``BetaBathe``, ``NohBathe``,
+    ``WangAdamsTamma``, ``TchamwaWielgosz``, ``BackwardDifferences``, ``TwoStep``, ``AuxiliaryVariable``,
+    ``DiagonallyImplicit``, ``RungeKutta4``, ``Nystrom4``, ``EmbeddedNystrom``, ``Gauss4``, ``Splitting``,
+    ``KickDriftKick``, ``Composition``, ``Extrapolation``, ``Trigonometric``, ``EnergyMomentum``,
+    ``AverageVectorField``, ``ImplicitMidpoint``, ``Compensated``, ``Relaxed``.
 
 A scheme of your own
     ``Scheme``, or ``OneStep`` for one-step schemes, is the base class. ``building`` states what a scheme must return,

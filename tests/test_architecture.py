@@ -32,7 +32,7 @@ def test_every_scheme_explains_itself(scheme):
     text = type(scheme).__doc__ or ""
     assert "References" in text and re.search(r"\d{4}", text)
     assert scheme.title and scheme.family and scheme.source
-    assert scheme.order in (1, 2, 4, 6, 8, 12) and scheme.order_with_damping <= scheme.order
+    assert scheme.order in (1, 2, 3, 4, 6, 8, 12) and scheme.order_with_damping <= scheme.order
     assert (
         "Carries" in text
         and re.search(r"[Ss]tab(le|ility)", text)

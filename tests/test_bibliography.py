@@ -20,7 +20,7 @@ SOURCES = [path for folder in ("study", "reference", "paper") for path in sorted
 LABELS = {key: (bibliography.label(work), work.get("doi", "")) for key, work in WORKS.items()}
 SCHEMES = {name: (type(scheme), scheme.source, scheme.doi) for name, scheme in study.schemes.items()}
 SCHEMES |= {one.__name__: (one, one.source, one.doi) for one in Wrapper.__subclasses__()}
-_DOI = r"10\.\d{4,9}/[^\s\"\]]*\w"
+_DOI = r"10\.\d{4,9}/(?:[^\s\"\]()]|\([^\s()]*\))*(?:\w|\(\d+\))"
 #: Fields that a work of each kind needs.
 NEEDED = {
     "article": {"journal", "shortjournal", "volume", "pages"},
@@ -118,7 +118,12 @@ def test_a_docstring_may_name_a_place_in_a_work():
 
 
 @pytest.mark.parametrize(
-    "doi", ["10.1002/(SICI)1097-0207(19961230)39:24<4199::AID-NME39>3.0.CO;2-Y", "10.1115/1.2900803"]
+    "doi",
+    [
+        "10.1002/(SICI)1097-0207(19961230)39:24<4199::AID-NME39>3.0.CO;2-Y",
+        "10.1061/(ASCE)0733-9399(2002)128:9(935)",
+        "10.1115/1.2900803",
+    ],
 )
 def test_a_doi_is_found_whole(doi):
     assert re.findall(_DOI, f'doi = "{doi}"\n{doi}. See {doi}, or https://doi.org/{doi}') == [doi] * 4

@@ -79,6 +79,7 @@ XIE, XIE_EXTENDED, PRACTICE, STUDY = "Xie", "Xie, extended", "practice", "this s
 OURS = {
     "adaptive": "adaptive_claims",
     "materials": "material_claims",
+    "schemes": "scheme_claims",
     "stability": "stability_claims",
     "structures": "structure_claims",
 }

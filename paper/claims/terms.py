@@ -44,8 +44,8 @@ IRREGULAR = 5
 RESONANT = 0.05
 #: Largest range of a displacement "at rest".
 AT_REST = 0.01
-#: Least order found of a scheme that "is of second order".
-SECOND_ORDER = 1.5
+#: Least order found of a scheme that "is of second order", and of one that is of third.
+SECOND_ORDER, THIRD_ORDER = 1.5, 2.5
 #: Largest relative size of what is zero up to round-off.
 ROUND_OFF = 1e-10
 #: Error of a displacement in percent that matters, and of a balance of energies that nobody would mind.

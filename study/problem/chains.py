@@ -15,7 +15,7 @@ FPU_FREQUENCY = 50.0
 
 
 @named(time_scale=2 * np.pi)  # about the period of the soft springs
-def fpu_chain() -> Problem:
+def fpu_chain(separate: bool = False) -> Problem:
     r"""The chain of Fermi, Pasta and Ulam: stiff linear and soft non-linear springs alternate.
 
     .. math::
@@ -26,23 +26,28 @@ def fpu_chain() -> Problem:
     u = (x₀₁, x₀₂, x₀₃, x₁₁, x₁₂, x₁₃), where x₁ᵢ are elongations of the stiff springs, and ω = 50. The motion starts
     with x₀₁ = 1, ẋ₀₁ = 1, x₁₁ = 1/ω, ẋ₁₁ = 1 and zero elsewhere. The stiff springs exchange their oscillatory energies
     :math:`I_i = (\dot x_{1,i}^2 + \omega^2 x_{1,i}^2)/2` over times of order ω. The sum I of these energies is nearly
-    constant over very long times.
+    constant over very long times. With ``separate`` the stiff springs are the stiffness of the problem, beside the
+    force of the soft ones.
 
     References
     ----------
     E. Hairer, C. Lubich, G. Wanner, Geometric numerical integration, 2nd ed., Springer, 2006, sections I.5.1 and XIII.
     """
 
-    def strains(u):
+    def soft(u):
         slow, stiff = u[:3], u[3:]
         links = slow[1:] - stiff[1:] - slow[:-1] - stiff[:-1]
-        return jnp.concatenate([stiff, (slow[0] - stiff[0])[None], links, (slow[2] + stiff[2])[None]])
+        return jnp.concatenate([(slow[0] - stiff[0])[None], links, (slow[2] + stiff[2])[None]])
+
+    def all_springs(u):
+        return jnp.concatenate([u[3:], soft(u)])
 
     def density(e):
         return jnp.concatenate([FPU_FREQUENCY**2 * e[:3] ** 2 / 2, e[3:] ** 4 / 4])
 
     return Problem(
-        potential=StrainEnergy(strains, density),
+        potential=StrainEnergy(soft, lambda e: e**4 / 4) if separate else StrainEnergy(all_springs, density),
+        stiffness=np.array([0.0] * 3 + [FPU_FREQUENCY**2] * 3) if separate else None,
         u0=[1.0, 0.0, 0.0, 1 / FPU_FREQUENCY, 0.0, 0.0],
         v0=[1.0, 0.0, 0.0, 1.0, 0.0, 0.0],
         title="Fermi-Pasta-Ulam chain",

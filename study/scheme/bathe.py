@@ -1,5 +1,6 @@
 """Bathe's composite methods: a sub-step by the trapezoidal rule, then one by a formula through three points."""
 
+import abc
 import math
 from typing import ClassVar
 
@@ -8,9 +9,37 @@ import equinox as eqx
 from study.mechanics.balance import balance, load
 from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_range, check_ranges
+from study.scheme.newmark import ROUND_OFF
 
 
-class Bathe(OneStep):
+class Composite(OneStep):
+    """A sub-step to t₀ + γΔt by the trapezoidal rule, then one to t₁ with weights of all three points."""
+
+    family: ClassVar[str] = "Multi-step and composite"
+    explicit = False
+    acceleration_offset = 0.0
+
+    @property
+    @abc.abstractmethod
+    def weights(self) -> tuple[float, float, float, float]:
+        """γ, and the weights q₀, q₁ and q₂, whose sum is one."""
+
+    def increment(self, problem, state, t, dt):
+        u, v, a = state
+        gamma, q0, q1, q2 = self.weights
+        h, c = gamma * dt / 2, q2 * dt
+        # the trapezoidal rule to t₀ + γΔt
+        v_half, u_half = v + h * a, u + 2 * h * v + h**2 * a
+        a_gamma, first = balance(problem, load(problem, t + 2 * h), u_half, v_half, h**2, h, guess=a)
+        v_gamma = v_half + h * a_gamma
+        problem = problem.committed(u_half + h**2 * a_gamma, v_gamma)
+        dv = dt * (q0 * a + q1 * a_gamma)
+        du = dt * (q0 * v + q1 * v_gamma) + c * (v + dv)
+        a, second = balance(problem, load(problem, t + dt), u + du, v + dv, c**2, c, guess=a_gamma)
+        return Motion(du + c**2 * a, dv + c * a, a), first.then(second, problem.history)
+
+
+class Bathe(Composite):
     r"""The ρ∞-Bathe method: a sub-step to t₀ + γΔt by the trapezoidal rule, then one to t₁ through all three points.
 
     .. math::
@@ -56,10 +85,7 @@ class Bathe(OneStep):
     source: str = eqx.field(default="Bathe and Baig (2005)", kw_only=True, static=True)
     doi: str = eqx.field(default="10.1016/j.compstruc.2005.08.001", kw_only=True, static=True)
 
-    family: ClassVar[str] = "Multi-step and composite"
     order = 2
-    explicit = False
-    acceleration_offset = 0.0
     stability_limit = math.inf
 
     def __check_init__(self):
@@ -71,20 +97,82 @@ class Bathe(OneStep):
         check_range("Bathe.of_one_stiffness", "rho_inf", rho_inf, 0.0, math.nextafter(1.0, 0.0))
         return cls((2 - math.sqrt(2 + 2 * rho_inf)) / (1 - rho_inf), rho_inf, **labels)
 
-    def increment(self, problem, state, t, dt):
-        u, v, a = state
+    @property
+    def weights(self) -> tuple[float, float, float, float]:
         q1 = (1 + self.rho_inf) / (2 * self.gamma * (self.rho_inf - 1) + 4)
-        q0, q2 = (self.gamma - 1) * q1 + 0.5, 0.5 - self.gamma * q1
-        h, c = self.gamma * dt / 2, q2 * dt
-        # the trapezoidal rule to t₀ + γΔt
-        v_half, u_half = v + h * a, u + 2 * h * v + h**2 * a
-        a_gamma, first = balance(problem, load(problem, t + 2 * h), u_half, v_half, h**2, h, guess=a)
-        v_gamma = v_half + h * a_gamma
-        problem = problem.committed(u_half + h**2 * a_gamma, v_gamma)
-        dv = dt * (q0 * a + q1 * a_gamma)
-        du = dt * (q0 * v + q1 * v_gamma) + c * (v + dv)
-        a, second = balance(problem, load(problem, t + dt), u + du, v + dv, c**2, c, guess=a_gamma)
-        return Motion(du + c**2 * a, dv + c * a, a), first.then(second, problem.history)
+        return self.gamma, (self.gamma - 1) * q1 + 0.5, q1, 0.5 - self.gamma * q1
+
+
+class BetaBathe(Composite):
+    r"""The β₁/β₂-Bathe method: a sub-step to t₀ + γΔt by the trapezoidal rule, then one with two weighted means.
+
+    .. math::
+
+        y_\gamma &= y_0 + \tfrac12 \gamma\Delta t\,(\dot y_0 + \dot y_\gamma) \quad\text{for } y = u, \dot u \\
+        y_1 &= y_0 + \gamma\Delta t\,[(1 - \beta_1)\,\dot y_0 + \beta_1 \dot y_\gamma]
+            + (1 - \gamma)\Delta t\,[(1 - \beta_2)\,\dot y_\gamma + \beta_2 \dot y_1] \quad\text{for } y = u, \dot u \\
+        M \ddot u + C \dot u + p(u) &= f \quad\text{at } t_0 + \gamma\Delta t \text{ and at } t_1
+
+    With γ = ½ it is unconditionally stable for linear systems if β₁ + β₂ ≥ 1 and β₁ ≤ β₂. It is of second order if β₁ +
+    β₂ = 1, where it is the ρ∞-Bathe method with :math:`\rho_\infty = (3\beta_1 - 1)/(1 - \beta_1)` for β₁ ≥ ⅓, and of
+    first order otherwise. β₂ = 2β₁ makes ρ∞ zero. Carries u, u̇ and ü; solves two balances a step, each with one force
+    a Newton iteration. The first one commits the history of a force with a memory at t₀ + γΔt.
+
+    Parameters
+    ----------
+    beta1, beta2
+        0 ≤ β₁ ≤ 1, 0.01 ≤ β₂ ≤ 1.
+    gamma
+        0.01 ≤ γ ≤ 0.99.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range.
+
+    References
+    ----------
+    M. M. Malakiyeh, S. Shojaee, K. J. Bathe, The Bathe time integration method revisited for prescribing desired
+    numerical dissipation, Comput. Struct. 212, 2019, 289-298.
+    """
+
+    beta1: float
+    beta2: float
+    gamma: float = 0.5
+    title: str = eqx.field(default="β₁/β₂-Bathe", kw_only=True, static=True)
+
+    source: ClassVar[str] = "Malakiyeh et al. (2019)"
+    doi: ClassVar[str] = "10.1016/j.compstruc.2018.10.008"
+
+    def __check_init__(self):
+        check_ranges(self, beta1=(0.0, 1.0), beta2=(0.01, 1.0), gamma=(0.01, 0.99))
+
+    @property
+    def weights(self) -> tuple[float, float, float, float]:
+        first, second = self.gamma, 1 - self.gamma
+        return first, first * (1 - self.beta1), first * self.beta1 + second * (1 - self.beta2), second * self.beta2
+
+    @property
+    def _excess(self) -> float:
+        """γq₁ + q₂ − ½, zero if the method is of second order."""
+        gamma, _, q1, q2 = self.weights
+        return gamma * q1 + q2 - 0.5
+
+    @property
+    def order(self) -> int:
+        return 2 if abs(self._excess) < ROUND_OFF else 1
+
+    @property
+    def stability_limit(self) -> float | None:
+        # |λ| ≤ 1 on the imaginary axis, by the coefficients of (ωΔt)² and (ωΔt)⁴
+        _, q0, q1, q2 = self.weights
+        return math.inf if self._excess > -ROUND_OFF and q2 >= abs(q1 - q0) - ROUND_OFF else None
+
+    @property
+    def needs_mass(self) -> bool:
+        # at infinite frequency y₁ = (q₁ − q₀)/q₂ y₀
+        _, q0, q1, q2 = self.weights
+        return abs(q1 - q0) > q2 + ROUND_OFF
 
 
 _noh = {"source": "Noh and Bathe (2019)", "doi": "10.1016/j.compstruc.2018.11.001"}
@@ -92,3 +180,5 @@ _bank = {"source": "Bank et al. (1985)", "doi": "10.1109/T-ED.1985.22232"}
 bathe = Bathe()
 rho_bathe = Bathe.of_one_stiffness(0.5, title="ρ∞-Bathe", **_noh)
 tr_bdf2 = Bathe.of_one_stiffness(0.0, title="TR-BDF2", **_bank)
+#: β₂ = 2β₁ as its authors advise for waves; β₁ is chosen here.
+beta_bathe = BetaBathe(0.39, 0.78)

@@ -1,17 +1,16 @@
-"""The explicit KR-α method of Kolay and Ricles, with a linear model of the structure in its coefficients."""
+"""The explicit KR-α methods of Kolay and Ricles, with a linear model of the structure in their coefficients."""
 
 import math
 from typing import ClassVar
 
 import equinox as eqx
-import jax.numpy as jnp
 
 from study.algebra.elimination import solve
 from study.algebra.matrices import add, product, times
 from study.mechanics.balance import acceleration
 from study.mechanics.state import Effort, Motion
-from study.mechanics.tangent import force_and_tangent
 from study.scheme.base import OneStep, check_ranges
+from study.scheme.model_based import mass_of, model
 
 
 class KolayRicles(OneStep):
@@ -29,17 +28,27 @@ class KolayRicles(OneStep):
         S \ddot u_m &= [(1 - \alpha_m) M + (1 - \alpha_f) G]\,\ddot u_1 + [\alpha_m M + \alpha_f G]\,\ddot u_0
 
     α_m, α_f, β and γ are those of the generalized-α method for ρ∞. For a linear structure the eigenvalues are those of
-    that method too: of second order, and unconditionally stable. The carried velocity lags by half a step, so a motion
-    that starts with an acceleration is of first order. The method was published as stable for structures that soften.
-    If the tangent k exceeds K, as in a structure that hardens, eigenvalues exceed one: without damping for ρ∞ = 1 if k
-    > 4/Δt² M + K, and for ρ∞ = 0.8 at every step size, though slightly at small ones. Carries u, u̇ and ü; one force a
-    step (the tangent at u = 0 is the same in all steps), and three solutions. A force with a history commits it at u₁;
-    the model stiffness is that at rest.
+    that method too: of second order, and unconditionally stable. The modified method, MKR-α, has
+
+    .. math::
+
+        \alpha_m = \frac{2 \rho_\infty^3 + \rho_\infty^2 - 1}{\rho_\infty^3 + \rho_\infty^2 + \rho_\infty + 1},
+            \quad \alpha_f = \frac{\rho_\infty}{\rho_\infty + 1}, \quad \gamma = \tfrac12 - \alpha_m + \alpha_f,
+            \quad \beta = \tfrac12 (\tfrac12 + \gamma)
+
+    and the roots ±iρ∞ and −ρ∞ at infinite frequency in place of −ρ∞ three times. The carried velocity lags by half a
+    step, so a motion that starts with an acceleration is of first order. The method was published as stable for
+    structures that soften. If the tangent k exceeds K, as in a structure that hardens, eigenvalues exceed one: without
+    damping for ρ∞ = 1 if k > 4/Δt² M + K, and for ρ∞ = 0.8 at every step size, though slightly at small ones. Carries
+    u, u̇ and ü; one force a step (the tangent at u = 0 is the same in all steps), and three solutions. A force with a
+    history commits it at u₁; the model stiffness is that at rest.
 
     Parameters
     ----------
     rho_inf
         0 ≤ ρ∞ ≤ 1.
+    modified
+        Whether it is MKR-α.
 
     Raises
     ------
@@ -50,14 +59,17 @@ class KolayRicles(OneStep):
     ----------
     C. Kolay, J. M. Ricles, Development of a family of unconditionally stable explicit direct integration algorithms
     with controllable numerical energy dissipation, Earthquake Eng. Struct. Dyn. 43(9), 2014, 1361-1380.
+    C. Kolay, J. M. Ricles, Improved explicit integration algorithms for structural dynamic analysis with unconditional
+    stability and controllable numerical dissipation, J. Earthquake Eng. 23(5), 2019, 771-792.
     """
 
     rho_inf: float
+    modified: bool = eqx.field(default=False, static=True)
     title: str = eqx.field(default="KR-α", kw_only=True, static=True)
+    source: str = eqx.field(default="Kolay and Ricles (2014)", kw_only=True, static=True)
+    doi: str = eqx.field(default="10.1002/eqe.2401", kw_only=True, static=True)
 
     family: ClassVar[str] = "Explicit with dissipation"
-    source: ClassVar[str] = "Kolay and Ricles (2014)"
-    doi: ClassVar[str] = "10.1002/eqe.2401"
     order = 1
     explicit = True
     stability_limit = math.inf
@@ -68,22 +80,16 @@ class KolayRicles(OneStep):
 
     def increment(self, problem, state, t, dt):
         u, v, a = state
-        alpha_m, alpha_f = (2 * self.rho_inf - 1) / (self.rho_inf + 1), self.rho_inf / (self.rho_inf + 1)
+        rho, modified = self.rho_inf, self.modified
+        alpha_f = rho / (rho + 1)
+        alpha_m = (2 * rho**3 + rho**2 - 1) / ((rho + 1) * (rho**2 + 1)) if modified else (2 * rho - 1) / (rho + 1)
         gamma = 0.5 - alpha_m + alpha_f
-        beta = (0.5 + gamma) ** 2 / 4
-        mass = 1.0 if problem.mass is None else problem.mass
-        n = u.size
-        at_rest = jnp.zeros_like(u)
-        undeformed = problem.at_rest()
-        model = product(beta * dt**2, undeformed.stiffness_at(at_rest), n)
-        if problem.takes_velocity:
-            _, viscosity = force_and_tangent(lambda v: undeformed.varying_force(at_rest, v), at_rest, problem.tangent)
-            model = add(model, product(gamma * dt, viscosity, n), n=n)
-        if problem.damping is not None:
-            model = add(model, product(gamma * dt, problem.damping, n), n=n)
+        beta = (0.5 + gamma) / 2 if modified else (0.5 + gamma) ** 2 / 4
+        mass, n = mass_of(problem), u.size
+        matrix = model(problem, u, gamma * dt, beta * dt**2)
 
         def mixed(of_mass, of_model):
-            return add(product(of_mass, mass, n), product(of_model, model, n), n=n)
+            return add(product(of_mass, mass, n), product(of_model, matrix, n), n=n)
 
         effective, new, old = mixed(1.0, 1.0), mixed(1 - alpha_m, 1 - alpha_f), mixed(alpha_m, alpha_f)
 
@@ -95,3 +101,10 @@ class KolayRicles(OneStep):
 
 
 kr_alpha = KolayRicles(rho_inf=0.8)
+mkr_alpha = KolayRicles(
+    rho_inf=0.8,
+    modified=True,
+    title="MKR-α",
+    source="Kolay and Ricles (2019)",
+    doi="10.1080/13632469.2017.1326423",
+)

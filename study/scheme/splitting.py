@@ -13,13 +13,15 @@ from study.mechanics.state import Effort, Motion, Phase
 from study.scheme.base import OneStep, as_tuple, check_numbers
 
 
-def _check_weights(scheme: str, name: str, weights: Sequence[float]) -> None:
+def check_weights(scheme: str, name: str, weights: Sequence[float]) -> None:
+    """Refuse weights that are no numbers, or do not add up to one."""
     check_numbers(scheme, name, weights)
     if abs(sum(weights) - 1) > 1e-12:
         raise ValueError(f"{scheme}({name}={weights}): {name} must be numbers that add up to one.")
 
 
-def _check_order(scheme: str, order: int) -> None:
+def check_order(scheme: str, order: int) -> None:
+    """Refuse an order that is not a whole number of at least one."""
     if isinstance(order, bool) or not isinstance(order, int) or order < 1:
         raise ValueError(f"{scheme}(of_order={order!r}): of_order must be a whole number of at least 1.")
 
@@ -74,9 +76,9 @@ class Splitting(OneStep):
     explicit = True
 
     def __check_init__(self):
-        _check_weights("Splitting", "drifts", self.drifts)
-        _check_weights("Splitting", "kicks", self.kicks)
-        _check_order("Splitting", self.of_order)
+        check_weights("Splitting", "drifts", self.drifts)
+        check_weights("Splitting", "kicks", self.kicks)
+        check_order("Splitting", self.of_order)
         if len(self.drifts) != len(self.kicks) + 1:
             raise ValueError(
                 f"Splitting needs one drift more than kicks, not {len(self.drifts)} for {len(self.kicks)}."
@@ -162,8 +164,8 @@ class Composition(OneStep):
     explicit = True
 
     def __check_init__(self):
-        _check_weights("Composition", "weights", self.weights)
-        _check_order("Composition", self.of_order)
+        check_weights("Composition", "weights", self.weights)
+        check_order("Composition", self.of_order)
         if self.weights != self.weights[::-1]:
             raise ValueError(f"Composition(weights={self.weights}): weights must be the same from both ends.")
 
@@ -189,7 +191,7 @@ class Composition(OneStep):
         return Motion(du, dv, a), effort
 
 
-def _mirrored(*half: float) -> tuple[float, ...]:
+def mirrored(*half: float) -> tuple[float, ...]:
     """Symmetric weights, from the outer ones inwards; the middle one makes their sum one."""
     return *half, 1 - 2 * sum(half), *half[::-1]
 
@@ -201,7 +203,7 @@ symplectic_euler = Splitting(
 )
 mclachlan4 = Splitting(
     (_outer, _inner, *(0.5 - _outer - _inner,) * 2, _inner, _outer),
-    _mirrored(-3 / 73, 17 / 59),
+    mirrored(-3 / 73, 17 / 59),
     of_order=4,
     stability_limit=2.9218392,
     title="McLachlan, order 4",
@@ -210,10 +212,10 @@ mclachlan4 = Splitting(
 
 
 yoshida4 = Composition(
-    _mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, stability_limit=1.5734019, title="Yoshida, order 4"
+    mirrored(1 / (2 - 2 ** (1 / 3))), of_order=4, stability_limit=1.5734019, title="Yoshida, order 4"
 )
 yoshida6 = Composition(
-    _mirrored(0.78451361047755726382, 0.23557321335935813368, -1.17767998417887100695),
+    mirrored(0.78451361047755726382, 0.23557321335935813368, -1.17767998417887100695),
     of_order=6,
     stability_limit=2.2690580,
     title="Yoshida, order 6",
@@ -221,7 +223,7 @@ yoshida6 = Composition(
 
 
 kahan_li8 = Composition(
-    _mirrored(
+    mirrored(
         0.13020248308889008088,
         0.56116298177510838456,
         -0.38947496264484728641,

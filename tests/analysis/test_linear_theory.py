@@ -30,6 +30,13 @@ OTHERS = [
     study.NohBathe(p=0.7),
     study.NohBathe(p=0.85),
     study.TchamwaWielgosz(phi=1.5),
+    study.BetaBathe(0.6, 0.7),
+    study.BetaBathe(0.3, 0.6, gamma=0.3),
+    study.SingleSolve(rho_s=0.0, rho_b=0.5),
+    study.WangAdamsTamma(c1=0.3),
+    study.WangAdamsTamma(c1=0.4),
+    study.DiagonallyImplicit(3, rho_inf=0.0),
+    study.DiagonallyImplicit(4, rho_inf=1.0),
 ]
 
 
@@ -43,15 +50,22 @@ AT_INFINITY = {
     "wbz_alpha": 0.8,
     "generalized_alpha": 0.8,
     "kr_alpha": 0.8,
+    "mkr_alpha": 0.8,
+    "chen_ricles": 1.0,
+    "chang": 1.0,
     "bdf2": 0.0,
     "park": 0.0,
+    "oalts": 0.8,
     "bathe": 0.0,
     "tr_bdf2": 0.0,
     "rho_bathe": 0.5,
+    "beta_bathe": 0.0,
     "implicit_midpoint": 1.0,
     "energy_momentum": 1.0,
     "average_vector_field": 1.0,
     "gauss4": 1.0,
+    "esdirk3": 0.8,
+    "esdirk4": 0.8,
 }
 
 
@@ -107,6 +121,13 @@ def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
         ("symplectic_euler", 0.1): 2,
         ("kr_alpha", 0.0): 2,
         ("kr_alpha", 0.1): 2,
+        ("mkr_alpha", 0.0): 2,
+        ("mkr_alpha", 0.1): 2,
+        # conjugate to the trapezoidal rule
+        ("chen_ricles", 0.0): 2,
+        ("chen_ricles", 0.1): 2,
+        # of third order as soon as there is damping, or the force is not linear
+        ("wat2", 0.0): 4,
         # Numerov's formula
         ("fox_goodwin", 0.0): 4,
     }.get((scheme_name, damping_ratio), scheme.order_with_damping if damping_ratio else scheme.order)

@@ -107,7 +107,14 @@ def test_names_in_other_codes_can_be_checked():
     rows = names_in_codes()
     assert all(row.scheme in study.schemes and re.match(r"https?://[\w.-]+\.\w+", row.source) for row in rows)
     assert len({(row.scheme, row.code) for row in rows}) == len(rows)
-    assert {row.code.split("/")[0] for row in rows} == {"OpenSees", "Abaqus", "LS-DYNA", "Code_Aster", "SciML"}
+    assert {row.code.split("/")[0] for row in rows} == {
+        "OpenSees",
+        "Abaqus",
+        "LS-DYNA",
+        "Code_Aster",
+        "SciML",
+        "suanPan",
+    }
     assert "has been confirmed" in confirmed.names_in_codes("gauss4")
 
 

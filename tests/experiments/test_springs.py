@@ -14,6 +14,7 @@ from study.experiments.energy_error import energy_error
 from study.experiments.houbolt_start import houbolt_start
 from study.experiments.large_steps import large_steps
 from study.experiments.phase_portrait import phase_portrait
+from study.experiments.relaxation import relaxation
 from study.experiments.sensitivity import APART, sensitivity
 from study.experiments.spectral import spectral
 from study.marching.result import UNBOUNDED
@@ -39,6 +40,18 @@ def test_only_houbolts_own_start_gives_the_printed_error():
     # rounded to two decimals and then to one, as the numbers of 1996 were
     met = error.start[same(twice(error), printed)]
     assert met.values.tolist() == ["linear_acceleration"] and error.sizes["start"] == 4
+
+
+def test_relaxation_keeps_the_energy_of_the_runs_of_the_tables(monkeypatch):
+    monkeypatch.setattr(io, "open_dataset", lambda name: xr.Dataset({"period": 0.151532834447260357}))
+    found = relaxation(["hardening"], [20, 200], periods=100).squeeze()
+    printed = PRINTED.sel(problem="hardening", scheme="rk4", steps_per_period=20).item()
+    assert found.max_energy_error.sel(variant="plain", steps_per_period=20) == pytest.approx(printed, abs=0.06)
+    assert (found.max_energy_error.sel(variant="relaxed") < 1e-9).all()
+    # the motion is nearer to the exact one, and its error falls with the fourth order of the method
+    assert (found.motion_error.sel(variant="relaxed") < found.motion_error.sel(variant="plain")).all()
+    coarse, fine = found.motion_error.sel(variant="relaxed")
+    assert np.log10(coarse / fine) == pytest.approx(4, abs=0.3)
 
 
 def test_a_step_that_is_too_large_fails_or_loses_the_energy():

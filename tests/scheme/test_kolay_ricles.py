@@ -1,4 +1,4 @@
-"""The KR-α method."""
+"""Explicit methods with a model of the structure: KR-α, MKR-α, Chen and Ricles', Chang's."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -18,3 +18,34 @@ def test_stability_of_kr_alpha_is_that_of_its_model(scheme, factor, stable):
     problem = study.Problem(lambda u: jnp.where(jnp.abs(u) < 1e-6, rest, factor) * u, u0=1.0)
     ds = study.run(problem, study.KolayRicles(scheme), dt=dt, steps=2000)
     assert (np.abs(ds.u).max() < 100) == stable
+
+
+@pytest.mark.parametrize("name", ["chen_ricles", "chang"])
+@pytest.mark.parametrize("factor, stable", [(0.5, True), (4.99, True), (5.01, False)])
+def test_stability_that_is_called_unconditional_ends_where_the_stiffness_has_risen(name, factor, stable):
+    """The tangent may exceed that of the model by 4/Δt² at most, here with Δt = 1 and a model of 1."""
+    problem = study.Problem(lambda u: jnp.where(jnp.abs(u) < 1e-6, 1.0, factor) * u, u0=1.0)
+    ds = study.run(problem, name, dt=1.0, steps=2000, on_failure="ignore")
+    assert (np.abs(ds.u).max() < 1000) == stable
+
+
+def test_changs_method_is_the_trapezoidal_rule_for_a_linear_structure():
+    damped = {"mass": np.array([2.0, 1.0]), "damping": study.Rayleigh(0.1, 0.05), "u0": [1.0, 0.5], "v0": [0.0, 2.0]}
+    problem = study.Problem(stiffness=np.array([[6.0, -2.0], [-2.0, 4.0]]), **damped)
+    one, other = (study.run(problem, name, dt=0.5, steps=40) for name in ("chang", "average_acceleration"))
+    np.testing.assert_allclose(one.u, other.u, atol=1e-12)
+    np.testing.assert_allclose(one.v, other.v, atol=1e-12)
+
+
+def test_both_methods_have_the_radius_of_their_parameter_at_infinite_frequency():
+    """Roots at infinite frequency: −ρ∞ three times, and −ρ∞ and ±iρ∞ with the modification."""
+    for modified, roots in ((False, [-0.6] * 3), (True, [-0.6, 0.6j, -0.6j])):
+        (matrix,) = study.LinearTheory(study.KolayRicles(0.6, modified), np.array([1e7])).matrices
+        np.testing.assert_allclose(np.poly(matrix), np.poly(roots), atol=1e-6)
+
+
+def test_mkr_alpha_overshoots_less_than_kr_alpha_and_elongates_the_period_more():
+    parts = np.array([1e-3, 1e-2, 0.1, 10.0])
+    kolay, improved = (study.LinearTheory(name, parts) for name in ("kr_alpha", "mkr_alpha"))
+    assert improved.overshoot()[0, -1] < 0.2 < 3 < kolay.overshoot()[0, -1]
+    assert improved.motion().period_elongation[2] > 1.1 * kolay.motion().period_elongation[2] > 0

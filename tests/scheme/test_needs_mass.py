@@ -90,6 +90,14 @@ def test_bathes_methods_need_none(gamma, rho_inf):
     assert not scheme.needs_mass and not _grows(scheme)
 
 
+@settings(max_examples=40, deadline=None)
+@given(beta1=st.floats(0.0, 1.0), beta2=st.floats(0.1, 1.0), gamma=st.floats(0.1, 0.9))
+def test_bathes_method_with_two_weights(beta1, beta2, gamma):
+    scheme = study.BetaBathe(*map(np.float64, (beta1, beta2, gamma)))
+    assume(abs(LinearTheory(scheme, np.array([1.0])).infinite_frequency_radius() - 1) > GROWTH)
+    assert scheme.needs_mass == _grows(scheme)
+
+
 @pytest.mark.parametrize(
     "make, least, most",
     [
@@ -116,6 +124,9 @@ OTHERS = [
     study.EnergyMomentum(),
     *(study.AverageVectorField(points=points) for points in (1, 2, 5)),
     study.Gauss4(),
+    study.DiagonallyImplicit(3, rho_inf=0.0),
+    study.TwoStep(rho_inf=0.8),
+    study.DiagonallyImplicit(4, rho_inf=1.0),
 ]
 
 

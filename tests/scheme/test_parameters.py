@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import study
+from study.scheme.diagonally_implicit import _tableau
 
 
 @pytest.mark.parametrize(
@@ -21,11 +22,16 @@ import study
         (study.GeneralizedAlpha.hht, "rho_inf"),
         (study.GeneralizedAlpha.wbz, "rho_inf"),
         (study.KolayRicles, "rho_inf"),
+        (study.TwoStep, "rho_inf"),
         (lambda x: study.Bathe(gamma=x), "gamma"),
         (study.Bathe.of_one_stiffness, "rho_inf"),
         (study.ExplicitAlpha.hulbert_chung, "rho_b"),
         (study.ExplicitAlpha.chung_lee, "beta"),
+        (lambda x: study.BetaBathe(0.39, x), "beta2"),
+        (study.SingleSolve.icl, "rho_b"),
+        (lambda x: study.SingleSolve(rho_s=x, rho_b=0.2), "rho_s"),
         (study.NohBathe, "p"),
+        (study.WangAdamsTamma, "c1"),
         (study.TchamwaWielgosz, "phi"),
     ],
 )
@@ -49,12 +55,21 @@ def test_parameters_out_of_range_are_refused(make, name, value):
         (lambda: study.Extrapolation(3), "sequence must be a tuple of finite numbers"),
         (lambda: study.Splitting((0.0, 1.0), (0.5,), of_order=1), "kicks must be numbers that add up to one"),
         (lambda: study.Splitting((1.0,), (1.0,), of_order=1), "one drift more than kicks, not 1 for 1"),
+        (lambda: study.KickDriftKick((1.0,), (1.0,), of_order=2), "one kick more than drifts, not 1 for 1"),
         (lambda: study.Composition((0.5, 0.2, 0.3), of_order=2), "weights must be the same from both ends"),
         (lambda: study.Composition((), of_order=2), "weights must be a tuple of finite numbers"),
         (lambda: study.Extrapolation((2, 1)), "sequence must be whole numbers that rise from at least 1"),
+        (lambda: study.DiagonallyImplicit(3, rho_inf=1.1), "rho_inf must be a number between 0 and 1"),
+        (lambda: study.DiagonallyImplicit(5, rho_inf=0.8), "sub_steps must be 3 or 4"),
         (lambda: study.AverageVectorField(points=0), "points must be a whole number of at least 1"),
     ],
 )
 def test_weights_that_make_no_scheme_are_refused(make, sentence):
     with pytest.raises(ValueError, match=sentence):
         make()
+
+
+@pytest.mark.parametrize("s", [3, 4])
+def test_no_weight_of_esdirk_is_large(s):
+    """At every ρ∞; where two times of a step come near to each other weights would grow."""
+    assert max(np.abs(_tableau(s, rho_inf)).max() for rho_inf in np.linspace(0, 1, 101).tolist()) < 3

@@ -1,5 +1,7 @@
 """Characteristic polynomials out of the code, against closed forms."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -25,7 +27,8 @@ def _assert_roots(scheme, expected, parts=PARTS, tolerance=1e-10):
 
 
 @pytest.mark.parametrize(
-    "name", ["average_acceleration", "implicit_midpoint", "energy_momentum", "average_vector_field"]
+    "name",
+    ["average_acceleration", "implicit_midpoint", "energy_momentum", "average_vector_field", "chen_ricles", "chang"],
 )
 def test_the_trapezoidal_rule_neither_damps_nor_grows(name):
     """λ = (1 ± iΩ/2)/(1 ∓ iΩ/2)."""
@@ -67,6 +70,17 @@ def test_gauss_is_the_pade_approximation():
     """λ = (1 + z/2 + z²/12)/(1 − z/2 + z²/12), z = iΩ."""
     z = 1j * STEPS
     _assert_roots(study.schemes["gauss4"], ((1 + z / 2 + z**2 / 12) / (1 - z / 2 + z**2 / 12))[:, None])
+
+
+@pytest.mark.parametrize("s, rho_inf, gamma", [(3, 0.0, 0.4358665215), (3, 1.0, 1 / 3), (4, 0.0, 0.5728160625)])
+def test_esdirk_is_the_restricted_pade_approximation(s, rho_inf, gamma):
+    """λ = Σ zᵏ Σ C(s, j) (−γ)ʲ/(k − j)! / (1 − γz)ˢ, z = iΩ, with γ as printed for L-stable methods."""
+    z = 1j * STEPS
+    numerator = sum(
+        z**k * sum(math.comb(s, j) * (-gamma) ** j / math.factorial(k - j) for j in range(k + 1)) for k in range(s + 1)
+    )
+    roots = LinearTheory(study.DiagonallyImplicit(s, rho_inf), PARTS).roots
+    assert np.abs(roots - (numerator / (1 - gamma * z) ** s)[:, None]).min(axis=1).max() < 1e-8
 
 
 def test_houbolt_has_its_polynomial():
@@ -115,6 +129,17 @@ def test_the_generalized_alpha_family_meets_its_spectral_radius(rho_inf):
         assert abs(np.polyval(hht, minus)) < 1e-10 and abs(np.polyval(np.polyder(hht), minus)) < 1e-10
 
 
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.8])
+def test_zhangs_method_damps_low_frequencies_half_as_much_as_the_generalized_alpha_method(rho_inf):
+    """The algorithmic damping ratio of both is proportional to Ω³; at equal ρ∞ their quotient tends to one half."""
+    parts = np.array([1e-3, 2e-3, 5e-3, 1e-2])
+    zhang, chung = (
+        LinearTheory(scheme, parts).motion().algorithmic_damping
+        for scheme in (study.TwoStep(rho_inf), study.GeneralizedAlpha.chung_hulbert(rho_inf))
+    )
+    assert zhang[-1] / chung[-1] == pytest.approx(0.5, abs=3e-3)
+
+
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_kr_alpha_has_the_roots_of_the_generalized_alpha_method(damping_ratio):
     implicit = _polynomials(study.schemes["generalized_alpha"], damping_ratio=damping_ratio)
@@ -134,12 +159,38 @@ def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
     assert LinearTheory(scheme, PARTS).stability_limit() == pytest.approx(limit, rel=1e-6)
 
 
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
+@pytest.mark.parametrize(
+    "one, other",
+    [
+        (study.SingleSolve(0.8, 0.8), study.ExplicitAlpha.hulbert_chung(0.8)),
+        (study.SingleSolve.icl(0.5), study.ExplicitAlpha.chung_lee(28 / 27)),
+        (study.SingleSolve.icl(1.0), study.ExplicitAlpha.chung_lee(1.0)),
+    ],
+    ids=["ρ_s = ρ_b", "ICL, ρ_b = ½", "ICL, ρ_b = 1"],
+)
+def test_explicit_methods_with_one_force_share_their_polynomials(one, other, damping_ratio):
+    """GSSE evaluates its force elsewhere than they do, and the sequence of its displacements is theirs."""
+    parts = PARTS[STEPS < 2]
+    of_one, of_other = (_polynomials(scheme, parts, damping_ratio) for scheme in (one, other))
+    np.testing.assert_allclose(of_one, of_other, atol=1e-10)
+
+
+@pytest.mark.parametrize("rho_s, rho_b", [(0.0, 0.8), (0.125, 0.8), (0.5, 0.9)])
+def test_the_roots_of_gsse_meet_at_its_parameters(rho_s, rho_b):
+    """Somewhere the principal roots meet at −ρ_b, where the third one is −ρ_s."""
+    omega = np.linspace(1.5, 2, 4001)
+    polynomials = _polynomials(study.SingleSolve(rho_s, rho_b), omega / (2 * np.pi))
+    meeting = np.poly([-rho_b, -rho_b, -rho_s])
+    assert np.abs(polynomials - meeting).max(axis=1).min() < 2e-3
+
+
 @pytest.mark.parametrize("theta, stable", [(1.36, False), (1.37, True), (1.4, True)])
 def test_wilson_is_unconditionally_stable_from_1_366(theta, stable):
     assert (LinearTheory(study.WilsonTheta(theta=theta), PARTS).stability_limit() == np.inf) == stable
 
 
-@pytest.mark.parametrize("name", ["yoshida4", "yoshida6", "kahan_li8", "mclachlan4"])
+@pytest.mark.parametrize("name", ["yoshida4", "yoshida6", "kahan_li8", "mclachlan4", "blanes_moan4"])
 def test_splittings_are_stable_as_long_as_their_product_is(name):
     """Half the trace of the product of its kicks and drifts, written out, first leaves [−1, 1] at the limit."""
     scheme, omega = study.schemes[name], np.linspace(1e-3, 6, 60_000)
@@ -147,6 +198,10 @@ def test_splittings_are_stable_as_long_as_their_product_is(name):
         moves = [("drift", scheme.drifts[0])]
         for kick, drift in zip(scheme.kicks, scheme.drifts[1:], strict=True):
             moves += [("kick", kick), ("drift", drift)]
+    elif isinstance(scheme, study.KickDriftKick):
+        moves = [("kick", scheme.kicks[0])]
+        for kick, drift in zip(scheme.kicks[1:], scheme.drifts, strict=True):
+            moves += [("drift", drift), ("kick", kick)]
     else:
         assert isinstance(scheme, study.Composition)
         moves = [move for w in scheme.weights for move in (("kick", w / 2), ("drift", w), ("kick", w / 2))]

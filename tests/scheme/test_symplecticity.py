@@ -8,7 +8,7 @@ import study
 
 
 @pytest.mark.parametrize("name", ["implicit_midpoint", "gauss4", "symplectic_euler", "mclachlan4", "yoshida4",
-                                  "yoshida6", "kahan_li8", "velocity_verlet"])  # fmt: skip
+                                  "yoshida6", "kahan_li8", "blanes_moan4", "velocity_verlet"])  # fmt: skip
 def test_symplectic_maps_keep_areas(name):
     """The derivative of a step on a non-linear spring with respect to (u, u̇) has the determinant one."""
     problem, scheme, dt = study.problems["softening"], study.schemes[name], jnp.asarray(0.05)
@@ -24,7 +24,7 @@ def test_symplectic_maps_keep_areas(name):
 
 @pytest.mark.parametrize("name", ["average_acceleration", "implicit_midpoint", "energy_momentum", "gauss4",
                                   "average_vector_field", "mclachlan4", "yoshida4", "yoshida6", "kahan_li8",
-                                  "velocity_verlet"])  # fmt: skip
+                                  "blanes_moan4", "velocity_verlet"])  # fmt: skip
 def test_symmetric_schemes_come_back(name):
     problem = study.problems["softening"]
     there = study.run(problem, name, dt=0.05, steps=40).isel(t=-1)

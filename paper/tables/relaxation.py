@@ -1,0 +1,29 @@
+"""Runge-Kutta with relaxation beside its column in Tables 1 and 2."""
+
+import pandas as pd
+import xarray as xr
+
+from paper.claims.wording import number
+from paper.products import table
+from paper.published import PROBLEMS, STEPS, printed_energy_errors
+
+
+@table(asks={"relaxation.problems": PROBLEMS, "relaxation.steps_per_period": STEPS})
+def tabulate(relaxation: xr.Dataset) -> pd.DataFrame:
+    """One row per problem and step size."""
+    printed = printed_energy_errors().sel(scheme="rk4")
+
+    def row(problem: str, steps: int) -> dict[str, str]:
+        at = relaxation.sel(problem=problem, steps_per_period=steps)
+        energy, motion = at.max_energy_error, at.motion_error
+        return {
+            "Spring": at.problem_title.item(),
+            "Step": f"T/{steps}",
+            "Energy, 1996": number(printed.sel(problem=problem, steps_per_period=steps).item()),
+            "Energy": number(energy.sel(variant="plain").item()),
+            "Energy, relaxed": number(energy.sel(variant="relaxed").item(), ".0e"),
+            "Motion": number(motion.sel(variant="plain").item()),
+            "Motion, relaxed": number(motion.sel(variant="relaxed").item()),
+        }
+
+    return pd.DataFrame(row(problem, steps) for problem in PROBLEMS for steps in STEPS)

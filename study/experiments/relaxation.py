@@ -1,0 +1,75 @@
+"""Runge-Kutta with and without relaxation: the energy, and where the motion is after whole periods."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, Counts, Springs
+from study.experiments import coordinates
+from study.marching.run import run
+from study.problem.named import problems as problems_by_name
+from study.scheme.runge_kutta import rk4
+from study.scheme.wrapper.relaxed import Relaxed
+
+#: The method as it is, and with relaxation.
+VARIANTS = {"plain": rk4, "relaxed": Relaxed(rk4)}
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    runs = 2 * len(VARIANTS) * len(options["problems"])
+    return runs * sum(options["steps_per_period"]) * options["periods"]
+
+
+@experiment(
+    "relaxation",
+    reads=lambda options: [f"reference/{problem}" for problem in options["problems"]],
+    steps=_number_of_steps,
+)
+def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
+    """Compute errors of energy and motion of the Runge-Kutta method with and without relaxation, in percent.
+
+    The error of the energy is max |E − E₀|/|E₀| over ``periods`` printed periods, as in Tables 1 and 2 of Xie (1996).
+    That of the motion is the distance √((u/u₀ − 1)² + u̇²/(2E₀)) from the start after ``periods`` exact periods. Both
+    are of shape (problem, steps_per_period, variant).
+
+    Raises
+    ------
+    FileNotFoundError
+        If the reference of a problem, which holds its exact period, has not been made.
+    """
+    shape = len(problems), len(steps_per_period), len(VARIANTS)
+    energy, motion = np.empty(shape), np.empty(shape)
+    for p, problem in enumerate(problems):
+        progress(f"relaxation on {problem}")
+        known, spring = coordinates.periods(problem), problems_by_name[problem]
+        u0, fastest = spring.u0, np.sqrt(2 * spring.energy(spring.u0, spring.v0))
+        for m, scheme in enumerate(VARIANTS.values()):
+            for k, steps in enumerate(steps_per_period):
+                tables, whole = (
+                    run(
+                        problem,
+                        scheme,
+                        dt=period / steps,
+                        steps=steps * periods,
+                        every=steps * periods,
+                        observe=["trajectory", "max_energy_error"],
+                        on_failure="ignore",
+                    )
+                    for period in (known["printed"], known["exact"])
+                )
+                energy[p, k, m] = tables.max_energy_error
+                motion[p, k, m] = 100 * np.hypot(whole.u[-1] / u0 - 1, whole.v[-1] / fastest)
+    dims = ("problem", "steps_per_period", "variant")
+    of_energy = {"long_name": f"largest relative error of the total energy over {periods} periods", "units": "percent"}
+    of_motion = {"long_name": f"relative distance from the start after {periods} exact periods", "units": "percent"}
+    return xr.Dataset(
+        {"max_energy_error": (dims, energy, of_energy), "motion_error": (dims, motion, of_motion)},
+        coords={
+            **coordinates.problem_coordinates(problems),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
+            "variant": ("variant", list(VARIANTS), {"long_name": "Runge-Kutta as it is, or with relaxation"}),
+        },
+        attrs={"title": "Runge-Kutta with and without relaxation by problem and step size"},
+    )

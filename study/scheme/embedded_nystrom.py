@@ -1,0 +1,165 @@
+"""Embedded Runge-Kutta-Nyström methods: Dormand and Prince's pair of order six and four."""
+
+from typing import ClassVar, NamedTuple
+
+import equinox as eqx
+import numpy as np
+
+from study.mechanics.balance import acceleration
+from study.mechanics.state import Effort, Motion
+from study.scheme.base import OneStep
+
+
+class Tableau(NamedTuple):
+    """Weights of an explicit Runge-Kutta-Nyström pair whose last stage is the first one of the next step.
+
+    ``c`` (s,) are the times of the stages, ``a`` (s, s) their weights, the last row of which is ``b``; ``b`` and
+    ``b_velocity`` (s,) are the weights of displacement and velocity, ``b_hat`` and ``b_hat_velocity`` those of the
+    embedded method.
+    """
+
+    c: tuple[float, ...]
+    a: tuple[tuple[float, ...], ...]
+    b_velocity: tuple[float, ...]
+    b_hat: tuple[float, ...]
+    b_hat_velocity: tuple[float, ...]
+
+    @property
+    def b(self) -> tuple[float, ...]:
+        """Weights of the displacement."""
+        return self.a[-1]
+
+    @property
+    def a_velocity(self) -> np.ndarray:
+        """Weights (s, s) of the velocity of the stages, which integrate the polynomial through all stages before."""
+        weights = np.zeros((len(self.c), len(self.c)))
+        for i, end in enumerate(self.c):
+            powers = np.arange(i)
+            vandermonde = np.vander(self.c[:i], increasing=True).T
+            weights[i, :i] = np.linalg.solve(vandermonde, end ** (powers + 1) / (powers + 1))
+        return weights
+
+
+class EmbeddedNystrom(OneStep):
+    r"""An explicit Runge-Kutta-Nyström method with a second one of lower order from the same forces.
+
+    For i = 1, ..., s, with the first k from the step before,
+
+    .. math::
+
+        u_i &= u_0 + c_i \Delta t\,\dot u_0 + \Delta t^2 \sum_{j<i} a_{ij} k_j, \quad
+            v_i = \dot u_0 + \Delta t \sum_{j<i} \bar a_{ij} k_j \\
+        M k_i + C v_i + p(u_i) &= f(t_0 + c_i \Delta t) \\
+        u_1 &= u_0 + \Delta t\,\dot u_0 + \Delta t^2 \sum_j b_j k_j, \quad
+            \dot u_1 = \dot u_0 + \Delta t \sum_j b'_j k_j
+
+    The weights :math:`\hat b` and :math:`\hat b'` of ``tableau`` in place of b and b′ give the embedded method, whose
+    difference from the other estimates the error of a step. The pair of Dormand and Prince has the orders six and four.
+    Without damping no step size is stable, though the motion grows in a step by :math:`4 \cdot 10^{-6} (\omega\Delta
+    t)^8` only. The pair is derived for ü that does not depend on u̇, and has no v_i. Here ā integrates the polynomial
+    through the k before, and the order is three with damping. Carries u, u̇ and ü; s − 1 forces a step, five for this
+    pair. A force with a history commits it at u₁; the stages all start from the history at u₀.
+
+    Parameters
+    ----------
+    tableau
+        c, a, b′, b̂ and b̂′; the last row of a is b.
+    of_order
+        Order of accuracy without damping.
+    with_damping
+        Order of accuracy with damping.
+    stability_limit
+        Largest ωΔt at which it is stable without damping, if known.
+
+    References
+    ----------
+    J. R. Dormand, P. J. Prince, Runge-Kutta-Nyström triples, Comput. Math. Appl. 13(12), 1987, 937-949.
+    """
+
+    tableau: Tableau = eqx.field(static=True)
+    of_order: int = eqx.field(static=True)
+    with_damping: int = eqx.field(static=True)
+    stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
+    title: str = eqx.field(default="Embedded Nyström", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Runge-Kutta and conserving"
+    source: ClassVar[str] = "Dormand and Prince (1987)"
+    doi: ClassVar[str] = "10.1016/0898-1221(87)90066-8"
+    explicit = True
+
+    @property
+    def order(self) -> int:
+        return self.of_order
+
+    @property
+    def order_with_damping(self) -> int:
+        return self.with_damping
+
+    @property
+    def forces_per_step(self) -> int:
+        return len(self.tableau.c) - 1
+
+    def increment(self, problem, state, t, dt):
+        u, v, a = state
+        stages = [a]
+        tableau = self.tableau
+        for c, row, of_velocity in zip(tableau.c[1:], tableau.a[1:], tableau.a_velocity[1:].tolist(), strict=True):
+            at = v + dt * _weighted(of_velocity, stages) if problem.damped else v
+            stages.append(acceleration(problem, t + c * dt, u + c * dt * v + dt**2 * _weighted(row, stages), at))
+        du = dt * v + dt**2 * _weighted(tableau.b, stages)
+        return Motion(du, dt * _weighted(tableau.b_velocity, stages), stages[-1]), Effort()
+
+
+def _weighted(weights, stages):
+    """Sum of the stages with their weights, without those of weight zero."""
+    return sum(w * k for w, k in zip(weights, stages, strict=False) if w)
+
+
+_root = 8581**0.5
+_b = (
+    329 / 4212,
+    0.0,
+    (84119543 + 366727 * _root) / 409622616,
+    (84119543 - 366727 * _root) / 409622616,
+    200 / 17901,
+)
+_PAIR = Tableau(
+    c=(0.0, (209 - _root) / 900, (209 - _root) / 450, (209 + _root) / 450, 9 / 10, 1.0),
+    a=(
+        (),
+        ((26131 - 209 * _root) / 810000,),
+        ((26131 - 209 * _root) / 607500, (26131 - 209 * _root) / 303750),
+        (
+            (980403512254 + 7781688431 * _root) / 11694469921875,
+            -(1262884486208 + 15385481287 * _root) / 11694469921875,
+            (7166233891441 + 78694563299 * _root) / 46777879687500,
+        ),
+        (
+            -9 * (329260 + 3181 * _root) / 27040000,
+            27 * (35129 + 3331 * _root) / 13520000,
+            -27 * (554358343 + 31040327 * _root) / 464060480000,
+            153 * (8555257 - 67973 * _root) / 2745920000,
+        ),
+        _b,
+    ),
+    b_velocity=(
+        329 / 4212,
+        0.0,
+        (389225579 + 96856 * _root) / 1024056540,
+        (389225579 - 96856 * _root) / 1024056540,
+        2000 / 17901,
+        1 / 20,
+    ),
+    b_hat=((2701 + 23 * _root) / 4563, -(9829 + 131 * _root) / 9126, 5 * (1798 + 17 * _root) / 9126, 0.0, 0.0, 0.0),
+    b_hat_velocity=(
+        115 / 2106,
+        0.0,
+        (84119543 + 366727 * _root) / 256014135,
+        (84119543 - 366727 * _root) / 256014135,
+        6950 / 17901,
+        -1 / 10,
+    ),
+)
+dormand_prince6 = EmbeddedNystrom(
+    _PAIR, of_order=6, with_damping=3, stability_limit=0.0, title="Dormand-Prince, order 6"
+)

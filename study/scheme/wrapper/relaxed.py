@@ -1,0 +1,122 @@
+"""Relaxation: the increment of a step is scaled so that the energy stays the same."""
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+from study.algebra.arrays import Scalar
+from study.mechanics.newton import iterated, opened_closure
+from study.mechanics.state import Effort
+from study.scheme.base import OneStep, Wrapper, WrapperState
+
+
+class Late(WrapperState):
+    """State of the scheme itself, and its own time less the time of the march."""
+
+    inner: Any
+    lead: Scalar
+
+
+def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
+    """The γ near one with E(γ) = E(0), and whether Newton's iteration found it.
+
+    The quotient (E(γ) − E(0))/γ does not have the root at zero, and is a straight line for a linear system.
+    """
+    before = energy(0.0)
+    one = jnp.ones_like(before)
+
+    def corrected(gamma):
+        quotient, slope = jax.jvp(lambda gamma: (energy(gamma) - before) / gamma, (gamma,), (one,))
+        # a structure in balance does not move: any γ will do
+        return gamma - jnp.where(slope == 0, 0.0, quotient / jnp.where(slope == 0, 1.0, slope))
+
+    def iterate(gamma, last):
+        new = corrected(gamma)
+        # convergence is quadratic: the correction after the loop leaves round-off
+        return new, jnp.abs(new - gamma) > jnp.finfo(one.dtype).eps ** (1 / 3), last
+
+    opened, given = opened_closure(iterate, one, one)
+    first = one, jnp.ones((), bool), jnp.zeros((), int)
+    gamma, unfinished, _ = iterated(opened, lax.stop_gradient(given), first)
+    # outside of the loop, so that this one has derivatives
+    return corrected(gamma), Effort(converged=~unfinished)
+
+
+class Relaxed(Wrapper):
+    r"""Another scheme whose increment is scaled so that the energy stays the same.
+
+    With the energy E = ½ u̇ᵀ M u̇ + ½ uᵀ K u + V, the increment Δy of the scheme for a step h from y₀ = (u₀, u̇₀) at its
+    own time τ₀, and the end t₁ of the step,
+
+    .. math::
+
+        h &= t_1 - \tau_0, \quad y_1 = y_0 + \gamma\,\Delta y, \quad \tau_1 = \tau_0 + \gamma h \\
+        E(y_1) &= E(y_0), \quad \gamma = 1 + O(h^{p-1})
+
+    The motion y₁ belongs to τ₁, and there the order p of the scheme holds; y₀ + γ Δy taken as the motion at τ₀ + h has
+    the order p − 1. Each step makes up for the last one, so that τ₁ − t₁ = (γ − 1) h stays of the order p and does not
+    add up: the motion that is taken for that at t₁ has the order p too. Stability for linear systems is that of the
+    scheme. For problems without damping, load and history; needs the potential. Carries the state of the scheme, scaled
+    in the same way, and τ₁ − t₁; as many forces a step as the scheme, and some potentials.
+
+    Parameters
+    ----------
+    scheme
+        A scheme whose step adds increments to displacement and velocity: any one-step scheme of the study.
+
+    Raises
+    ------
+    TypeError
+        If it is not such a scheme.
+
+    References
+    ----------
+    D. I. Ketcheson, Relaxation Runge-Kutta methods: conservation and stability for inner-product norms, SIAM J. Numer.
+    Anal. 57(6), 2019, 2850-2870.
+    H. Ranocha, L. Lóczi, D. I. Ketcheson, General relaxation methods for initial-value problems with application to
+    multistep schemes, Numer. Math. 146(4), 2020, 875-906.
+    """
+
+    scheme: OneStep
+    title: str = eqx.field(default="Relaxed", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Relaxed"
+    source: ClassVar[str] = "Ketcheson (2019)"
+    doi: ClassVar[str] = "10.1137/19M1263662"
+
+    def __check_init__(self):
+        if not isinstance(self.scheme, OneStep):
+            raise TypeError(
+                f"Relaxed takes a study.OneStep, whose step adds to u and u̇, not "
+                f"{getattr(self.scheme, 'title', self.scheme)!r}."
+            )
+
+    def refusal(self, problem):
+        if not problem.conservative or problem.potential is None:
+            return (
+                f"'{self.title}' keeps the energy of a problem with a potential and without damping, load and history, "
+                f"which '{problem.title}' is not."
+            )
+        return super().refusal(problem)
+
+    def start(self, problem, u0, v0, dt):
+        inner, effort = self.scheme.start(problem, u0, v0, dt)
+        return Late(inner, jnp.zeros((), u0.dtype)), effort
+
+    def step(self, problem, state, t, dt) -> tuple[Late, Effort]:
+        old, h = state.inner, dt - state.lead
+        new, effort = self.scheme.step(problem, old, t + state.lead, h)
+
+        def scaled(gamma):
+            return jax.tree.map(lambda before, after: before + gamma * (after - before), old, new)
+
+        def energy(gamma):
+            moved = scaled(gamma)
+            return problem.energy(moved.u, moved.v)
+
+        gamma, found = _relaxation(energy)
+        return Late(scaled(gamma), (gamma - 1) * h), effort.then(found)
