@@ -49,8 +49,8 @@ class WangAdamsTamma(OneStep):
 
     References
     ----------
-    Y. Wang, N. Adams, K. K. Tamma, A generalized explicit Runge-Kutta-Nyström framework, Int. J. Numer. Methods Eng.
-    126, 2025, e7658.
+    Y. Wang, N. Adams, K. K. Tamma, [on generalized explicit Runge-Kutta-Nyström methods; title not confirmed], Int. J.
+    Numer. Methods Eng. 126, 2025, e7658.
     """
 
     c1: float = 1 / 3
