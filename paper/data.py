@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
@@ -55,6 +56,11 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
 def steps_of_period(assessed: xr.Dataset, step: float) -> int:
     """Steps in a period of an assessed spring, rounded up, of a step in seconds."""
     return math.ceil(assessed.attrs["duration"] / assessed.attrs["periods"] / step * (1 - 1e-9))
+
+
+def fastest(needs: pd.DataFrame) -> pd.DataFrame:
+    """The rows of ``study.recommend`` that tie for the least time, the one with the fewest forces first."""
+    return needs[needs.ties_with_fastest].sort_values("force_evaluations", kind="stable")
 
 
 def keeps(atlas: xr.Dataset, error: float) -> xr.DataArray:

@@ -64,7 +64,7 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
     robustness="stability/robustness",
     structures="stability/structures",
     asks={
-        "": contained("atlas.schemes", "spectral.schemes"),
+        "": contained("atlas.schemes", within="spectral.schemes"),
         "atlas.schemes": DAMPED,
         "energy_error.problems": PROBLEMS,
         "energy_error.schemes": FAITHFUL,

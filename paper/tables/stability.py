@@ -27,7 +27,7 @@ def _first(run: xr.Dataset) -> str:
 
 @table(
     asks={
-        "": contained("large_steps.schemes", "spectral.schemes"),
+        "": contained("large_steps.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "large_steps.problems": PROBLEMS,
         "large_steps.dt_over_period": rising,

@@ -29,3 +29,5 @@ def test_a_kink_costs_the_order(reference, monkeypatch):
     assert np.isnan(left_out.error).all() and (left_out.status == STATUSES.index("not_run")).all()
     assert ((ds.status == 0) == ds.error.notnull()).all()
     assert np.isfinite(ds.error.sel(scheme="energy_momentum", problem="shaken")).all()
+    # the hardening spring is stiffest at its start; the others where they do not yield, with the period of one second
+    np.testing.assert_allclose(ds.highest_frequency, [10 * np.sqrt(1 + 30 * 1.5**2), 2 * np.pi, 2 * np.pi])
