@@ -75,3 +75,10 @@ def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
     """
     unbroken = keeps(atlas, error).sortby("dt_over_period").astype(int).cumprod("dt_over_period")
     return (unbroken.dt_over_period * unbroken).max("dt_over_period")
+
+
+def largest_omega_step(rule: xr.Dataset, error: float) -> xr.DataArray:
+    """Largest ω Δt up to which all steps tried keep energy and period within an error; zero if the finest does not."""
+    kept = (rule.energy_error <= error) & (rule.period_error <= error)
+    unbroken = kept.sortby("omega_step").astype(int).cumprod("omega_step")
+    return (unbroken.omega_step * unbroken).max("omega_step")
