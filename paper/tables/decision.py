@@ -21,13 +21,13 @@ ERRORS = (0.1, 0.01, 0.001)
 QUANTITIES = ("displacement", "velocity", "phase", "energy")
 #: Spring that the dataset of kinks holds for comparison.
 SPRING = "hardening"
-#: Percent by which an energy may be off.
-LEVEL = 10
+#: Part by which an energy may be off.
+LEVEL = 0.1
 #: How the search for a step ends at the coarsest one.
 COARSEST = "already the coarsest step"
-#: Percent of its largest size by which a velocity may be off: half of it is lost where an oscillation that the step
+#: Part of its largest size by which a velocity may be off: half of it is lost where an oscillation that the step
 #: does not resolve is left out, and all of it where it turns into a sawtooth.
-VELOCITY = 75
+VELOCITY = 0.75
 #: Numbers of evaluations of the force up to this multiple of the fewest tie.
 TIED = 1.1
 #: Classes of schemes, by their flag ``explicit``.
@@ -96,7 +96,7 @@ def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
 
 def _steps_of_spring(spring: xr.Dataset, kind: str, error: float, quantity: str) -> pd.DataFrame:
     """The schemes of a class with the fewest forces, each with the finer one of its steps for a quantity and energy."""
-    wanted = (error, quantity), (LEVEL / 100, "energy")
+    wanted = (error, quantity), (LEVEL, "energy")
     needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
     needs = needs[needs.kind == kind].sort_values("step_size")
     kept = needs[needs.step_size.groupby(level="scheme").transform("count") == len(wanted)]
@@ -149,13 +149,13 @@ def _springs(springs: list[xr.Dataset], robustness: xr.Dataset, limits: Mapping[
 def _fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapping[str, float]) -> list[Pick]:
     """The schemes that keep an error with the fewest forces in a period, as all their finer steps do.
 
-    A run does not count if its balance of energies is off by more than ``LEVEL`` percent, or, where the dataset has
+    A run does not count if its balance of energies is off by more than ``LEVEL``, or, where the dataset has
     that error, its velocity by more than ``VELOCITY``. ``≤`` marks the coarsest step that was tried, and ``†`` the
     finest.
     """
     sound = runs.max_energy_imbalance <= LEVEL
     if "velocity_error" in runs:
-        sound &= 100 * runs.velocity_error <= VELOCITY
+        sound &= runs.velocity_error <= VELOCITY
     dims, steps = ("scheme", "steps_per_period"), runs.steps_per_period.values
     kept = ((error <= allowed) & sound).transpose(*dims).values
     keeps = np.logical_and.accumulate(kept[:, ::-1], axis=1)[:, ::-1]
@@ -214,7 +214,7 @@ def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator
     for problem in structures.problem.values:
         for k, what in enumerate(("displacement", "energy")):
             for c, (name, one) in enumerate(_by_class(structures.sel(problem=problem))):
-                size = one.displacement_error if what == "displacement" else one.max_energy_imbalance / 100
+                size = one.displacement_error if what == "displacement" else one.max_energy_imbalance
                 yield {
                     "Problem": sentence(one.problem_title.item()) if k == c == 0 else "",
                     "Right in": what if c == 0 else "",
@@ -284,7 +284,7 @@ def tabulate(
 
     Explicit and implicit schemes have a row each. A cell names the scheme of its class with the fewest evaluations of
     the force; numbers within a tenth tie, and of these the smallest error is named. The energy of a spring must be
-    right to ``LEVEL`` percent too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
+    right to ``LEVEL`` too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
     highest ω of the motion, below the stability limit of the linear theory if there is one.
     """
     limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()

@@ -105,7 +105,7 @@ def kinks(
             "max_energy_imbalance": (
                 dims,
                 imbalance,
-                {"long_name": "largest error of the balance of energies", "units": "percent"},
+                {"long_name": "largest error of the balance of energies", "units": "1"},
             ),
             "status": (dims, status, flags("how the run ended", STATUSES, np.int8)),
             "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations a step", "units": "1"}),
