@@ -153,7 +153,7 @@ def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
         parts.append(
             f"Steps a period that keep the energy within some percent over {length} periods at all amplitudes:"
         )
-        parts.append(table(["problem", *(f"{level} %" for level in last.level.values)], rows))
+        parts.append(table(["problem", *(f"{100 * level:g} %" for level in last.level.values)], rows))
     return "\n\n".join(parts)
 
 

@@ -25,13 +25,13 @@ def value_at(config: Any, key: str) -> Any:
     return config
 
 
-def contained(inner: str, outer: str) -> Ask:
-    """Require of the whole configuration that everything at one key is also at another."""
+def contained(*keys: str, within: str) -> Ask:
+    """Require of the whole configuration that everything at some keys is also at another."""
 
     def ask(config: dict) -> str:
-        there = value_at(config, outer)
-        missing = [one for one in value_at(config, inner) if one not in there]
-        return f"{outer} lacks {missing[0]!r}, which {inner} has" if missing else ""
+        there = value_at(config, within)
+        missing = [(key, one) for key in keys for one in value_at(config, key) if one not in there]
+        return "{1} lacks {0[1]!r}, which {0[0]} has".format(missing[0], within) if missing else ""
 
     return ask
 

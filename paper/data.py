@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
@@ -57,6 +58,11 @@ def steps_of_period(assessed: xr.Dataset, step: float) -> int:
     return math.ceil(assessed.attrs["duration"] / assessed.attrs["periods"] / step * (1 - 1e-9))
 
 
+def fastest(needs: pd.DataFrame) -> pd.DataFrame:
+    """The rows of ``study.recommend`` that tie for the least time, the one with the fewest forces first."""
+    return needs[needs.ties_with_fastest].sort_values("force_evaluations", kind="stable")
+
+
 def keeps(atlas: xr.Dataset, error: float) -> xr.DataArray:
     """Whether the runs of the maps keep energy and period within an error in percent."""
     return (atlas.max_energy_error <= error) & (100 * atlas.period_error <= error)
@@ -69,3 +75,10 @@ def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
     """
     unbroken = keeps(atlas, error).sortby("dt_over_period").astype(int).cumprod("dt_over_period")
     return (unbroken.dt_over_period * unbroken).max("dt_over_period")
+
+
+def largest_omega_step(rule: xr.Dataset, error: float) -> xr.DataArray:
+    """Largest ω Δt up to which all steps tried keep energy and period within an error; zero if the finest does not."""
+    kept = (rule.energy_error <= error) & (rule.period_error <= error)
+    unbroken = kept.sortby("omega_step").astype(int).cumprod("omega_step")
+    return (unbroken.omega_step * unbroken).max("omega_step")

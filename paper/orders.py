@@ -30,7 +30,7 @@ def observed_order(error: xr.DataArray) -> float:
     Octaves are counted from the finest step size; steps between them are left out. NaN with fewer points, and where the
     slope changes within them: two causes of error of different order are then of one size, or of opposite sign.
 
-    The error in percent of the energy is taken as a fraction, so that one floor serves all measures.
+    An error in percent is taken as a fraction, so that one floor serves all measures.
     """
     octaves = np.log2(error.steps_per_period.values[-1] / error.steps_per_period.values)
     error = error[octaves == np.round(octaves)]

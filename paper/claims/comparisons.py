@@ -203,7 +203,7 @@ def runge_kutta_converges_fastest(energy_error):
 
 def lost_energy(portrait: xr.Dataset) -> dict[str, float]:
     """Mean signed energy error over the last tenth of the time, in percent, of the three strongly damped schemes."""
-    error = portrait.energy_error.sel(scheme=DISSIPATIVE)
+    error = 100 * portrait.energy_error.sel(scheme=DISSIPATIVE)
     return by_name(error.isel(t=slice(-(error.sizes["t"] // 10), None)).mean("t"))
 
 
@@ -217,7 +217,7 @@ def lost_energy(portrait: xr.Dataset) -> dict[str, float]:
 def grave_errors_are_damping(accuracy):
     runs = accuracy.sel(problem="hardening", scheme=DISSIPATIVE, periods=100)
     grave = runs.max_energy_error > FAR_OFF
-    damped = grave & (runs.energy_drift < -FAR_OFF)
+    damped = grave & (100 * runs.energy_drift < -FAR_OFF)
     number_of_grave = grave.sum().item()
     return Finding(f"{damped.sum().item()} of {number_of_grave}", number_of_grave > 0 and bool((damped == grave).all()))
 
@@ -230,7 +230,7 @@ def grave_errors_are_damping(accuracy):
     portrait="phase_portrait/hardening",
 )
 def newmark_goes_to_rest(portrait):
-    energy = portrait.energy_error.sel(scheme="newmark_dissipative")
+    energy = 100 * portrait.energy_error.sel(scheme="newmark_dissipative")
     lost = energy.t.values[energy.values < -FAR_OFF]
     periods = lost[0] / PERIODS["hardening"] if len(lost) else np.nan
     left = 100 + lost_energy(portrait)["newmark_dissipative"]

@@ -127,7 +127,7 @@ def five_are_unconditionally_stable(spectral):
 )
 def stability_is_lost(large_steps):
     large = large_steps.sel(problem=_OF_TWO_SPRINGS, scheme=UNCONDITIONAL)
-    gains = (large.late_energy_gain > GROWN).any(["problem", "dt_over_period"])
+    gains = (100 * large.late_energy_gain > GROWN).any(["problem", "dt_over_period"])
     overshoots = (large.max_energy_error > UNSTABLE).any(["problem", "dt_over_period"]) & ~gains
     grow, lose, none = (
         large.scheme.values[which.values].tolist() for which in (gains, overshoots, ~(gains | overshoots))
@@ -148,7 +148,7 @@ claim_period("4", "softening_large", 1, "The period of this oscillator is equal 
     portrait="phase_portrait/softening_large",
 )
 def alpha_is_unstable(portrait):
-    gain = portrait.energy_error.max("t")
+    gain = 100 * portrait.energy_error.max("t")
     return Finding(listed(by_name(1 + gain / 100), portrait), gain.sel(scheme="hht_alpha_1996").item() > UNSTABLE)
 
 

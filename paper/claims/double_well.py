@@ -112,7 +112,7 @@ def no_resemblance(portrait):
     portrait="phase_portrait/double_well",
 )
 def damping_is_the_cause(portrait):
-    error = portrait.energy_error
+    error = 100 * portrait.energy_error
     damped = error.sel(scheme=DAMPED)
     lost = by_name(-damped.isel(t=-1) / _HEIGHT)
     gained = damped.max().item()

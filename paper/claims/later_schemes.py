@@ -124,6 +124,6 @@ def order_stability_and_dissipation_at_once(spectral):
 )
 def energy_by_relaxation(relaxation):
     relaxed = relaxation.sel(variant="relaxed")
-    energy, motion = (float(relaxed[name].max()) for name in ("max_energy_error", "motion_error"))
+    energy, motion = float(relaxed.max_energy_error.max()), 100 * float(relaxed.motion_error.max())
     reason = when(motion > REASONABLE, "at large steps the motion is not right")
     return Finding(f"{number(energy, '.0e')}; {number(motion, '.0f')}", energy < 100 * ROUND_OFF, reason)

@@ -44,7 +44,7 @@ def order_does_not_matter(kinks):
 )
 def balance_is_a_verdict(kinks):
     run = kinks.sel(problem="yielding", scheme="average_acceleration").isel(steps_per_period=0)
-    error, imbalance = 100 * float(run.error), float(run.max_energy_imbalance)
+    error, imbalance = 100 * float(run.error), 100 * float(run.max_energy_imbalance)
     blind = error > MATTERS and imbalance < UNNOTICED
     reason = when(blind, "its formulas keep the balance whatever the forces are")
     return Finding(f"{number(error, '.2g')}; {number(imbalance, '.0e')}", not blind, reason)

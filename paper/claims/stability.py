@@ -17,7 +17,7 @@ from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_199
 )
 def a_twentieth_at_every_amplitude(robustness):
     robustness = robustness
-    needed = robustness.steps_needed.sel(scheme="average_acceleration", level=REASONABLE).isel(periods=-1)
+    needed = robustness.steps_needed.sel(scheme="average_acceleration", level=REASONABLE / 100).isel(periods=-1)
     steps = by_name(needed)
     holds, _ = most({name: value <= RULE for name, value in steps.items()})
     good = [name for name, value in steps.items() if value <= RULE]

@@ -149,7 +149,7 @@ def reversible_control_has_no_drift(step_control):
     asks=_of_control("pi", scheme=GENERALIZED),
 )
 def damping_prevents_gain(step_control):
-    drift = step_control.energy_drift.sel(scheme=GENERALIZED, control="pi").max("tolerance")
+    drift = 100 * step_control.energy_drift.sel(scheme=GENERALIZED, control="pi").max("tolerance")
     return Finding(listed(by_name(drift), step_control, ".3g"), bool((drift < REASONABLE).all()))
 
 

@@ -20,7 +20,7 @@ def kept(runs: xr.Dataset, problems: list[str] | None = None) -> xr.DataArray:
     """Whether runs, of some problems or all, ended with the balance kept: over problem, scheme, steps_per_period."""
     if problems is not None:
         runs = runs.sel(problem=[name for name in problems if name in runs.problem.values])
-    return (runs.status == 0) & (runs.max_energy_imbalance <= REASONABLE)
+    return (runs.status == 0) & (100 * runs.max_energy_imbalance <= REASONABLE)
 
 
 def sawtooth(velocity: xr.DataArray) -> np.ndarray:
@@ -59,7 +59,7 @@ def faithful_on_structures(structures):
     asks={"structures.lengths.problem": ["fpu_chain"], "structures.schemes": DISSIPATIVE},
 )
 def damping_on_the_chain(structures):
-    chain = structures.max_energy_imbalance.sel(problem="fpu_chain", scheme=DISSIPATIVE)
+    chain = 100 * structures.max_energy_imbalance.sel(problem="fpu_chain", scheme=DISSIPATIVE)
     lost = by_name(chain.isel(steps_per_period=-1))
     return Finding(listed(lost, structures), min(lost.values()) > REASONABLE)
 

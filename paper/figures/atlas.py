@@ -16,7 +16,7 @@ from paper.published import SCHEMES
     "of stability at the stiffest place of each motion; markers: the runs of Figures 3 and 4 of Xie (1996).",
     atlas="stability/atlas",
     asks={
-        "": contained("atlas.schemes", "spectral.schemes"),
+        "": contained("atlas.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "atlas.schemes": SCHEMES,
     },

@@ -24,7 +24,7 @@ def _others(schemes: list[str]) -> str:
     "of a scheme are those of the hardening spring, the softening spring and the double well.",
     atlas="stability/atlas",
     asks={
-        "": contained("atlas.schemes", "spectral.schemes"),
+        "": contained("atlas.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "atlas.schemes": _others,
     },

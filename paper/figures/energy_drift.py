@@ -25,10 +25,10 @@ def draw(drift: xr.Dataset) -> Figure:
     figure, ((above,), (below,)) = panels(2, 1, COLUMN, 8.5, sharex=True)
     parts = drift.steps_per_period
     above.axhline(0, color="0.7", linewidth=0.6)
-    above.plot(parts, drift.energy_drift, **_CURVE)
+    above.plot(parts, 100 * drift.energy_drift, **_CURVE)
     printed = printed_energy_errors().sel(problem=drift.problem, scheme=drift.scheme)
     for part, place in _MARKED.items():
-        value = drift.energy_drift.sel(steps_per_period=part, method="nearest")
+        value = 100 * drift.energy_drift.sel(steps_per_period=part, method="nearest")
         above.plot(part, value, "o", color="#D55E00", markersize=6, markerfacecolor="none", zorder=3)
         label = f"$T/{part}$: printed {printed.sel(steps_per_period=part):.1f} %"
         above.annotate(label, (part, value), xytext=place, arrowprops={"arrowstyle": "-", "linewidth": 0.5})

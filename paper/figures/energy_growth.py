@@ -30,7 +30,7 @@ def draw(histories: list[xr.Dataset]) -> Figure:
     for index, (ax, history) in enumerate(zip(axes[0], histories, strict=True)):
         for place, (name, look) in enumerate(looks(history.scheme).items()):
             one = history.sel(scheme=name)
-            error = np.maximum(np.abs(one.energy_error), FLOOR).where(np.isfinite(one.energy_error))
+            error = np.maximum(100 * np.abs(one.energy_error), FLOOR).where(np.isfinite(one.energy_error))
             marks = (0.1 + 0.05 * place, 0.3) if error[1:].notnull().any() else None
             ax.plot(one.t[1:], error[1:], label=one.scheme_title.item(), markevery=marks, **look)
             if one.status != 0:

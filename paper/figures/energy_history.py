@@ -31,7 +31,7 @@ def draw(portraits: list[xr.Dataset]) -> Figure:
     for index, (ax, portrait) in enumerate(zip(axes.flat, portraits, strict=True)):
         for place, (name, look) in enumerate(looks(portrait.scheme).items()):
             run = portrait.sel(scheme=name)
-            envelope = _envelope(run.energy_error, STRETCH)
+            envelope = _envelope(100 * run.energy_error, STRETCH)
             # matplotlib places no marks along a curve that a logarithmic axis cannot show
             marked = (0.02 + 0.02 * place, 0.15) if (np.isfinite(envelope) & (envelope > 0)).sum() > 1 else None
             ax.plot(envelope.t, envelope, label=run.scheme_title.item(), markevery=marked, **look)

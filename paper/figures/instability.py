@@ -35,7 +35,7 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     letter(plane, 1, "its phase portrait")
     for place, (name, look) in enumerate(looks(portrait.scheme).items()):
         one = portrait.sel(scheme=name)
-        height = 1 + one.energy_error / 100
+        height = 1 + one.energy_error
         marked = (0.02 + 0.03 * place, 0.2) if height.notnull().any() else None
         energy.plot(periods, height, label=one.scheme_title.item(), markevery=marked, **look)
     energy.set(xlabel="elapsed periods", ylabel="energy $E/E_0$", yscale="log")

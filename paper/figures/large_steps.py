@@ -32,7 +32,7 @@ def classify(run: xr.Dataset) -> np.ndarray:
 
     A run is damped away if its error exceeds 50 % and at least nine tenths of it are a loss of energy at the end.
     """
-    error, drift = run.max_energy_error, run.energy_drift
+    error, drift = run.max_energy_error, 100 * run.energy_drift
     completed = np.digitize(np.nan_to_num(error, nan=0.0), _BOUNDS)
     completed = np.where((error > _BOUNDS[-1]) & (-drift > 0.9 * error), _DAMPED, completed)
     unsolved = run.status == run.status.flag_meanings.split().index("no_solution_found")

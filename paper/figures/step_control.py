@@ -48,9 +48,8 @@ def _ratios(ax: Axes, estimates: xr.Dataset) -> None:
 
 def _histories(ax: Axes, control: xr.Dataset, titles: dict, look: dict) -> None:
     for name, title in titles.items():
-        ax.plot(
-            control.period, control.history.sel(with_equal=name), label=title, markevery=20, markersize=3, **look[name]
-        )
+        error = 100 * control.history.sel(with_equal=name)
+        ax.plot(control.period, error, label=title, markevery=20, markersize=3, **look[name])
     ax.set(yscale="log", xlabel="period", ylabel="largest energy error (%)")
 
 

@@ -31,7 +31,7 @@ def _points(ax, values, rows, label, **look) -> None:
     f"Size of the period elongation and of the loss of amplitude at {STEPS} steps per period by linear theory and "
     f"in runs of {PERIODS} periods. Open markers are negative; smaller sizes are drawn at the left edge.",
     asks={
-        "": contained("accuracy.schemes", "spectral.schemes"),
+        "": contained("accuracy.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "accuracy.steps_per_period": [STEPS],
         "accuracy.periods": [PERIODS],

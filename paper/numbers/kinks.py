@@ -49,7 +49,7 @@ def of_kinks(kinks: xr.Dataset) -> dict:
     equal = {p: at_equal_forces(kinks).sel(problem=p) for p in KINKED}
     highest = kinks.observed_order.sel(problem=KINKED).max()
     average_on_yielding = {"problem": "yielding", "scheme": "average_acceleration"}
-    balance = coarsest.max_energy_imbalance.sel(problem=REMEMBER, scheme="average_acceleration")
+    balance = 100 * coarsest.max_energy_imbalance.sel(problem=REMEMBER, scheme="average_acceleration")
     dissipating = kinks.error.sel(problem=REMEMBER)
     return {
         "momentum_method_needs_a_potential": bool(

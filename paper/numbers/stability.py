@@ -28,7 +28,7 @@ def of_long_times(runs: xr.Dataset) -> dict:
         "lasting_runs": runs.runs.item(),
         "lasting_spread": f"{100 * runs.spread_of_steps.item():.1f}",
         "lasting_double": span(law.sel(arithmetic="float64")),
-        "lasting_double_energy": f"{double.energy_round_off.max().item():.0e}",
+        "lasting_double_energy": f"{100 * double.energy_round_off.max().item():.0e}",
         "lasting_double_phase": f"{double.phase_round_off.max().item():.0e}",
         "lasting_phase_more": span(more),
         "lasting_drift": f"{drift.item():.0f}",
@@ -64,7 +64,7 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
     robustness="stability/robustness",
     structures="stability/structures",
     asks={
-        "": contained("atlas.schemes", "spectral.schemes"),
+        "": contained("atlas.schemes", within="spectral.schemes"),
         "atlas.schemes": DAMPED,
         "energy_error.problems": PROBLEMS,
         "energy_error.schemes": FAITHFUL,
@@ -107,11 +107,11 @@ def of_stability(
     foretold = np.log(bifurcation.order_one / bifurcation.perturbation) / a_step_each / bifurcation.steps_until_apart
     lost_left = _lost_left_of_the_limit(atlas, spectral)
     longest = robustness.steps_needed.isel(periods=-1)
-    of_average = longest.sel(scheme="average_acceleration", level=10)
+    of_average = longest.sel(scheme="average_acceleration", level=0.1)
     tables = energy_error.max_energy_error.sel(period_used="printed", steps_per_period=20)
     of_both = tables.sel(problem=PROBLEMS, scheme=FAITHFUL)
     at_all_amplitudes = of_average.fillna(np.inf)
-    twenty = longest.sel(problem="hardening", level=10) <= 20
+    twenty = longest.sel(problem="hardening", level=0.1) <= 20
     exponents = structures.lyapunov_exponent.sel(excitation=1).sortby("steps_per_period")
     finest = exponents.isel(steps_per_period=-1)
     tamed = exponents.sel(problem="duffing_chaotic", scheme="central_difference")

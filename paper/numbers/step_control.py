@@ -50,13 +50,13 @@ def of_step_control(
     of_u = finest.estimate / finest.true_displacement_error
     of_both = finest.estimate / finest.true_error
     grown = growth(step_control).sel(problem=PROBLEM)
-    history = step_control.history.sel(problem=PROBLEM).isel(period=-1)
+    history = 100 * step_control.history.sel(problem=PROBLEM).isel(period=-1)
     cell = {"steps_per_period": CELL, "scheme": SCHEME}
     equal = energy_error.max_energy_error.sel(period_used="exact", **cell)
     controlled = controlled_1996.max_energy_error.isel(controller=0).sel(cell)
     ratio = ratio_at_equal_steps(controlled_1996, energy_error).sel(scheme=SCHEME)
     generalized = step_control.energy_drift.sel(problem=PROBLEM, scheme="generalized_alpha", control="pi")
-    gained = generalized.max("tolerance")
+    gained = 100 * generalized.max("tolerance")
     others = [one for one in ("pi", "dead_band") if one in grown.with_equal]
     return {
         "control_zx_displacement": f"{of_u.sel(estimator='zienkiewicz_xie').item():.2f}",

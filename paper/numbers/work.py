@@ -7,7 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from paper.asks import OF_THE_ASSESSMENTS
-from paper.data import ASSESSED
+from paper.data import ASSESSED, fastest
 from paper.products import numbers
 from paper.published import SCHEMES, printed_cpu_times
 from study.analysis.recommendation import recommend
@@ -62,37 +62,40 @@ def of_work(work: xr.Dataset) -> dict:
 
 
 def _fastest(springs: list[xr.Dataset]) -> pd.DataFrame:
-    """The fastest scheme of every spring, quantity and error, its title and kind, and the kinds that tie for it."""
+    """The fastest scheme of every spring, quantity and error, its title and kind, and the kinds that tie for it.
+
+    Of those that tie it is the one with the fewest forces.
+    """
     rows = []
     for spring in springs:
         titles = spring.scheme_title.to_series()
         for quantity, error in product(spring.quantity.values, spring.allowed_error.values):
-            needs = recommend(spring, error=error, quantity=quantity)
-            best, tied = needs.index[0], needs.kind[needs.ties_with_fastest].tolist()
-            if tied:
-                rows.append((quantity, error, best, titles[best], needs.kind[best], tied))
+            needs = fastest(recommend(spring, error=error, quantity=quantity))
+            if not needs.empty:
+                best = needs.index[0]
+                rows.append((quantity, error, best, titles[best], needs.kind[best], needs.kind.tolist()))
     return pd.DataFrame(rows, columns=["quantity", "error", "scheme", "title", "kind", "tied"])
 
 
 @numbers(springs=ASSESSED, asks=OF_THE_ASSESSMENTS)
 def of_recommendations(springs: list[xr.Dataset]) -> dict:
     """The fastest schemes of the assessed springs, over all quantities and errors, and among the schemes of 1996."""
-    fastest = _fastest(springs)
-    explicit = fastest.kind == "explicit"
+    best = _fastest(springs)
+    explicit = best.kind == "explicit"
     there = [name for name in SCHEMES if name in springs[0].scheme.values]
     of_1996 = _fastest([one.sel(scheme=there, quantity=["displacement"]) for one in springs]).scheme
     tried = xr.concat([one.steps_tried.where(one.recommended_dt > 0) for one in springs], "problem", join="outer")
-    closest = fastest[(fastest.quantity == "energy") & (fastest.error == fastest.error.min())]
+    closest = best[(best.quantity == "energy") & (best.error == best.error.min())]
     return {
         **{
             f"work_explicit_{quantity}": f"{int(of_quantity.sum())} of {len(of_quantity)}"
-            for quantity, of_quantity in explicit.groupby(fastest.quantity)
+            for quantity, of_quantity in explicit.groupby(best.quantity)
         },
-        "work_of_all": len(fastest),
-        "work_explicit_tied": sum("implicit" in tied for tied in fastest.tied[explicit]),
+        "work_of_all": len(best),
+        "work_explicit_tied": sum("implicit" in tied for tied in best.tied[explicit]),
         "explicit_wins_most": bool(explicit.mean() > 0.5),
-        "work_ranking_of_all": ", ".join(f"{one} ({count})" for one, count in fastest.title.value_counts().items()),
-        "work_ties": int((fastest.tied.str.len() > 1).sum()),
+        "work_ranking_of_all": ", ".join(f"{one} ({count})" for one, count in best.title.value_counts().items()),
+        "work_ties": int((best.tied.str.len() > 1).sum()),
         "energy_won_by_conserving": bool((closest.scheme == "energy_momentum").all()),
         "assessed_periods": listed(sorted({f"{one.attrs['periods']:,}" for one in springs})),
         "assessed_steps": f"{tried.min().item():.0f} to {tried.max().item():.0f}",

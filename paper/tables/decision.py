@@ -1,17 +1,19 @@
 """Which explicit and which implicit scheme, and which step, by kind of problem, what must be right, and error."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.asks import OF_THE_ASSESSMENTS
+from paper.asks import OF_THE_ASSESSMENTS, contained
 from paper.data import ASSESSED, steps_of_period
 from paper.numbers.spectrum import share_at_the_spacing, share_between
 from paper.products import table
 from paper.published import PROBLEMS
 from study.analysis.recommendation import recommend
+from study.words import number
 
 #: Errors of the columns.
 ERRORS = (0.1, 0.01, 0.001)
@@ -19,37 +21,62 @@ ERRORS = (0.1, 0.01, 0.001)
 QUANTITIES = ("displacement", "velocity", "phase", "energy")
 #: Spring that the dataset of kinks holds for comparison.
 SPRING = "hardening"
-#: Percent by which an energy may be off.
-LEVEL = 10
+#: Part by which an energy may be off.
+LEVEL = 0.1
 #: How the search for a step ends at the coarsest one.
 COARSEST = "already the coarsest step"
-#: Percent of its largest size by which a velocity may be off: half of it is lost where an oscillation that the step
+#: Part of its largest size by which a velocity may be off: half of it is lost where an oscillation that the step
 #: does not resolve is left out, and all of it where it turns into a sawtooth.
-VELOCITY = 75
-#: Most schemes that a cell names.
-NAMED = 1
+VELOCITY = 0.75
+#: Numbers of evaluations of the force up to this multiple of the fewest tie.
+TIED = 1.1
 #: Classes of schemes, by their flag ``explicit``.
 CLASSES = {"explicit": 1, "implicit": 0}
 
-#: Before the coarsest step that was tried, with a no-break space.
-AT_MOST = "≤\u00a0"
+#: Schemes of all rows.
+SCHEMES_OF_THE_ROWS = (
+    *(f"assess.{name}.schemes" for name in PROBLEMS),
+    *(f"{name}.schemes" for name in ("kinks", "spectrum", "structures")),
+)
 
-Choice = tuple[str, float]
-
-
-def _listed(choices: Iterable[Choice], coarsest: float, finest: float) -> str:
-    """Schemes with their steps; ``≤`` marks the coarsest step that was tried, and ``†`` the finest."""
-    marks = {coarsest: (AT_MOST, ""), finest: ("", " †")}
-    named = []
-    for title, steps in choices:
-        before, after = marks.get(steps, ("", ""))
-        named.append(f"{title}: {before}{steps:,.0f}{after}")
-    return _first(named)
+NO_BREAK = "\u00a0"
+#: Before the coarsest step that was tried.
+AT_MOST = f"≤{NO_BREAK}"
 
 
-def _first(named: list[str]) -> str:
-    """The schemes that a cell names, of all that it could name; a dash of none."""
-    return "; ".join(named[:NAMED]) + ("; …" if len(named) > NAMED else "") if named else "–"
+class Pick(NamedTuple):
+    """A scheme with its step, as a cell shows it.
+
+    ``step`` and ``forces`` are texts: the step or the number of steps, and the evaluations of the force in a time.
+    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` that of the linear theory.
+    """
+
+    title: str
+    step: str
+    forces: str
+    omega_step: float
+    limit: float
+
+
+def _cell(picks: list[Pick]) -> str:
+    """The first of the schemes that tie, and ``…`` if there are others; a dash of none."""
+    if not picks:
+        return "–"
+    one = picks[0]
+    below = f" < {one.limit:.3g}" if np.isfinite(one.limit) else ""
+    work, condition = (part.replace(" ", NO_BREAK) for part in (one.forces, f"ωΔt {number(one.omega_step, 2)}{below}"))
+    return f"{one.title}: {one.step} ({work}, {condition})" + ("; …" if len(picks) > 1 else "")
+
+
+def _first(titles: list[str]) -> str:
+    """The first of some schemes, and ``…`` if there are others."""
+    return titles[0] + ("; …" if len(titles) > 1 else "")
+
+
+def _tied(forces: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Places of the fewest forces and of those that tie with them, by their errors; NaN is no number of forces."""
+    tied = np.flatnonzero(forces <= TIED * np.fmin.reduce(forces, initial=np.inf))
+    return tied[np.argsort(error[tied], kind="stable")]
 
 
 def sentence(title: str) -> str:
@@ -67,19 +94,30 @@ def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
         yield name, runs.isel(scheme=np.flatnonzero(runs.explicit.values == flag))
 
 
-def _fastest(spring: xr.Dataset, kind: str, error: float, quantity: str) -> pd.DataFrame:
-    """The fastest schemes of a class that tie, each with the finer one of its steps for a quantity and the energy."""
-    wanted = (error, quantity), (LEVEL / 100, "energy")
+def _steps_of_spring(spring: xr.Dataset, kind: str, error: float, quantity: str) -> pd.DataFrame:
+    """The schemes of a class with the fewest forces, each with the finer one of its steps for a quantity and energy."""
+    wanted = (error, quantity), (LEVEL, "energy")
     needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
     needs = needs[needs.kind == kind].sort_values("step_size")
     kept = needs[needs.step_size.groupby(level="scheme").transform("count") == len(wanted)]
-    finer = kept[~kept.index.duplicated()].sort_values("time")
-    tied = finer.time - finer.time.min() <= (finer.time_spread + finer.time_spread.head(1).sum()) / 2
-    steps = [steps_of_period(spring, step) for step in finer.step_size]
-    titles = spring.scheme_title.sel(scheme=finer.index.tolist()).values
-    marks = np.where(finer.verdict == COARSEST, AT_MOST, "")
-    cells = [f"{title}: {mark}{number:,}" for title, mark, number in zip(titles, marks, steps, strict=True)]
-    return finer.assign(steps=steps, cell=cells)[tied]
+    finer = kept[~kept.index.duplicated()]
+    made = [spring.error.sel(scheme=name, dt=dt, quantity=quantity).item() for name, dt in finer.step_size.items()]
+    steps = [steps_of_period(spring, dt) for dt in finer.step_size]
+    return finer.assign(steps=steps).iloc[_tied(finer.forces_per_time.to_numpy(), np.array(made))]
+
+
+def _of_spring(spring: xr.Dataset, chosen: pd.DataFrame, limits: Mapping[str, float]) -> list[Pick]:
+    titles = spring.scheme_title.to_series()
+    return [
+        Pick(
+            titles[row.Index],
+            f"{AT_MOST if row.verdict == COARSEST else ''}{row.steps:,}",
+            f"{row.force_evaluations / row.number_of_steps * row.steps:,.0f} forces",
+            row.omega_step,
+            limits[row.Index],
+        )
+        for row in chosen.itertuples()
+    ]
 
 
 def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: pd.DataFrame) -> str:
@@ -94,41 +132,47 @@ def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: pd.DataFrame) -
     return f"at all amplitudes: {f'{at_all:.0f}' if np.isfinite(at_all) else f'more than {most}'}"
 
 
-def _springs(springs: list[xr.Dataset], robustness: xr.Dataset) -> Iterator[dict]:
+def _springs(springs: list[xr.Dataset], robustness: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]:
     for problem, spring in zip(PROBLEMS, springs, strict=True):
         for k, quantity in enumerate(QUANTITIES):
             for c, kind in enumerate(CLASSES):
-                choices = [_fastest(spring, kind, error, quantity) for error in ERRORS]
+                choices = {error: _steps_of_spring(spring, kind, error, quantity) for error in ERRORS}
                 yield {
                     "Problem": sentence(spring.attrs["problem"]) if k == c == 0 else "",
                     "Right in": quantity if c == 0 else "",
                     "Scheme": kind,
-                    **{_column(error): _first(one.cell.tolist()) for error, one in zip(ERRORS, choices, strict=True)},
-                    "Beware of": _of_amplitudes(robustness, problem, choices[0]),
+                    **{_column(error): _cell(_of_spring(spring, one, limits)) for error, one in choices.items()},
+                    "Beware of": _of_amplitudes(robustness, problem, choices[ERRORS[0]]),
                 }
 
 
-def _fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> list[Choice]:
+def _fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapping[str, float]) -> list[Pick]:
     """The schemes that keep an error with the fewest forces in a period, as all their finer steps do.
 
-    A run does not count if its balance of energies is off by more than ``LEVEL`` percent, or, where the dataset has
-    that error, its velocity by more than ``VELOCITY``. Forces that differ by less than a tenth tie; the smaller error
-    is named first.
+    A run does not count if its balance of energies is off by more than ``LEVEL``, or, where the dataset has
+    that error, its velocity by more than ``VELOCITY``. ``≤`` marks the coarsest step that was tried, and ``†`` the
+    finest.
     """
-    if not runs.sizes["scheme"]:
-        return []
     sound = runs.max_energy_imbalance <= LEVEL
     if "velocity_error" in runs:
-        sound &= 100 * runs.velocity_error <= VELOCITY
-    kept = ((error <= allowed) & sound).transpose("scheme", "steps_per_period").values
+        sound &= runs.velocity_error <= VELOCITY
+    dims, steps = ("scheme", "steps_per_period"), runs.steps_per_period.values
+    kept = ((error <= allowed) & sound).transpose(*dims).values
     keeps = np.logical_and.accumulate(kept[:, ::-1], axis=1)[:, ::-1]
-    per_step = runs.forces_per_step + runs.forces_per_iteration * runs.iterations_per_step
-    forces = (per_step * runs.steps_per_period).transpose("scheme", "steps_per_period").where(keeps)
-    fewest = forces.min("steps_per_period")
-    tied = np.flatnonzero(fewest <= 1.1 * fewest.min())
-    steps = {k: forces.isel(scheme=k).idxmin("steps_per_period").item() for k in tied}
-    by_error = sorted(tied, key=lambda k: error.isel(scheme=k).sel(steps_per_period=steps[k]).item())
-    return [(runs.scheme_title.values[k], steps[k]) for k in by_error]
+    per_step = (runs.forces_per_step + runs.forces_per_iteration * runs.iterations_per_step).transpose(*dims).values
+    forces = np.where(keeps, per_step * steps, np.inf)
+    best = forces.argmin(axis=1)
+    schemes = np.arange(len(best))
+    fewest = np.where(keeps.any(axis=1), forces[schemes, best], np.nan)
+    marks = {steps[0]: (AT_MOST, ""), steps[-1]: ("", " †")}
+    picks = []
+    for k in _tied(fewest, error.transpose(*dims).values[schemes, best]):
+        per_period = steps[best[k]]
+        before, after = marks.get(per_period, ("", ""))
+        step, work = f"{before}{per_period:,}{after}", f"{fewest[k]:,.0f} forces"
+        omega_step = runs.highest_frequency.item() * runs.period.item() / per_period
+        picks.append(Pick(runs.scheme_title.values[k], step, work, omega_step, limits[runs.scheme.values[k]]))
+    return picks
 
 
 def _lost_order(kinks: xr.Dataset) -> str:
@@ -138,8 +182,7 @@ def _lost_order(kinks: xr.Dataset) -> str:
     return f"only first order: {_first(titles)}" if titles else ""
 
 
-def _remembering(kinks: xr.Dataset) -> Iterator[dict]:
-    tried = kinks.steps_per_period.values[[0, -1]]
+def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]:
     for problem in kinks.problem.values:
         if problem == SPRING:
             continue
@@ -148,7 +191,7 @@ def _remembering(kinks: xr.Dataset) -> Iterator[dict]:
                 "Problem": sentence(one.problem_title.item()) if c == 0 else "",
                 "Right in": "displacement" if c == 0 else "",
                 "Scheme": name,
-                **{_column(error): _listed(_fewest_forces(one, one.error, error), *tried) for error in ERRORS},
+                **{_column(error): _cell(_fewest_forces(one, one.error, error, limits)) for error in ERRORS},
                 "Beware of": _lost_order(one),
             }
 
@@ -167,17 +210,16 @@ def _losing(one: xr.Dataset) -> str:
     return f"kept only by {_first(best_first.scheme_title.values.tolist())}"
 
 
-def _structures(structures: xr.Dataset) -> Iterator[dict]:
-    tried = structures.steps_per_period.values[[0, -1]]
+def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]:
     for problem in structures.problem.values:
         for k, what in enumerate(("displacement", "energy")):
             for c, (name, one) in enumerate(_by_class(structures.sel(problem=problem))):
-                size = one.displacement_error if what == "displacement" else one.max_energy_imbalance / 100
+                size = one.displacement_error if what == "displacement" else one.max_energy_imbalance
                 yield {
                     "Problem": sentence(one.problem_title.item()) if k == c == 0 else "",
                     "Right in": what if c == 0 else "",
                     "Scheme": name,
-                    **{_column(error): _listed(_fewest_forces(one, size, error), *tried) for error in ERRORS},
+                    **{_column(error): _cell(_fewest_forces(one, size, error, limits)) for error in ERRORS},
                     "Beware of": _losing(one) if k == 0 else "",
                 }
 
@@ -190,48 +232,67 @@ def _largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
     return holds.step_size.where(holds).max("step_size")
 
 
-def _least_forces(spectrum: xr.Dataset, error: float) -> list[Choice]:
-    """The schemes of a class with the fewest forces a second for the peak drift, with their steps in ms.
-
-    Implicit schemes count as if they took one iteration a step, which they share. Forces that differ by less than a
-    tenth tie; the smaller error is named first.
-    """
+def _under_records(spectrum: xr.Dataset, error: float, limits: Mapping[str, float]) -> list[Pick]:
+    """The schemes of a class with the fewest forces a second for the peak drift."""
+    runs = ["record", "period", "reduction"]
     largest = _largest_steps(spectrum, error)
-    forces = (spectrum.forces_per_step + spectrum.forces_per_iteration) / largest
-    tied = largest.scheme[(forces <= 1.1 * forces.min()).values]
-    made = spectrum.error.sel(scheme=tied).max(["record", "period", "reduction"])
-    by_error = sorted(tied.values, key=lambda name: made.sel(scheme=name, step_size=largest.sel(scheme=name)).item())
-    return [(largest.scheme_title.sel(scheme=name).item(), 1e3 * largest.sel(scheme=name).item()) for name in by_error]
+    found = spectrum.isel(scheme=np.flatnonzero(largest.notnull()))
+    largest = largest.sel(scheme=found.scheme)
+    made = found.sel(step_size=largest)
+    forces = (found.forces_per_step + found.forces_per_iteration * made.iterations_per_step.mean(runs)) / largest
+    omega = 2 * np.pi / spectrum.period.min().item()
+    picks = []
+    for k in _tied(forces.values, made.error.max(runs).values):
+        step, name = largest.values[k], found.scheme.values[k]
+        per_second = f"{forces.values[k]:,.0f} forces/s"
+        picks.append(Pick(found.scheme_title.values[k], f"{1e3 * step:.2g} ms", per_second, omega * step, limits[name]))
+    return picks
 
 
-def _record(spectrum: xr.Dataset) -> Iterator[dict]:
+def _record(spectrum: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]:
     title = f"Oscillators of {spectrum.period.min():g} to {spectrum.period.max():g} s under records"
     for c, (name, one) in enumerate(_by_class(spectrum)):
         dividing = one.isel(step_size=np.flatnonzero(one.commensurate))
-        choices = {error: _least_forces(dividing, error) for error in ERRORS}
         off = bool((share_between(one) > share_at_the_spacing(one)).any())
         yield {
             "Problem": title if c == 0 else "",
             "Right in": "peak drift" if c == 0 else "",
             "Scheme": name,
-            **{_column(error): _first([f"{of}: {step:.2g} ms" for of, step in choices[error]]) for error in ERRORS},
+            **{_column(error): _cell(_under_records(dividing, error, limits)) for error in ERRORS},
             "Beware of": "other steps" if off else "",
         }
 
 
-@table(springs=ASSESSED, robustness="stability/robustness", asks=OF_THE_ASSESSMENTS)
+@table(
+    springs=ASSESSED,
+    robustness="stability/robustness",
+    asks={
+        **OF_THE_ASSESSMENTS,
+        "": contained(*SCHEMES_OF_THE_ROWS, within="spectral.schemes"),
+        "spectral.damping_ratios": [0.0],
+    },
+)
 def tabulate(
     springs: list[xr.Dataset],
     robustness: xr.Dataset,
     kinks: xr.Dataset,
+    spectral: xr.Dataset,
     spectrum: xr.Dataset,
     structures: xr.Dataset,
 ) -> pd.DataFrame:
     """One row per kind of problem and what must be right; a dash where no scheme keeps the error.
 
-    Explicit and implicit schemes have a row each. Of the springs a cell names the fastest scheme and those that tie
-    with it, among those whose energy is right to ``LEVEL`` percent too; of the others the scheme with the fewest forces
-    in a period. Numbers are steps in a period.
+    Explicit and implicit schemes have a row each. A cell names the scheme of its class with the fewest evaluations of
+    the force; numbers within a tenth tie, and of these the smallest error is named. The energy of a spring must be
+    right to ``LEVEL`` too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
+    highest ω of the motion, below the stability limit of the linear theory if there is one.
     """
-    rows = [*_springs(springs, robustness), *_structures(structures), *_remembering(kinks), *_record(spectrum)]
-    return pd.DataFrame(rows)
+    limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()
+    return pd.DataFrame(
+        [
+            *_springs(springs, robustness, limits),
+            *_structures(structures, limits),
+            *_remembering(kinks, limits),
+            *_record(spectrum, limits),
+        ]
+    )

@@ -4,21 +4,21 @@ import pandas as pd
 import xarray as xr
 
 from paper.asks import OF_THE_ASSESSMENTS
-from paper.data import ASSESSED, steps_of_period
+from paper.data import ASSESSED, fastest, steps_of_period
 from paper.products import table
 from paper.tables.decision import AT_MOST, COARSEST, sentence
 from study.analysis.recommendation import recommend
 
 
 def _cell(spring: xr.Dataset, error: float, quantity: str) -> str:
-    """The fastest scheme with its steps, and an asterisk if another ties with it."""
-    needs = recommend(spring, error=error, quantity=quantity)
-    best = needs.iloc[0]
-    if not best.step_size > 0:
+    """The fastest scheme with its steps; an asterisk if others tie with it, of which it takes the fewest forces."""
+    needs = fastest(recommend(spring, error=error, quantity=quantity))
+    if needs.empty:
         return "–"
+    best = needs.iloc[0]
     at_most = AT_MOST if best.verdict == COARSEST else ""
     title = spring.scheme_title.sel(scheme=best.name).item()
-    tied = "\u00a0*" if needs.ties_with_fastest.sum() > 1 else ""
+    tied = "\u00a0*" if len(needs) > 1 else ""
     return f"{title}: {at_most}{steps_of_period(spring, best.step_size):,}{tied}"
 
 

@@ -23,6 +23,6 @@ def tabulate(robustness: xr.Dataset) -> pd.DataFrame:
         for problem, title in zip(robustness.problem.values, robustness.problem_title.values, strict=True):
             for level in robustness.level.values:
                 needed = one.sel(problem=problem, level=level).item()
-                row[f"{title.split()[0].capitalize()} {level} %"] = _steps(needed, most)
+                row[f"{title.split()[0].capitalize()} {100 * level:g} %"] = _steps(needed, most)
         rows.append(row)
     return pd.DataFrame(rows)

@@ -16,12 +16,12 @@ COLUMNS = {
 
 
 def _cell(one: xr.Dataset) -> str:
-    """Exponent with its standard error, and the size at the end; or when a run failed."""
+    """Exponent with its standard error, and the size at the end in percent; or when a run failed."""
     last = one.isel(periods=-1)
     if last.status != 0:
         return f"fails at step {last.failed_at_step.item():,}"
     law = one.sel(quantity="energy_round_off")
-    return f"{law.exponent.item():.2f} ± {law.exponent_error.item():.2f}, {last.energy_round_off.item():.0e}"
+    return f"{law.exponent.item():.2f} ± {law.exponent_error.item():.2f}, {100 * last.energy_round_off.item():.0e}"
 
 
 @table()

@@ -10,8 +10,8 @@ from paper.products import table
 
 #: The problems with positive energy, on which a gain can be distinguished from a loss.
 PROBLEMS = ["hardening", "softening", "softening_large"]
-#: Gain of the energy in percent in the second half of a run from which on it counts as growth.
-GAIN = 100.0
+#: Gain of the energy in the second half of a run, over the initial energy, from which on it counts as growth.
+GAIN = 1.0
 
 
 def _first(run: xr.Dataset) -> str:
@@ -27,7 +27,7 @@ def _first(run: xr.Dataset) -> str:
 
 @table(
     asks={
-        "": contained("large_steps.schemes", "spectral.schemes"),
+        "": contained("large_steps.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "large_steps.problems": PROBLEMS,
         "large_steps.dt_over_period": rising,

@@ -21,7 +21,7 @@ def _cell(run: xr.Dataset) -> str:
     """Both errors in percent, or how the run failed; after a blow-up round-off decides at which step."""
     if run.status != 0:
         return "N" if run.status == 1 else "∞"
-    return f"{_percent(100 * run.displacement_error.item())}, {_percent(run.max_energy_imbalance.item())}"
+    return f"{_percent(100 * run.displacement_error.item())}, {_percent(100 * run.max_energy_imbalance.item())}"
 
 
 @table(asks={"structures.steps_per_period": [STEPS_PER_PERIOD]})

@@ -49,7 +49,7 @@ MEASURES = {
     "period_elongation": ("relative elongation of the period: the delay over the number of periods", "1"),
     "amplitude_decay": ("relative loss of amplitude per period, of the energy and to first order", "1"),
     "max_energy_error": ("largest relative error of the total energy in the last period", "percent"),
-    "energy_drift": ("signed relative error of the total energy at the end", "percent"),
+    "energy_drift": ("signed relative error of the total energy at the end", "1"),
 }
 #: Lengths in periods of the runs; shorter ones are beginnings of these.
 RUNS = (100, 1000)
@@ -81,7 +81,7 @@ def errors(
         "period_elongation": delay / period / periods,
         "amplitude_decay": lost[-1] / (float(problem.static_force(turn)) * turn) / periods,
         "max_energy_error": 100 * np.max(np.abs(lost / initial)),
-        "energy_drift": -100 * lost[-1] / abs(initial),
+        "energy_drift": -lost[-1] / abs(initial),
     }
 
 

@@ -139,8 +139,8 @@ def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndar
     ends = {
         Outcome.NO_SOLUTION_FOUND: status == NO_SOLUTION,
         Outcome.UNBOUNDED: status != COMPLETED,
-        Outcome.GROWING: imbalance > 100 * GROWN,
+        Outcome.GROWING: imbalance > GROWN,
         Outcome.CHAOTIC: np.asarray(growth) > APART * np.log(2),
-        Outcome.ACCURATE: imbalance <= 100 * ACCURATE,
+        Outcome.ACCURATE: imbalance <= ACCURATE,
     }
     return np.select(list(ends.values()), list(ends), Outcome.BOUNDED).astype(np.int8)

@@ -17,7 +17,7 @@ from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.errors import DEFAULT
 from study.assessment.of_program import assess_program, narrowed
-from study.assessment.periods import highest_frequency, length_of, slowest_period
+from study.assessment.periods import highest_frequency_along, length_of, slowest_period
 from study.assessment.progress import Progress
 from study.assessment.search import ENERGY, Search
 from study.assessment.solution import DenseSolution
@@ -247,7 +247,7 @@ def assess(
     )
     ds["highest_frequency"] = (
         (),
-        highest_frequency(equation, reference.solution),
+        highest_frequency_along(equation, reference.solution),
         {"long_name": "highest circular frequency of small motions about points of the motion", "units": "s-1"},
     )
     titles = {name: one.long_name or name for name, one in (quantities or DEFAULT).items()}

@@ -97,12 +97,16 @@ def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None
     low, high = solution.u.min(), solution.u.max()
     level = float(low + high) / 2
     times = _upward_crossings(solution, level)
-    force = eqx.filter_jit(problem.static_force)
-    ends = float(force(low)), float(force(high))
+    compiled = jax.jit(problem.static_force)
+
+    def force(u):
+        return float(compiled(u))
+
+    ends = force(low), force(high)
     if len(times) < FEWEST or not ends[0] < 0 < ends[1]:
         return None
     period = float((times[-1] - times[0]) / (len(times) - 1))
-    rest = brentq(lambda u: float(force(u)), low, high, xtol=1e-14)
+    rest = brentq(force, low, high, xtol=1e-14)
     return Oscillation(*map(jnp.asarray, (period, level, rest, times[0] / period, len(times))))
 
 

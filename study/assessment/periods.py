@@ -6,7 +6,7 @@ from study.assessment.solution import DenseSolution
 from study.marching.run import run
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
-from study.mechanics.frequencies import frequencies
+from study.mechanics.frequencies import frequencies, highest_frequency
 
 #: Periods of a free oscillation that are run if no duration is given.
 PERIODS = 10
@@ -61,10 +61,9 @@ def length_of(problem: Problem, duration: float | None) -> float:
     return PERIODS * period
 
 
-def highest_frequency(problem: Problem, motion: DenseSolution) -> float:
+def highest_frequency_along(problem: Problem, motion: DenseSolution) -> float:
     """The highest circular frequency of small motions, at the start, at the largest displacement, and in between."""
     last, unknowns = len(motion.t) - 1, np.size(problem.u0)
     places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
     farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()
-    found = (frequencies(problem, motion.u[place]) for place in {*places.tolist(), int(farthest)})
-    return max((float(one[-1]) for one in found if one is not None), default=np.nan)
+    return highest_frequency(problem, [motion.u[place] for place in {*places.tolist(), int(farthest)}])

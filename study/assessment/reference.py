@@ -56,13 +56,13 @@ class Route(NamedTuple):
     trajectory: Callable[[Times, float], tuple[History, History]]
 
 
-def _solvers():
-    """The modules of diffrax and CVODE."""
+def _sundials():
+    """The module of CVODE."""
     try:
-        from reference import diffrax, sundials
+        from reference import sundials
     except ImportError as error:
         raise NoReference(f"references need the extra 'reference' of this package: {error}.") from None
-    return diffrax, sundials
+    return sundials
 
 
 @eqx.filter_jit
@@ -147,15 +147,17 @@ class Reference:
         of_load, of_force = (times[(times > 0) & (times < end)] for times in (declared, found))
         if self.problem.kinked or self.problem.history is not None:
             stops = np.union1d(of_load, of_force)
-            along = _solvers()[1].kinks(self.problem, end, stops, self._methods[1])
+            along = _sundials().kinks(self.problem, end, stops, self._methods[1])
             of_force = np.union1d(of_force, along)
         return Kinks(of_load, of_force)
 
     def _routes(self) -> tuple[Route, Route]:
-        diffrax, sundials = _solvers()
+        sundials = _sundials()
         problem, (one_step, several_steps) = self.problem, self._methods
 
         def by_diffrax(t, rtol):
+            from reference import diffrax  # here, because the route through heyoka does without it
+
             return diffrax.trajectory(problem, t, rtol, one_step, MAX_STEPS)[:2]
 
         def by_cvode(t, rtol):

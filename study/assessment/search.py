@@ -174,7 +174,7 @@ class Search:
         case = self._cases[start]
         steps = np.maximum(np.floor(self.duration / dt * (1 + 1e-9)), 1).astype(int)
         ds = run(case.problem, self.scheme, dt=dt, steps=steps, observe=case.observe, on_failure="ignore")
-        imbalance = ds.max_energy_imbalance.values / 100 if "max_energy_imbalance" in ds else np.nan
+        imbalance = ds.max_energy_imbalance.values if "max_energy_imbalance" in ds else np.nan
         ends = np.atleast_1d(np.minimum(steps * dt, self.duration))
         found: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
         found |= {ENERGY: imbalance} if self._of_energy else {}

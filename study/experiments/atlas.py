@@ -34,7 +34,7 @@ def _column(runs: xr.Dataset, dt: np.ndarray, period: np.ndarray) -> dict[str, n
     return {
         "outcome": outcome,
         "at_step": np.where(runs.status > 0, runs.failed_at_step, step).astype(np.int32),
-        "max_energy_error": _single(runs.max_height_error.values),
+        "max_energy_error": _single(100 * runs.max_height_error.values),
         "period_error": _single(np.abs(runs.mean_period.values / period - 1)),
         "max_newton_iterations": _single(runs.max_newton_iterations.values),
         "lyapunov_exponent": _single(runs.lyapunov_exponent.values),

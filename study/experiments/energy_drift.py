@@ -64,7 +64,7 @@ def energy_drift(
 ) -> xr.Dataset:
     """Compute the signed energy error at the end of a run and the steps of an oscillation, over step sizes.
 
-    The energy error is 100 (E − E₀)/|E₀| percent after ``periods`` periods; both variables are (steps_per_period,).
+    The energy error is (E − E₀)/|E₀| after ``periods`` periods; both variables are (steps_per_period,).
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def energy_drift(
             "energy_drift": (
                 along,
                 drift,
-                {"long_name": f"signed relative error of the total energy after {periods} periods", "units": "percent"},
+                {"long_name": f"signed relative error of the total energy after {periods} periods", "units": "1"},
             ),
             "steps_per_oscillation": (
                 along,

@@ -12,6 +12,7 @@ from study.experiments import coordinates
 from study.io import flags
 from study.marching.result import STATUS_ATTRIBUTES
 from study.marching.run import run
+from study.mechanics.frequencies import highest_frequency
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
@@ -72,10 +73,12 @@ def kinks(
     reference = io.open_dataset("reference/inelastic")
     shape = (len(problems), len(schemes), len(steps_per_period))
     error, imbalance, iterations = (np.full(shape, np.nan) for _ in range(3))
+    highest = np.empty(len(problems))
     order, status = np.full(shape[:2], np.nan), np.full(shape, STATUSES.index("not_run"), np.int8)
     for p, problem in enumerate(problems):
         known, definition = reference.sel(problem=problem), problems_by_name[problem]
         size, scale = np.abs(known.u.values).max(), known.time_scale.item()
+        highest[p] = highest_frequency(definition, [definition.u0, *known.u.values])
         for s, scheme in enumerate(schemes):
             progress(f"order of {scheme} on {problem}")
             if schemes_by_name[scheme].refusal(definition):
@@ -102,11 +105,21 @@ def kinks(
             "max_energy_imbalance": (
                 dims,
                 imbalance,
-                {"long_name": "largest error of the balance of energies", "units": "percent"},
+                {"long_name": "largest error of the balance of energies", "units": "1"},
             ),
             "status": (dims, status, flags("how the run ended", STATUSES, np.int8)),
             "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations a step", "units": "1"}),
             "observed_order": (dims[:2], order, {"long_name": "order that the errors show", "units": "1"}),
+            "period": (
+                "problem",
+                reference.time_scale.sel(problem=problems).values,
+                {"long_name": "time by which steps are counted", "units": "s"},
+            ),
+            "highest_frequency": (
+                "problem",
+                highest,
+                {"long_name": "highest circular frequency of small motions along the reference", "units": "s-1"},
+            ),
         },
         coords={
             **coordinates.problem_coordinates(problems),

@@ -57,9 +57,9 @@ def _step_sizes(step: float, runs: int) -> np.ndarray:
 
 #: What is measured at the end of a run: its type, and what it is.
 _VARIABLES = {
-    "energy_error": (np.float64, {"long_name": "signed energy error at the end", "units": "percent"}),
+    "energy_error": (np.float64, {"long_name": "signed energy error at the end", "units": "1"}),
     "max_energy_error": (np.float64, {"long_name": "largest energy error", "units": "percent"}),
-    "mean_energy_error": (np.float64, {"long_name": "signed energy error, mean over the run", "units": "percent"}),
+    "mean_energy_error": (np.float64, {"long_name": "signed energy error, mean over the run", "units": "1"}),
     "phase_error": (np.float64, {"long_name": "delay at the end in periods", "units": "1"}),
     "status": (np.int32, STATUS_ATTRIBUTES),
     "failed_at_step": (np.int64, FAILED_AT_STEP_ATTRIBUTES),
@@ -89,7 +89,7 @@ def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, 
 
 
 def _measured(problem: Problem, scheme: Scheme, dt: np.ndarray, length: int, steps: int, double: bool, *exact) -> dict:
-    """Errors of the energy in percent and of the phase in periods, and the status, at the end of every run, (run,)."""
+    """Errors of energy and phase, as ``_VARIABLES`` describe them, and the status, at the end of every run, (run,)."""
     with jax.enable_x64(double):
         ds = run(problem, scheme, dt=dt, steps=steps, observe=OBSERVED, on_failure="ignore")
     return {

@@ -80,20 +80,18 @@ def summary(runs: xr.Dataset) -> xr.Dataset:
     along = ("quantity", "scheme", "arithmetic", "step")
     return xr.Dataset(
         {
-            "energy_error": _described(mean["energy_error"], "signed energy error at the end, mean of runs", "percent"),
+            "energy_error": _described(mean["energy_error"], "signed energy error at the end, mean of runs", "1"),
             "max_energy_error": _described(
                 runs.max_energy_error.max("run", skipna=False), "largest energy error", "percent"
             ),
             "mean_energy_error": _described(
-                mean["mean_energy_error"], "signed energy error, mean over the run and of runs", "percent"
+                mean["mean_energy_error"], "signed energy error, mean over the run and of runs", "1"
             ),
             "phase_error": _described(mean["phase_error"], "delay at the end in periods, mean of runs", "1"),
             "energy_round_off": _described(
-                rms["energy_round_off"], f"mean energy error {than_exact}, rms of runs", "percent"
+                rms["energy_round_off"], f"mean energy error {than_exact}, rms of runs", "1"
             ),
-            "energy_bias": _described(
-                mean["energy_round_off"], f"mean energy error {than_exact}, mean of runs", "percent"
-            ),
+            "energy_bias": _described(mean["energy_round_off"], f"mean energy error {than_exact}, mean of runs", "1"),
             "phase_round_off": _described(rms["phase_round_off"], f"delay in periods {than_exact}, rms of runs", "1"),
             "phase_bias": _described(mean["phase_round_off"], f"delay in periods {than_exact}, mean of runs", "1"),
             "exponent": (

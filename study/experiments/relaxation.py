@@ -28,10 +28,10 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
     steps=_number_of_steps,
 )
 def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
-    """Compute errors of energy and motion of the Runge-Kutta method with and without relaxation, in percent.
+    """Compute errors of energy and motion of the Runge-Kutta method with and without relaxation.
 
-    The error of the energy is max |E − E₀|/|E₀| over ``periods`` printed periods, as in Tables 1 and 2 of Xie (1996).
-    That of the motion is the distance √((u/u₀ − 1)² + u̇²/(2E₀)) from the start after ``periods`` exact periods. Both
+    The error of the energy is max |E − E₀|/|E₀| over ``periods`` printed periods, in percent as in Tables 1 and 2 of
+    Xie (1996). That of the motion is the distance √((u/u₀ − 1)² + u̇²/(2E₀)) from the start after ``periods`` exact periods. Both
     are of shape (problem, steps_per_period, variant).
 
     Raises
@@ -60,10 +60,10 @@ def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> x
                     for period in (known["printed"], known["exact"])
                 )
                 energy[p, k, m] = tables.max_energy_error
-                motion[p, k, m] = 100 * np.hypot(whole.u[-1] / u0 - 1, whole.v[-1] / fastest)
+                motion[p, k, m] = np.hypot(whole.u[-1] / u0 - 1, whole.v[-1] / fastest)
     dims = ("problem", "steps_per_period", "variant")
     of_energy = {"long_name": f"largest relative error of the total energy over {periods} periods", "units": "percent"}
-    of_motion = {"long_name": f"relative distance from the start after {periods} exact periods", "units": "percent"}
+    of_motion = {"long_name": f"relative distance from the start after {periods} exact periods", "units": "1"}
     return xr.Dataset(
         {"max_energy_error": (dims, energy, of_energy), "motion_error": (dims, motion, of_motion)},
         coords={

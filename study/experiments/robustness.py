@@ -70,7 +70,7 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
     """Find the fewest steps per period that keep the energy within 1, 5 and 10 percent at all amplitudes.
 
     The amplitudes are those of ``results/reference/amplitudes``; the period T in Δt = T/N is the exact one at each
-    amplitude. The percentages are errors of the energy over its height above rest.
+    amplitude. The errors are those of the energy over its height above rest.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
         coords={
             **coordinates.problem_coordinates(problems),
             **coordinates.scheme_coordinates(schemes),
-            "level": ("level", list(LEVELS), {"long_name": "error of the energy over its height", "units": "percent"}),
+            "level": ("level", list(LEVELS), {"long_name": "error of the energy over its height", "units": "1"}),
             "periods": ("periods", sorted(periods), {"long_name": "length of the run in periods", "units": "1"}),
         },
         attrs={"title": "Steps per period that every scheme needs at all amplitudes"},

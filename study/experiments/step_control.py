@@ -56,10 +56,10 @@ def step_control(
     """March springs over whole periods with controlled and with equal steps.
 
     The exact motion is back at its start after whole periods. ``return_error`` is the distance of the numerical one
-    from there, the larger of displacement and velocity, each relative to its largest value. Energy errors are those of
-    eq. (17) of Xie (1996). Reversible control takes about as many steps as the first controller at the same tolerance.
-    The histories are largest energy errors of each period, of the first scheme at the tolerance in the middle; equal
-    steps are then as many as those of the first controller.
+    from there, the larger of displacement and velocity, each relative to its largest value. ``max_energy_error`` is
+    that of eq. (17) of Xie (1996), in percent. Reversible control takes about as many steps as the first controller at
+    the same tolerance. The histories are largest energy errors of each period, of the first scheme at the tolerance in
+    the middle; equal steps are then as many as those of the first controller.
     """
     controls = [*controllers, REVERSIBLE]
     shape = (len(problems), len(schemes), len(controls), len(tolerances))
@@ -108,6 +108,7 @@ def step_control(
     dims = ("problem", "scheme", "control", "tolerance")
     of_equal = ("problem", "scheme", "steps_per_period")
     energy = {"long_name": "largest relative error of the total energy", "units": "percent"}
+    of_period = {"long_name": "largest relative error of the total energy of each period", "units": "1"}
     distance = {"long_name": "distance from the start after whole periods, over the largest value", "units": "1"}
     return xr.Dataset(
         {
@@ -117,12 +118,12 @@ def step_control(
             "energy_drift": (
                 dims,
                 found["energy_drift"],
-                {"long_name": "signed relative error of the total energy at the end", "units": "percent"},
+                {"long_name": "signed relative error of the total energy at the end", "units": "1"},
             ),
             "return_error": (dims, found["error"], distance),
             "equal_max_energy_error": (of_equal, equal["max_energy_error"], energy | {"comment": "with equal steps"}),
             "equal_return_error": (of_equal, equal["error"], distance | {"comment": "with equal steps"}),
-            "history": (("problem", "with_equal", "period"), history, energy | {"comment": "of each period"}),
+            "history": (("problem", "with_equal", "period"), history, of_period),
         },
         coords={
             **coordinates.problem_coordinates(problems),

@@ -102,7 +102,7 @@ def structure_stability(
             "max_energy_imbalance": (
                 dims,
                 imbalance,
-                {"long_name": "largest error of the balance of energies, dissipation and work", "units": "percent"},
+                {"long_name": "largest error of the balance of energies, dissipation and work", "units": "1"},
             ),
             "max_newton_iterations": (
                 dims,

@@ -17,6 +17,7 @@ from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.mechanics.definition import Problem
+from study.mechanics.frequencies import highest_frequency
 from study.observer.diagnostics import MomentumErrors, NewtonIterations
 from study.observer.energy import EnergyBalance
 from study.problem.named import problems as problems_by_name
@@ -155,12 +156,14 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
         "unknowns": np.size(definition.u0),
         "period": reference.period.item(),
         "periods": periods,
+        "highest_frequency": highest_frequency(definition, [definition.u0, *reference.u.values]),
     }
     long_names = {
         "displacement_uncertainty": ("uncertainty of the reference in units of displacement_error", "1"),
         "unknowns": ("number of unknowns", "1"),
         "period": ("time by which steps are counted", "s"),
         "periods": ("length of the runs in these times", "1"),
+        "highest_frequency": ("highest circular frequency of small motions along the reference", "s-1"),
     }
     return xr.Dataset(
         {name: (dims, value.astype(whole.get(name, float)), ATTRIBUTES[name]) for name, value in values.items()}

@@ -196,7 +196,7 @@ class March(eqx.Module):
         """
 
         def step(p):
-            return self.stepped(p, dt)
+            return self.stepped(p, dt, steps)
 
         def stored_at(place, p, stored):
             sample = self._each(self._sample)(initial, p.state, p.step.astype(dt.dtype) * dt)
@@ -220,12 +220,7 @@ class March(eqx.Module):
             return p, stored, place + is_due.astype(int), due + jnp.where(is_due, every, 0)
 
         if not self.records:
-            # first all lanes together, until the shortest ends; then only those that go on
-            together = until if steps is None else jnp.minimum(steps.min(), until)
-            progress = self._advance(progress, step, together)
-            if steps is not None:
-                progress = self._advance(progress, lambda p: self.stepped(p, dt, steps), until)
-            return progress, stored
+            return self._advance(progress, step, until), stored
 
         def go_on(carry):
             p = carry[0]

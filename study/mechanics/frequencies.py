@@ -1,5 +1,6 @@
 """Circular frequencies of small motions about a state of a problem."""
 
+from collections.abc import Iterable
 from functools import partial
 
 import equinox as eqx
@@ -45,3 +46,9 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
         with np.errstate(divide="ignore"):
             return np.sort(1 / np.sqrt(periods_squared))
     return np.sqrt(np.clip(np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real), 0, None))
+
+
+def highest_frequency(problem: Problem, displacements: Iterable[VectorLike]) -> float:
+    """The highest circular frequency of small motions at some displacements, NaN if none has a finite tangent."""
+    found = (frequencies(problem, u) for u in displacements)
+    return max((float(one[-1]) for one in found if one is not None), default=np.nan)

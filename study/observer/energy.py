@@ -10,15 +10,20 @@ from study.observer.base import Record, Reduction
 
 
 def relative_energy_error(problem: Problem, initial, state):
-    """Signed relative error of the energy in percent, 100 (E − E₀)/|E₀|; its size is Xie (1996), eq. (17)."""
+    """Signed relative error of the energy, (E − E₀)/|E₀|."""
     reference = problem.at(initial).energy(initial.u, initial.v)
-    return 100 * (problem.energy(state.u, state.v) - reference) / jnp.abs(reference)
+    return (problem.energy(state.u, state.v) - reference) / jnp.abs(reference)
 
 
 class MaxEnergyError(Reduction):
     """Largest relative error of the energy over the run in percent, Xie (1996), eq. (17)."""
 
-    variables = {"max_energy_error": {"long_name": "largest relative error of the total energy", "units": "percent"}}
+    variables = {
+        "max_energy_error": {
+            "long_name": "largest relative error of the total energy, eq. (17) of Xie (1996)",
+            "units": "percent",
+        }
+    }
     needs_energy = True
 
     def start(self, problem, state):
@@ -34,15 +39,13 @@ class MaxEnergyError(Reduction):
 
 
 class MeanEnergyError(Reduction):
-    """Mean of the signed relative error of the energy over all steps of the run in percent, by a compensated sum.
+    """Mean of the signed relative error of the energy over all steps of the run, by a compensated sum.
 
     Oscillations of the energy along the orbit cancel in the mean; drifts do not. The mean of a drift linear in time is
     half of its final value, and that of a random walk has 1/√3 of its final standard deviation.
     """
 
-    variables = {
-        "mean_energy_error": {"long_name": "mean signed relative error of the total energy", "units": "percent"}
-    }
+    variables = {"mean_energy_error": {"long_name": "mean signed relative error of the total energy", "units": "1"}}
     needs_energy = True
     needs_equal_steps = True
 
@@ -56,15 +59,13 @@ class MeanEnergyError(Reduction):
 
     def result(self, carried, problem, state):
         reference, steps, total, _ = carried
-        return {"mean_energy_error": 100 * total / (steps.astype(float) * jnp.abs(reference))}
+        return {"mean_energy_error": total / (steps.astype(float) * jnp.abs(reference))}
 
 
 class EnergyDrift(Reduction):
-    """Signed relative error of the energy at the end of the run in percent."""
+    """Signed relative error of the energy at the end of the run."""
 
-    variables = {
-        "energy_drift": {"long_name": "signed relative error of the total energy at the end", "units": "percent"}
-    }
+    variables = {"energy_drift": {"long_name": "signed relative error of the total energy at the end", "units": "1"}}
     needs_energy = True
 
     def start(self, problem, state):
@@ -80,7 +81,7 @@ class EnergyDrift(Reduction):
 class EnergyBalance(Reduction):
     r"""Largest error of the balance E + D − W = E₀ of energy E, dissipation D and work of the load W.
 
-    The error is the largest :math:`|E + D - W - E_0|` relative to :math:`|E_0| + \max|W|`, in percent; it is zero if
+    The error is the largest :math:`|E + D - W - E_0|` relative to :math:`|E_0| + \max|W|`; it is zero if
     all of them are. The work over a step follows from the mean of the forces at both ends,
 
     .. math::
@@ -102,7 +103,7 @@ class EnergyBalance(Reduction):
     variables = {
         "max_energy_imbalance": {
             "long_name": "largest error of the balance of energies, dissipation and work",
-            "units": "percent",
+            "units": "1",
         },
         "dissipated_energy": {"long_name": "energy dissipated by damping and internal force", "units": "1"},
         "work_of_load": {"long_name": "work done by the load", "units": "1"},
@@ -149,14 +150,14 @@ class EnergyBalance(Reduction):
 
     def result(self, carried, problem, state):
         _, at_start, (dissipated, work), (imbalance, most_work) = carried
-        error = jnp.where(imbalance == 0, 0.0, 100 * imbalance / (jnp.abs(at_start) + most_work))
+        error = jnp.where(imbalance == 0, 0.0, imbalance / (jnp.abs(at_start) + most_work))
         return dict(zip(self.variables, (error, dissipated, work), strict=True))
 
 
 class EnergyError(Record):
-    """Signed relative error of the energy along time in percent."""
+    """Signed relative error of the energy along time."""
 
-    variables = {"energy_error": {"long_name": "signed relative error of the total energy", "units": "percent"}}
+    variables = {"energy_error": {"long_name": "signed relative error of the total energy", "units": "1"}}
     needs_energy = True
 
     def sample(self, problem, initial, state, t):

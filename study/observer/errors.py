@@ -157,7 +157,8 @@ class PeriodError(Reduction):
 class AmplitudeDecay(Reduction):
     """Relative loss of amplitude per period over the n maxima after the start, NaN with fewer than two.
 
-    It is :math:`1 - (A_n/A_1)^{1/(n - 1)}`. The maxima are those of the quintics of :class:`PeriodError`.
+    It is :math:`1 - (A_n/A_1)^{1/(n - 1)}`, the geometric mean per oscillation of the numerical motion. The maxima are
+    those of the quintics of :class:`PeriodError`.
 
     Attributes
     ----------
@@ -171,7 +172,12 @@ class AmplitudeDecay(Reduction):
     dt: jax.Array
 
     needs_equal_steps = True
-    variables = {"amplitude_decay": {"long_name": "relative loss of amplitude per period", "units": "1"}}
+    variables = {
+        "amplitude_decay": {
+            "long_name": "relative loss of amplitude, geometric mean per oscillation of the numerical motion",
+            "units": "1",
+        }
+    }
 
     def start(self, problem, state):
         now = state.u, state.v

@@ -20,8 +20,8 @@ GROWN = 100.0
 #: Minima farther than this multiple of |u₀| are rejected.
 FARTHEST = 1e6
 
-#: Errors of the energy in percent that :class:`Excursions` observes.
-LEVELS = (1, 5, 10)
+#: Errors of the energy that :class:`Excursions` observes.
+LEVELS = (0.01, 0.05, 0.1)
 
 
 def _refusal(problem: Problem) -> str | None:
@@ -74,7 +74,7 @@ class OutcomeObserver(Reduction):
     rest_at: float = eqx.field(default=0.0, converter=np.float64)
 
     variables = {
-        "max_height_error": {"long_name": "largest error of the energy over its height above rest", "units": "percent"},
+        "max_height_error": {"long_name": "largest error of the energy over its height above rest", "units": "1"},
         "max_newton_iterations": {"long_name": "most Newton iterations in one step", "units": "1"},
         "inaccurate_from": {"long_name": "first time with an error of the energy of more than 1 percent", "units": "s"},
         "at_rest_from": {"long_name": "time from which on less than 1 percent of the energy is left", "units": "s"},
@@ -153,7 +153,7 @@ class OutcomeObserver(Reduction):
 
     def result(self, carried, problem, state):
         _, error, iterations, first = carried
-        values = dict(zip(self.variables, (100 * error, iterations, *first), strict=True))
+        values = dict(zip(self.variables, (error, iterations, *first), strict=True))
         return {name: value for name, value in values.items() if value is not None}
 
 
@@ -169,8 +169,8 @@ class Excursions(Reduction):
     rest: float = eqx.field(converter=np.float64)
 
     variables = {
-        f"beyond_{level}_percent": {
-            "long_name": f"first time with an error of the energy of more than {level} percent",
+        f"beyond_{100 * level:g}_percent": {
+            "long_name": f"first time with an error of the energy of more than {100 * level:g} percent",
             "units": "s",
         }
         for level in LEVELS
@@ -184,7 +184,7 @@ class Excursions(Reduction):
         height, first = carried
         change = jnp.abs((problem.energy(state.u, state.v) - self.rest) / height - 1)
         return height, tuple(
-            jnp.where((change > level / 100) & (before == jnp.inf), t, before)
+            jnp.where((change > level) & (before == jnp.inf), t, before)
             for level, before in zip(LEVELS, first, strict=True)
         )
 

@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from study.program.attempt import Run, Times, Values
 
@@ -27,6 +26,8 @@ class Curve(NamedTuple):
 
     def at(self, times: np.ndarray) -> Values:
         """Values at some times, by a cubic spline; of a single number, itself."""
+        from scipy.interpolate import CubicSpline  # here, because problems without a program do without it
+
         return CubicSpline(self.t, self.values)(times) if self.values.ndim else self.values
 
     def within(self, other: "Curve") -> "Curve":

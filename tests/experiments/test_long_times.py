@@ -75,7 +75,7 @@ def test_errors_of_the_experiment_are_those_of_linear_theory(harmonic):
     assert (harmonic.status == 0).all() and (harmonic.failed_at_step == -1).all()
     assert np.isnan(harmonic.energy_round_off.sel(arithmetic="float64_compensated")).all()
     single, double = (harmonic.energy_round_off.sel(arithmetic=name) for name in ("float32", "float64"))
-    assert (single > 1e-7).all() and (double < 1e-12).all()
+    assert (single > 1e-9).all() and (double < 1e-14).all()
     assert harmonic.exponent.sel(quantity="phase_error").values == pytest.approx(1.0, abs=1e-2)
 
 

@@ -43,7 +43,7 @@ def test_it_is_the_run(name):
     ds = study.run("softening", name, dt=0.01, steps=500, observe=["trajectory", "energy_drift"])
     found = study.final_state("softening", name, dt=0.01, steps=500, observe=["energy_drift"])
     assert float(found["u"]) == pytest.approx(float(ds.u[-1]), abs=1e-11)
-    assert float(found["energy_drift"]) == pytest.approx(float(ds.energy_drift), abs=1e-9)
+    assert float(found["energy_drift"]) == pytest.approx(float(ds.energy_drift), abs=1e-11)
     assert int(found["failed_at_step"]) == -1
 
 

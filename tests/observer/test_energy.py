@@ -18,7 +18,7 @@ def _balance(problem, scheme, dt, steps, **arguments):
 def test_the_trapezoidal_rule_balances_a_linear_structure_to_round_off(damped_chain):
     problem = damped_chain(linear=True)
     ds = _balance(problem, "average_acceleration", dt=0.2, steps=200)
-    assert ds.max_energy_imbalance < 1e-11
+    assert ds.max_energy_imbalance < 1e-13
     assert ds.dissipated_energy > 0.1 and abs(ds.work_of_load) > 0.01
 
 
@@ -32,7 +32,7 @@ def test_the_balance_closes_with_the_second_order(damped_chain, scheme):
 def test_what_a_force_without_a_potential_dissipates_the_kinetic_energy_loses():
     problem = study.Problem(lambda u, v: 9 * u + 0.5 * v, 1.0, 2.0, mass=2.0)
     ds = _balance(problem, "average_acceleration", dt=0.1, steps=200)
-    assert ds.max_energy_imbalance < 1e-11
+    assert ds.max_energy_imbalance < 1e-13
     end = study.run(problem, "average_acceleration", dt=0.1, steps=200).isel(t=-1)
     assert ds.dissipated_energy.item() == pytest.approx(2.0**2 - end.v.item() ** 2, rel=1e-11)
 
@@ -45,7 +45,7 @@ def test_a_problem_at_rest_is_in_balance():
 def test_a_blow_up_is_no_loss():
     """The imbalance is relative to the energy at the start, of which a blow-up is many times as much."""
     stiff = study.Problem(lambda u: 100 * u, 1.0, potential=lambda u: 50 * u * u)
-    assert _balance(stiff, "central_difference", 0.25, 20, bound=np.inf).max_energy_imbalance > 1e4
+    assert _balance(stiff, "central_difference", 0.25, 20, bound=np.inf).max_energy_imbalance > 1e2
 
 
 def test_an_oscillator_dissipates_all_that_it_had():
@@ -77,4 +77,4 @@ def test_lanes_balance_as_single_runs(damped_chain):
 
 def test_the_mean_of_the_energy_error_is_that_of_the_samples(kind):
     ds = study.run("hardening", kind, dt=0.0075, steps=200, observe=["energy_error", "mean_energy_error"])
-    assert ds.mean_energy_error.item() == pytest.approx(ds.energy_error[1:].mean().item(), rel=1e-9, abs=1e-12)
+    assert ds.mean_energy_error.item() == pytest.approx(ds.energy_error[1:].mean().item(), rel=1e-9, abs=1e-14)

@@ -19,7 +19,6 @@ TIMED = {
     "solvers",
     "families",
     "needs",
-    "decision",
     "claims",
     "numbers",
     "tables",

@@ -188,7 +188,7 @@ def test_a_run_is_computed_at_the_chosen_amplitude_and_step(browser, page):
     rest = study.OutcomeObserver.of("softening")
     run = study.run("softening", "rk4", dt=period / 19, steps=380, u0=4.1, observe=[rest])
     told = _text(browser, ".run[data-side='1'] dd")
-    assert float(told.split(" %")[0]) == pytest.approx(run.max_height_error.item(), rel=0.02)
+    assert float(told.split(" %")[0]) == pytest.approx(100 * run.max_height_error.item(), rel=0.02)
     assert browser.execute_script("return document.querySelectorAll('.run[data-side=\"1\"] figure').length") == 3
     # one that leaves all bounds
     _open(browser, page, "#u0=40&steps=1&schemes=rk4,central_difference")

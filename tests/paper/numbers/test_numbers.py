@@ -50,7 +50,7 @@ def test_claims_are_counted_by_part():
 def test_without_resonance_there_is_no_window():
     parts = np.linspace(15, 30, 31)
     runs = {
-        "energy_drift": ("steps_per_period", np.full(31, -5.0)),
+        "energy_drift": ("steps_per_period", np.full(31, -0.05)),
         "steps_per_oscillation": ("steps_per_period", parts),
     }
     numbers = of_drift(xr.Dataset(runs, {"steps_per_period": parts}))

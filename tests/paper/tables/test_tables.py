@@ -58,7 +58,7 @@ def test_the_longest_runs_count_and_the_most_steps_stand_for_failure():
             "problem_title": ("problem", ["softening spring"]),
             "scheme": ["own"],
             "scheme_title": ("scheme", ["Own"]),
-            "level": [5, 1],
+            "level": [0.05, 0.01],
             "periods": [10, 100],
         },
     )

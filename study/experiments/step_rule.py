@@ -1,0 +1,122 @@
+"""The step by the highest frequency of the motion: errors of energy and period at all amplitudes."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from typing_extensions import TypedDict
+
+from study import io
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, PowersOfTen, Schemes, section
+from study.experiments import coordinates
+from study.marching.run import run
+from study.observer.crossings import Oscillations
+from study.observer.outcome import OutcomeObserver
+from study.problem.named import problems as problems_by_name
+
+#: Largest mean over the amplitudes of ω T for which the number of steps is promised.
+MOST_STIFF = 25
+
+
+@section
+class _StepRule(TypedDict):
+    schemes: Schemes
+    omega_steps: PowersOfTen
+    periods: Count
+
+
+def _values(exponents: Mapping[str, float]) -> np.ndarray:
+    return np.logspace(exponents["first"], exponents["last"], int(exponents["count"]))
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    atlas = configuration["atlas"]
+    runs = len(options["schemes"]) * len(atlas["problems"]) * atlas["amplitudes"]["count"]
+    return runs * options["periods"] * MOST_STIFF * np.sum(1 / _values(options["omega_steps"]))
+
+
+@experiment(
+    "stability/step_rule",
+    section="step_rule",
+    model=_StepRule,
+    reads=lambda options: ["reference/amplitudes"],
+    steps=_number_of_steps,
+    stops_early=True,
+)
+def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> xr.Dataset:
+    """Measure the errors of energy and period over ω Δt, with the highest ω of the tangent along each motion.
+
+    The problems and amplitudes are those of ``results/reference/amplitudes``.
+
+    Parameters
+    ----------
+    omega_steps
+        ``count`` values of ω Δt, from 10 to the power ``first`` to 10 to the power ``last``.
+    periods
+        Length of the runs in exact periods.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``energy_error`` and ``period_error`` of shape (scheme, problem, amplitude, omega_step).
+
+    Raises
+    ------
+    FileNotFoundError
+        If ``results/reference/amplitudes.nc`` has not been made.
+    """
+    exact, values = io.open_dataset("reference/amplitudes"), _values(omega_steps)
+    problems = exact.problem.values.tolist()
+    shape = (len(schemes), len(problems), exact.sizes["amplitude"], len(values))
+    energy, elongation = np.full(shape, np.nan), np.full(shape, np.nan)
+    for p, problem in enumerate(problems):
+        definition, of_problem = problems_by_name[problem], exact.sel(problem=problem)
+        well = OutcomeObserver.of(definition)
+        initial = np.array([definition.energy(value, 0.0) for value in of_problem.u0.values])
+        over_height = np.abs(initial) / (initial - well.rest)
+        step = values / of_problem.highest_frequency.values[:, None]
+        u0, period = (np.broadcast_to(one.values[:, None], step.shape) for one in (of_problem.u0, of_problem.period))
+        for s, scheme in enumerate(schemes):
+            progress(f"highest frequency and step of {scheme} on {problem}")
+            runs = run(
+                definition,
+                scheme,
+                dt=step.ravel(),
+                steps=np.ceil(periods * period / step).astype(int).ravel(),
+                u0=u0.ravel(),
+                observe=["max_energy_error", Oscillations(well.rest_at)],
+                on_failure="ignore",
+            )
+            energy[s, p] = runs.max_energy_error.values.reshape(step.shape) / 100 * over_height[:, None]
+            elongation[s, p] = np.abs(runs.mean_period.values.reshape(step.shape) / period - 1)
+    dims = ("scheme", "problem", "amplitude", "omega_step")
+    failed = "NaN where the run failed"
+    return xr.Dataset(
+        {
+            "energy_error": (
+                dims,
+                energy,
+                {"long_name": f"largest error of the energy over its height above rest, {failed}", "units": "1"},
+            ),
+            "period_error": (
+                dims,
+                elongation,
+                {"long_name": f"relative error of the mean period, {failed} or never swings", "units": "1"},
+            ),
+        },
+        coords={
+            **coordinates.scheme_coordinates(schemes),
+            **coordinates.problem_coordinates(problems),
+            "amplitude": exact.amplitude,
+            "period": exact.period,
+            "highest_frequency": exact.highest_frequency,
+            "periods": ((), periods, {"long_name": "length of the runs in periods", "units": "1"}),
+            "omega_step": (
+                "omega_step",
+                values,
+                {"long_name": "step size times the highest circular frequency of the motion", "units": "1"},
+            ),
+        },
+        attrs={"title": f"Errors of {periods} periods by the step times the highest frequency of the motion"},
+    )

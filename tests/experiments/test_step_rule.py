@@ -1,0 +1,32 @@
+"""Errors by the step times the highest frequency of the motion."""
+
+import numpy as np
+import pytest
+
+import study
+from study.experiments.step_rule import step_rule
+
+
+def test_errors_are_those_of_a_run(springs):
+    ds = step_rule(["central_difference"], {"first": -0.8, "last": 0.5, "count": 2}, 10)
+    one = ds.isel(scheme=0, omega_step=0).sel(problem="hardening").isel(amplitude=2)
+    exact = springs.sel(problem="hardening").isel(amplitude=2)
+    dt = (10**-0.8 / exact.highest_frequency).item()
+    run = study.run(
+        "hardening",
+        "central_difference",
+        dt=dt,
+        steps=int(np.ceil(10 * exact.period / dt)),
+        u0=exact.u0.item(),
+        observe=["max_energy_error", "oscillations"],
+    )
+    assert one.energy_error.item() == pytest.approx(run.max_energy_error.item() / 100, rel=1e-9)
+    assert one.period_error.item() == pytest.approx(abs(run.mean_period.item() / exact.period.item() - 1), rel=1e-9)
+    assert ds.energy_error.isel(omega_step=1).isnull().any()  # beyond the stability limit, two
+
+
+def test_the_energy_of_a_well_is_measured_from_its_bottom(springs):
+    ds = step_rule(["rk4"], {"first": -1, "last": -0.5, "count": 2}, 10).sel(problem="double_well").isel(scheme=0)
+    # fifth order: a step that is three times as large makes an error of the energy that is some 300 times as large
+    assert ((ds.energy_error[:, 1] / ds.energy_error[:, 0]) > 100).all()
+    assert (ds.energy_error[:, 0] < 1e-2).all()
