@@ -23,7 +23,6 @@ from study.assessment.search import ENERGY, Search
 from study.assessment.solution import DenseSolution
 from study.io import processor
 from study.marching.arguments import resolve
-from study.marching.ensemble import cores
 from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
 from study.observer.motion import Quantity
@@ -32,6 +31,7 @@ from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.scheme.contract import check_told
 from study.scheme.named import schemes as schemes_by_name
+from study.settings import cores
 
 #: Schemes that are assessed if none are named: the ones that codes offer, and the best of each family.
 USUAL = (

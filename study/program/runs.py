@@ -21,6 +21,7 @@ import numpy as np
 from study.io import NotRead, write
 from study.program.attempt import Run, attempt
 from study.program.definition import Program
+from study.settings import cores
 
 #: Names of the scheme, the status and the reason, and of the time that a run took, in its file.
 WORDS, SECONDS, T = "words", "seconds", "t"
@@ -29,10 +30,6 @@ Job = tuple[str, float]
 
 #: Before the names of quantities there.
 QUANTITY = "quantity "
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _picklable(program: Program) -> bool:
@@ -65,7 +62,7 @@ class Runs:
 
     def __init__(self, program: Program, seconds: float = math.inf, report: Callable[[str], None] = lambda what: None):
         self.program, self.made, self._report = program, dict[Job, Run](), report
-        self._workers = program.workers or _cores()
+        self._workers = program.workers or cores()
         self._identity, self._pool = program.identity(), self._start()
         self._end, self.late = time.monotonic() + seconds, False
 
