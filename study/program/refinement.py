@@ -39,6 +39,8 @@ class Refinement:
         What two schemes agree on.
     remarks
         Sentences on the program as a whole.
+    seconds
+        Time of all runs that gave the truth.
     noise
         Relative difference of a repeated run of each scheme; infinite if the scheme ignores the step.
 
@@ -54,6 +56,7 @@ class Refinement:
         self.remarks: list[str] = []
         self.noise = dict.fromkeys(program.all_schemes, 0.0)
         self.truth = self._find_truth()
+        self.seconds = sum(run.elapsed for run in runs.made.values())
         self._repeat()
 
     def of(self, scheme: str) -> list[Run]:
