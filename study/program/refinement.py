@@ -142,7 +142,8 @@ class Refinement:
             return bool(self.noise[scheme])
         coarse, fine = runs
         ratio = round(coarse.dt / fine.dt)
-        if all(_same(coarse, fine, name, ratio) for name in coarse.values):
+        moving = [name for name, values in coarse.values.items() if values.any()]
+        if moving and all(_same(coarse, fine, name, ratio) for name in moving):
             self.noise[scheme] = math.inf
             self.remarks.append(
                 f"'{scheme}' ignores the step: its runs at {coarse.dt:.4g} s and {fine.dt:.4g} s are the same to the "
