@@ -24,7 +24,7 @@ from study.assessment.solution import DenseSolution
 from study.io import processor
 from study.marching.arguments import resolve
 from study.mechanics.definition import Problem
-from study.mechanics.loads import excited
+from study.mechanics.loads import excited, record_of
 from study.observer.motion import Quantity
 from study.problem.named import problems
 from study.program.definition import Program
@@ -195,7 +195,7 @@ def assess(
         raise ValueError(next(iter(chosen.values())).refusal(equation))
     if np.size(equation.u0) > large.MOST:
         program = large.program_of(equation, fit, length, quantities, search.spacing(equation, length))
-        ds = assess_program(program, allowed, seconds, Progress(len(fit)).tell)
+        ds = assess_program(program, allowed, seconds, Progress(len(fit)).tell).assign_attrs(record_of(equation.load))
         if quantities is None and np.size(equation.u0) > large.SHOWN:
             compared = f"{large.SHOWN} of {np.size(equation.u0):,} unknowns"
             ds.attrs["starts"] += f" Errors were compared at {compared}; others may have larger ones."
@@ -265,6 +265,7 @@ def assess(
         + (", quantities=quantities)" if quantities else ")"),
         "processor": processor(),
         "not_fit": "; ".join(str(chosen[name].refusal(equation)) for name in chosen if name not in fit),
+        **record_of(equation.load),
     }
     return ds
 
