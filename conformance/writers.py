@@ -74,9 +74,11 @@ WRITERS = {".tcl": opensees, ".inp": abaqus, ".comm": code_aster, ".mail": mesh}
 
 
 def write(chosen: Iterable[Mapping[str, Any]], folder: Path) -> int:
-    """Write the files of the cases that have one, and return their number."""
+    """Write the files of the cases that have one, which have equal steps, and return their number."""
     folder.mkdir(parents=True, exist_ok=True)
-    made = [(case["name"] + ending, one(case)) for case in chosen for ending, one in WRITERS.items()]
+    made = [
+        (case["name"] + ending, one(case)) for case in chosen if "dt" in case["run"] for ending, one in WRITERS.items()
+    ]
     texts = {name: text for name, text in made if text is not None}
     for name, text in texts.items():
         (folder / name).write_text(text, encoding="utf-8")
