@@ -79,6 +79,7 @@ class Search:
     ):
         self.program, self.allowed, self._round_step = program, allowed, round_step
         self.errors: dict[Job, dict[str, float]] = {}
+        self._late = False
         with Runs(program, seconds, report) as runs:
             self.refinement = Refinement(program, runs, allowed[-1])
             self.truth = self.refinement.truth
@@ -135,11 +136,14 @@ class Search:
         if step not in tried:
             return [step]
         # one of those that halve is there
-        missing = self._confirming(scheme, step) + 1 - sum(step / 2 <= dt < step for dt in tried)
-        return [one for one in self._random(scheme, step, missing) if one not in tried] if missing > 0 else []
+        wanted = self._confirming(scheme, step)
+        missing = wanted + 1 - sum(step / 2 <= dt < step for dt in tried)
+        return [one for one in self._random(scheme, step, wanted) if one not in tried][: max(missing, 0)]
 
     def _confirming(self, scheme: str, step: float) -> int:
-        """Number of random steps that confirm one: in all, they take no longer than the runs that gave the truth."""
+        """Number of random steps that confirm one, in ``CHEAP`` seconds or a share of the time that the truth took."""
+        if self._late:
+            return FEWEST_CONFIRMING
         limits = len(self.program.schemes) * len(self.allowed) * len(self.truth.uncertainty)
         affordable = max(self.refinement.seconds / limits, CHEAP)
         (run,) = (run for run in self.refinement.of(scheme) if run.dt == step)
@@ -150,11 +154,11 @@ class Search:
     def _round(self, step: float) -> float:
         return self._round_step(step, self.program.spacing)
 
-    def _random(self, scheme: str, step: float, count: int) -> set[float]:
+    def _random(self, scheme: str, step: float, count: int) -> list[float]:
         """Random steps up to an octave below another one, the same whenever they are drawn."""
         random = np.random.default_rng(zlib.crc32(f"{scheme} {step:.12g}".encode()))
-        drawn = {self.program.fitted(step * 2.0**-part) for part in random.random(count)}
-        return {one for one in drawn if one < step and one >= self.program.smallest}
+        drawn = dict.fromkeys(self.program.fitted(step * 2.0**-part) for part in random.random(count))
+        return [one for one in drawn if one < step and one >= self.program.smallest]
 
     def _hopeless(self, scheme: str, name: str) -> bool:
         """Whether halving does not help a scheme any more; a remark says so."""
