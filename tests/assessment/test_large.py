@@ -9,6 +9,7 @@ from scipy import sparse
 
 import study
 from study.assessment import large
+from study.program import search
 from study.program.refinement import NoTruth
 
 #: The chain is assessed over half of its slowest period.
@@ -21,6 +22,7 @@ def of_programs(monkeypatch, tmp_path):
     """Every problem counts as large, and its runs are kept in a folder of the test."""
     monkeypatch.setattr(large, "MOST", 1)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
 
 
 def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, of_programs, monkeypatch):

@@ -29,7 +29,7 @@ def program(run, folder, schemes=models.SCHEMES, **options):
 def few_confirming():
     """Cheap programs confirm their steps by as few runs as dear ones, except in the test of that."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(search, "CHEAP", 0.0)
+        patch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
         yield
 
 
@@ -193,7 +193,7 @@ def _scattered(scheme, dt):
 def test_a_cheap_program_confirms_its_steps_by_many(tmp_path, monkeypatch):
     own = program(_scattered, tmp_path, ["a", "b"])
     dear = study.assess(own, errors=[0.1])
-    monkeypatch.setattr(search, "CHEAP", 0.5)
+    monkeypatch.setattr(search, "MOST_CONFIRMING", MOST_CONFIRMING)
     ds = study.assess(own, errors=[0.1])
     for step in ds.recommended_dt.values.ravel():
         fresh = step * 2.0 ** -np.random.default_rng(7).random(200)
