@@ -9,23 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from conformance.problem import Problem
+from conformance.problem import Problem, solve
 
 #: Largest number of Newton's iterations.
 ITERATIONS = 60
-
-
-def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The solution x (n,) of a linear system by Gauss's elimination with pivots."""
-    rows = np.column_stack([matrix, right])
-    for i in range(len(rows)):
-        pivot = i + max(range(len(rows) - i), key=lambda j: abs(rows[i + j, i]))
-        rows[[i, pivot]] = rows[[pivot, i]]
-        rows[i] = rows[i] / rows[i, i]
-        for j in range(len(rows)):
-            if j != i:
-                rows[j] = rows[j] - rows[j, i] * rows[i]
-    return rows[:, -1]
 
 
 class March:
