@@ -206,7 +206,9 @@ runpy.run_module("conformance", run_name="__main__")"""
 def test_stored_verdicts_are_those_of_these_cases_and_on_the_page():
     page = conformance_page()
     codes = found()
-    assert {"OpenSees", "Exudyn", "SciPy, bilinear transform", "This study"} <= {code["tool"] for code in codes}
+    assert {"OpenSees", "Exudyn", "SciPy, bilinear transform", "This study", "diffrax"} <= {
+        code["tool"] for code in codes
+    }
     for code in codes:
         # those of an older version have no newer cases
         names = {case["name"] for case in ALL if _number(case["version"]) <= _number(code["kit"])}
@@ -229,6 +231,15 @@ def test_opensees_has_newmarks_method_and_starts_houbolts_by_average_acceleratio
     outcomes = Counter((one.name[-3:], one.verdict) for one in verdicts(runner, chosen))
     assert {code for code, verdict in outcomes if verdict == "pass"} >= {"AVG", "DIS", "HHT", "WIL"}
     assert {code for code, verdict in outcomes if verdict in ("differs", "fail")} == {"HOU"}
+
+
+def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
+    """With steps that are not equal too."""
+    pytest.importorskip("diffrax")
+    (case,) = [case for case in ALL if case["name"] == "G-LIN-AVG"]
+    with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
+        (one,) = verdicts(runners.of_function("conformance.tools.diffrax_code:step"), [case])
+    assert one.verdict == "pass" and one.digits > 12
 
 
 def test_tables_of_a_folder_are_judged(tmp_path, capsys):
