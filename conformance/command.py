@@ -24,7 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--tool-version", default="", metavar="VERSION", help="version of the code")
     parser.add_argument("--note", default="", metavar="TEXT", help="a sentence on how the code is run")
     parser.add_argument("--output", type=Path, metavar="PATH", help="PATH.json and PATH.html are written")
-    parser.add_argument("--inputs", type=Path, metavar="FOLDER", help="write Tcl files for OpenSees instead")
+    parser.add_argument(
+        "--inputs", type=Path, metavar="FOLDER", help="write input files of OpenSees, Abaqus, code_aster"
+    )
 
 
 def cases(skip: list[str] | tuple[str, ...] = (), only: list[str] | tuple[str, ...] = ()) -> Iterator[dict[str, Any]]:

@@ -62,18 +62,24 @@ class Entry(NamedTuple):
         What is expected: ``identical``, ``bound`` or ``order``.
     tags
         Further tags.
+    sizes
+        Sizes of the steps, if they are not equal, in place of ``dt`` and ``steps``.
+    version
+        Version of the kit that has the case first.
     """
 
     name: str
     title: str
     why: str
     problem: dict[str, Any]
-    dt: str
-    steps: int
+    dt: str = ""
+    steps: int = 0
     at: tuple[int, ...] = ()
     schemes: tuple[str, ...] | None = None
     kind: str = "identical"
     tags: tuple[str, ...] = ()
+    sizes: tuple[str, ...] = ()
+    version: str = "2026.1"
 
 
 def _problem(
@@ -213,6 +219,21 @@ def _level_f() -> Iterator[Entry]:
     yield Entry("F-SINE", "stiff and sine spring in a row", why, problem, "0.2", 20, (1, 5, 20), _FEW, tags=tags)
 
 
-PROBLEMS = [entry for level in (_level_a, _level_b, _level_c, _level_d, _level_e, _level_f) for entry in level()]
+def _level_g() -> Iterator[Entry]:
+    why = "A code that changes its step shows which acceleration and which step it carries over."
+    rest: dict[str, Any] = {"tags": ("unequal_steps",), "version": "2026.2"}
+    problem = _problem("linear", "1", "-3", "2", "0.6", stiffness="50")
+    title, sizes = "linear, steps h and 2h in turn", ("0.05", "0.1") * 5
+    yield Entry("G-LIN", title, why, problem, at=(2, 10), schemes=("AVG", "GEN"), sizes=sizes, **rest)
+    title, sizes = "hardening spring, steps h and 2h in turn", ("0.005", "0.01") * 5
+    yield Entry("G-CUB", title, why, _HARDENING, at=(2, 10), schemes=("AVG", "CDM", "HHT", "GEN"), sizes=sizes, **rest)
+    problem = _problem("linear", damping="0.6", loads=_load("2", "6", "0.4"), stiffness="39")
+    rest |= {"schemes": ("AVG", "CDM", "GEN"), "sizes": ("0.08", "0.05", "0.05", "0.11", "0.02", "0.09", "0.07")}
+    yield Entry("G-HARM", "damped, harmonic load, irregular steps", why, problem, at=(2, 7), **rest)
+
+
+_LEVELS = (_level_a, _level_b, _level_c, _level_d, _level_e, _level_f, _level_g)
+
+PROBLEMS = [entry for level in _LEVELS for entry in level()]
 
 ORDERS = [entry for entry in PROBLEMS if entry.kind == "order"]

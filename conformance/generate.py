@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 from mpmath import mp
 
-from conformance import VERSION
 from conformance.contents import ORDERS, PROBLEMS, SCHEMES, Entry
 from conformance.problem import FLOAT, Problem
 from conformance.schemes import run
-from conformance.variants import VARIANTS, WITHOUT_ACCELERATION
+from conformance.variants import UNEQUAL, VARIANTS, WITHOUT_ACCELERATION
 
 CASES = Path(__file__).parent / "cases"
 
@@ -33,7 +32,9 @@ DISTINCT, UNSTABLE = 100, 1e6
 
 
 def _march(entry: Entry, scheme: Mapping[str, str], words=(), numbers=mp, dt=None, steps=None) -> dict[str, np.ndarray]:
-    return run(Problem(entry.problem, numbers), scheme, numbers.mpf(dt or entry.dt), steps or entry.steps, words)
+    sizes = [numbers.mpf(one) for one in entry.sizes]
+    size = sizes or numbers.mpf(dt or entry.dt)
+    return run(Problem(entry.problem, numbers), scheme, size, steps or len(sizes) or entry.steps, words)
 
 
 def _decimal(value: Any, digits: int) -> str:
@@ -87,7 +88,7 @@ def _differ(first: list[np.ndarray], second: list[np.ndarray], expected: list[di
 def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> Iterator[dict]:
     """Alternatives and mistakes that show in this case, each with its values."""
     seen = [_values(entry, _march(entry, scheme), expected)]
-    for variant in VARIANTS:
+    for variant in UNEQUAL if entry.sizes else VARIANTS:
         if scheme["family"] not in variant.families:
             continue
         changed = {**scheme, **variant.change(scheme)}
@@ -172,16 +173,17 @@ def made() -> Iterator[dict]:
 
 def case(entry: Entry, code: str, title: str, scheme: Mapping[str, str], end: Any = None) -> dict:
     """One case as a dictionary."""
+    steps = {"sizes": list(entry.sizes)} if entry.sizes else {"dt": entry.dt, "steps": entry.steps}
     header = {
         "name": f"{entry.name}-{code}",
-        "version": VERSION,
+        "version": entry.version,
         "title": f"{title}: {entry.title}",
         "why": entry.why,
         "source": "exact",
         "tags": [entry.name[0], scheme["family"], entry.problem["form"], *entry.tags],
         "problem": entry.problem,
         "scheme": scheme,
-        "run": {"dt": entry.dt, "steps": entry.steps, "newton_tolerance": "1e-12"},
+        "run": {**steps, "newton_tolerance": "1e-12"},
     }
     if entry.kind == "order":
         return {**header, "expect": _order(entry, scheme, end)}
@@ -189,7 +191,8 @@ def case(entry: Entry, code: str, title: str, scheme: Mapping[str, str], end: An
         return {**header, "expect": _bound(entry, scheme)}
     expected = _identical(entry, scheme)
     variants = list(_variants(entry, scheme, expected))
-    return {**header, "expect": expected, "variants": variants, "slopes": list(_slopes(entry, scheme, expected))}
+    slopes = [] if entry.sizes else list(_slopes(entry, scheme, expected))
+    return {**header, "expect": expected, "variants": variants, "slopes": slopes}
 
 
 def written(one: Mapping[str, Any]) -> str:

@@ -11,6 +11,19 @@ import numpy as np
 FLOAT = SimpleNamespace(mpf=float, cos=math.cos, sin=math.sin, tanh=math.tanh, eps=2e-16)
 
 
+def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The solution x (n,) of a linear system by Gauss's elimination with pivots."""
+    rows = np.column_stack([matrix, right])
+    for i in range(len(rows)):
+        pivot = i + max(range(len(rows) - i), key=lambda j: abs(rows[i + j, i]))
+        rows[[i, pivot]] = rows[[pivot, i]]
+        rows[i] = rows[i] / rows[i, i]
+        for j in range(len(rows)):
+            if j != i:
+                rows[j] = rows[j] - rows[j, i] * rows[i]
+    return rows[:, -1]
+
+
 class Problem:
     """M ü + C u̇ + p(u) = f(t) with n unknowns, as a case states it; README.md has the formulas.
 

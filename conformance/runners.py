@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from conformance.judge import CASES, Motion, Unsupported
+from conformance.judge import CASES, Motion, Unsupported, times
 from conformance.problem import Problem
 
 #: Exit status by which a command says that it has no such scheme or problem.
@@ -32,8 +32,8 @@ def of_function(place: str) -> Runner:
     """Runner of ``MODULE:FUNCTION`` or ``FILE.py:FUNCTION``.
 
     The function takes the problem, the scheme as a dictionary, the step and the number of steps, and returns u, v and,
-    if it has them, a at 0, Δt, 2Δt, ..., each (steps + 1, n). It raises ``NotImplementedError`` for what it does not
-    do.
+    if it has them, a at the start and after every step, each (steps + 1, n). The step is an array (steps,) where steps
+    are not equal. The function raises ``NotImplementedError`` for what it does not do.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def of_function(place: str) -> Runner:
         sys.path.remove(folder)
 
     def motion(case: Mapping[str, Any], part: int) -> Motion:
-        dt, steps = float(case["run"]["dt"]) / part, case["run"]["steps"] * part
+        dt, steps = times(case, part)
         try:
             with np.errstate(all="ignore"):
                 found = step(Problem(case["problem"]), case["scheme"], dt, steps)
@@ -160,7 +160,9 @@ def of_folder(folder: Path) -> Runner:
 
 def divided(case: Mapping[str, Any], part: int) -> dict[str, Any]:
     """A case with a part of its step and as many times its steps, without what it expects."""
-    run = {**case["run"], "dt": repr(float(case["run"]["dt"]) / part), "steps": case["run"]["steps"] * part}
+    run = case["run"]
+    if part > 1:
+        run = {**run, "dt": repr(float(run["dt"]) / part), "steps": run["steps"] * part}
     return {**{name: case[name] for name in ("name", "problem", "scheme")}, "run": run}
 
 
@@ -184,11 +186,12 @@ def _read(file: Path, case: Mapping[str, Any], part: int) -> Motion:
 
 
 def _checked(case: Mapping[str, Any], part: int, motion: Motion, t: np.ndarray | None = None) -> Motion:
-    steps, dt = case["run"]["steps"] * part, float(case["run"]["dt"]) / part
+    dt, steps = times(case, part)
+    ends = np.append(0.0, np.cumsum(dt)) if np.ndim(dt) else dt * np.arange(steps + 1)
     shape = steps + 1, len(case["problem"]["u0"])
     for name, values in motion.items():
         if values is not None and values.shape != shape:
             raise ValueError(f"{name} has the shape {values.shape}, not {shape}: a row at t = 0 and one a step")
-    if t is not None and (wrong := np.flatnonzero(~(abs(t - dt * np.arange(steps + 1)) < dt / 100))).size:
-        raise ValueError(f"t is {t[wrong[0]]:g} after {wrong[0]} steps of {dt:g}")
+    if t is not None and (wrong := np.flatnonzero(~(abs(t - ends) < np.min(dt) / 100))).size:
+        raise ValueError(f"t is {t[wrong[0]]:g} after {wrong[0]} steps, and not {ends[wrong[0]]:g}")
     return motion

@@ -9,23 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from conformance.problem import Problem
+from conformance.problem import Problem, solve
 
 #: Largest number of Newton's iterations.
 ITERATIONS = 60
-
-
-def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The solution x (n,) of a linear system by Gauss's elimination with pivots."""
-    rows = np.column_stack([matrix, right])
-    for i in range(len(rows)):
-        pivot = i + max(range(len(rows) - i), key=lambda j: abs(rows[i + j, i]))
-        rows[[i, pivot]] = rows[[pivot, i]]
-        rows[i] = rows[i] / rows[i, i]
-        for j in range(len(rows)):
-            if j != i:
-                rows[j] = rows[j] - rows[j, i] * rows[i]
-    return rows[:, -1]
 
 
 class March:
@@ -43,8 +30,25 @@ class March:
             self.signed(problem.load(self.t)) * ("a0 without load" not in words) - problem.damping @ self.v * resisted
         )
         self.a = solve(problem.mass, force - problem.force(self.u)) * ("a0 = 0" not in words)
+        self.before = self.a
         self.start = scheme.get("start", "")
         self.past = self.fictitious(self.start) if scheme["family"] == "houbolt" else []
+
+    def next_size(self, size: Any) -> None:
+        """Change the step; the alternatives that keep the second order change the carried acceleration too.
+
+        The acceleration of generalized-α belongs to t₁ + (α_m − α_f) Δt, with the step that ends at t₁.
+        """
+        change = size / self.dt - 1
+        if "corrected for step" in self.words:
+            alpha_m, alpha_f = (
+                self.numbers.get("alpha_m", 0),
+                self.numbers.get("alpha_f", -self.numbers.get("alpha", 0)),
+            )
+            self.a = self.a + (alpha_m - alpha_f) * change * (self.a - self.before)
+        elif "scaled for step" in self.words:
+            self.a = self.a + change * (self.a - self.acceleration(0, self.u, self.v))
+        self.dt, self.before = size, self.a
 
     def signed(self, load: np.ndarray) -> np.ndarray:
         """A load, or what a mistake in all of the run makes of it."""
@@ -131,7 +135,9 @@ class March:
         damping = part * velocity[0] + alpha_f * self.v, part * velocity[1]
         if "damping at end" in self.words:
             damping = velocity
-        if "two forces" in self.words:
+        if "force at end" in self.words:
+            x = self.balanced((0 * u, 1), damping, inertia, self.load(part))
+        elif "two forces" in self.words:
             rest = alpha_f * self.problem.force(u)
             x = self.balanced((0 * u, 1), damping, inertia, self.load(part), weight=part, rest=rest)
         else:
@@ -293,11 +299,17 @@ def run(
     ----------
     scheme
         The part ``scheme`` of a case.
+    dt
+        Size of all steps, or the sizes of each.
     words
         Changes of the scheme, of which ``generate.py`` has the list.
     """
-    march = March(problem, scheme, dt, words)
+    sizes = [dt] * steps if np.ndim(dt) == 0 else [*dt]
+    if "late sizes" in words:
+        sizes = [sizes[0], *sizes[:-1]]
+    march = March(problem, scheme, sizes[0], words)
     march.rows.append((march.u, march.v, march.a))
     while len(march.rows) <= steps:
+        march.next_size(sizes[len(march.rows) - 1])
         getattr(march, scheme["family"])(**march.numbers)
     return {name: np.array([row[i] for row in march.rows[: steps + 1]]) for i, name in enumerate("uva")}

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 #: Schemes that carry no acceleration from step to step.
 WITHOUT_ACCELERATION = ("rk4", "midpoint", "symplectic_euler")
@@ -163,4 +163,35 @@ VARIANTS = (
     _mistake("both sub-steps are those of the trapezoidal rule", ("bathe",), change=_with(gamma="0.5", rho_inf="1")),
     _mistake("the displacement leaves out γ in its coefficient ½ + γ", ("kr_alpha",), "no gamma in u"),
     _mistake("the four stages have equal weights", ("rk4",), "equal weights"),
+)
+
+
+def _uncoupled(problem: Mapping[str, Any]) -> dict[str, Any]:
+    mass = [[one if i == j else "0" for j, one in enumerate(row)] for i, row in enumerate(problem["mass"])]
+    return {**problem, "mass": mass}
+
+
+def _without_phase(problem: Mapping[str, Any]) -> dict[str, Any]:
+    return {**problem, "load": {**problem["load"], "phase": "0"}} if "load" in problem else {**problem}
+
+
+#: Mistakes that were met after the cases were made, which therefore hold no values of them: words and another problem.
+LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[str, Any]]], ...] = (
+    ("the internal force is that of the end of the step", ("force at end",), dict),
+    ("the masses that couple unknowns are missing", (), _uncoupled),
+    ("the phase of the load is missing", (), _without_phase),
+)
+
+#: What shows where steps are not equal; the others show with equal ones.
+UNEQUAL = (
+    _alternative(
+        "the carried acceleration is moved to the new step", ("hht", "generalized_alpha"), "corrected for step"
+    ),
+    _alternative(
+        "the carried acceleration is scaled to the new step about that of the equation of motion",
+        ("hht", "generalized_alpha"),
+        "scaled for step",
+    ),
+    _mistake("the acceleration is derived from the equation of motion after every step", ALPHA, "rederived"),
+    _mistake("each step has the size of the one before", ALL, "late sizes"),
 )

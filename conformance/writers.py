@@ -1,13 +1,15 @@
-"""Input files of OpenSees from the same cases, as an example for codes that read no JSON.
+"""Input files from the same cases, for codes that read no JSON: of OpenSees here, of others in ``chains``.
 
-They are linear and cubic oscillators without a moving ground. Each file writes its motion as ``NAME.csv`` into the
-folder where it runs; a case without a file is skipped, as it has no result.
+Those of OpenSees are linear and cubic oscillators without a moving ground. Each file writes its motion as ``NAME.csv``
+into the folder where it runs; a case without a file is skipped, as it has no result.
 """
 
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
+
+from conformance.chains import abaqus, code_aster, mesh
 
 
 def _scalars(case: Mapping[str, Any]) -> dict[str, float] | None:
@@ -67,10 +69,17 @@ close $out
 """
 
 
+#: What writes the file of each ending: OpenSees', Abaqus', and the commands and the mesh of code_aster.
+WRITERS = {".tcl": opensees, ".inp": abaqus, ".comm": code_aster, ".mail": mesh}
+
+
 def write(chosen: Iterable[Mapping[str, Any]], folder: Path) -> int:
-    """Write the files of the cases that have one, ``NAME.tcl``, and return their number."""
+    """Write the files of the cases that have one, which have equal steps, and return their number."""
     folder.mkdir(parents=True, exist_ok=True)
-    texts = {case["name"]: text for case in chosen if (text := opensees(case))}
+    made = [
+        (case["name"] + ending, one(case)) for case in chosen if "dt" in case["run"] for ending, one in WRITERS.items()
+    ]
+    texts = {name: text for name, text in made if text is not None}
     for name, text in texts.items():
-        (folder / f"{name}.tcl").write_text(text, encoding="utf-8")
+        (folder / name).write_text(text, encoding="utf-8")
     return len(texts)

@@ -35,10 +35,10 @@ def _overview(codes: Sequence[Mapping[str, Any]]) -> str:
         for case in code["cases"]:
             ran[case["name"][0]] += case["verdict"] != "skip"
             passed[case["name"][0]] += case["verdict"] == "pass"
-        levels = [f"{passed[level]}/{ran[level]}" if ran[level] else "–" for level in "ABCDEF"]
+        levels = [f"{passed[level]}/{ran[level]}" if ran[level] else "–" for level in "ABCDEFG"]
         counts = [str(code["counts"][verdict]) for verdict in ("pass", "differs", "fail", "skip")]
-        rows.append([_named(code), *levels, *counts])
-    return table(["code", *"ABCDEF", "pass", "differs", "fail", "skip"], rows)
+        rows.append([_named(code), code["kit"], *levels, *counts])
+    return table(["code", "cases", *"ABCDEFG", "pass", "differs", "fail", "skip"], rows)
 
 
 def _causes(code: Mapping[str, Any]) -> str:
@@ -64,7 +64,7 @@ def conformance_page() -> str:
     parts = [
         "```{include} /included/conformance.md\n```",
         "## What it found",
-        "Passes over the cases that a code has, by level. The version is that of the code.",
+        "Passes over the cases that a code has, by level. The version behind a name is that of the code.",
         _overview(codes),
         *filter(None, map(_causes, codes)),
     ]

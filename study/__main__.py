@@ -130,6 +130,7 @@ def _assess(arguments: argparse.Namespace) -> None:
     else:
         if not arguments.problem:
             raise ValueError("assess needs FILE.py:NAME, the name of a problem, or --command.")
+        _refuse(arguments, {"spacing": None, "time_limit": None, "workers": None}, "a program, not of a problem")
         schemes = None
         if arguments.schemes:
             schemes = {place.rpartition(":")[2]: _given(place, Scheme) for place in arguments.schemes}
@@ -156,8 +157,16 @@ def _assess(arguments: argparse.Namespace) -> None:
         print(f"written: {outputs[0]}, {outputs[1]}")
 
 
+def _refuse(arguments: argparse.Namespace, defaults: dict[str, Any], whose: str) -> None:
+    """Refuse an option that would have no effect."""
+    for name, default in defaults.items():
+        if getattr(arguments, name) != default:
+            raise ValueError(f"--{name.replace('_', '-')} is an option of {whose}; leave it out.")
+
+
 def _program(arguments: argparse.Namespace) -> Program:
     """The program of a command, or a model of OpenSees."""
+    _refuse(arguments, {"quantities": None}, "a problem, not of a program")
     if not arguments.schemes or not arguments.duration:
         raise ValueError("a program needs --schemes, such as newmark hht, and --duration.")
     schemes = [name for word in arguments.schemes for name in word.split(",") if name]

@@ -137,6 +137,14 @@ def _set_cache() -> None:
     _set("jax_persistent_cache_min_entry_size_bytes", 0)
 
 
+def cores() -> int:
+    """Cores that a run may use: ``OMP_NUM_THREADS`` if set (Snakemake sets it for its jobs), otherwise all of them."""
+    granted = os.environ.get("OMP_NUM_THREADS", "")
+    if granted.isdigit() and int(granted):
+        return int(granted)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 _SETTINGS = {
     "precision": lambda: _set("jax_enable_x64", True),
     "compiler": _set_compiler,

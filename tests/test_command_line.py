@@ -54,6 +54,14 @@ def test_a_recommendation_is_printed(capsys, tmp_path):
         ([*RUN, "--output", "{folder}"], "'{folder}' cannot be written: it is a folder."),
         ([*RUN, "--output", "{folder}/file/one.nc"], "'{folder}/file/one.nc' cannot be written: File exists."),
         (
+            ["assess", "hardening", "--time-limit", "3"],
+            "--time-limit is an option of a program, not of a problem; leave it out.",
+        ),
+        (
+            ["assess", "--command", "mycode", "--schemes", "a", "b", "--duration", "1", "--quantities", "file.py:name"],
+            "--quantities is an option of a problem, not of a program; leave it out.",
+        ),
+        (
             ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
             "there is no dataset '{folder}/assessment/hardening.nc'; "
             "`snakemake {folder}/assessment/hardening.nc` makes those of the study, in the folder of its sources, and "

@@ -16,8 +16,9 @@ import study
 from study.assessment import errors
 from study.assessment.assess import assess
 from study.assessment.certified import cases_of, certified
-from study.assessment.search import COARSEST, TWENTIETH, Search
+from study.assessment.search import COARSEST, Search
 from study.mechanics.loads import excited
+from study.program.confirmation import TWENTIETH
 from study.user_files import load
 
 EXAMPLES, STEPS, SEED = Path(__file__).parents[1] / "examples", 1000, 20261124

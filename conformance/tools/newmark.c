@@ -20,6 +20,7 @@ int main(int count, char **words) {
   text[fread(text, 1, sizeof text - 1, in)] = 0;
   if (!strstr(text, "\"newmark\"") && !strstr(text, "\"central_difference\"")) return 77;
   if (strstr(text, "\"elastoplastic\"") || strstr(text, "\"gap\"") || strstr(text, "\"ground\"")) return 77;
+  if (strstr(text, "\"sizes\"")) return 77; /* steps that are not equal */
   if (strchr(strstr(text, "\"u0\""), ',') < strchr(strstr(text, "\"u0\""), ']')) return 77; /* several unknowns */
   double m = number("\"mass\"", 1), c = number("\"damping\"", 0), dt = number("\"dt\"", 0);
   double beta = number("\"beta\"", 0), gamma = number("\"gamma\"", 0.5), u = number("\"u0\"", 0), v = number("\"v0\"", 0);

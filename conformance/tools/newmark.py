@@ -10,7 +10,7 @@ FAMILIES = ("newmark", "central_difference", "hht", "generalized_alpha", "wilson
 
 
 def step(problem, scheme, dt, steps):
-    """Displacement, velocity and acceleration at 0, dt, 2 dt, ..., each (steps + 1, n)."""
+    """Displacement, velocity and acceleration at the start and after every step, each (steps + 1, n)."""
     family = scheme["family"]
     if family not in FAMILIES:
         raise NotImplementedError(f"it has no {family}")
@@ -18,13 +18,15 @@ def step(problem, scheme, dt, steps):
     beta = numbers["beta"] if "beta" in numbers else {"central_difference": 0.0, "wilson": 1 / 6}[family]
     gamma, theta = numbers.get("gamma", 0.5), numbers.get("theta", 1.0)
     alpha_m, alpha_f = numbers.get("alpha_m", 0.0), numbers.get("alpha_f", -numbers.get("alpha", 0.0))
-    part, tau = 1 - alpha_f, theta * dt
+    part = 1 - alpha_f
     M, C = problem.mass, problem.damping
     u, v = problem.u0, problem.v0
     a = np.linalg.solve(M, problem.load(0.0) - C @ v - problem.force(u))
     rows = [(u, v, a)]
-    for i in range(steps):
-        load = problem.load(i * dt + part * tau)
+    sizes = np.broadcast_to(dt, steps)
+    for t, dt in zip(np.cumsum(sizes) - sizes, sizes, strict=True):
+        tau = theta * dt
+        load = problem.load(t + part * tau)
         u_ahead = u + tau * v + tau**2 * (0.5 - beta) * a
         v_ahead = v + tau * (1 - gamma) * a
         if beta == 0:

@@ -92,7 +92,7 @@ def _loads(text):
 
 
 def step(problem, scheme, dt, steps, started=True, integrators=INTEGRATORS):
-    """Displacement, velocity and acceleration at 0, dt, 2 dt, ..., each (steps + 1, n)."""
+    """Displacement, velocity and acceleration at the start and after every step, each (steps + 1, n)."""
     if scheme["family"] not in integrators or np.any(problem.mass != np.diag(np.diag(problem.mass))):
         raise NotImplementedError("it has no such integrator, or no full mass matrix")
     numbers = {name: float(value) for name, value in scheme.items() if name not in ("family", "start")}
@@ -122,8 +122,8 @@ def step(problem, scheme, dt, steps, started=True, integrators=INTEGRATORS):
             setter(node, 1, value, "-commit")
     read = (ops.nodeDisp, ops.nodeVel, ops.nodeAccel)
     rows = [[[one(node, 1) for node in nodes] for one in read]]
-    for number in range(steps):
-        if ops.analyze(1, dt):
+    for number, size in enumerate(np.broadcast_to(dt, steps).tolist()):
+        if ops.analyze(1, size):
             raise ArithmeticError(f"step {number + 1} fails")
         rows.append([[one(node, 1) for node in nodes] for one in read])
     return [np.array([row[i] for row in rows]) for i in range(3)]

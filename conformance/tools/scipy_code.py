@@ -10,8 +10,8 @@ from scipy.signal import cont2discrete
 def step(problem, scheme, dt, steps):
     """Displacement and velocity at 0, dt, 2 dt, ..., each (steps + 1, n)."""
     average = scheme["family"] == "newmark" and (scheme["beta"], scheme["gamma"]) == ("0.25", "0.5")
-    if not average or problem.text["form"] != "linear":
-        raise NotImplementedError("it is average acceleration on linear problems only")
+    if not average or problem.text["form"] != "linear" or np.ndim(dt):
+        raise NotImplementedError("it is average acceleration with equal steps on linear problems only")
     n = len(problem.u0)
     slope = np.linalg.solve(problem.mass, np.hstack([problem.tangent(problem.u0), problem.damping]))
     a = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), -slope])

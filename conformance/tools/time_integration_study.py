@@ -141,6 +141,8 @@ def _march(problem, scheme, dt, steps):
 
 def step(problem, scheme, dt, steps):
     """Displacement, velocity and, where the scheme carries it, acceleration at 0, dt, 2 dt, ..."""
+    if np.ndim(dt):
+        raise NotImplementedError("the study marches with equal steps")
     ours = scheme_of(scheme)
     modelled = problem_of(json.dumps(problem.text))
     if modelled.history is not None:

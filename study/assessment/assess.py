@@ -23,15 +23,15 @@ from study.assessment.search import ENERGY, Search
 from study.assessment.solution import DenseSolution
 from study.io import processor
 from study.marching.arguments import resolve
-from study.marching.ensemble import cores
 from study.mechanics.definition import Problem
-from study.mechanics.loads import excited
+from study.mechanics.loads import excited, record_of
 from study.observer.motion import Quantity
 from study.problem.named import problems
 from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.scheme.contract import check_told
 from study.scheme.named import schemes as schemes_by_name
+from study.settings import cores
 
 #: Schemes that are assessed if none are named: the ones that codes offer, and the best of each family.
 USUAL = (
@@ -195,7 +195,7 @@ def assess(
         raise ValueError(next(iter(chosen.values())).refusal(equation))
     if np.size(equation.u0) > large.MOST:
         program = large.program_of(equation, fit, length, quantities, search.spacing(equation, length))
-        ds = assess_program(program, allowed, seconds, Progress(len(fit)).tell)
+        ds = assess_program(program, allowed, seconds, Progress(len(fit)).tell).assign_attrs(record_of(equation.load))
         if quantities is None and np.size(equation.u0) > large.SHOWN:
             compared = f"{large.SHOWN} of {np.size(equation.u0):,} unknowns"
             ds.attrs["starts"] += f" Errors were compared at {compared}; others may have larger ones."
@@ -265,6 +265,7 @@ def assess(
         + (", quantities=quantities)" if quantities else ")"),
         "processor": processor(),
         "not_fit": "; ".join(str(chosen[name].refusal(equation)) for name in chosen if name not in fit),
+        **record_of(equation.load),
     }
     return ds
 

@@ -18,7 +18,7 @@ def confirmation(assessed: xr.Dataset) -> str:
     few, many = tried.min(), tried.max()
     bounds = " to ".join(percent(3 / n) for n in (many, few))
     worst = percent(float(assessed.worst_error.max()))
-    # few runs of a program are random, and its frequencies are not known
+    # not all steps of a program are random, and its frequencies are not known
     of_program = "reason" in assessed
     kind = "finer steps, some of them random," if of_program else "random finer steps"
     certain = f" With 95 % confidence, at most {bounds} of such steps exceed it, the less the more were tried."

@@ -41,6 +41,13 @@ def _study(attributes: dict) -> str:
     )
 
 
+def _record(attributes: dict) -> str:
+    """A record of ground motion, by its name and the header of its file."""
+    key = re.sub(r"\W+", "_", attributes["record"])
+    title = re.sub(r"([%&#_$])", r"\\\1", attributes["record_source"])
+    return f"@misc{{{key},\n  title = {{{title}}},\n  note = {{Record of ground motion}}\n}}"
+
+
 def _sources(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
     """Source and identifier of each scheme of the study in a dataset."""
     named = dataset["scheme"].values if "scheme" in dataset.variables else dataset.attrs.get("scheme", [])
@@ -60,8 +67,8 @@ def cite(dataset: xr.Dataset) -> str:
     Returns
     -------
     str
-        Entries of the study, the paper that it reproduces, the schemes of the dataset that the study knows, and the
-        solvers of its reference. Records of ground motion are not among them.
+        Entries of the study, the paper that it reproduces, the schemes of the dataset that the study knows, the solvers
+        of its reference, and its record of ground motion, if the source of that is known.
 
     Raises
     ------
@@ -74,4 +81,6 @@ def cite(dataset: xr.Dataset) -> str:
     by_source = {(_label(text), (re.findall(r"  doi = \{(.*)\}", text) or [""])[0]): key for key, text in works.items()}
     solvers = " ".join(str(dataset.attrs.get(key, "")) for key in ("reference", "witness"))
     keys = {PAPER, *(by_source[one] for one in _sources(dataset)), *(key for w, key in SOLVERS.items() if w in solvers)}
-    return "\n\n".join([_study(dataset.attrs), *(_OWN.sub("", works[key]) for key in sorted(keys))])
+    of_record = {key for (label, _), key in by_source.items() if label in dataset.attrs.get("record_source", "")}
+    entries = [_study(dataset.attrs), *(_OWN.sub("", works[key]) for key in sorted(keys | of_record))]
+    return "\n\n".join(entries if of_record or "record" not in dataset.attrs else [*entries, _record(dataset.attrs)])

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from study.marching.run import run
@@ -19,11 +20,14 @@ from study.scheme.named import schemes as schemes_by_name
 #: Most unknowns of a problem whose reference is that of two solvers with a tolerance.
 MOST = FINDABLE
 
-#: Unknowns, spread evenly, at which displacement and velocity are compared if no quantities are given.
+#: Most unknowns at which displacement and velocity are compared if no quantities are given.
 SHOWN = 256
 
-#: Sizes of states whose accelerations distinguish problems.
+#: Sizes of states whose accelerations distinguish problems, and whose forces show where they are linear.
 SIZES = (1e-3, 1.0, 1e3)
+
+#: Part of the size of a force by which it may be off a linear one, for round-off.
+ROUND_OFF = 1e-9
 
 #: Explicit schemes that may give the reference too: their steps solve no equations, and their order is high.
 WITNESSES = ("rk4", "nystrom4")
@@ -54,9 +58,7 @@ class _Runs:
         at = self.problem.u0, self.problem.v0
         options = self.schemes, [one.reduce for one in self.quantities]
         digest = hashlib.sha256(f"{jax.make_jaxpr(of_state)(0.0, *at).jaxpr} {options}".encode())
-        random = np.random.default_rng(0)
-        sizes = [size * random.standard_normal(np.shape(at)) for size in SIZES]
-        values = [at, *(jax.jit(of_state)(0.5 * self.duration, *one) for one in sizes)]
+        values = [at, *(jax.jit(of_state)(0.5 * self.duration, *one) for one in _states(self.problem))]
         for numbers in jax.tree.leaves(values):
             digest.update(np.asarray(numbers).tobytes())
         object.__setattr__(self, "source", digest.hexdigest())
@@ -77,6 +79,38 @@ class _Runs:
         return found
 
 
+def _states(problem: Problem) -> list[np.ndarray]:
+    """Random displacements and velocities of several sizes."""
+    random = np.random.default_rng(0)
+    return [size * random.standard_normal((2, np.size(problem.u0))) for size in SIZES]
+
+
+def _not_linear(problem: Problem) -> np.ndarray:
+    """The unknowns at which p(2u, 2v) − 2 p(u, v) + p(0, 0) is not zero for random u and v."""
+
+    @jax.jit
+    def off(state):
+        at_rest, once, twice = (problem.varying_force(*(factor * state)) for factor in (0, 1, 2))
+        size = jnp.abs(twice) + 2 * jnp.abs(once) + jnp.abs(at_rest)
+        return jnp.abs(twice - 2 * once + at_rest) > ROUND_OFF * size
+
+    # a stop is on one side
+    both_sides = [off(sign * state) for state in _states(problem) for sign in (1, -1)]
+    return np.flatnonzero(np.any(both_sides, axis=0))
+
+
+def _spread(places: np.ndarray, count: int) -> np.ndarray:
+    """Some of the places, spread evenly; all of them if they are no more."""
+    return places[np.unique(np.linspace(0, len(places) - 1, min(count, len(places))).astype(int))]
+
+
+def compared(problem: Problem) -> np.ndarray:
+    """Unknowns at which motions are compared: up to half where the force is not linear, the others spread evenly."""
+    chosen = _spread(_not_linear(problem), SHOWN // 2)
+    others = np.setdiff1d(np.arange(np.size(problem.u0)), chosen)
+    return np.union1d(chosen, _spread(others, SHOWN - len(chosen)))
+
+
 def program_of(
     problem: Problem,
     schemes: Mapping[str, Scheme],
@@ -86,7 +120,7 @@ def program_of(
 ) -> Program:
     """A problem as a program, with explicit schemes of high order among its schemes."""
     if quantities is None:
-        shown = np.unique(np.linspace(0, np.size(problem.u0) - 1, SHOWN).astype(int))
+        shown = compared(problem)
         quantities = {"displacement": Quantity(lambda u: u[shown]), "velocity": Quantity(lambda v: v[shown])}
     titles = {one.title for one in schemes.values()}
     of_high_order = {name: schemes_by_name[name] for name in WITNESSES}

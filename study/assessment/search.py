@@ -13,11 +13,13 @@ import pandas as pd
 from study.assessment import errors, oscillation
 from study.assessment.errors import Target
 from study.assessment.oscillation import Oscillation, OscillationErrors
-from study.marching.ensemble import FEW, TILE, cores
+from study.marching.ensemble import FEW, TILE
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
+from study.program.confirmation import TWENTIETH, with_room
 from study.scheme.base import Scheme
+from study.settings import cores
 
 #: Steps with which a search begins in a period of the slowest small motion.
 COARSEST = 4
@@ -26,8 +28,8 @@ COARSEST = 4
 #: unknown; of several, that over their number. Most steps of any run.
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
-#: Part of a step down to which finer ones are tried, and a larger multiple of it that will do if the step has shrunk.
-TWENTIETH, ENOUGH = 1 / 20, 1.1
+#: Multiple of a twentieth of a step down to which finer ones will do, if the step has shrunk.
+ENOUGH = 1.1
 
 #: Most runs of an octave, and the least, of one unknown in tiles and otherwise.
 MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
@@ -44,10 +46,6 @@ LONG, LONG_OF_SHORT = 30_000, 120_000
 
 #: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
 STARTS = (0.99, 1.01)
-
-#: Quantile of the errors up to an octave below a step. Steps that were not tried may exceed the worst error by as much
-#: as that exceeds this quantile.
-USUAL = 0.9
 
 #: Least ratio of an error to the uncertainty of the reference.
 CERTAIN = 10
@@ -227,14 +225,7 @@ class Search:
         fails = ~(self.runs[name].to_numpy() <= allowed)  # a failed run, NaN, counts as above
         dt, error = self._arrays(name)
         below = dt < self.runs.dt.to_numpy()[fails].min(initial=np.inf)
-        dt, error = dt[below], error[below]
-        while dt.size:
-            step = dt.max()
-            octave = error[dt > step / 2]
-            if 2 * octave.max() - np.quantile(octave, USUAL) <= allowed:
-                return step
-            dt, error = dt[dt < 0.99 * step], error[dt < 0.99 * step]
-        return 0.0
+        return with_room(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
         """Run down to a twentieth of what keeps each error, from all starts at round steps, and again below these."""

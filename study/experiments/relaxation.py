@@ -31,8 +31,8 @@ def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> x
     """Compute errors of energy and motion of the Runge-Kutta method with and without relaxation.
 
     The error of the energy is max |E − E₀|/|E₀| over ``periods`` printed periods, in percent as in Tables 1 and 2 of
-    Xie (1996). That of the motion is the distance √((u/u₀ − 1)² + u̇²/(2E₀)) from the start after ``periods`` exact periods. Both
-    are of shape (problem, steps_per_period, variant).
+    Xie (1996). That of the motion is the distance √((u/u₀ − 1)² + u̇²/(2E₀)) from the start after ``periods`` exact
+    periods. Both are of shape (problem, steps_per_period, variant).
 
     Raises
     ------

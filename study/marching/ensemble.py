@@ -1,7 +1,6 @@
 """Many runs side by side: in tiles that fit the cache next to a core, over all cores."""
 
 import math
-import os
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -13,6 +12,7 @@ from tqdm import tqdm
 from study.marching.program import Program
 from study.marching.result import Result
 from study.marching.shapes import CountPerRun, DisplacementsOfLanes, OfLanes
+from study.settings import cores
 
 #: Lanes of a tile; their state stays in the cache next to the core, whatever the size of the ensemble. Small ensembles
 #: are padded to a tile; otherwise XLA compiles another loop and the last bits differ.
@@ -27,14 +27,6 @@ Begin = tuple[DisplacementsOfLanes, DisplacementsOfLanes, OfLanes]
 
 #: Numbers of tiles that one call marches.
 GROUPS = (1, 8, 64)
-
-
-def cores() -> int:
-    """Cores that a run may use: ``OMP_NUM_THREADS`` if set (Snakemake sets it for its jobs), otherwise all of them."""
-    granted = os.environ.get("OMP_NUM_THREADS", "")
-    if granted.isdigit() and int(granted):
-        return int(granted)
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler: float) -> np.ndarray:

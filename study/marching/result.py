@@ -10,6 +10,7 @@ import xarray as xr
 from study.io import __version__, flags
 from study.marching.shapes import CountPerRun, Displacements, Flags, Observed, PerRun
 from study.mechanics.definition import Problem
+from study.mechanics.loads import record_of
 from study.observer.base import Observer
 from study.observer.diagnostics import Restarts
 from study.scheme.base import Scheme
@@ -104,6 +105,7 @@ class Labels:
             "scheme": scheme.title,
             "scheme_parameters": _parameters(scheme),
             "version": __version__,
+            **record_of(problem.load),
         }
         self._component = ("component",) if np.ndim(problem.u0) else ()
         self._unknowns = np.size(problem.u0)

@@ -52,8 +52,8 @@ class GroundMotion(eqx.Module):
         Samples of shape (samples,), the first at t = 0.
     dt
         Time between two samples.
-    title
-        Name of the record.
+    title, source
+        Name of the record, and where it comes from, such as the header of its file; empty if that is unknown.
 
     Raises
     ------
@@ -64,12 +64,13 @@ class GroundMotion(eqx.Module):
     acceleration: Samples
     dt: float
     title: str = eqx.field(static=True)
+    source: str = eqx.field(static=True)
     #: The straight line c + s (t/Δt) between every two samples, as rows (c, s).
     _lines: Lines
 
-    def __init__(self, acceleration: Samples, dt: float, *, title: str = "ground motion"):
+    def __init__(self, acceleration: Samples, dt: float, *, title: str = "ground motion", source: str = ""):
         _check_numbers(acceleration, dt, title)
-        self.acceleration, self.dt, self.title = as_float64(acceleration), as_float64(dt), title
+        self.acceleration, self.dt, self.title, self.source = as_float64(acceleration), as_float64(dt), title, source
         self._check()
         slope = self.acceleration[1:] - self.acceleration[:-1]
         numbers = jnp if isinstance(slope, jax.Array) else np
@@ -125,7 +126,7 @@ class GroundMotion(eqx.Module):
 
     def scaled(self, factor: float) -> "GroundMotion":
         """The motion multiplied by a factor; all factors share what is compiled."""
-        return GroundMotion(factor * self.acceleration, self.dt, title=self.title)
+        return GroundMotion(factor * self.acceleration, self.dt, title=self.title, source=self.source)
 
     @classmethod
     def read(cls, path: str | Path, unit: str) -> "GroundMotion":
@@ -159,7 +160,8 @@ class GroundMotion(eqx.Module):
         peak = np.abs(samples).max() / UNITS["g"]
         if not PEAKS[0] <= peak <= PEAKS[1]:
             raise ValueError(f"the peak of '{path}' would be {peak:.3g} g in the unit {unit!r}; give the file's unit.")
-        return cls(samples, dt, title=path.stem)
+        source = ", ".join(line.strip() for line in lines[:2]) if header else ""
+        return cls(samples, dt, title=path.stem, source=source)
 
     @classmethod
     def el_centro(cls) -> "GroundMotion":
@@ -220,7 +222,8 @@ class GroundMotion(eqx.Module):
         s = 2j * np.pi * np.fft.rfftfreq(len(t), dt) / frequency
         filtered = np.fft.irfft(np.fft.rfft(noise) * (1 + 2 * damping * s) / (1 + 2 * damping * s + s**2), len(t))
         envelope = np.minimum(t / rise, 1) ** 2 * np.exp(-decay * np.maximum(t - fall, 0))
-        return cls(envelope * filtered, dt, title=f"stochastic record {seed}")
+        source = "Tajimi (1960) and Jennings et al. (1969)"
+        return cls(envelope * filtered, dt, title=f"stochastic record {seed}", source=source)
 
 
 def _check_numbers(acceleration: Any, dt: Any, title: str) -> None:

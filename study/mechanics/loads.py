@@ -8,6 +8,7 @@ import numpy as np
 
 from study.algebra.arrays import Scalar, Vector, VectorLike
 from study.mechanics.definition import Problem
+from study.mechanics.ground import GroundLoad
 
 
 class HarmonicLoad(eqx.Module):
@@ -52,6 +53,14 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
         (problem.load.load, problem.load.factor) if isinstance(problem.load, _Scaled) else (problem.load, 1.0)
     )
     return eqx.tree_at(lambda p: p.load, problem, _Scaled(load, factor * before))
+
+
+def record_of(load: Callable | None) -> dict[str, str]:
+    """Name and source of the ground motion in a load, as attributes of a dataset; none if there is no known one."""
+    load = load.load if isinstance(load, _Scaled) else load
+    if not isinstance(load, GroundLoad) or not load.ground.source:
+        return {}
+    return {"record": load.ground.title, "record_source": load.ground.source}
 
 
 class Pulse(eqx.Module):

@@ -57,7 +57,9 @@ class Run(NamedTuple):
     status, reason
         One of the ``STATUSES``, and the reason if it is not the first, otherwise empty.
     seconds
-        Wall time that it took.
+        Time that it took, by the program's own measure if it has one.
+    elapsed
+        Wall time that it took, with the start of a process.
     t
         Times in s, of shape (t,); empty if all quantities are single numbers, or if the run is of no use.
     values
@@ -69,6 +71,7 @@ class Run(NamedTuple):
     status: str
     reason: str
     seconds: float
+    elapsed: float
     t: Times
     values: dict[str, Values]
 
@@ -146,14 +149,15 @@ def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
         # numbers of a program may overflow, which its values show
         with np.errstate(all="ignore"):
             returned = run(scheme, dt)
-        seconds = time.perf_counter() - start
+        elapsed = time.perf_counter() - start
         t, values = checked(returned, dt, duration)
-        seconds = values.pop(SECONDS, np.array(seconds)).flat[-1]
-        return Run(scheme, dt, STATUSES[0], "", float(seconds), t, values)
+        seconds = values.pop(SECONDS, np.array(elapsed)).flat[-1]
+        return Run(scheme, dt, STATUSES[0], "", float(seconds), elapsed, t, values)
     except Unusable as failed:
         status, reason = failed.status, failed.reason
     except SystemExit as end:  # which would end this process too
         status, reason = "exit_code", f"it ended with the exit code {end.code}"
     except Exception as error:  # a user's program may raise anything
         status, reason = "raised", f"it raised {type(error).__name__}: {error}"
-    return Run(scheme, dt, status, reason, time.perf_counter() - start, np.empty(0), {})
+    elapsed = time.perf_counter() - start
+    return Run(scheme, dt, status, reason, elapsed, elapsed, np.empty(0), {})

@@ -20,6 +20,10 @@ _NAMES = {one.words[0]: name for name, one in reversed(INTEGRATORS.items())}
 
 def _name(given: str) -> str:
     """The name among the integrators, of a scheme by OpenSees' name or one of the study's."""
+    if not isinstance(given, str):
+        raise TypeError(
+            f"a scheme of OpenSees must be a name, such as 'hht_alpha', not an object of {type(given).__name__}."
+        )
     name = _NAMES.get(given, given)
     if name not in INTEGRATORS and name in schemes_by_name:
         name = schemes_by_name.resolve(name)
@@ -56,14 +60,17 @@ def opensees(
         If there is no such file.
     KeyError
         If OpenSees has no such scheme.
+    TypeError
+        If a scheme is no name.
     ImportError
         If OpenSees is not installed.
     """
     if not Path(file).is_file():
         raise FileNotFoundError(f"there is no file '{file}' with a model of OpenSees.")
+    names = [_name(one) for one in ([schemes] if isinstance(schemes, str) else schemes)]
     opensees_run.interpreter()
     words = [sys.executable, "-m", opensees_run.__name__, str(Path(file).resolve())]
     driver = hashlib.sha256(Path(opensees_run.__file__).read_bytes()).hexdigest()
     template = f"{shlex.join(words)} {{scheme}} {{dt}} {{duration}} {{output}}"
     run = Command(Path(file).stem, template, duration, time_limit, driver)
-    return Program(run, [_name(one) for one in schemes], duration, **options)
+    return Program(run, names, duration, **options)

@@ -39,6 +39,8 @@ class Refinement:
         What two schemes agree on.
     remarks
         Sentences on the program as a whole.
+    seconds
+        Time of all runs that gave the truth.
     noise
         Relative difference of a repeated run of each scheme; infinite if the scheme ignores the step.
 
@@ -54,6 +56,7 @@ class Refinement:
         self.remarks: list[str] = []
         self.noise = dict.fromkeys(program.all_schemes, 0.0)
         self.truth = self._find_truth()
+        self.seconds = sum(run.elapsed for run in runs.made.values())
         self._repeat()
 
     def of(self, scheme: str) -> list[Run]:
@@ -139,7 +142,8 @@ class Refinement:
             return bool(self.noise[scheme])
         coarse, fine = runs
         ratio = round(coarse.dt / fine.dt)
-        if all(_same(coarse, fine, name, ratio) for name in coarse.values):
+        moving = [name for name, values in coarse.values.items() if values.any()]
+        if moving and all(_same(coarse, fine, name, ratio) for name in moving):
             self.noise[scheme] = math.inf
             self.remarks.append(
                 f"'{scheme}' ignores the step: its runs at {coarse.dt:.4g} s and {fine.dt:.4g} s are the same to the "

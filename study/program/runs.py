@@ -21,18 +21,18 @@ import numpy as np
 from study.io import NotRead, write
 from study.program.attempt import Run, attempt
 from study.program.definition import Program
+from study.settings import cores
 
-#: Names of the scheme, the status and the reason, and of the time that a run took, in its file.
-WORDS, SECONDS, T = "words", "seconds", "t"
+#: Number of the form of a file; a run in another form is made again.
+FORM = 2
+
+#: Names of the scheme, the status and the reason, of the times that a run took, and of its own times, in its file.
+WORDS, NUMBERS, T = "words", "numbers", "t"
 #: A scheme and a step.
 Job = tuple[str, float]
 
 #: Before the names of quantities there.
 QUANTITY = "quantity "
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _picklable(program: Program) -> bool:
@@ -65,7 +65,7 @@ class Runs:
 
     def __init__(self, program: Program, seconds: float = math.inf, report: Callable[[str], None] = lambda what: None):
         self.program, self.made, self._report = program, dict[Job, Run](), report
-        self._workers = program.workers or _cores()
+        self._workers = program.workers or cores()
         self._identity, self._pool = program.identity(), self._start()
         self._end, self.late = time.monotonic() + seconds, False
 
@@ -93,7 +93,7 @@ class Runs:
             self._pool.shutdown(cancel_futures=True)
 
     def _path(self, scheme: str, dt: float, repeat: int) -> Path:
-        key = json.dumps([self._identity, scheme, float(dt).hex(), float(self.program.duration).hex(), repeat])
+        key = json.dumps([FORM, self._identity, scheme, float(dt).hex(), float(self.program.duration).hex(), repeat])
         return self.program.place / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npz"
 
     def run(self, wanted: Iterable[Job], repeat: int = 0) -> list[Run]:
@@ -118,7 +118,7 @@ class Runs:
         work = dict[str, float]()  # seconds of a run at a step of one second
         for run in self.made.values():
             if run.completed:
-                work[run.scheme] = min(work.get(run.scheme, math.inf), run.seconds * run.dt)
+                work[run.scheme] = min(work.get(run.scheme, math.inf), run.elapsed * run.dt)
         expected = {(s, dt): work.get(s, 0.0) / dt for s, dt in jobs}
         left, found = self._end - time.monotonic(), []
         of_all = left * (self._workers if self._pool else 1)
@@ -131,7 +131,7 @@ class Runs:
     def _waited_less(self, run: Run) -> bool:
         """Whether a run was stopped before the limit that holds now."""
         limit = getattr(self.program.run, "time_limit", None)
-        return run.status == "timed_out" and (limit is None or run.seconds < limit)
+        return run.status == "timed_out" and (limit is None or run.elapsed < limit)
 
     def _made(self, jobs: list[Job]) -> Iterator[Run]:
         """Make runs, in the order in which they end."""
@@ -159,14 +159,14 @@ class Runs:
             return self._submit(job).result()
         self._pool = self._start()
         reason = "its process ended without an exception, as after a segmentation fault"
-        return Run(*job, "signal", reason, np.nan, np.empty(0), {})
+        return Run(*job, "signal", reason, np.nan, 0.0, np.empty(0), {})
 
 
 def _keep(run: Run, path: Path) -> None:
     content = streams.BytesIO()
     values = {f"{QUANTITY}{name}": one for name, one in run.values.items()}
-    words, numbers = np.array([run.scheme, run.status, run.reason]), np.array([run.dt, run.seconds])
-    named: dict[str, Any] = {WORDS: words, SECONDS: numbers, T: run.t} | values
+    words, numbers = np.array([run.scheme, run.status, run.reason]), np.array([run.dt, run.seconds, run.elapsed])
+    named: dict[str, Any] = {WORDS: words, NUMBERS: numbers, T: run.t} | values
     np.savez(content, **named)
     write(content.getvalue(), path)
 
@@ -175,8 +175,8 @@ def _read(path: Path) -> Run:
     try:
         with np.load(path, allow_pickle=False) as file:
             scheme, status, reason = map(str, file[WORDS])
-            dt, seconds = file[SECONDS].tolist()
+            dt, seconds, elapsed = file[NUMBERS].tolist()
             values = {key.removeprefix(QUANTITY): file[key] for key in file.files if key.startswith(QUANTITY)}
-            return Run(scheme, dt, status, reason, seconds, file[T], values)
+            return Run(scheme, dt, status, reason, seconds, elapsed, file[T], values)
     except (OSError, ValueError, KeyError, BadZipFile) as error:
         raise NotRead(f"'{path}' cannot be used, it is damaged ({error}): remove it, and it is made again.") from None

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from study.program.confirmation import TWENTIETH, with_room
 from study.program.definition import Program
 from study.program.refinement import CERTAIN, Refinement
 from study.program.runs import Job, Runs
@@ -17,9 +18,8 @@ from study.words import percent
 #: Ratio of two steps, of which one keeps an error and one does not, that is small enough.
 NEAR = 1.25
 
-#: Steps up to an octave below a recommended one, most of them random, in addition to one of those that halve; and the
-#: part of a recommended step down to which steps count as tried.
-CONFIRMED, TWENTIETH = 4, 1 / 20
+#: Fewest and most random steps up to an octave below a recommended one, and the seconds that they may take in any case.
+FEWEST_CONFIRMING, MOST_CONFIRMING, CHEAP = 4, 64, 0.5
 
 #: Part of the finest step of the truth down to which a scheme that keeps no error is tried.
 FINER = 1 / 32
@@ -79,15 +79,22 @@ class Search:
     ):
         self.program, self.allowed, self._round_step = program, allowed, round_step
         self.errors: dict[Job, dict[str, float]] = {}
+        self._late = False
         with Runs(program, seconds, report) as runs:
             self.refinement = Refinement(program, runs, allowed[-1])
             self.truth = self.refinement.truth
             self._measure()
-            # the largest errors first, for which coarse steps suffice
-            for error in allowed:
-                while self.refinement.run(job for scheme in program.schemes for job in self._wanted(scheme, error)):
-                    self._measure()
+            # the largest errors first, for which coarse steps suffice; a run for a smaller one may exceed a larger one
+            while any([self._search(error) for error in allowed]):
+                pass
             self._late = runs.late
+
+    def _search(self, error: float) -> bool:
+        """Run until all is known for an error; whether there was a run."""
+        before = len(self.errors)
+        while self.refinement.run(job for scheme in self.program.schemes for job in self._wanted(scheme, error)):
+            self._measure()
+        return len(self.errors) > before
 
     def _measure(self) -> None:
         """Errors of the runs that are new."""
@@ -100,11 +107,12 @@ class Search:
         return limit[1] >= CERTAIN * max(self.truth.uncertainty[limit[0]], self.refinement.noise[scheme])
 
     def largest(self, scheme: str, limit: Limit) -> tuple[float, float]:
-        """Largest step tried below which all keep an error, zero if there is none, and the next one above."""
+        """Largest step tried that keeps an error as all below it do, zero if there is none, and the next one above."""
         name, allowed = limit
-        errors = {dt: one[name] for (s, dt), one in self.errors.items() if s == scheme}
-        fails = min((dt for dt, error in errors.items() if not error <= allowed), default=math.inf)
-        return max((dt for dt in errors if dt < fails), default=0.0), fails
+        dt, error = np.array([(dt, one[name]) for (s, dt), one in self.errors.items() if s == scheme]).T
+        below = dt < dt[~(error <= allowed)].min(initial=math.inf)  # a failed run, NaN, counts as above
+        largest = with_room(dt[below], error[below], allowed)
+        return largest, dt[dt > largest].min(initial=math.inf)
 
     def _wanted(self, scheme: str, error: float) -> list[Job]:
         """The next runs of a scheme for an error; none if all is known."""
@@ -128,27 +136,43 @@ class Search:
         if step not in tried:
             return [step]
         # one of those that halve is there
-        missing = CONFIRMED + 1 - sum(step / 2 <= dt < step for dt in tried)
-        return [one for one in self._random(scheme, step, missing) if one not in tried] if missing > 0 else []
+        wanted = self._confirming(scheme, step)
+        missing = wanted + 1 - sum(step / 2 <= dt < step for dt in tried)
+        return [one for one in self._random(scheme, step, wanted) if one not in tried][: max(missing, 0)]
+
+    def _confirming(self, scheme: str, step: float) -> int:
+        """Number of random steps that confirm one, in ``CHEAP`` seconds or a share of the time that the truth took."""
+        if self._late:
+            return FEWEST_CONFIRMING
+        limits = len(self.program.schemes) * len(self.allowed) * len(self.truth.uncertainty)
+        affordable = max(self.refinement.seconds / limits, CHEAP)
+        (run,) = (run for run in self.refinement.of(scheme) if run.dt == step)
+        # the mean number of steps up to an octave below
+        each = run.elapsed / math.log(2)
+        return int(np.clip(affordable / each, FEWEST_CONFIRMING, MOST_CONFIRMING))
 
     def _round(self, step: float) -> float:
         return self._round_step(step, self.program.spacing)
 
-    def _random(self, scheme: str, step: float, count: int) -> set[float]:
+    def _random(self, scheme: str, step: float, count: int) -> list[float]:
         """Random steps up to an octave below another one, the same whenever they are drawn."""
         random = np.random.default_rng(zlib.crc32(f"{scheme} {step:.12g}".encode()))
-        drawn = {self.program.fitted(step * 2.0**-part) for part in random.random(count)}
-        return {one for one in drawn if one < step and one >= self.program.smallest}
+        drawn = dict.fromkeys(self.program.fitted(step * 2.0**-part) for part in random.random(count))
+        return [one for one in drawn if one < step and one >= self.program.smallest]
 
     def _hopeless(self, scheme: str, name: str) -> bool:
         """Whether halving does not help a scheme any more; a remark says so."""
         runs = self.refinement.of(scheme)
         if runs[-1].status == "timed_out":
             return True
-        last = [self.errors[scheme, run.dt][name] for run in self.refinement.last_completed(scheme)[-FEWEST_RUNS:]]
-        stuck = len(last) == FEWEST_RUNS and all(b > STUCK * a for a, b in pairwise(last))
+        finest = list[float]()
+        for run in reversed(self.refinement.last_completed(scheme)):
+            if not finest or run.dt > 1.99 * finest[-1]:
+                finest.append(run.dt)
+        last = [self.errors[scheme, dt][name] for dt in finest[:FEWEST_RUNS]]
+        stuck = len(last) == FEWEST_RUNS and all(fine > STUCK * coarse for fine, coarse in pairwise(last))
         if stuck:
-            remark = f"'{scheme}' goes to another motion: it keeps an error of {percent(last[-1])} of '{name}'"
+            remark = f"'{scheme}' goes to another motion: it keeps an error of {percent(last[0])} of '{name}'"
             remarks = self.refinement.remarks
             remarks += [remark] if remark not in remarks else []
         return stuck

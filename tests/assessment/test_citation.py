@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -33,6 +34,19 @@ def test_a_run_and_the_solvers_of_a_reference_are_cited():
     assert "year = {2026}" in text
     with pytest.raises(ValueError, match="cite takes a dataset of the study"):
         study.cite(xr.Dataset())
+
+
+def test_records_of_ground_motion_are_cited():
+    def cited(ground):
+        problem = study.Problem(lambda u: 40 * u, 0.0, ground=ground)
+        return study.cite(study.run(problem, "rk4", dt=0.01, steps=1))
+
+    text = cited(study.GroundMotion.el_centro().scaled(2.0))
+    assert "@misc{el_centro_1940_ns,\n  title = {El Centro 1940, north-south component" in text
+    assert "Imperial Valley earthquake, 18 May 1940}" in text
+    text = cited(study.GroundMotion.kanai_tajimi(3, duration=1.0))
+    assert "{tajimi1960," in text and "{jennings1969," in text and "@misc" not in text
+    assert "@misc" not in cited(study.GroundMotion(np.array([0.0, 1.0]), 0.1))
 
 
 def test_the_bibliography_is_that_of_the_article():

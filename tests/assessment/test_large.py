@@ -2,11 +2,14 @@
 
 from dataclasses import replace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy import sparse
 
 import study
 from study.assessment import large
+from study.program import search
 from study.program.refinement import NoTruth
 
 #: The chain is assessed over half of its slowest period.
@@ -19,6 +22,7 @@ def of_programs(monkeypatch, tmp_path):
     """Every problem counts as large, and its runs are kept in a folder of the test."""
     monkeypatch.setattr(large, "MOST", 1)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
 
 
 def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, of_programs, monkeypatch):
@@ -53,6 +57,21 @@ def test_another_problem_of_the_same_title_has_other_runs(damped_chain, of_progr
     rk4 = {"rk4": study.schemes["rk4"]}
     one, same, *others = (large.program_of(problem, rk4, 1.0, None, None).identity() for problem in of)
     assert one == same and len({one, *others}) == 3
+
+
+def test_unknowns_whose_force_is_not_linear_are_compared():
+    """Two stops on a row of springs; of springs that are all cubic, half of those compared."""
+    n, stops = 1000, [311, 737]
+    linear = sparse.diags_array([np.full(n - 1, -1.0), np.full(n, 2.0), np.full(n - 1, -1.0)], offsets=[-1, 0, 1])
+
+    def touches(u):
+        return jnp.zeros_like(u).at[np.array(stops)].set(1e3 * jnp.maximum(u[np.array(stops)] - 0.5, 0))
+
+    row = study.Problem(touches, np.zeros(n), stiffness=sparse.csc_array(linear))
+    places = large.compared(row)
+    assert set(stops) <= set(places) and len(places) == 256 and np.diff(places).max() <= 5
+    cubic = study.Problem(lambda u: 3 * u + u**3, np.zeros(n))
+    assert len(large.compared(cubic)) == 256
 
 
 def test_unknowns_that_are_not_compared_are_said(damped_chain, of_programs, monkeypatch):

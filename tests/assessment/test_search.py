@@ -9,16 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import study
-from study.assessment.search import (
-    COARSEST_KEEPS,
-    FINEST_FAILS,
-    FOUND,
-    STARTS,
-    TWENTIETH,
-    Search,
-    round_step,
-    spacing,
-)
+from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, STARTS, Search, round_step, spacing
+from study.program.confirmation import TWENTIETH
 
 
 class MadeUp(Search):

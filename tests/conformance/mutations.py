@@ -17,12 +17,12 @@ PYTHON = [
     ("problem.load(0.0) - C @ v - problem", "problem.load(0.0) - problem", "leaves out the damping"),
     ("problem.load(0.0) - C @ v", "-C @ v", "leaves out the load"),
     ("u, v = problem.u0, problem.v0", "u, v = problem.u0, 0 * problem.v0", "velocity at the start is ignored"),
-    ("problem.load(i * dt + part * tau)", "problem.load(i * dt)", "load is that of the start"),
-    ("problem.load(i * dt + part * tau)", "problem.load(i * dt + part * dt)", "load is that of the end"),
-    ("problem.load(i * dt + part * tau)", "problem.load(i * dt + tau)", "load is that of the end"),
-    ("problem.load(i * dt + part * tau)", "problem.load(i * dt + tau / 2)", "load is that of the middle"),
-    ("problem.load(i * dt + part * tau)", "problem.load((i + 1) * dt + part * tau)", "one step too late"),
-    ("problem.load(i * dt + part * tau)", "0 * u", "load is missing"),
+    ("problem.load(t + part * tau)", "problem.load(t)", "load is that of the start"),
+    ("problem.load(t + part * tau)", "problem.load(t + part * dt)", "load is that of the end"),
+    ("problem.load(t + part * tau)", "problem.load(t + tau)", "load is that of the end"),
+    ("problem.load(t + part * tau)", "problem.load(t + tau / 2)", "load is that of the middle"),
+    ("problem.load(t + part * tau)", "problem.load(t + dt + part * tau)", "one step too late"),
+    ("problem.load(t + part * tau)", "0 * u", "load is missing"),
     ("residual + problem.force(at) - load", "residual + problem.force(at) + load", "opposite sign"),
     ("C @ (part * v_new + alpha_f * v)", "C @ v", "velocity at the start of the step"),
     ("C @ (part * v_new + alpha_f * v)", "C @ v_new", "velocity at the end of the step"),
@@ -36,9 +36,13 @@ PYTHON = [
         "θ is 1",
     ),
     ('numbers.get("alpha_m", 0.0)', "0.0", "α_m is missing"),
-    ("at = part * x + alpha_f * u", "at = x", ""),
+    ("at = part * x + alpha_f * u", "at = x", "internal force is that of the end"),
     ("problem.commit(u)", "pass", "not remembered"),
-    ("M, C = problem.mass, problem.damping", "M, C = np.diag(np.diag(problem.mass)), problem.damping", ""),
+    (
+        "M, C = problem.mass, problem.damping",
+        "M, C = np.diag(np.diag(problem.mass)), problem.damping",
+        "masses that couple unknowns",
+    ),
     (
         "M, C = problem.mass, problem.damping",
         "M, C = 1.001 * problem.mass, problem.damping",
@@ -56,10 +60,20 @@ PYTHON = [
     ),
     (
         "a = new\n",
-        "a = np.linalg.solve(M, problem.load((i + 1) * dt) - C @ v - problem.force(u))\n",
+        "a = np.linalg.solve(M, problem.load(t + dt) - C @ v - problem.force(u))\n",
         "derived from the equation",
     ),
+    ("- sizes, sizes, strict=True)", "- sizes, [sizes[0], *sizes[:-1]], strict=True)", "size of the one before"),
 ]
+
+#: What keeps generalized-α of second order where steps are not equal, which is no mistake.
+MOVED = (
+    "        tau = theta * dt\n",
+    """        if t > 0:
+            a = a + (alpha_m - alpha_f) * (dt / before - 1) * (a - used)
+        tau, before, used = theta * dt, dt, a
+""",
+)
 
 C = [
     ("0.5 - beta) * a, v_ahead", "0.5 - beta - 1e-3) * a, v_ahead", ""),
@@ -68,6 +82,6 @@ C = [
     ("c * (v_ahead + gamma * dt * a)", "c * v", "velocity at the start of the step"),
     ("j < 50", "j < 1", "stops after one iteration"),
     ('number("\\"gamma\\"", 0.5)', "0.5", "γ is 1/2"),
-    ('phase = number("\\"phase\\"", 0)', "phase = 0", ""),
+    ('phase = number("\\"phase\\"", 0)', "phase = 0", "phase of the load is missing"),
     ('number("\\"dt\\"", 0)', '1.001 * number("\\"dt\\"", 0)', "factor of dt is off by about 0.001"),
 ]

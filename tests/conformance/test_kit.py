@@ -29,12 +29,16 @@ PROJECT = Path(__file__).parents[2]
 TOOLS = PROJECT / "conformance" / "tools"
 ALL = list(cases())
 #: Cases that a mutation is run on: fast ones, which together reach every line of the examples.
-QUICK = [case for case in ALL if case["expect"][0]["kind"] == "identical" and case["name"][0] in "ADEF"]
+QUICK = [case for case in ALL if case["expect"][0]["kind"] == "identical" and case["name"][0] in "ADEFG"]
 QUICK = [case for case in QUICK if not case["name"].startswith(("E-GAP", "F-SINE", "F-FRAME"))]
 
 
 def verdicts(runner, chosen=ALL):
     return [judge(case, partial(runner, case)) for case in chosen]
+
+
+def _number(version):
+    return [int(part) for part in version.split(".")]
 
 
 def counted(outcomes):
@@ -48,14 +52,16 @@ def test_every_case_follows_the_schema_and_is_small():
     for file in files:
         assert file.stat().st_size <= 20_000
         validator.validate(json.loads(file.read_text(encoding="utf-8")))
-    assert {case["version"] for case in ALL} == {VERSION}
+    assert max((case["version"] for case in ALL), key=_number) == VERSION
+    assert all(("sizes" in case["run"]) == ("unequal_steps" in case["tags"]) for case in ALL)
     records = [case["problem"]["ground"]["acceleration"] for case in ALL if "ground" in case["problem"]]
     assert records and {record[-1] for record in records} == {"0"}, "codes differ in the load at a last sample"
-    assert {case["name"][0] for case in ALL} == set("ABCDEF")
+    assert {case["name"][0] for case in ALL} == set("ABCDEFG")
 
 
 @pytest.mark.parametrize(
-    "place", ["A-LIN-HHT", "B-30-WIL", "C-SOFT-HOU", "D-BASE-NBA", "E-YIELD-BAT", "F-MASS-AVG", "B-BOUND-KRA"]
+    "place",
+    ["A-LIN-HHT", "B-30-WIL", "C-SOFT-HOU", "D-BASE-NBA", "E-YIELD-BAT", "F-MASS-AVG", "B-BOUND-KRA", "G-CUB-HHT"],
 )
 def test_a_case_is_what_the_generator_makes(place):
     problem, _, code = place.rpartition("-")
@@ -84,12 +90,13 @@ def test_the_stored_end_of_a_case_of_order_is_exact():
 
 def test_the_study_passes():
     """All cases of levels A to D, and those of E and F, which compile a program each, for four schemes."""
-    chosen = [case for case in ALL if case["name"][0] in "ABCD" or case["name"][-3:] in ("AVG", "HHT", "BAT", "RK4")]
+    equal = [case for case in ALL if "unequal_steps" not in case["tags"]]
+    chosen = [case for case in equal if case["name"][0] in "ABCD" or case["name"][-3:] in ("AVG", "HHT", "BAT", "RK4")]
     with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
         outcomes = verdicts(runners.of_function("conformance.tools.time_integration_study:step"), chosen)
     assert [one for one in outcomes if one.verdict != "pass"] == []
     stored = json.loads((PROJECT / "conformance" / "verdicts" / "study.json").read_text(encoding="utf-8"))
-    assert stored["counts"]["pass"] == len(ALL) and stored["kit"] == VERSION
+    assert stored["counts"]["pass"] == len(equal) and stored["kit"] == VERSION
 
 
 def test_the_example_in_numpy_passes_what_it_does():
@@ -124,6 +131,19 @@ def test_mistakes_in_the_numpy_program_are_caught_and_named():
         named.append(right)
     del sys.modules["mutated"]
     assert sum(named) >= 20
+
+
+def test_an_acceleration_that_is_moved_to_the_new_step_is_an_alternative():
+    module = ModuleType("mutated")
+    exec((TOOLS / "newmark.py").read_text(encoding="utf-8").replace(*mutations.MOVED), module.__dict__)
+    sys.modules["mutated"] = module
+    unequal = [case for case in ALL if "unequal_steps" in case["tags"]]
+    outcomes = verdicts(runners.of_function("mutated:step"), unequal)
+    del sys.modules["mutated"]
+    for one in outcomes:
+        moved = one.name.endswith(("HHT", "GEN"))
+        assert one.verdict == ("differs" if moved else "pass") and ("moved to the new step" in one.cause) == moved
+    assert counted(outcomes)["differs"] == 4
 
 
 needs_c = pytest.mark.skipif(shutil.which("cc") is None, reason="no compiler of C")
@@ -184,11 +204,15 @@ runpy.run_module("conformance", run_name="__main__")"""
 
 
 def test_stored_verdicts_are_those_of_these_cases_and_on_the_page():
-    page, names = conformance_page(), {case["name"] for case in ALL}
+    page = conformance_page()
     codes = found()
-    assert {"OpenSees", "Exudyn", "SciPy, bilinear transform", "This study"} <= {code["tool"] for code in codes}
+    assert {"OpenSees", "Exudyn", "SciPy, bilinear transform", "This study", "diffrax"} <= {
+        code["tool"] for code in codes
+    }
     for code in codes:
-        assert code["kit"] == VERSION and {case["name"] for case in code["cases"]} == names
+        # those of an older version have no newer cases
+        names = {case["name"] for case in ALL if _number(case["version"]) <= _number(code["kit"])}
+        assert {case["name"] for case in code["cases"]} == names
         assert code["counts"] == {verdict: counted_in(code, verdict) for verdict in code["counts"]}
         assert f"| {code['tool']}" in page
     assert "| fail | α_m is missing in the balance |" in page
@@ -207,6 +231,15 @@ def test_opensees_has_newmarks_method_and_starts_houbolts_by_average_acceleratio
     outcomes = Counter((one.name[-3:], one.verdict) for one in verdicts(runner, chosen))
     assert {code for code, verdict in outcomes if verdict == "pass"} >= {"AVG", "DIS", "HHT", "WIL"}
     assert {code for code, verdict in outcomes if verdict in ("differs", "fail")} == {"HOU"}
+
+
+def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
+    """With steps that are not equal too."""
+    pytest.importorskip("diffrax")
+    (case,) = [case for case in ALL if case["name"] == "G-LIN-AVG"]
+    with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):
+        (one,) = verdicts(runners.of_function("conformance.tools.diffrax_code:step"), [case])
+    assert one.verdict == "pass" and one.digits > 12
 
 
 def test_tables_of_a_folder_are_judged(tmp_path, capsys):

@@ -98,7 +98,7 @@ _TABLE = "out.csv must be a line of names and rows of as many numbers, with comm
             "fail",
             "u has the shape (2, 1), not (3, 1): a row at t = 0 and one a step",
         ),
-        ("printf 't,u1\\n0,1\\n1,1\\n2,1\\n' > {out}", "fail", "t is 1 after 1 steps of 0.05"),
+        ("printf 't,u1\\n0,1\\n1,1\\n2,1\\n' > {out}", "fail", "t is 1 after 1 steps, and not 0.05"),
         ("printf 't,u1\\n0,1\\n.05,nan\\n.1,1\\n' > {out}", "fail", "values are not finite from step 1 on"),
     ],
 )

@@ -11,6 +11,7 @@ from study.marching import ensemble, program
 from study.marching.march import March
 from study.marching.result import UNBOUNDED
 from study.scheme.wrapper.linearised import Linearised
+from study.settings import cores
 
 
 def test_a_lane_of_an_ensemble_is_a_single_run(kind):
@@ -46,7 +47,7 @@ def test_neighbours_and_cores_change_no_bit(monkeypatch, group, workers):
     before = {scheme: result(scheme, slice(None)) for scheme in ("average_acceleration", "houbolt", "rk4")}
     monkeypatch.setattr(ensemble, "GROUPS", (group,))
     monkeypatch.setenv("OMP_NUM_THREADS", workers)
-    assert ensemble.cores() == int(workers)
+    assert cores() == int(workers)
     for scheme, ds in before.items():
         for lanes in (slice(None), np.random.default_rng(0).permutation(700), [699], slice(100, 107)):
             xr.testing.assert_identical(result(scheme, lanes), ds.isel(lane=lanes))

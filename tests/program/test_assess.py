@@ -11,10 +11,11 @@ from scipy.integrate import solve_ivp
 import study
 from study.assessment.failures import failed_runs
 from study.assessment.search import round_step
-from study.program.attempt import STATUSES
+from study.program import runs, search
+from study.program.attempt import STATUSES, Run
 from study.program.refinement import NoTruth
 from study.program.runs import Runs
-from study.program.search import Search
+from study.program.search import MOST_CONFIRMING, Search
 from tests.program import models
 
 ALONG = ["displacement", "velocity"]
@@ -22,6 +23,14 @@ ALONG = ["displacement", "velocity"]
 
 def program(run, folder, schemes=models.SCHEMES, **options):
     return study.Program(run, schemes, models.DURATION, **{"folder": folder, "name": "model", "workers": 1} | options)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_confirming():
+    """Cheap programs confirm their steps by as few runs as dear ones, except in the test of that."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
+        yield
 
 
 @pytest.fixture(scope="module", params=[0.0, 0.5], ids=["linear", "hardening"])
@@ -164,19 +173,33 @@ def test_an_unfit_program_is_refused(change, error, sentence, tmp_path):
         replace(program(models.linear, tmp_path), **change)
 
 
-class Slow:
-    """A program whose runs say that they take eight seconds at a step of one second."""
-
-    starts_a_process = True
-
-    def __call__(self, scheme, dt):
-        return {"peak": 1.0, "seconds": 8.0 / dt}
+def _eight_seconds(run, scheme, dt, duration):
+    """A run that has taken eight seconds at a step of one second."""
+    return Run(scheme, dt, "completed", "", 1.0, 8.0 / dt, np.empty(0), {"peak": np.array(1.0)})
 
 
-def test_no_run_begins_that_would_end_late_on_its_own_worker(tmp_path):
-    with Runs(program(Slow(), tmp_path, ["a", "b"], workers=2), seconds=10.0) as runs:
-        assert len(runs.run([("a", 1.0)])) == 1 and not runs.late
-        assert len(runs.run([("a", 0.8)])) == 0 and runs.late
+def test_no_run_begins_that_would_end_late_on_its_own_worker(tmp_path, monkeypatch):
+    monkeypatch.setattr(runs, "attempt", _eight_seconds)
+    with Runs(program(models.linear, tmp_path, ["a", "b"], workers=1), seconds=10.0) as made:
+        assert len(made.run([("a", 1.0)])) == 1 and not made.late
+        assert len(made.run([("a", 0.8)])) == 0 and made.late
+
+
+def _scattered(scheme, dt):
+    """A number whose error scatters from step to step, as where a force has kinks."""
+    return {"drift": 1 + (dt if scheme == "a" else -dt) ** 2 * (1 + 0.9 * np.sin(1e3 * dt))}
+
+
+def test_a_cheap_program_confirms_its_steps_by_many(tmp_path, monkeypatch):
+    own = program(_scattered, tmp_path, ["a", "b"])
+    dear = study.assess(own, errors=[0.1])
+    monkeypatch.setattr(search, "MOST_CONFIRMING", MOST_CONFIRMING)
+    ds = study.assess(own, errors=[0.1])
+    for step in ds.recommended_dt.values.ravel():
+        fresh = step * 2.0 ** -np.random.default_rng(7).random(200)
+        exceed = np.array([_scattered("a", dt)["drift"] for dt in fresh]) - 1 - 0.1
+        assert (exceed > 0).sum() <= 6 and exceed.max() <= 0.01
+    assert (dear.steps_tried < 30).all() and (ds.steps_tried > MOST_CONFIRMING).all()
 
 
 def test_a_program_that_never_runs_has_no_truth(tmp_path):
@@ -188,6 +211,9 @@ def test_a_program_that_never_runs_has_no_truth(tmp_path):
     still = program(lambda scheme, dt: models.linear(scheme, dt) | {"idle": 0.0}, tmp_path / "still")
     with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero all the time"):
         study.assess(still)
+    alone = program(lambda scheme, dt: {"idle": 0.0}, tmp_path / "alone")
+    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero all the time"):
+        study.assess(alone)
     with pytest.raises(KeyError, match="'model' has no scheme 'newmark'; known are wrong, average_acceleration."):
         study.assess(own, ["newmark", "wrong"])
 

@@ -68,6 +68,11 @@ def test_a_file_that_fails_says_why(example, tmp_path):
         study.opensees("none.py", ["Newmark", "hht"], 2.0)
 
 
+def test_a_scheme_that_is_no_name_is_refused():
+    with pytest.raises(TypeError, match="must be a name, such as 'hht_alpha', not an object of Houbolt."):
+        study.opensees(EXAMPLES / "opensees_gap.py", ["hht", study.schemes["houbolt"]], 2.0)  # type: ignore[list-item]
+
+
 def test_integrators_are_those_that_agree_to_round_off():
     """Those of the comparison with OpenSees step by step."""
     for name, (words, algorithm) in reference.INTEGRATORS.items():

@@ -94,7 +94,7 @@ def test_order_stability_and_dissipation_at_once(order, limit, radius, holds):
 
 
 @pytest.mark.parametrize("energy, motion, holds, qualified",
-                         [(1e-11, 0.05, True, False), (1e-11, 0.9, True, True), (1e-3, 0.05, False, False)])  # fmt: skip
+                         [(1e-11, 0.05, True, False), (1e-11, 0.9, True, True), (1e-3, 0.1, False, False)])  # fmt: skip
 def test_energy_by_relaxation(energy, motion, holds, qualified):
     along = {"problem": ["hardening"], "steps_per_period": [15, 20], "variant": ["plain", "relaxed"]}
     data = filled(99.0, **along).to_dataset(name="max_energy_error").assign(motion_error=filled(99.0, **along))

@@ -1,0 +1,213 @@
+"""Input files of Abaqus and code_aster for linear structures: masses on a line, with springs and dashpots in between.
+
+They are written from the manuals of both codes and have been run by neither. The comment at the head of a file says how
+its motion becomes the table ``NAME.csv``.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+
+class Chain(NamedTuple):
+    """A linear structure with a mass on every unknown; node 0 is fixed.
+
+    Attributes
+    ----------
+    springs
+        Nodes, stiffness and damping of every pair of nodes that has one.
+    forces
+        For every unknown the amplitude of its harmonic load.
+    ground
+        Times and accelerations of the ground; empty if it rests.
+    """
+
+    mass: list[float]
+    springs: list[tuple[int, int, float, float]]
+    u0: list[float]
+    v0: list[float]
+    forces: list[float]
+    frequency: float
+    phase: float
+    ground: list[tuple[float, float]]
+
+    @property
+    def pull(self) -> list[float]:
+        """K u₀, one force for every unknown."""
+        u, found = [0.0, *self.u0], [0.0] * (len(self.u0) + 1)
+        for i, j, k, _ in self.springs:
+            found[i] += k * (u[i] - u[j])
+            found[j] += k * (u[j] - u[i])
+        return found[1:]
+
+
+def _numbers(texts: Sequence[str]) -> list[float]:
+    return [float(text) for text in texts]
+
+
+def _pairs(problem: Mapping[str, Any]) -> Iterator[tuple[int, int, float, float]]:
+    matrices = [[*map(_numbers, matrix)] for matrix in (problem["parameters"]["stiffness"], problem["damping"])]
+    for i in range(len(problem["u0"])):
+        for j in range(-1, i):
+            # the spring to the ground has what those to other nodes leave of the row
+            k, c = (sum(m[i]) if j < 0 else -m[i][j] for m in matrices)
+            if k or c:
+                yield j + 1, i + 1, k, c
+
+
+def chain(problem: Mapping[str, Any]) -> Chain | None:
+    """The problem of a case as masses, springs and dashpots; None if it is not linear or masses are coupled."""
+    mass = [*map(_numbers, problem["mass"])]
+    if problem["form"] != "linear" or any(x and i != j for i, row in enumerate(mass) for j, x in enumerate(row)):
+        return None
+    load = problem.get("load", {"amplitude": ["0"] * len(mass), "frequency": "1", "phase": "0"})
+    ground = problem.get("ground", {"dt": "0", "acceleration": []})
+    return Chain(
+        [mass[i][i] for i in range(len(mass))],
+        list(_pairs(problem)),
+        _numbers(problem["u0"]),
+        _numbers(problem["v0"]),
+        _numbers(load["amplitude"]),
+        float(load["frequency"]),
+        float(load["phase"]),
+        [(i * float(ground["dt"]), a) for i, a in enumerate(_numbers(ground["acceleration"]))],
+    )
+
+
+def _operator(scheme: Mapping[str, str]) -> str | None:
+    """Parameters of ``*DYNAMIC`` for a scheme."""
+    if scheme["family"] not in ("newmark", "hht"):
+        return None
+    return f"ALPHA={scheme.get('alpha', '0')}, BETA={float(scheme['beta'])!r}, GAMMA={float(scheme['gamma'])!r}"
+
+
+def _amplitude(one: Chain, i: int) -> str:
+    """The force on an unknown along time, less K u₀."""
+    name, pull = f"*AMPLITUDE, NAME=FORCE{i + 1}", one.pull[i]
+    if one.ground:
+        return "\n".join([name, *(f"{t!r}, {-one.mass[i] * a - pull!r}" for t, a in one.ground)])
+    cosine, sine = (one.forces[i] * part(one.phase) for part in (math.cos, math.sin))
+    return f"{name}, DEFINITION=PERIODIC\n1, {one.frequency!r}, 0.0, {-pull!r}\n{cosine!r}, {sine!r}"
+
+
+def abaqus(case: Mapping[str, Any]) -> str | None:
+    """Keywords of Abaqus/Standard; None for a problem or a scheme that is not written."""
+    one, operator = chain(case["problem"]), _operator(case["scheme"])
+    if one is None or operator is None:
+        return None
+    dt, steps, unknowns = float(case["run"]["dt"]), case["run"]["steps"], range(1, len(one.mass) + 1)
+    lines = [
+        f"** {case['name']}: {case['title']}",
+        "** Run in double precision with full output. U is u - u0, as it starts at zero, and the forces hold -K u0.",
+        f"** {case['name']}.csv: t, u1 = U1 + u0, v1 = V1, a1 = A1 of every node in turn, with a row for t = 0.",
+        "*HEADING",
+        case["name"],
+        "*NODE, NSET=ALL",
+        *(f"{node + 1}, {float(node)!r}, 0.0, 0.0" for node in (0, *unknowns)),
+        "*NSET, NSET=FREE, GENERATE",
+        f"2, {len(one.mass) + 1}, 1",
+    ]
+    for node, mass in zip(unknowns, one.mass, strict=True):
+        lines += [f"*ELEMENT, TYPE=MASS, ELSET=M{node}", f"{node}, {node + 1}", f"*MASS, ELSET=M{node}", repr(mass)]
+    number = len(one.mass)
+    for i, j, *values in one.springs:
+        for kind, value in zip(("SPRING", "DASHPOT"), values, strict=True):
+            if not value:
+                continue
+            number, place = number + 1, f"{kind[0]}{i}{j}"
+            lines += [f"*ELEMENT, TYPE={kind}2, ELSET={place}", f"{number}, {i + 1}, {j + 1}"]
+            lines += [f"*{kind}, ELSET={place}", "1, 1", repr(value)]
+    lines += [_amplitude(one, i) for i in range(len(one.mass))]
+    lines += ["*BOUNDARY", "1, 1, 3", "FREE, 2, 3", "*INITIAL CONDITIONS, TYPE=VELOCITY"]
+    lines += [f"{node + 1}, 1, {v!r}" for node, v in zip(unknowns, one.v0, strict=True)]
+    lines += [f"*STEP, NLGEOM=NO, INC={steps}", f"*DYNAMIC, TIME INTEGRATOR=HHT-TF, {operator}, DIRECT"]
+    lines += [f"{dt!r}, {dt * steps!r}"]
+    for node in unknowns:
+        lines += [f"*CLOAD, AMPLITUDE=FORCE{node}", f"{node + 1}, 1, 1.0"]
+    lines += ["*OUTPUT, HISTORY, FREQUENCY=1", "*NODE OUTPUT, NSET=FREE", "U1, V1, A1", "*END STEP"]
+    return "\n".join(lines) + "\n"
+
+
+def _schema(scheme: Mapping[str, str]) -> str | None:
+    """Arguments of ``SCHEMA_TEMPS`` for a scheme."""
+    family, numbers = scheme["family"], {n: float(x) for n, x in scheme.items() if n not in ("family", "start")}
+    if family == "newmark":
+        return f'SCHEMA="NEWMARK", FORMULATION="DEPLACEMENT", BETA={numbers["beta"]!r}, GAMMA={numbers["gamma"]!r}'
+    # its β and γ follow from α
+    if family == "hht" and math.isclose(numbers["beta"], (1 - numbers["alpha"]) ** 2 / 4):
+        return f'SCHEMA="HHT", FORMULATION="DEPLACEMENT", ALPHA={numbers["alpha"]!r}, MODI_EQUI="OUI"'
+    if family == "central_difference":
+        return 'SCHEMA="DIFF_CENT", FORMULATION="ACCELERATION", STOP_CFL="NON"'
+    if family == "tchamwa_wielgosz":
+        return f'SCHEMA="TCHAMWA", FORMULATION="ACCELERATION", PHI={numbers["phi"]!r}, STOP_CFL="NON"'
+    return None
+
+
+def mesh(case: Mapping[str, Any]) -> str | None:
+    """The mesh of :func:`code_aster` in its own format: N0 is fixed, M1 is the mass on N1, S01 the spring to it."""
+    one = chain(case["problem"])
+    if one is None or _schema(case["scheme"]) is None:
+        return None
+    n = len(one.mass)
+    lines = ["COOR_3D", *(f"N{i} {float(i)!r} 0.0 0.0" for i in range(n + 1)), "FINSF"]
+    lines += ["POI1", *(f"M{i} N{i}" for i in range(1, n + 1)), "FINSF"]
+    lines += ["SEG2", *(f"S{i}{j} N{i} N{j}" for i, j, _, _ in one.springs), "FINSF"]
+    for i in range(n + 1):
+        lines += [f"GROUP_NO NOM=N{i}", f"N{i}", "FINSF"]
+    for name in [*(f"M{i}" for i in range(1, n + 1)), *(f"S{i}{j}" for i, j, _, _ in one.springs)]:
+        lines += [f"GROUP_MA NOM={name}", name, "FINSF"]
+    return "\n".join([*lines, "FIN"]) + "\n"
+
+
+def code_aster(case: Mapping[str, Any]) -> str | None:
+    """Commands of code_aster, in Python; None for a problem or a scheme that is not written."""
+    one, schema = chain(case["problem"]), _schema(case["scheme"])
+    if one is None or schema is None:
+        return None
+    dt, steps, free = float(case["run"]["dt"]), case["run"]["steps"], range(1, len(one.mass) + 1)
+    discrete = [f'_F(GROUP_MA="M{i}", CARA="M_T_D_N", VALE={m!r})' for i, m in zip(free, one.mass, strict=True)]
+    for i, j, k, c in one.springs:
+        for name, value in (("K_T_D_L", k), ("A_T_D_L", c)):
+            discrete.append(f'_F(GROUP_MA="S{i}{j}", CARA="{name}", VALE=({value!r}, 0.0, 0.0))')
+    if one.ground:
+        samples = ", ".join(f"{t!r}, {a!r}" for t, a in one.ground)
+        forces = [-m for m in one.mass]
+        along = f'DEFI_FONCTION(NOM_PARA="INST", PROL_DROITE="CONSTANT", VALE=({samples}))'
+    else:
+        forces = one.forces
+        along = f'FORMULE(NOM_PARA="INST", VALE="cos({one.frequency!r} * INST - {one.phase!r})")'
+    fields = {
+        name: ", ".join(f'_F(GROUP_NO="N{i}", NOM_CMP="DX", VALE={x!r})' for i, x in zip(free, values, strict=True))
+        for name, values in (("u0", one.u0), ("v0", one.v0))
+    }
+    nodal = ", ".join(f'_F(GROUP_NO="N{i}", FX={f!r})' for i, f in zip(free, forces, strict=True))
+    across = ", ".join(f'_F(GROUP_NO="N{i}", DY=0.0, DZ=0.0)' for i in free)
+    rest = '_F(TOUT="OUI", NOM_CMP=("DX", "DY", "DZ"), VALE=(0.0, 0.0, 0.0))'
+    return f"""# {case["name"]}: {case["title"]}
+# The mesh {case["name"]}.mail is unit 20. The table {case["name"]}.csv appears in the folder of the run.
+DEBUT(PAR_LOT="NON")
+mesh = LIRE_MAILLAGE(FORMAT="ASTER", UNITE=20)
+model = AFFE_MODELE(MAILLAGE=mesh, AFFE=_F(TOUT="OUI", PHENOMENE="MECANIQUE", MODELISATION="DIS_T"))
+springs = AFFE_CARA_ELEM(MODELE=model, DISCRET=({", ".join(discrete)},))
+steel = DEFI_MATERIAU(ELAS=_F(E=1.0, NU=0.0))
+field = AFFE_MATERIAU(MAILLAGE=mesh, AFFE=_F(TOUT="OUI", MATER=steel))
+fixed = AFFE_CHAR_MECA(MODELE=model, DDL_IMPO=(_F(GROUP_NO="N0", DX=0.0, DY=0.0, DZ=0.0), {across}))
+load = AFFE_CHAR_MECA(MODELE=model, FORCE_NODALE=({nodal},))
+along = {along}
+u0 = CREA_CHAMP(OPERATION="AFFE", TYPE_CHAM="NOEU_DEPL_R", MODELE=model, AFFE=({rest}, {fields["u0"]}))
+v0 = CREA_CHAMP(OPERATION="AFFE", TYPE_CHAM="NOEU_DEPL_R", MODELE=model, AFFE=({rest}, {fields["v0"]}))
+times = DEFI_LIST_REEL(DEBUT=0.0, INTERVALLE=_F(JUSQU_A={dt * steps!r}, NOMBRE={steps}))
+motion = DYNA_NON_LINE(
+    MODELE=model, CHAM_MATER=field, CARA_ELEM=springs, ETAT_INIT=_F(DEPL=u0, VITE=v0),
+    EXCIT=(_F(CHARGE=fixed), _F(CHARGE=load, FONC_MULT=along)), COMPORTEMENT=_F(RELATION="ELAS"),
+    INCREMENT=_F(LIST_INST=times), NEWTON=_F(MATRICE="TANGENTE", REAC_ITER=1),
+    CONVERGENCE=_F(RESI_GLOB_RELA=1e-12, ITER_GLOB_MAXI=50), SCHEMA_TEMPS=_F({schema}))
+columns = {{f"{{name}}{{i}}": RECU_FONCTION(RESULTAT=motion, NOM_CHAM=field, NOM_CMP="DX", GROUP_NO=f"N{{i}}")
+           for name, field in (("u", "DEPL"), ("v", "VITE"), ("a", "ACCE")) for i in {list(free)!r}}}
+values = [one.Valeurs() for one in columns.values()]
+with open("{case["name"]}.csv", "w") as table:
+    print("t", *columns, sep=",", file=table)
+    for row in zip(values[0][0], *(one[1] for one in values)):
+        print(*row, sep=",", file=table)
+FIN()
+"""

@@ -1,0 +1,30 @@
+"""The largest step that keeps an error, and the steps below it that confirm this."""
+
+import numpy as np
+from jaxtyping import Float
+
+#: Part of a recommended step down to which finer steps count as tried.
+TWENTIETH = 1 / 20
+
+#: Quantile of the errors up to an octave below a step. Steps that were not tried may exceed the worst error by as much
+#: as that exceeds this quantile.
+USUAL = 0.9
+
+#: Steps, and the error at each of them.
+Steps = Float[np.ndarray, "step"]
+
+
+def with_room(dt: Steps, error: Steps, allowed: float) -> float:
+    r"""Largest of some steps, each of which keeps an error, with room for the scatter below it; zero if there is none.
+
+    .. math::
+
+        2 \max_{\Delta t/2 < h \le \Delta t} e(h) - Q_{0.9}\,e(h) \le e_\text{allowed}
+    """
+    while dt.size:
+        step = dt.max()
+        octave = error[dt > step / 2]
+        if 2 * octave.max() - np.quantile(octave, USUAL) <= allowed:
+            return step
+        dt, error = dt[dt < 0.99 * step], error[dt < 0.99 * step]
+    return 0.0

@@ -1,0 +1,114 @@
+"""Input files of Abaqus and code_aster: they state the case, and what they cannot state has none."""
+
+import builtins
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from conformance import chains
+from conformance.command import cases
+from conformance.problem import Problem
+
+BY_NAME = {case["name"]: case for case in cases()}
+
+
+def _written(write, case) -> str:
+    text = write(case)
+    assert text is not None
+    return text
+
+
+def _assembled(n, links):
+    """Matrix of springs or dashpots between nodes, of which 0 is fixed."""
+    matrix = np.zeros((n + 1, n + 1))
+    for i, j, value in links:
+        matrix[np.ix_([i, j], [i, j])] += value * np.array([[1, -1], [-1, 1]])
+    return matrix[1:, 1:]
+
+
+def _elements(lines, kind, values_after):
+    """Nodes of the elements of a type in a file of Abaqus, from 0 on, and their value."""
+    for at in (i for i, line in enumerate(lines) if line.startswith(f"*ELEMENT, TYPE={kind},")):
+        yield *(int(word) - 1 for word in lines[at + 1].split(",")[1:]), float(lines[at + values_after])
+
+
+def _force(lines, i, t):
+    """Amplitude of the force on an unknown at a time."""
+    at = next(place for place, line in enumerate(lines) if line.startswith(f"*AMPLITUDE, NAME=FORCE{i + 1}"))
+    if "PERIODIC" in lines[at]:
+        (_, w, _, constant), (cosine, sine) = (map(float, lines[at + k].split(",")) for k in (1, 2))
+        return constant + cosine * np.cos(w * t) + sine * np.sin(w * t)
+    samples = [[float(word) for word in line.split(",")] for line in lines[at + 1 : at + 18]]
+    return np.interp(t, *np.array(samples).T)
+
+
+@pytest.mark.parametrize("name", ["A-LIN-HHT", "F-FRAME-AVG"])
+def test_a_file_of_abaqus_states_the_case(name):
+    case, problem = BY_NAME[name], Problem(BY_NAME[name]["problem"])
+    lines = [line for line in _written(chains.abaqus, case).splitlines() if not line.startswith("**")]
+    n, stiffness = len(problem.u0), problem.tangent(problem.u0)
+    np.testing.assert_allclose(np.diag([value for _, value in _elements(lines, "MASS", 3)]), problem.mass)
+    np.testing.assert_allclose(_assembled(n, _elements(lines, "SPRING2", 4)), stiffness)
+    np.testing.assert_allclose(_assembled(n, _elements(lines, "DASHPOT2", 4)), problem.damping)
+    for t in (0.0, 0.07):
+        forces = [_force(lines, i, t) for i in range(n)]
+        np.testing.assert_allclose(forces, problem.load(t) - stiffness @ problem.u0)
+    at = lines.index("*INITIAL CONDITIONS, TYPE=VELOCITY")
+    assert [float(line.split(",")[2]) for line in lines[at + 1 : at + 1 + n]] == problem.v0.tolist()
+    alpha, beta = case["scheme"].get("alpha", "0"), case["scheme"]["beta"]
+    at = lines.index(
+        f"*DYNAMIC, TIME INTEGRATOR=HHT-TF, ALPHA={alpha}, BETA={beta}, GAMMA={case['scheme']['gamma']}, DIRECT"
+    )
+    dt, end = map(float, lines[at + 1].split(","))
+    assert dt == float(case["run"]["dt"]) and end == pytest.approx(dt * case["run"]["steps"])
+
+
+class Commands(dict):
+    """Names of a program of code_aster, whose commands keep their arguments."""
+
+    def __missing__(self, name):
+        if hasattr(builtins, name):
+            raise KeyError(name)
+        return lambda **words: self.setdefault("called", {}).setdefault(name, SimpleNamespace(**words))
+
+    def __getitem__(self, name):
+        return (lambda **words: SimpleNamespace(**words)) if name == "_F" else super().__getitem__(name)
+
+
+@pytest.mark.parametrize(
+    "name, scheme",
+    [
+        ("A-LIN-HHT", {"SCHEMA": "HHT", "ALPHA": -0.1, "MODI_EQUI": "OUI"}),
+        ("F-FRAME-CDM", {"SCHEMA": "DIFF_CENT", "FORMULATION": "ACCELERATION"}),
+        ("A-LIN-TCH", {"SCHEMA": "TCHAMWA", "PHI": 1.033}),
+    ],
+)
+def test_commands_of_code_aster_state_the_case(name, scheme):
+    case, problem, names = BY_NAME[name], Problem(BY_NAME[name]["problem"]), Commands()
+    exec(_written(chains.code_aster, case).partition("columns = ")[0], names)  # the rest reads the motion
+    called: dict[str, Any] = names["called"]
+    parts, n = called["AFFE_CARA_ELEM"].DISCRET, len(problem.u0)
+    np.testing.assert_allclose(np.diag([one.VALE for one in parts if one.CARA == "M_T_D_N"]), problem.mass)
+    for kind, matrix in (("K_T_D_L", problem.tangent(problem.u0)), ("A_T_D_L", problem.damping)):
+        links = [(*map(int, one.GROUP_MA[1:]), one.VALE[0]) for one in parts if kind == one.CARA]
+        np.testing.assert_allclose(_assembled(n, links), matrix)
+    mesh = _written(chains.mesh, case).splitlines()
+    assert all(" ".join([one.GROUP_MA, *(f"N{digit}" for digit in one.GROUP_MA[1:])]) in mesh for one in parts)
+    assert [one.VALE for one in called["CREA_CHAMP"].AFFE[1:]] == problem.u0.tolist()
+    motion = called["DYNA_NON_LINE"]
+    assert scheme.items() <= vars(motion.SCHEMA_TEMPS).items()
+    interval = motion.INCREMENT.LIST_INST.INTERVALLE
+    assert interval.NOMBRE == case["run"]["steps"]
+    assert interval.JUSQU_A == pytest.approx(interval.NOMBRE * float(case["run"]["dt"]))
+
+
+def test_what_cannot_be_stated_has_no_file():
+    """A spring that is not linear, coupled masses, and a scheme of another family."""
+    for name in ("A-CUB-AVG", "F-MASS-AVG", "A-LIN-BAT"):
+        assert not any(write(BY_NAME[name]) for write in (chains.abaqus, chains.code_aster, chains.mesh))
+    # the β of the HHT of code_aster follows from α
+    case = BY_NAME["A-LIN-HHT"]
+    other = case | {"scheme": case["scheme"] | {"beta": "0.3"}}
+    assert chains.code_aster(other) is None and "BETA=0.3" in _written(chains.abaqus, other)
