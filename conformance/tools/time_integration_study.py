@@ -123,16 +123,18 @@ def scheme_of(text):
 
 
 @eqx.filter_jit
-def _march(problem, scheme, dt, steps):
-    state, _ = scheme.start(problem, problem.u0, problem.v0, dt)
+def _march(problem, scheme, times, sizes, steps):
+    state, _ = scheme.start(problem, problem.u0, problem.v0, sizes[0])
 
     def read(state):
-        inner = getattr(state, "inner", state)
+        inner = state
+        while hasattr(inner, "inner"):
+            inner = inner.inner
         return state.u, state.v, getattr(inner, "a", state.u)
 
     def one(i, carry):
         state, rows = carry
-        state, _ = scheme.step(problem, state, i * dt, dt)
+        state, _ = scheme.step(problem, state, times[i], sizes[i])
         return state, jax.tree.map(lambda row, value: row.at[i + 1].set(value), rows, read(state))
 
     rows = jax.tree.map(lambda value: jnp.zeros((_ROWS, *value.shape)).at[0].set(value), read(state))
@@ -140,13 +142,16 @@ def _march(problem, scheme, dt, steps):
 
 
 def step(problem, scheme, dt, steps):
-    """Displacement, velocity and, where the scheme carries it, acceleration at 0, dt, 2 dt, ..."""
-    if np.ndim(dt):
-        raise NotImplementedError("the study marches with equal steps")
+    """Displacement, velocity and, where the scheme carries it, acceleration at 0 and after each step."""
     ours = scheme_of(scheme)
+    sizes = np.full(_ROWS, dt if np.ndim(dt) == 0 else 0.0)
+    times = np.arange(_ROWS) * sizes
+    if np.ndim(dt):
+        sizes[:steps], times[1 : steps + 1] = dt, np.cumsum(dt)
+        ours = study.UnequalSteps(ours) if ours.acceleration_offset else ours
     modelled = problem_of(json.dumps(problem.text))
     if modelled.history is not None:
         ours = WithHistory(ours)
-    rows = _march(modelled, ours, np.float64(dt), np.int64(steps))
+    rows = _march(modelled, ours, times, sizes, np.int64(steps))
     carried = scheme["family"] not in ("rk4", "midpoint", "symplectic_euler")
     return [np.asarray(one)[: steps + 1] for one in rows[: 2 + carried]]

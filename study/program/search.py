@@ -141,11 +141,11 @@ class Search:
         return [one for one in self._random(scheme, step, wanted) if one not in tried][: max(missing, 0)]
 
     def _confirming(self, scheme: str, step: float) -> int:
-        """Number of random steps that confirm one, in ``CHEAP`` seconds or a share of the time that the truth took."""
+        """Number of random steps that confirm one, in ``CHEAP`` seconds or a share of a quarter of the truth's time."""
         if self._late:
             return FEWEST_CONFIRMING
         limits = len(self.program.schemes) * len(self.allowed) * len(self.truth.uncertainty)
-        affordable = max(self.refinement.seconds / limits, CHEAP)
+        affordable = max(self.refinement.seconds / (4 * limits), CHEAP)
         (run,) = (run for run in self.refinement.of(scheme) if run.dt == step)
         # the mean number of steps up to an octave below
         each = run.elapsed / math.log(2)
