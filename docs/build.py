@@ -66,6 +66,8 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     made |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
     made["interface/problems.rst"] = registry_page("Problems", makers)
     made["interface/observers.rst"] = registry_page("Observers", study.observers)
+    made["interface/estimators.rst"] = registry_page("Estimators", study.estimators)
+    made["interface/controllers.rst"] = registry_page("Controllers", study.controllers)
     (folder / "schemes").mkdir()
     for name, text in made.items():
         (folder / name).write_text(text, encoding="utf-8")

@@ -75,7 +75,7 @@ def of_structures(
         "turning_runs": runs.sizes["problem"] * runs.sizes["steps_per_period"],
         **{f"lost_{name}": number for name, number in lost.items()},
         **{f"sawtooth_{name}": f"{a:.2f}" for name, a in zip(stiff_soft.scheme.values, alternating, strict=True)},
-        "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.1f}",
+        "chain_best": f"{100 * structures.displacement_error.sel(problem='fpu_chain').min().item():.2g}",
         "long_time": f"{long_times.t.max().item():,.0f}",
         "long_sample": f"{long_times.t[1].item():.0f}",
         "long_step": f"{long_times.dt.item():.2f}",

@@ -137,7 +137,7 @@ def run(
     duration
         Time at which a run with a tolerance ends.
     estimator, controller
-        Names in ``study.estimators`` and ``study.controllers``, or objects of :mod:`study.control`. By default
+        Names in ``study.estimators`` and ``study.controllers``, or your own. By default
         ``zienkiewicz_xie`` where the scheme carries an acceleration and that estimator fits, otherwise
         ``step_doubling``; and ``pi``.
     times
