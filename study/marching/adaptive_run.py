@@ -236,10 +236,10 @@ class Adaptive:
         lanes = bool(self._lanes)
         times, most = jnp.asarray(control.times), jnp.asarray(control.steps)
         adaptive = AdaptiveMarch(self._march, control.estimator, control.controller, times, most)
-        unknowns = np.size(self._problem.u0) * max(self._lanes, 1)
+        unknowns, several = np.size(self._problem.u0), max(self._lanes, 1)
         keeps = bool(self._march.records) or not lanes
-        room = max(16, min(MOST_ROOM, ROOM // unknowns)) if keeps else 0
-        turns = max(1, int(PAUSE / 8 / unknowns**1.5))
+        room = max(16, min(MOST_ROOM, ROOM // (unknowns * several))) if keeps else 0
+        turns = max(1, int(PAUSE / 8 / (several * unknowns**1.5)))
         begin = self._of, lanes, adaptive, self._over, self._starts
         trial, initial, stored = _begin(*begin, dt, tolerance, room)
         if control.estimator.relative and not all(np.all(np.asarray(one)) for one in trial.scales):
