@@ -45,6 +45,12 @@ def test_quantities_are_reduced(pair, lanes):
     assert ds.peak_gap.dims[-1] == "peak_gap_component"
 
 
+def test_the_peak_of_a_quantity_is_a_size_from_the_start_on():
+    peak = study.Quantity(lambda u: u, "highest", reduce="peak")
+    damped = study.Problem(lambda u: u, u0=-1.0, damping=1.0)
+    assert study.run(damped, "rk4", dt=0.1, steps=60, observe=peak).highest == 1
+
+
 def test_unfit_quantities_are_refused():
     with pytest.raises(ValueError, match="takes some of t, u, v, a, ground .* not x, y"):
         study.Quantity(lambda x, y: x)
