@@ -17,6 +17,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.state import Effort
 from study.scheme.base import Scheme, WrapperState
 from study.scheme.contract import stepped
+from study.scheme.embedded_nystrom import EmbeddedNystrom
 from study.scheme.wrapper.unequal_steps import StateOfStep
 
 #: One or several numbers, each relative to its scale.
@@ -241,3 +242,41 @@ class StepDoubling(Estimator):
         factor = 2**scheme.order_with_damping - 1
         estimates = size(fine.u - coarse.u) / factor, size(fine.v - coarse.v) / factor
         return fine, effort.then(first).then(second), estimates, carried
+
+
+class EmbeddedPair(Estimator):
+    r"""The difference from a method of lower order that takes the same forces.
+
+    .. math::
+
+        \eta = |\hat y_1 - y_1| / \max |y| \quad\text{for } y = u, \dot u
+
+    The estimate is the error of the method of lower order, and the run goes on with the other. No more forces.
+
+    References
+    ----------
+    J. R. Dormand, P. J. Prince, Runge-Kutta-Nyström triples, Comput. Math. Appl. 13(12), 1987, 937-949.
+    """
+
+    title = "Embedded pair"
+    source = "Dormand and Prince (1987)"
+    doi = "10.1016/0898-1221(87)90066-8"
+
+    def exponent(self, scheme):
+        return scheme.embedded_order + 1
+
+    def refusal(self, scheme, problem):
+        if not isinstance(scheme, EmbeddedNystrom) or problem.history is not None:
+            return (
+                f"{self.title} needs a scheme with an embedded one, such as dormand_prince6, and a force without "
+                f"history: take the estimator step_doubling for '{scheme.title}' on '{problem.title}'."
+            )
+        return None
+
+    def sizes(self, problem, state):
+        return size(state.u), size(state.v)
+
+    def step(self, scheme, problem, carried, state, t, dt):
+        new, difference = scheme.pair(problem, state, t, dt)
+        new = new._replace(u=state.u + new.u, v=state.v + new.v)
+        return new, Effort(), (size(difference.u), size(difference.v)), carried

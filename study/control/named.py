@@ -1,7 +1,7 @@
 """The estimators and controllers that have names."""
 
 from study.control.controllers import Controller, DeadBand, Filtered, Integral, ProportionalIntegral
-from study.control.estimators import Estimator, StepDoubling, ThreePoint, ZienkiewiczXie
+from study.control.estimators import EmbeddedPair, Estimator, StepDoubling, ThreePoint, ZienkiewiczXie
 from study.control.of_codes import (
     ApparentFrequency,
     HalfIncrement,
@@ -22,6 +22,7 @@ estimators: Registry[Estimator] = Registry(
         "apparent_frequency": ApparentFrequency(),
         "iterations": Iterations(),
         "step_doubling": StepDoubling(),
+        "embedded_pair": EmbeddedPair(),
     },
 )
 

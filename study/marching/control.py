@@ -73,8 +73,9 @@ def checked_control(
     if estimator is None and not control.needs_tolerance:
         estimator = Unestimated()
     elif estimator is None:
-        simple = scheme.acceleration_offset is not None and not estimators["zienkiewicz_xie"].refusal(scheme, problem)
-        estimator = "zienkiewicz_xie" if simple else "step_doubling"
+        carries = scheme.acceleration_offset is not None
+        fits = ["embedded_pair", *(["zienkiewicz_xie"] if carries else []), "step_doubling"]
+        estimator = next(name for name in fits if not estimators[name].refusal(scheme, problem))
     chosen: Estimator = resolve(estimator, estimators, Estimator)  # type: ignore[type-abstract]
     if reason := chosen.refusal(scheme, problem):
         raise ValueError(reason)

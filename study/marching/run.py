@@ -138,7 +138,7 @@ def run(
         Time at which a run with a tolerance ends.
     estimator, controller
         Names in ``study.estimators`` and ``study.controllers``, or your own. By default
-        ``zienkiewicz_xie`` where the scheme carries an acceleration and that estimator fits, otherwise
+        ``embedded_pair`` or ``zienkiewicz_xie`` where the scheme has what they need, otherwise
         ``step_doubling``; and ``pi``.
     times
         Times on which a step of a run with a tolerance must end; by default the samples of a record.

@@ -5,8 +5,10 @@ from typing import ClassVar, NamedTuple
 import equinox as eqx
 import numpy as np
 
+from study.algebra.arrays import ScalarLike
 from study.mechanics.balance import acceleration
-from study.mechanics.state import Effort, Motion
+from study.mechanics.definition import Problem
+from study.mechanics.state import Effort, Motion, Phase
 from study.scheme.base import OneStep
 
 
@@ -68,6 +70,8 @@ class EmbeddedNystrom(OneStep):
         Order of accuracy without damping.
     with_damping
         Order of accuracy with damping.
+    embedded_order
+        Order of accuracy of the embedded method, without damping.
     stability_limit
         Largest ωΔt at which it is stable without damping, if known.
 
@@ -79,6 +83,7 @@ class EmbeddedNystrom(OneStep):
     tableau: Tableau = eqx.field(static=True)
     of_order: int = eqx.field(static=True)
     with_damping: int = eqx.field(static=True)
+    embedded_order: int = eqx.field(static=True)
     stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
     title: str = eqx.field(default="Embedded Nyström", kw_only=True, static=True)
 
@@ -86,6 +91,7 @@ class EmbeddedNystrom(OneStep):
     source: ClassVar[str] = "Dormand and Prince (1987)"
     doi: ClassVar[str] = "10.1016/0898-1221(87)90066-8"
     explicit = True
+    acceleration_offset = 0.0
 
     @property
     def order(self) -> int:
@@ -100,14 +106,19 @@ class EmbeddedNystrom(OneStep):
         return len(self.tableau.c) - 1
 
     def increment(self, problem, state, t, dt):
+        return self.pair(problem, state, t, dt)[0], Effort()
+
+    def pair(self, problem: Problem, state: Motion, t: ScalarLike, dt: ScalarLike) -> tuple[Motion, Phase]:
+        """The state at t + Δt with increments in place of u and u̇, and their differences from the embedded method."""
         u, v, a = state
         stages = [a]
         tableau = self.tableau
         for c, row, of_velocity in zip(tableau.c[1:], tableau.a[1:], tableau.a_velocity[1:].tolist(), strict=True):
             at = v + dt * _weighted(of_velocity, stages) if problem.damped else v
             stages.append(acceleration(problem, t + c * dt, u + c * dt * v + dt**2 * _weighted(row, stages), at))
-        du = dt * v + dt**2 * _weighted(tableau.b, stages)
-        return Motion(du, dt * _weighted(tableau.b_velocity, stages), stages[-1]), Effort()
+        du, dv = dt**2 * _weighted(tableau.b, stages), dt * _weighted(tableau.b_velocity, stages)
+        du_hat, dv_hat = dt**2 * _weighted(tableau.b_hat, stages), dt * _weighted(tableau.b_hat_velocity, stages)
+        return Motion(dt * v + du, dv, stages[-1]), Phase(du - du_hat, dv - dv_hat)
 
 
 def _weighted(weights, stages):
@@ -161,5 +172,5 @@ _PAIR = Tableau(
     ),
 )
 dormand_prince6 = EmbeddedNystrom(
-    _PAIR, of_order=6, with_damping=3, stability_limit=0.0, title="Dormand-Prince, order 6"
+    _PAIR, of_order=6, with_damping=3, embedded_order=4, stability_limit=0.0, title="Dormand-Prince, order 6"
 )
