@@ -56,6 +56,7 @@ def check_page(browser: Any) -> None:
     """Check that a page is no wider than the screen, has no error, and loaded nothing from elsewhere."""
     width, screen = browser.execute_script("return [document.documentElement.scrollWidth, innerWidth]")
     assert width <= screen
-    assert [entry for entry in browser.get_log("browser") if entry["level"] != "INFO"] == []
+    logged = [entry for entry in browser.get_log("browser") if entry["level"] != "INFO"]
+    assert logged == [], logged
     loaded = browser.execute_script("return performance.getEntriesByType('resource').map((entry) => entry.name)")
     assert [name for name in loaded if not name.startswith("data:")] == []

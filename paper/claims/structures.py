@@ -61,7 +61,9 @@ def faithful_on_structures(structures):
 def damping_on_the_chain(structures):
     chain = 100 * structures.max_energy_imbalance.sel(problem="fpu_chain", scheme=DISSIPATIVE)
     lost = by_name(chain.isel(steps_per_period=-1))
-    return Finding(listed(lost, structures), min(lost.values()) > REASONABLE)
+    too_strong = min(lost.values()) > REASONABLE
+    reason = when(not too_strong, "fine steps damp little")
+    return Finding(listed(lost, structures), too_strong, reason)
 
 
 @claim(

@@ -33,7 +33,7 @@ def draw(estimates: xr.Dataset, step_control: xr.Dataset) -> Figure:
     _errors(third, control, titles, look)
     for index, (ax, title) in enumerate(zip((first, second, third), ("estimates", "energy", "error"), strict=True)):
         letter(ax, index, title)
-        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize="small")
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
     return figure
 
 
