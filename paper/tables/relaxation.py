@@ -1,4 +1,4 @@
-"""Runge-Kutta with relaxation beside its column in Tables 1 and 2."""
+"""Runge-Kutta with relaxation next to its column in Tables 1 and 2."""
 
 import pandas as pd
 import xarray as xr

@@ -11,6 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from study.algebra.arrays import Scalar, ScalarLike, VectorLike
 from study.mechanics.balance import acceleration
@@ -234,7 +235,8 @@ class Prescribed(Controller):
         Step sizes in s.
     """
 
-    sizes: tuple[float, ...] = eqx.field(converter=lambda sizes: tuple(map(float, sizes)))
+    #: An array, so that all sizes share what is compiled.
+    sizes: np.ndarray = eqx.field(converter=lambda sizes: np.asarray(sizes, np.float64))
 
     title = "Prescribed"
     source = ""
@@ -242,7 +244,7 @@ class Prescribed(Controller):
     needs_tolerance = False
 
     def __check_init__(self):
-        if not self.sizes or not all(0 < size < float("inf") for size in self.sizes):
+        if self.sizes.ndim != 1 or not self.sizes.size or not np.all((self.sizes > 0) & np.isfinite(self.sizes)):
             raise ValueError(f"Prescribed needs step sizes greater than zero, not {self.sizes}.")
 
     def start(self, problem, state, tolerance):

@@ -86,7 +86,7 @@ def checked_control(
     if values.ndim > 1 or not values.size or not np.all(np.isfinite(values) & (values > smallest)):
         raise ValueError(f"tolerance must be greater than round-off, {smallest:.1e}, and finite, not {tolerance!r}.")
     if duration is None and isinstance(control, Prescribed):
-        duration = sum(control.sizes)
+        duration = float(control.sizes.sum())
     if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
         raise ValueError(f"duration must be a time greater than zero, not {duration!r}.")
     if times is None:

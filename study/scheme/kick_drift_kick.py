@@ -8,11 +8,11 @@ import equinox as eqx
 from study.algebra.arrays import VectorLike
 from study.mechanics.balance import acceleration_within
 from study.mechanics.state import Effort, Motion
-from study.scheme.base import OneStep, as_tuple
-from study.scheme.splitting import check_order, check_weights, mirrored
+from study.scheme.base import as_tuple
+from study.scheme.splitting import Alternating, mirrored
 
 
-class KickDriftKick(OneStep):
+class KickDriftKick(Alternating):
     r"""Kicks k₀, ..., k_s and drifts d₁, ..., d_s in turn, from a kick to a kick.
 
     .. math::
@@ -55,27 +55,14 @@ class KickDriftKick(OneStep):
     stability_limit: float | None = eqx.field(default=None, kw_only=True, static=True)
     title: str = eqx.field(default="Kick, drift, kick", kw_only=True, static=True)
 
-    family: ClassVar[str] = "Splitting"
     source: ClassVar[str] = "Blanes and Moan (2002)"
     doi: ClassVar[str] = "10.1016/S0377-0427(01)00492-7"
-    explicit = True
 
     def __check_init__(self):
-        check_weights("KickDriftKick", "kicks", self.kicks)
-        check_weights("KickDriftKick", "drifts", self.drifts)
-        check_order("KickDriftKick", self.of_order)
         if len(self.kicks) != len(self.drifts) + 1:
             raise ValueError(
                 f"KickDriftKick needs one kick more than drifts, not {len(self.kicks)} for {len(self.drifts)}."
             )
-
-    @property
-    def order(self) -> int:
-        return self.of_order
-
-    @property
-    def order_with_damping(self) -> int:
-        return min(self.of_order, 2)
 
     @property
     def forces_per_step(self) -> int:

@@ -26,7 +26,32 @@ def check_order(scheme: str, order: int) -> None:
         raise ValueError(f"{scheme}(of_order={order!r}): of_order must be a whole number of at least 1.")
 
 
-class Splitting(OneStep):
+class Alternating(OneStep):
+    """Kicks and drifts in turn, with weights that add up to one; of second order with damping."""
+
+    kicks: eqx.AbstractVar[tuple[float, ...]]
+    drifts: eqx.AbstractVar[tuple[float, ...]]
+    of_order: eqx.AbstractVar[int]
+
+    family: ClassVar[str] = "Splitting"
+    explicit = True
+
+    def __check_init__(self):
+        name = type(self).__name__
+        check_weights(name, "drifts", self.drifts)
+        check_weights(name, "kicks", self.kicks)
+        check_order(name, self.of_order)
+
+    @property
+    def order(self) -> int:
+        return self.of_order
+
+    @property
+    def order_with_damping(self) -> int:
+        return min(self.of_order, 2)
+
+
+class Splitting(Alternating):
     r"""Drifts d₀, ..., d_s and kicks k₁, ..., k_s in turn.
 
     .. math::
@@ -72,25 +97,11 @@ class Splitting(OneStep):
     source: str = eqx.field(default="Hairer et al. (2006)", kw_only=True, static=True)
     doi: str = eqx.field(default="10.1007/3-540-30666-8", kw_only=True, static=True)
 
-    family: ClassVar[str] = "Splitting"
-    explicit = True
-
     def __check_init__(self):
-        check_weights("Splitting", "drifts", self.drifts)
-        check_weights("Splitting", "kicks", self.kicks)
-        check_order("Splitting", self.of_order)
         if len(self.drifts) != len(self.kicks) + 1:
             raise ValueError(
                 f"Splitting needs one drift more than kicks, not {len(self.drifts)} for {len(self.kicks)}."
             )
-
-    @property
-    def order(self) -> int:
-        return self.of_order
-
-    @property
-    def order_with_damping(self) -> int:
-        return min(self.of_order, 2)
 
     @property
     def forces_per_step(self) -> int:
