@@ -51,7 +51,8 @@ def estimates(problems: Springs, schemes: Schemes, estimators: Estimators, steps
                     if estimators_by_name[estimator].refusal(method, equations) is not None:
                         continue
                     dt = period / steps
-                    ds = run(problem, scheme, controller=Prescribed(np.array([dt])), duration=period, estimator=estimator)
+                    equal = Prescribed(np.array([dt]))
+                    ds = run(problem, scheme, controller=equal, duration=period, estimator=estimator)
                     if errors is None or estimator == "step_doubling":
                         errors = _errors(problem, ds)
                     of_u, of_both = errors
