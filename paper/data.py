@@ -12,6 +12,17 @@ from paper.published import PROBLEMS, SCHEMES, STEPS
 #: Assessments of the springs of the paper's tables.
 ASSESSED = [f"assessment/{name}" for name in PROBLEMS]
 
+#: Titles of the general solvers that figures and tables show, by their names in the datasets.
+SOLVERS = {
+    "cvode_adams": "CVODE Adams",
+    "cvode_bdf": "CVODE BDF",
+    "dopri8": "diffrax Dopri8",
+    "tsit5": "diffrax Tsit5",
+    "kvaerno5": "diffrax Kvaerno5",
+    "scipy_dop853": "SciPy DOP853",
+    "heyoka": "heyoka",
+}
+
 #: Structures that turn, so that their stiff modes are not linear.
 TURNING = ["elastic_pendulum", "spinning_truss"]
 

@@ -3,7 +3,8 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, SOLVERS, legend_below, letter, looks_in_order, panels, wrapped
+from paper.data import SOLVERS
+from paper.figures.style import PAGE, legend_below, letter, looks_in_order, panels, wrapped
 from paper.products import figure
 
 #: Largest error drawn; at larger ones the solution is lost.

@@ -31,17 +31,6 @@ plt.style.use("paper.figures.style")
 COLUMN, PAGE = 8.4, 17.4
 _CM = 1 / 2.54
 
-#: Titles of the general solvers that figures show, by their names in the datasets.
-SOLVERS = {
-    "cvode_adams": "CVODE Adams",
-    "cvode_bdf": "CVODE BDF",
-    "dopri8": "diffrax Dopri8",
-    "tsit5": "diffrax Tsit5",
-    "kvaerno5": "diffrax Kvaerno5",
-    "scipy_dop853": "SciPy DOP853",
-    "heyoka": "heyoka",
-}
-
 #: Label and colour of each outcome of a run, by its name in the maps of stability. Worse outcomes are darker, in steps
 #: that can be told apart in greyscale.
 OUTCOME_STYLES = {

@@ -3,7 +3,8 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import COLUMN, SOLVERS, legend_below, letter, looks_in_order, panels
+from paper.data import SOLVERS
+from paper.figures.style import COLUMN, legend_below, letter, looks_in_order, panels
 from paper.products import figure
 
 #: Titles of the problems, whose dataset has none.

@@ -13,11 +13,32 @@ PROBLEM, SCHEME = "hardening", "average_acceleration"
 DRIFTS, KEPT = 3.0, 1.1
 #: Steps in a period of the cells of 1996 that are compared.
 CELL = 50
+#: Error of the displacement at which forces are compared, and the ratio of forces that counts as a difference.
+ALLOWED, CLEARLY = 0.01, 1.25
+#: A linear structure with a stiff mode that the accuracy does not need.
+STIFF = ["stiff_soft"]
 
 
 def growth(step_control: xr.Dataset) -> xr.DataArray:
     """Largest energy error of the last period over that of the first, of controlled and of equal steps."""
     return step_control.history.isel(period=-1) / step_control.history.isel(period=0)
+
+
+def forces_needed(error: xr.DataArray, forces: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
+    """Fewest forces of a run that keeps an error, as all runs with more forces do; NaN if there is none."""
+
+    def fewest(error: np.ndarray, forces: np.ndarray) -> float:
+        exceeding = forces[np.isfinite(forces) & ~(error <= allowed)].max(initial=0.0)
+        return forces[forces > exceeding].min(initial=np.inf)
+
+    found = xr.apply_ufunc(fewest, error, forces, input_core_dims=[[along], [along]], vectorize=True)
+    return found.where(np.isfinite(found))
+
+
+def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray, xr.DataArray]:
+    """Fewest forces for an error with controlled and with equal steps, of shape (problem, scheme)."""
+    controlled = forces_needed(control_cost.error, control_cost.forces, allowed, "tolerance")
+    return controlled, forces_needed(control_cost.equal_error, control_cost.equal_forces, allowed, "steps_per_sample")
 
 
 def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> xr.DataArray:
@@ -82,6 +103,36 @@ def of_step_control(
         "control_cell_controlled": span(controlled.sel(problem=PROBLEMS), ".2g"),
         "control_ratio": span(ratio.where(np.isfinite(ratio), drop=True), ".2g"),
         "control_is_worse": bool((ratio > 1).all()),
+    }
+
+
+@numbers(asks={"control_cost.problems": STIFF, "control_cost.schemes": [SCHEME]})
+def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> dict:
+    """Where controlled steps save forces, and the automatic steps of codes."""
+    controlled, equal = with_control(control_cost, ALLOWED)
+    ratio = controlled / equal
+    known = ratio.stack(case=ratio.dims).dropna("case")
+    pairs = [(known.sel(case=case).item(), case) for case in known.case.values]
+    titles = {
+        name: dict(zip(control_cost[name].values, control_cost[f"{name}_title"].values, strict=True))
+        for name in ratio.dims
+    }
+    best, (problem, scheme) = min(pairs)
+    stiff = ratio.sel(problem=STIFF[0], scheme=SCHEME).item()
+    abaqus = control_of_codes.sel(problem=PROBLEM, code="Abaqus")
+    return {
+        "cost_allowed": f"{100 * ALLOWED:g}",
+        "cost_cases": len(pairs),
+        "cost_saving": sum(value < 1 / CLEARLY for value, _ in pairs),
+        "cost_dearer": sum(value > CLEARLY for value, _ in pairs),
+        "cost_clearly": f"{100 * (CLEARLY - 1):.0f}",
+        "cost_best": f"{1 / best:.1f}",
+        "cost_best_scheme": str(titles["scheme"][scheme]),
+        "cost_best_problem": str(titles["problem"][problem]),
+        "cost_stiff": f"{stiff:.2g}",
+        "cost_stiff_is_fooled": bool(stiff > CLEARLY),
+        "codes_abaqus_steps": span(abaqus.steps_per_period.values, ".1f"),
+        "codes_abaqus_energy": f"{abaqus.max_energy_error.sel({'class': 'tight'}).item():.0f}",
     }
 
 

@@ -64,6 +64,9 @@ def recommend(
             them as a fraction of the allowed one.
         ``verdict``
             How the search for the step ended.
+        ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
+            If the assessment had a controller: the tolerance that keeps the error, the internal forces of that run, and
+            their ratio to those with equal steps. Below one, controlled steps are cheaper.
 
     Raises
     ------
@@ -123,6 +126,10 @@ def recommend(
         },
         index=pd.Index(one.scheme.values, name="scheme"),
     ).sort_values("time")
+    if "tolerance" in assessed:
+        table["tolerance"] = one.tolerance.to_series()
+        table["controlled_force_evaluations"] = one.controlled_force_evaluations.to_series()
+        table["control_over_equal"] = table["controlled_force_evaluations"] / table["force_evaluations"]
     slower_by = table["time"] - table["time"].iloc[0]
     ties = slower_by <= (table["time_spread"] + table["time_spread"].iloc[0]) / 2
     table.insert(table.columns.get_loc("time_spread") + 1, "ties_with_fastest", ties)

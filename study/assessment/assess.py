@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from study.assessment import errors, failures, large, oscillation, search
+from study.assessment.arguments import checked_errors, chosen_schemes
 from study.assessment.certified import cases_of, certified
 from study.assessment.dataset import Assessed, dataset_of
 from study.assessment.errors import DEFAULT
@@ -21,6 +22,9 @@ from study.assessment.periods import highest_frequency_along, length_of, slowest
 from study.assessment.progress import Progress
 from study.assessment.search import ENERGY, Search
 from study.assessment.solution import DenseSolution
+from study.assessment.tolerances import ToleranceSearch, variables_of
+from study.control.controllers import Controller
+from study.control.named import controllers
 from study.io import processor
 from study.marching.arguments import resolve
 from study.mechanics.definition import Problem
@@ -29,68 +33,10 @@ from study.observer.motion import Quantity
 from study.problem.named import problems
 from study.program.definition import Program
 from study.scheme.base import Scheme
-from study.scheme.contract import check_told
-from study.scheme.named import schemes as schemes_by_name
 from study.settings import cores
-
-#: Schemes that are assessed if none are named: the ones that codes offer, and the best of each family.
-USUAL = (
-    "average_acceleration",
-    "central_difference",
-    "newmark_dissipative",
-    "wilson_theta",
-    "houbolt",
-    "hht_alpha",
-    "generalized_alpha",
-    "bathe",
-    "rho_bathe",
-    "rk4",
-)
-
-#: Least error that can be asked for.
-LEAST_ERROR = 1e-10
 
 #: Least energy at the start, over the largest kinetic energy, to which errors of its balance can be related.
 LEAST_ENERGY = 0.01
-
-
-def _checked(one: str | Scheme) -> Scheme:
-    scheme = resolve(one, schemes_by_name, Scheme)  # type: ignore[type-abstract]
-    check_told(scheme)
-    return scheme
-
-
-def _chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None) -> dict[str, Scheme]:
-    """Schemes by the name under which the dataset has them."""
-    if given is None:
-        return {name: schemes_by_name[name] for name in USUAL}
-    if isinstance(given, Mapping) and given:
-        return {name: _checked(one) for name, one in given.items()}
-    if not isinstance(given, str | Scheme | Iterable):
-        raise TypeError(f"schemes must be names, schemes, or a mapping from names to schemes, not {given!r}.")
-    chosen: dict[str, Scheme] = {}
-    for one in [given] if isinstance(given, str | Scheme) else given:
-        scheme = _checked(one)
-        name = schemes_by_name.resolve(one) if isinstance(one, str) else scheme.title
-        if name in chosen:
-            raise ValueError(f"two schemes have the name '{name}'; give a mapping from names to schemes.")
-        chosen[name] = scheme
-    if not chosen:
-        raise ValueError("schemes is empty; name at least one, or leave it out for the usual ones.")
-    return chosen
-
-
-def _checked_errors(allowed: Sequence[float]) -> list[float]:
-    """Allowed errors, the largest first."""
-    values = np.atleast_1d(np.asarray(allowed))
-    if values.dtype.kind not in "fiu" or not values.size or not np.all((values > 0) & (values < 1)):
-        raise ValueError(f"errors must be fractions between zero and one, such as 0.01 for one percent, not {allowed}.")
-    if values.min() < LEAST_ERROR:
-        raise ValueError(
-            f"errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision is sure "
-            "of less."
-        )
-    return sorted(set(values.tolist()), reverse=True)
 
 
 def assess(
@@ -101,6 +47,7 @@ def assess(
     quantities: Mapping[str, Quantity] | None = None,
     errors: Sequence[float] = (0.1, 0.01, 0.001),
     maps: bool = True,
+    controller: str | Controller | None = None,
     seconds: float = math.inf,
 ) -> xr.Dataset:
     """Find out which scheme and which step a problem needs for an error, by runs against a certified reference.
@@ -138,6 +85,10 @@ def assess(
         Errors that may be allowed, as fractions of the largest value of each quantity.
     maps
         Whether to map over step size and excitation how each scheme fails, for up to 1,000 unknowns.
+    controller
+        Name in ``study.controllers``, or your own :class:`study.Controller`: each one-step scheme also runs with steps
+        that it controls, at random tolerances, so that the tolerance that keeps each error is known, and its cost. For
+        up to 1,000 unknowns.
     seconds
         Wall time after which no run begins that would end later. What is known then is returned, and the verdict on the
         rest is ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case;
@@ -151,8 +102,10 @@ def assess(
         error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
         the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
         ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is that of small
-        motions about points of the reference's motion. Of a program also ``reason``, ``run_time`` and ``repeated``, and
-        ``remarks`` among the attributes; what it does not report is NaN.
+        motions about points of the reference's motion. With a controller, ``tolerance``, the largest of 1, 2 and 5
+        times a power of ten below which all that were tried, down to a hundredth of it, keep the error,
+        ``tolerance_error``, ``controlled_steps`` and ``controlled_force_evaluations``. Of a program also ``reason``,
+        ``run_time`` and ``repeated``, and ``remarks`` among the attributes; what it does not report is NaN.
         Attributes name the routes of the reference, the time up to which it holds, versions and processor.
         :func:`study.recommend` and :func:`study.report` take it.
 
@@ -172,13 +125,15 @@ def assess(
     if not (isinstance(seconds, int | float) and seconds >= 0):
         raise ValueError(f"seconds must be a time in s, zero or more, not {seconds!r}.")
     if isinstance(problem, Program):
-        if quantities is not None or duration is not None:
-            raise ValueError("a program has its own quantities and duration; leave them out.")
+        if quantities is not None or duration is not None or controller is not None:
+            raise ValueError(
+                "a program has its own quantities, duration and steps; leave quantities, duration and controller out."
+            )
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
-        return assess_program(own, _checked_errors(errors), seconds, Progress(len(own.schemes)).tell)
+        return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).tell)
     # as a multiple of itself it shares what is compiled with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
-    chosen, allowed = _chosen_schemes(schemes), _checked_errors(errors)
+    chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
     asked = _asked_for(quantities)
     of_energy = quantities is None and equation.potential is not None and not equation.dissipative
     length = asked_for = length_of(equation, duration)
@@ -190,10 +145,13 @@ def assess(
                 f"the quantity '{name}' takes ü, which does not follow from u and u̇ where the force of "
                 f"'{equation.title}' has a history; leave it out."
             )
+    control = None if controller is None else resolve(controller, controllers, Controller)  # type: ignore[type-abstract]
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
         raise ValueError(next(iter(chosen.values())).refusal(equation))
     if np.size(equation.u0) > large.MOST:
+        if control is not None:
+            raise ValueError(f"controlled steps are assessed for up to {large.MOST:,} unknowns; leave controller out.")
         program = large.program_of(equation, fit, length, quantities, search.spacing(equation, length))
         ds = assess_program(program, allowed, seconds, Progress(len(fit)).tell).assign_attrs(record_of(equation.load))
         if quantities is None and np.size(equation.u0) > large.SHOWN:
@@ -236,10 +194,19 @@ def assess(
         map_of_failures = (
             failures.map_of(equation, scheme, length, coarsest, recommended) if maps and not runs.late else None
         )
-        return Assessed(runs.runs, verdicts, map_of_failures)
+        if control is None or scheme.needs_equal_steps:
+            return Assessed(runs.runs, verdicts, map_of_failures)
+        with_control = ToleranceSearch(scheme, control, cases, length, of_energy, end)
+        along = [limit for limit in limits if limit[0] not in oscillation.QUANTITIES]
+        with_control.search(along, lambda top: progress.tell(f"{scheme.title}: tolerances up to {top:.3g}"))
+        tolerances = {limit: with_control.verdict(*limit) for limit in along}
+        return Assessed(runs.runs, verdicts, map_of_failures, tolerances)
 
     found = _each(fit, of, progress)
     ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed, length)
+    if control is not None:
+        ds = ds.merge(variables_of({name: one.tolerances for name, one in found.items()}, names, allowed))
+        ds.attrs["controller"] = control.title
     ds["reference_uncertainty"] = (
         "quantity",
         [uncertainty[name] for name in names],

@@ -9,6 +9,7 @@ import xarray as xr
 
 from study import io
 from study.assessment.search import UNCERTAIN, VERDICTS, Limit, Recommendation
+from study.assessment.tolerances import Tolerance
 from study.io import flags
 from study.marching.result import STATUSES
 from study.marching.timing import Timed
@@ -59,6 +60,7 @@ class Assessed(NamedTuple):
     runs: pd.DataFrame
     verdicts: dict[Limit, Recommendation]
     map: xr.Dataset | None
+    tolerances: dict[Limit, Tolerance] | None = None
 
 
 def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: dict[float, int]) -> dict[float, tuple]:

@@ -56,6 +56,7 @@ class OscillationErrors(Reduction):
 
     of: Oscillation
 
+    needs_equal_steps = True
     variables = PeriodError.variables | AmplitudeDecay.variables
 
     def start(self, problem, state):

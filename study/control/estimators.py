@@ -41,6 +41,10 @@ class Estimator(eqx.Module):
         """Why the error of this scheme cannot be estimated, in one sentence; None if it can."""
         return None
 
+    def forces_per_step(self, scheme: Scheme) -> int:
+        """Forces that a trial step evaluates, with those of the estimate, next to those of Newton's iterations."""
+        return scheme.forces_per_step
+
     def sizes(self, problem: Problem, state: Any) -> Sizes:
         """Sizes of the motion, to whose largest values so far the estimates are relative."""
         return (size(state.u),)
@@ -100,6 +104,9 @@ class _OfAcceleration(Estimator):
         if problem.massless:
             return f"{self.title} needs a mass at every unknown, and that of '{problem.title}' is singular."
         return None
+
+    def forces_per_step(self, scheme):
+        return scheme.forces_per_step + (scheme.acceleration_offset is None)
 
     def start(self, scheme, problem, state):
         return acceleration(problem, 0.0, state.u, state.v)
@@ -231,6 +238,9 @@ class StepDoubling(Estimator):
 
     def exponent(self, scheme):
         return scheme.order_with_damping + 1
+
+    def forces_per_step(self, scheme):
+        return 3 * scheme.forces_per_step
 
     def sizes(self, problem, state):
         return size(state.u), size(state.v)

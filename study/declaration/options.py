@@ -152,9 +152,12 @@ Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
 #: Problems whose force or load has kinks or remembers, and a smooth one to compare with.
 KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken"], Names("problem")]
 Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
+#: Problems whose exact motion has samples: those of the section ``kinks``, and structures.
+Sampled = Annotated[list[KinkedName | Structure], _FEW, _DISTINCT]
 Schemes = Annotated[list[SchemeName], _FEW, _DISTINCT]
 Estimators = Annotated[list[Annotated[str, _listed("estimator")]], _FEW, _DISTINCT]
-Controllers = Annotated[list[Annotated[str, _listed("controller")]], _FEW, _DISTINCT]
+ControllerName = Annotated[str, _listed("controller")]
+Controllers = Annotated[list[ControllerName], _FEW, _DISTINCT]
 #: Schemes of a user's own, FILE.py:NAME.
 OwnSchemes = Annotated[list[str], Len(0, 1000), _DISTINCT]
 OneStepSchemes = Annotated[list[OneStepName], _FEW, _DISTINCT]

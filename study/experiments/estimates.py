@@ -13,9 +13,10 @@ from study.experiments import coordinates
 from study.marching.run import run
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
+from study.scheme.splitting import kahan_li8
 
 #: Scheme and number of its steps that solve for the true motion over one step of another scheme.
-FINE, FINE_STEPS = "kahan_li8", 16
+FINE, FINE_STEPS = kahan_li8, 16
 
 #: Part of the period at which the curve along the motion has a value.
 PHASES = np.linspace(0, 1, 101)

@@ -34,7 +34,10 @@ MOST_ROOM = 2**12
 #: Number of equal steps of the trial run that finds the size of a motion from rest.
 OF_TRIAL = 200
 
-_STATUS = flags("how the run ended", (*STATUSES, "step_too_small", "too_many_steps"), np.int32)
+#: How a run with a controlled step can end.
+ENDS = (*STATUSES, "step_too_small", "too_many_steps")
+
+_STATUS = flags("how the run ended", ENDS, np.int32)
 
 _HOW = {
     **HOW,

@@ -43,6 +43,13 @@ class Control(NamedTuple):
     steps: int
 
 
+def usual_estimator(scheme: Scheme, problem: Problem) -> str:
+    """The first of embedded pair, Zienkiewicz-Xie of a carried acceleration, and step doubling that fits a scheme."""
+    carries = scheme.acceleration_offset is not None
+    fits = ["embedded_pair", *(["zienkiewicz_xie"] if carries else []), "step_doubling"]
+    return next(name for name in fits if not estimators[name].refusal(scheme, problem))
+
+
 def checked_control(
     problem: Problem,
     scheme: Scheme,
@@ -73,9 +80,7 @@ def checked_control(
     if estimator is None and not control.needs_tolerance:
         estimator = Unestimated()
     elif estimator is None:
-        carries = scheme.acceleration_offset is not None
-        fits = ["embedded_pair", *(["zienkiewicz_xie"] if carries else []), "step_doubling"]
-        estimator = next(name for name in fits if not estimators[name].refusal(scheme, problem))
+        estimator = usual_estimator(scheme, problem)
     chosen: Estimator = resolve(estimator, estimators, Estimator)  # type: ignore[type-abstract]
     if reason := chosen.refusal(scheme, problem):
         raise ValueError(reason)

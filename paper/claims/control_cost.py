@@ -1,0 +1,112 @@
+"""Claims about what controlled steps cost and about the automatic steps of codes, decided by our runs."""
+
+from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
+from paper.claims.terms import ALMOST, REASONABLE
+from paper.claims.wording import listed
+from paper.numbers.step_control import ALLOWED, CLEARLY, STIFF, forces_needed, with_control
+from paper.published import PROBLEMS
+
+AVERAGE = "average_acceleration"
+
+
+@claim(
+    "adaptive",
+    "Controlled steps need fewer forces than equal ones for an error of one percent.",
+    "forces with controlled over forces with equal steps, average acceleration",
+    whose=PRACTICE,
+    asks={"control_cost.schemes": [AVERAGE]},
+)
+def control_saves_forces(control_cost):
+    controlled, equal = with_control(control_cost, ALLOWED)
+    ratio = (controlled / equal).sel(scheme=AVERAGE)
+    saves = bool((ratio < 1).all())
+    reason = when(not saves, "equal steps need as few or fewer on some problems")
+    return Finding(listed(by_name(ratio), control_cost, ".2f", "not reached"), saves, reason)
+
+
+@claim(
+    "adaptive",
+    "Where contact comes and goes, controlled steps pay for methods of higher order.",
+    "forces with controlled over forces with equal steps, for one percent, on the bouncing mass",
+    whose=PRACTICE,
+    asks={"control_cost.problems": ["bouncing"], "control_cost.schemes": ["rk4"]},
+)
+def control_pays_at_contact(control_cost):
+    controlled, equal = with_control(control_cost, ALLOWED)
+    higher = control_cost.scheme[control_cost.order > 2]
+    ratio = (controlled / equal).sel(problem="bouncing", scheme=higher)
+    pays = bool((ratio < 1 / CLEARLY).all())
+    reason = when(not pays, "a method of higher order needs as many forces or keeps no such error")
+    return Finding(listed(by_name(ratio), control_cost, ".2f", "not reached"), pays, reason)
+
+
+@claim(
+    "adaptive",
+    "A stiff mode that the accuracy does not need does not make the steps smaller.",
+    "forces with controlled over forces with equal steps, for one percent, average acceleration on stiff and soft "
+    "springs",
+    whose=PRACTICE,
+    asks={"control_cost.problems": STIFF, "control_cost.schemes": [AVERAGE]},
+)
+def a_stiff_mode_is_ignored(control_cost):
+    controlled, equal = with_control(control_cost, ALLOWED)
+    ratio = (controlled / equal).sel(problem=STIFF[0], scheme=AVERAGE).item()
+    ignored = ratio < CLEARLY
+    return Finding(f"{ratio:.2g}", bool(ignored), when(not ignored, "the estimate sees the acceleration of that mode"))
+
+
+@claim(
+    "adaptive",
+    "A general solver with control of its step and order needs fewer forces than average acceleration does.",
+    "forces of CVODE's Adams methods over those of average acceleration with equal steps, for one percent",
+    whose=PRACTICE,
+    asks={"solver_cost.solvers": ["cvode_adams"], "control_cost.schemes": [AVERAGE]},
+)
+def a_general_solver_needs_fewer(control_cost, solver_cost):
+    equal = with_control(control_cost, ALLOWED)[1].sel(scheme=AVERAGE)
+    solver = forces_needed(solver_cost.error, solver_cost.forces, ALLOWED, "tolerance").sel(solver="cvode_adams")
+    ratio = solver / equal
+    fewer = bool((ratio < 1).all())
+    reason = when(not fewer, "it needs as many on some problems")
+    return Finding(listed(by_name(ratio), control_cost, ".2f", "not reached"), fewer, reason)
+
+
+@claim(
+    "adaptive",
+    "A half-increment residual of a tenth of the force is a tolerance for high accuracy.",
+    "energy error in percent over the run and steps in a period, HHT-α with the controller of Abaqus",
+    whose="Hibbitt and Karlsson (1979)",
+    asks={"control_of_codes.problems": PROBLEMS},
+)
+def a_tenth_of_the_force_is_accurate(control_of_codes):
+    tight = control_of_codes.sel({"code": "Abaqus", "class": "tight"})
+    accurate = bool((tight.max_energy_error < REASONABLE).all())
+    energy, steps = (listed(by_name(tight[one]), control_of_codes) for one in ("max_energy_error", "steps_per_period"))
+    return Finding(f"{energy}; steps {steps}", accurate, when(not accurate, "it allows very few steps in a period"))
+
+
+@claim(
+    "adaptive",
+    "The number of Newton iterations tells how accurate a step is.",
+    "energy error in percent with the controller of OpenSees, of the three numbers of iterations",
+    whose="McKenna (1997)",
+    asks={"control_of_codes.problems": PROBLEMS},
+)
+def iterations_tell_the_error(control_of_codes):
+    loose = control_of_codes.max_energy_error.sel({"code": "OpenSees", "class": ["middle", "loose"]}).max("class")
+    tells = bool((loose < REASONABLE).all())
+    return Finding(listed(by_name(loose), control_of_codes), tells, when(not tells, "the iteration knows no error"))
+
+
+@claim(
+    "adaptive",
+    "If the step is halved, average acceleration shows oscillations that it had not.",
+    "largest energy error with the step halved in the middle over that with equal steps",
+    whose="MOOSE",
+    asks={"control_of_codes.problems": PROBLEMS},
+)
+def a_halved_step_disturbs(control_of_codes):
+    largest = control_of_codes.halved_energy_error.max("steps_at_first")
+    disturbs = bool((largest > ALMOST).any())
+    reason = when(not disturbs, "the energy error stays that of the larger step")
+    return Finding(listed(by_name(largest), control_of_codes, ".3f"), disturbs, reason)

@@ -1,0 +1,34 @@
+"""Forces that one percent of the displacement costs: with controlled steps, with equal steps, and with solvers."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from paper.data import SOLVERS
+from paper.numbers.step_control import ALLOWED, forces_needed, with_control
+from paper.products import table
+
+
+@table()
+def tabulate(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> pd.DataFrame:
+    """One row per scheme and solver, one column per problem: forces controlled, and those with equal steps."""
+    controlled, equal = with_control(control_cost, ALLOWED)
+    of_solvers = forces_needed(solver_cost.error, solver_cost.forces, ALLOWED, "tolerance")
+    titles = dict(zip(control_cost.problem.values, control_cost.problem_title.values, strict=True))
+    rows = []
+    for scheme in control_cost.scheme.values:
+        row = {"Scheme": control_cost.scheme_title.sel(scheme=scheme).item()}
+        for problem, title in titles.items():
+            both = (one.sel(problem=problem, scheme=scheme) for one in (controlled, equal))
+            row[title] = " / ".join(map(_forces, both))
+        rows.append(row)
+    for solver in solver_cost.solver.values:
+        row = {"Scheme": SOLVERS[solver]}
+        for problem in solver_cost.problem.values:
+            row[titles[problem]] = _forces(of_solvers.sel(problem=problem, solver=solver))
+        rows.append(row)
+    return pd.DataFrame(rows).fillna("–")
+
+
+def _forces(value: xr.DataArray) -> str:
+    return "–" if np.isnan(value) else f"{value.item():,.0f}"

@@ -1,0 +1,69 @@
+"""Forces that general solvers need for an error, on the problems on which controlled steps are measured."""
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+import numpy as np
+import xarray as xr
+from annotated_types import Len
+
+from reference.experiments.work_precision import SOLVERS
+from reference.solution import RouteFailed
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import FallingTolerances, Sampled
+from study.declaration.samples import check, jobs, known, reference_of
+from study.problem.named import problems as problems_by_name
+
+Solver = Literal["cvode_adams", "cvode_bdf", "dopri8", "tsit5", "kvaerno5"]
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    return 1e5 * len(options["problems"]) * len(options["solvers"]) * len(options["tolerances"])
+
+
+@experiment(
+    "solver_cost",
+    split=jobs,
+    along="problem",
+    reads=lambda options: [reference_of(problem) for problem in options["problems"]],
+    check=check,
+    steps=_number_of_steps,
+)
+def solver_cost(
+    problems: Sampled, solvers: Annotated[list[Solver], Len(1, 5)], tolerances: FallingTolerances
+) -> xr.Dataset:
+    """Measure the error and the forces of CVODE, with Adams or BDF methods, and of diffrax with its PID controller.
+
+    The error is that of the dataset ``control_cost``, at the same samples of the exact motion. It is NaN where a solver
+    fails. A force with a history is left out: these solvers take a force that is a function of time and state.
+
+    Variables have the shape (problem, solver, tolerance).
+    """
+    shape = len(problems), len(solvers), len(tolerances)
+    error, forces = np.full(shape, np.nan), np.full(shape, np.nan)
+    for p, problem in enumerate(problems):
+        exact, definition = known(problem), problems_by_name[problem]
+        if definition.history is not None:
+            continue
+        for s, solver in enumerate(solvers):
+            progress(f"{solver} on {problem}")
+            for k, tolerance in enumerate(tolerances):
+                try:
+                    solution = SOLVERS[solver](definition, exact.t, tolerance)
+                except RouteFailed as failure:
+                    progress(str(failure))
+                    continue
+                error[p, s, k], forces[p, s, k] = exact.error(np.asarray(solution.u)), solution.evaluations
+    dims = ("problem", "solver", "tolerance")
+    return xr.Dataset(
+        {
+            "error": (dims, error, {"long_name": "largest error of the displacement over its size", "units": "1"}),
+            "forces": (dims, forces, {"long_name": "evaluations of the internal force", "units": "1"}),
+        },
+        coords={
+            "problem": ("problem", list(problems), {"long_name": "problem"}),
+            "solver": ("solver", list(solvers), {"long_name": "solver"}),
+            "tolerance": ("tolerance", list(tolerances), {"long_name": "relative tolerance", "units": "1"}),
+        },
+        attrs={"title": "Forces that an error costs with general solvers"},
+    )

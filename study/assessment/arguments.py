@@ -1,0 +1,66 @@
+"""Checks of the arguments of an assessment."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from study.marching.arguments import resolve
+from study.scheme.base import Scheme
+from study.scheme.contract import check_told
+from study.scheme.named import schemes as schemes_by_name
+
+#: Schemes that are assessed if none are named: the ones that codes offer, and the best of each family.
+USUAL = (
+    "average_acceleration",
+    "central_difference",
+    "newmark_dissipative",
+    "wilson_theta",
+    "houbolt",
+    "hht_alpha",
+    "generalized_alpha",
+    "bathe",
+    "rho_bathe",
+    "rk4",
+)
+
+#: Least error that can be asked for.
+LEAST_ERROR = 1e-10
+
+
+def _checked(one: str | Scheme) -> Scheme:
+    scheme = resolve(one, schemes_by_name, Scheme)  # type: ignore[type-abstract]
+    check_told(scheme)
+    return scheme
+
+
+def chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None) -> dict[str, Scheme]:
+    """Schemes by the name under which the dataset has them."""
+    if given is None:
+        return {name: schemes_by_name[name] for name in USUAL}
+    if isinstance(given, Mapping) and given:
+        return {name: _checked(one) for name, one in given.items()}
+    if not isinstance(given, str | Scheme | Iterable):
+        raise TypeError(f"schemes must be names, schemes, or a mapping from names to schemes, not {given!r}.")
+    chosen: dict[str, Scheme] = {}
+    for one in [given] if isinstance(given, str | Scheme) else given:
+        scheme = _checked(one)
+        name = schemes_by_name.resolve(one) if isinstance(one, str) else scheme.title
+        if name in chosen:
+            raise ValueError(f"two schemes have the name '{name}'; give a mapping from names to schemes.")
+        chosen[name] = scheme
+    if not chosen:
+        raise ValueError("schemes is empty; name at least one, or leave it out for the usual ones.")
+    return chosen
+
+
+def checked_errors(allowed: Sequence[float]) -> list[float]:
+    """Allowed errors, the largest first."""
+    values = np.atleast_1d(np.asarray(allowed))
+    if values.dtype.kind not in "fiu" or not values.size or not np.all((values > 0) & (values < 1)):
+        raise ValueError(f"errors must be fractions between zero and one, such as 0.01 for one percent, not {allowed}.")
+    if values.min() < LEAST_ERROR:
+        raise ValueError(
+            f"errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision is sure "
+            "of less."
+        )
+    return sorted(set(values.tolist()), reverse=True)

@@ -1,0 +1,208 @@
+"""Runs of one scheme at many random tolerances, and the largest tolerance below which all keep an error."""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from study.assessment import errors
+from study.assessment.oscillation import QUANTITIES
+from study.assessment.search import (
+    COARSEST_KEEPS,
+    ENERGY,
+    FINEST_FAILS,
+    FOUND,
+    OUT_OF_TIME,
+    UNCERTAIN,
+    VERDICTS,
+    Case,
+    Limit,
+)
+from study.control.controllers import Controller
+from study.control.named import estimators
+from study.io import flags
+from study.marching.control import usual_estimator
+from study.marching.run import run
+from study.program.confirmation import with_room
+from study.scheme.base import Scheme
+from study.scheme.wrapper.with_history import WithHistory
+
+#: Largest and smallest tolerance that is tried.
+LOOSEST, TIGHTEST = 0.1, 1e-12
+
+#: Part of a tolerance down to which smaller ones are tried.
+HUNDREDTH = 0.01
+
+#: Runs of a stretch of tolerances, and most steps of one of them.
+RUNS, MOST_STEPS = 32, 200_000
+
+#: A tolerance has one of these digits.
+DIGITS = (5.0, 2.0, 1.0)
+
+
+class Tolerance(NamedTuple):
+    """How a search ended, the tolerance that keeps the error, and the run with it.
+
+    ``forces`` are those of all trial steps. ``tried`` counts the tolerances from a hundredth of this one up to it, and
+    ``worst`` is the largest error among them as a fraction of the allowed one.
+    """
+
+    how: int
+    tolerance: float = np.nan
+    error: float = np.nan
+    steps: float = np.nan
+    forces: float = np.nan
+    tried: int = 0
+    worst: float = np.nan
+
+
+#: How a search ended. A scheme that carries earlier steps has none, nor have period, phase and amplitude.
+ENDS = (*VERDICTS, "needs_equal_steps")
+EQUAL_ONLY = ENDS.index("needs_equal_steps")
+
+#: Name and attributes of each variable of the dataset, in the order of :class:`Tolerance`.
+VARIABLES = {
+    "tolerance_verdict": flags("how the search for the tolerance ended", ENDS, np.int8),
+    "tolerance": {"long_name": "largest round tolerance below which all keep the error", "units": "1"},
+    "tolerance_error": {"long_name": "error with it", "units": "1"},
+    "controlled_steps": {"long_name": "steps of the run with it", "units": "1"},
+    "controlled_force_evaluations": {"long_name": "forces evaluated in that run", "units": "1"},
+    "tolerances_tried": {"long_name": "tolerances tried from a hundredth of it up to it", "units": "1"},
+    "tolerance_worst_error": {"long_name": "largest error among them over the allowed one", "units": "1"},
+}
+
+
+def round_tolerance(largest: float) -> float:
+    """The largest of 1, 2 and 5 times a power of ten up to another tolerance."""
+    unit = 10.0 ** math.floor(math.log10(largest) + 1e-9)
+    return next(float(f"{digit * unit:.0e}") for digit in DIGITS if digit * unit <= largest * (1 + 1e-9))
+
+
+@dataclass
+class ToleranceSearch:
+    """Runs of one scheme with a controlled step.
+
+    Attributes
+    ----------
+    scheme, controller
+        What is run.
+    cases
+        The problem and its neighbours by the multiple of their start; that of 1 is the problem itself.
+    duration
+        Length of the runs.
+    of_energy
+        Whether the balance of energies is one of the quantities.
+    end
+        Value of ``time.monotonic()`` after which no runs begin.
+    late
+        Whether the search ended because of that.
+    runs
+        A row for each run: ``start``, ``tolerance``, ``steps``, ``forces``, and the error of each quantity.
+    """
+
+    scheme: Scheme
+    controller: Controller
+    cases: dict[float, Case]
+    duration: float
+    of_energy: bool
+    end: float = math.inf
+    late: bool = False
+    runs: pd.DataFrame = field(default_factory=pd.DataFrame)
+
+    def __post_init__(self):
+        problem = self.cases[1.0].problem
+        self._marched = self.scheme if problem.history is None else WithHistory(self.scheme)
+        self._estimator = estimators[usual_estimator(self._marched, problem)]
+        self._power = self._estimator.exponent(self._marched)
+        self._random = np.random.default_rng(0)
+
+    def _run(self, start: float, tolerance: np.ndarray) -> None:
+        """Run with some tolerances, from a multiple of the start."""
+        case = self.cases[start]
+        ds = run(
+            case.problem,
+            self.scheme,
+            tolerance=tolerance,
+            duration=self.duration,
+            estimator=self._estimator,
+            controller=self.controller,
+            steps=MOST_STEPS,
+            observe=[one for one in case.observe if isinstance(one, str) or not one.needs_equal_steps],
+            on_failure="ignore",
+        )
+        steps = ds.steps.values
+        trials = steps + ds.steps_rejected_by_estimate.values + ds.steps_rejected_by_solver.values
+        of_step = self._estimator.forces_per_step(self._marched)
+        of_step = of_step + self._marched.forces_per_iteration * ds.newton_iterations.values / np.maximum(steps, 1)
+        ends = np.full(len(tolerance), self.duration)
+        found: dict[str, Any] = {name: errors.error(target, ds, ends) for name, target in case.targets.items()}
+        found |= {ENERGY: ds.max_energy_imbalance.values} if self.of_energy else {}
+        rows = {"start": start, "tolerance": tolerance, "steps": steps, "forces": trials * of_step} | found
+        self.runs = pd.concat([self.runs, pd.DataFrame(rows)], ignore_index=True)
+        self.late = time.monotonic() > self.end
+
+    def _drawn(self, bottom: float, top: float, first: Sequence[float] = ()) -> np.ndarray:
+        """Some tolerances, and random ones on a logarithmic scale, as many as a call runs at once."""
+        count = RUNS - len(first)
+        return np.append(first, top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count))
+
+    def largest(self, name: str, allowed: float) -> float:
+        """Largest tolerance below which all runs keep an error, with room for their scatter; zero if there is none."""
+        fails = ~(self.runs[name].to_numpy() <= allowed)  # a failed run, NaN, counts as above
+        lowest = self.runs.tolerance.to_numpy()[fails].min(initial=np.inf)
+        own = self.runs[(self.runs.start == 1.0) & (self.runs.tolerance < lowest)]
+        # the step is proportional to this root of the tolerance
+        return with_room(own.tolerance.to_numpy() ** (1 / self._power), own[name].to_numpy(), allowed) ** self._power
+
+    def search(self, limits: Sequence[Limit], tell: Callable[[float], None]) -> None:
+        """Run down to a hundredth of what keeps each error, and from all starts with round tolerances."""
+        top, steps = LOOSEST, 0.0
+        while not self.late:
+            largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
+            if top > max(HUNDREDTH * min(largest, default=1.0), TIGHTEST) and steps < MOST_STEPS / 2:
+                tell(top)
+                bottom = top / 2**self._power
+                self._run(1.0, self._drawn(bottom, top))
+                top, steps = bottom, self.runs.steps.max()
+                continue
+            new = sorted({round_tolerance(one) for one in largest if one} - {*self.runs.tolerance})
+            if not new:
+                return
+            for start in self.cases:
+                self._run(start, self._drawn(new[0] / 2**self._power, new[-1], new))
+
+    def verdict(self, name: str, allowed: float) -> Tolerance:
+        """What the runs say about a quantity and its allowed error."""
+        largest = self.largest(name, allowed) if len(self.runs) else 0.0
+        own = self.runs[self.runs.start == 1.0] if len(self.runs) else self.runs
+        tolerance = round_tolerance(largest) if largest else 0.0
+        if self.late and not (tolerance and tolerance in own.tolerance.values):
+            return Tolerance(OUT_OF_TIME)
+        if not tolerance:
+            return Tolerance(FINEST_FAILS)
+        around = own[(own.tolerance >= HUNDREDTH * tolerance) & (own.tolerance <= tolerance)]
+        one = own[own.tolerance == tolerance].iloc[0]
+        how = COARSEST_KEEPS if largest == own.tolerance.max() else FOUND
+        worst = around[name].max() / allowed
+        return Tolerance(how, tolerance, one[name], one.steps, one.forces, len(around), worst)
+
+
+def variables_of(found: dict[str, dict[Limit, Tolerance] | None], names: list[str], allowed: list[float]) -> xr.Dataset:
+    """What was found about each scheme, over scheme, quantity and allowed error."""
+    rows = []
+    for scheme, verdicts in found.items():
+        for limit in ((name, error) for name in names for error in allowed):
+            otherwise = Tolerance(EQUAL_ONLY if verdicts is None or limit[0] in QUANTITIES else UNCERTAIN)
+            rows.append((scheme, *limit, *(verdicts or {}).get(limit, otherwise)))
+    index = ["scheme", "quantity", "allowed_error"]
+    ds = pd.DataFrame(rows, columns=[*index, *VARIABLES]).set_index(index).to_xarray()
+    ds = ds.sel(scheme=list(found), quantity=names, allowed_error=allowed)
+    ds = ds.assign(tolerance_verdict=ds.tolerance_verdict.astype(np.int8))
+    for name, attributes in VARIABLES.items():
+        ds[name].attrs |= attributes
+    return ds

@@ -1,0 +1,67 @@
+"""Samples of the exact motions of problems with kinks and of structures, with which runs and solvers are compared."""
+
+from collections.abc import Mapping
+from typing import NamedTuple, get_args
+
+import numpy as np
+
+from study import io
+from study.declaration.checks import unlisted
+from study.declaration.experiment import Options
+from study.declaration.options import KinkedName
+
+#: Problems whose samples are in the dataset ``reference/inelastic``.
+KINKED = get_args(get_args(KinkedName)[0])
+
+
+class Known(NamedTuple):
+    """Samples of the exact motion.
+
+    Attributes
+    ----------
+    t, u
+        Times (t,), and displacements (t, unknowns).
+    uncertainty
+        That of the displacements, over the largest one.
+    """
+
+    t: np.ndarray
+    u: np.ndarray
+    uncertainty: float
+
+    def error(self, u: np.ndarray) -> float:
+        """Largest distance of a run from these samples, over the largest displacement."""
+        off = np.linalg.norm(u.reshape(self.u.shape) - self.u, axis=1)
+        return float(off.max() / np.linalg.norm(self.u, axis=1).max())
+
+
+def reference_of(problem: str) -> str:
+    """The dataset that has samples of the exact motion."""
+    return "reference/inelastic" if problem in KINKED else f"reference/{problem}"
+
+
+def known(problem: str) -> Known:
+    """Samples of the exact motion of a problem."""
+    ds = io.open_dataset(reference_of(problem))
+    if problem in KINKED:
+        ds = ds.sel(problem=problem)
+        t = ds.sample.values * ds.time_scale.item()
+    else:
+        t = ds.t.values
+    u = ds.u.values.reshape(len(t), -1)
+    return Known(t, u, float(ds.u_uncertainty.max() / np.linalg.norm(u, axis=1).max()))
+
+
+def check(options: Options, configuration: Mapping) -> str | None:
+    """Refuse problems of which no samples are made."""
+    of_kinks = [one for one in options["problems"] if one in KINKED]
+    others = [one for one in options["problems"] if one not in KINKED]
+    lengths = [one["problem"] for one in configuration["structures"]["lengths"]]
+    return unlisted("problems", of_kinks, "kinks.problems", configuration["kinks"]["problems"]) or unlisted(
+        "problems", others, "structures.lengths", lengths
+    )
+
+
+def jobs(options: Options) -> dict[str, Options]:
+    """The options of one job for each problem."""
+    return {problem: options | {"problems": [problem]} for problem in options["problems"]}

@@ -1,0 +1,127 @@
+"""What the automatic steps of finite element codes give: steps in a period, energy, and what a halved step does."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from study.control.controllers import Controller, Prescribed
+from study.control.estimators import Estimator
+from study.control.of_codes import (
+    ApparentFrequency,
+    HalfIncrement,
+    HalfStepResidual,
+    Iterations,
+    Nastran,
+    Proportional,
+)
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, Counts, Springs
+from study.experiments import coordinates
+from study.marching.run import run
+from study.scheme.alpha import hht_alpha
+from study.scheme.base import Scheme
+from study.scheme.newmark import average_acceleration
+
+#: Largest number of steps in a period.
+MOST = 1000
+
+
+class Rule(NamedTuple):
+    """The automatic step of a code: scheme, estimator, controller, and the tolerances that its manual names."""
+
+    scheme: Scheme
+    estimator: Estimator
+    controller: Controller
+    tolerances: tuple[float, ...]
+
+
+#: Abaqus has three classes of the half-increment residual over the largest force; Nastran takes a part of the apparent
+#: period; OpenSees a number of Newton iterations.
+RULES = {
+    "Abaqus": Rule(hht_alpha, HalfStepResidual(), HalfIncrement(), (0.1, 1.0, 10.0)),
+    "Nastran": Rule(average_acceleration, ApparentFrequency(), Nastran(), (1 / 40, 1 / 20, 1 / 10)),
+    "OpenSees": Rule(average_acceleration, Iterations(), Proportional(), (2.0, 4.0, 8.0)),
+}
+CLASSES = ("tight", "middle", "loose")
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    return sum(options["steps_per_period"]) * len(options["problems"]) * options["periods"]
+
+
+@experiment(
+    "control_of_codes",
+    reads=lambda options: [f"reference/{one}" for one in options["problems"]],
+    steps=_number_of_steps,
+)
+def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
+    """March springs over whole periods with the automatic steps of codes, and with a step that is halved once.
+
+    ``steps_per_period`` and ``max_energy_error``, that of eq. (17) of Xie (1996), have the shape (problem, code,
+    class). The class is that of the tolerance; the first step is a hundredth of the period. ``halved_energy_error`` is
+    that of average acceleration whose step is halved in the middle of the run, over that of a run with the first step
+    throughout.
+    """
+    shape = (len(problems), len(RULES), len(CLASSES))
+    steps, energy = np.full(shape, np.nan), np.full(shape, np.nan)
+    halved = np.full((len(problems), len(steps_per_period)), np.nan)
+    for p, problem in enumerate(problems):
+        period = coordinates.periods(problem)["exact"]
+        for c, (code, rule) in enumerate(RULES.items()):
+            progress(f"the automatic steps of {code} on {problem}")
+            ds = run(
+                problem,
+                rule.scheme,
+                tolerance=np.array(rule.tolerances),
+                duration=period * periods,
+                dt=period / 100,
+                estimator=rule.estimator,
+                controller=rule.controller,
+                steps=MOST * periods,
+                observe=["max_energy_error"],
+                on_failure="ignore",
+            )
+            steps[p, c], energy[p, c] = ds.steps / periods, ds.max_energy_error
+        for k, parts in enumerate(steps_per_period):
+            dt, before = period / parts, parts * periods // 2
+            sizes = np.append(np.full(before, dt), np.full(parts * periods, dt / 2))
+            ds = run(
+                problem,
+                average_acceleration,
+                controller=Prescribed(sizes),
+                duration=period * periods,
+                observe=["max_energy_error"],
+            )
+            whole = run(problem, average_acceleration, dt=dt, steps=parts * periods, observe=["max_energy_error"])
+            halved[p, k] = ds.max_energy_error / whole.max_energy_error
+    dims = ("problem", "code", "class")
+    percent = {"long_name": "largest relative error of the total energy", "units": "percent"}
+    return xr.Dataset(
+        {
+            "steps_per_period": (dims, steps, {"long_name": "steps in a period", "units": "1"}),
+            "max_energy_error": (dims, energy, percent),
+            "tolerance": (
+                dims[1:],
+                [rule.tolerances for rule in RULES.values()],
+                {"long_name": "tolerance of the code's own estimate", "units": "1"},
+            ),
+            "halved_energy_error": (
+                ("problem", "steps_at_first"),
+                halved,
+                {"long_name": "energy error with a step halved in the middle over that with equal steps", "units": "1"},
+            ),
+        },
+        coords={
+            **coordinates.problem_coordinates(problems),
+            "code": ("code", list(RULES), {"long_name": "code"}),
+            "class": ("class", list(CLASSES), {"long_name": "class of the tolerance"}),
+            "steps_at_first": (
+                "steps_at_first",
+                list(steps_per_period),
+                {"long_name": "steps in a period before the step is halved", "units": "1"},
+            ),
+        },
+        attrs={"title": "Automatic steps of codes on springs", "periods": periods},
+    )

@@ -1,0 +1,81 @@
+"""Tolerances that keep an error, and what controlled steps cost."""
+
+import numpy as np
+import pytest
+
+import study
+from reference import taylor
+from study.assessment.tolerances import EQUAL_ONLY, FOUND, round_tolerance
+
+DURATION, ALLOWED = 20.0, 0.01
+
+
+@pytest.fixture(scope="module")
+def duffing():
+    return study.Problem(lambda u: u + u**3, potential=lambda u: u**2 / 2 + u**4 / 4, u0=1.0, title="Duffing")
+
+
+@pytest.fixture(scope="module")
+def assessed(duffing):
+    schemes = ["average_acceleration", "dormand_prince6", "houbolt"]
+    return study.assess(duffing, schemes, duration=DURATION, errors=[ALLOWED], maps=False, controller="pi")
+
+
+@pytest.mark.parametrize("scheme", ["average_acceleration", "dormand_prince6"])
+def test_fresh_tolerances_below_the_recommended_one_keep_the_error(duffing, assessed, scheme):
+    """Against heyoka, which is not the reference of the assessment's runs."""
+    one = assessed.sel(scheme=scheme, quantity="displacement", allowed_error=ALLOWED)
+    assert one.tolerance_verdict == FOUND and one.tolerances_tried > 32 and one.tolerance_worst_error <= 1
+    rng = np.random.default_rng(7)
+    for tolerance in one.tolerance.item() * 10 ** -np.append(0.0, 2 * rng.random(9)):
+        ds = study.run(duffing, scheme, tolerance=tolerance, duration=DURATION)
+        exact = taylor.trajectory(duffing, ds.t.values[1:], 1e-14).u
+        assert np.abs(ds.u.values[1:] - exact).max() <= 1.001 * ALLOWED
+        assert ds.t[-1] == DURATION
+
+
+def test_ten_times_the_tolerance_does_not_keep_the_error(duffing, assessed):
+    tolerance = 10 * assessed.tolerance.sel(scheme="average_acceleration", quantity="displacement").item()
+    ds = study.run(duffing, "average_acceleration", tolerance=tolerance, duration=DURATION)
+    assert np.abs(ds.u.values[1:] - taylor.trajectory(duffing, ds.t.values[1:], 1e-14).u).max() > ALLOWED
+
+
+def test_the_cost_is_that_of_the_run_with_this_tolerance(duffing, assessed):
+    one = assessed.sel(scheme="dormand_prince6", quantity="displacement", allowed_error=ALLOWED)
+    ds = study.run(duffing, "dormand_prince6", tolerance=one.tolerance.item(), duration=DURATION)
+    assert one.controlled_steps == ds.steps
+    trials = ds.steps + ds.steps_rejected_by_estimate
+    assert one.controlled_force_evaluations == trials * study.schemes["dormand_prince6"].forces_per_step
+
+
+def test_what_needs_equal_steps_has_no_tolerance(assessed):
+    of_houbolt = assessed.sel(scheme="houbolt")
+    of_period = assessed.sel(quantity=["period", "phase", "amplitude"])
+    for one in (of_houbolt, of_period):
+        assert (one.tolerance_verdict == EQUAL_ONLY).all() and one.tolerance.isnull().all()
+
+
+def test_recommend_tells_whether_equal_steps_are_cheaper(assessed):
+    table = study.recommend(assessed, error=ALLOWED, quantity="displacement")
+    both = table.controlled_force_evaluations / table.force_evaluations
+    np.testing.assert_array_equal(table.control_over_equal, both)
+    assert np.isnan(table.tolerance["houbolt"]) and table.tolerance["average_acceleration"] > 0
+
+
+@pytest.mark.parametrize("largest, expected", [(0.1, 0.1), (0.0999, 0.05), (3e-4, 2e-4), (5e-7, 5e-7), (1.01e-3, 1e-3)])
+def test_a_tolerance_is_one_two_or_five_times_a_power_of_ten(largest, expected):
+    assert round_tolerance(largest) == expected
+
+
+def test_programs_and_large_models_have_no_tolerances():
+    large = study.Problem(lambda u: u, u0=np.ones(1001), stiffness=None, title="large")
+    with pytest.raises(ValueError, match="up to 1,000 unknowns"):
+        study.assess(large, ["rk4"], duration=1.0, controller="pi")
+    program = study.Program(lambda scheme, dt: {"t": [0.0, 1.0], "u": [1.0, 1.0]}, schemes=["a", "b"], duration=1.0)
+    with pytest.raises(ValueError, match="leave quantities, duration and controller out"):
+        study.assess(program, controller="pi")
+
+
+def test_an_unknown_controller_is_named(duffing):
+    with pytest.raises(KeyError, match="controller"):
+        study.assess(duffing, ["rk4"], duration=1.0, controller="pid")

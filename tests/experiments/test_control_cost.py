@@ -1,0 +1,58 @@
+"""Forces and errors of controlled and equal steps, and of general solvers."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from paper.numbers.step_control import forces_needed
+from reference.experiments.inelastic import inelastic
+from reference.experiments.solver_cost import solver_cost
+from study import io
+from study.experiments.control_cost import NOT_RUN, control_cost
+from study.experiments.control_of_codes import control_of_codes
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return inelastic(["bouncing", "hysteretic"], 2, 8)
+
+
+def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypatch):
+    monkeypatch.setattr(io, "open_dataset", lambda name: reference)
+    schemes = ["dormand_prince6", "houbolt"]
+    ds = control_cost(["bouncing"], schemes, "pi", [1e-2, 1e-4, 1e-6], [8, 16, 32]).squeeze("problem")
+    controlled, multistep = (ds.sel(scheme=one) for one in schemes)
+    assert (controlled.status == 0).all() and controlled.error[-1] < 1e-4 < controlled.error[0]
+    # six stages a step, of which the first is the last of the step before, also of the steps that were rejected
+    np.testing.assert_array_equal(controlled.forces, 5 * (controlled.steps + controlled.rejected))
+    np.testing.assert_array_equal(controlled.equal_forces, 5 * 16 * ds.steps_per_sample)
+    assert (controlled.equal_error.diff("steps_per_sample") < 0).all()
+    assert (multistep.status == NOT_RUN).all() and np.isfinite(multistep.equal_error).all()
+    needed = forces_needed(controlled.error, controlled.forces, 1e-3, "tolerance")
+    assert needed < forces_needed(controlled.equal_error, controlled.equal_forces, 1e-3, "steps_per_sample")
+
+
+def test_solvers_have_no_force_with_a_history(reference, monkeypatch):
+    monkeypatch.setattr(io, "open_dataset", lambda name: reference)
+    ds = solver_cost(["bouncing", "hysteretic"], ["cvode_adams"], [1e-4, 1e-8]).squeeze("solver")
+    assert (ds.error.sel(problem="bouncing") < [1e-1, 1e-4]).all() and ds.error.sel(problem="hysteretic").isnull().all()
+
+
+def test_the_fewest_forces_are_those_below_which_nothing_fails():
+    forces = xr.DataArray([10.0, 20.0, 40.0, 80.0, np.nan], dims="run")
+    error = xr.DataArray([1e-4, 0.5, 1e-3, 1e-4, np.nan], dims="run")
+    assert forces_needed(error, forces, 0.01, "run") == 40
+    assert np.isnan(forces_needed(error, forces, 1e-5, "run"))
+    failed = xr.DataArray([1e-4, 1e-4, 1e-4, np.nan, np.nan], dims="run")
+    assert np.isnan(forces_needed(failed, forces, 0.01, "run"))
+
+
+def test_rules_of_codes_on_the_hardening_spring(monkeypatch):
+    period = 0.151532834447260357
+    monkeypatch.setattr(io, "open_dataset", lambda name: xr.Dataset({"period": period}))
+    ds = control_of_codes(["hardening"], [20], 10).squeeze()
+    steps = ds.steps_per_period
+    # the apparent period is the one over which Nastran's steps are counted, and doubling it leaves a factor of two
+    assert (steps.sel(code="Nastran") > [20, 10, 5]).all() and (steps.sel(code="Nastran") < [80, 40, 20]).all()
+    assert (steps.sel(code="Abaqus").diff("class") < 0).all() and steps.sel(code="Abaqus").max() < 20
+    assert ds.halved_energy_error == pytest.approx(1, abs=0.01)
