@@ -5,11 +5,13 @@ motion. It says with which power k of Δt the estimate falls, so that a controll
 """
 
 import abc
+from functools import partial
 from typing import Any, ClassVar
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax import lax
 
 from study.algebra.arrays import ScalarLike, Vector
 from study.mechanics.balance import acceleration
@@ -246,12 +248,16 @@ class StepDoubling(Estimator):
         return size(state.u), size(state.v)
 
     def step(self, scheme, problem, carried, state, t, dt):
-        coarse, effort = stepped(scheme, problem, state, t, dt)
-        middle, first = stepped(scheme, problem, state, t, dt / 2)
-        fine, second = stepped(scheme, problem, middle, t + dt / 2, dt / 2)
+        def take(start, i):
+            begin, length = jnp.where(i == 2, t + dt / 2, t), jnp.where(i == 0, dt, dt / 2)
+            new, effort = stepped(scheme, problem, start, begin, length)
+            return jax.tree.map(partial(jnp.where, i == 0), state, new), (new.u, new.v, effort)
+
+        # in a loop over the whole step and its halves, because XLA computes again what steps one after the other share
+        fine, (u, v, efforts) = lax.scan(take, state, jnp.arange(3))
+        effort = Effort(efforts.iterations.sum(), efforts.converged.all(), restarts=efforts.restarts.sum())
         factor = 2**scheme.order_with_damping - 1
-        estimates = size(fine.u - coarse.u) / factor, size(fine.v - coarse.v) / factor
-        return fine, effort.then(first).then(second), estimates, carried
+        return fine, effort, (size(u[2] - u[0]) / factor, size(v[2] - v[0]) / factor), carried
 
 
 class EmbeddedPair(Estimator):

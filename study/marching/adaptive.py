@@ -24,6 +24,11 @@ AFTER_FAILURE = 0.25
 #: Smallest step, as a part of the duration.
 SMALLEST_STEP = 1e-13
 
+#: What is stored of each step: its end and its size, the estimate, and the trial steps rejected so far by the estimate
+#: and for want of a balance or a finite state; the name of the array of them.
+OF_EACH_STEP = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_by_solver")
+OF_STEP = "of each step"
+
 #: Part of a step by which a stated time may be missed, so that round-off does not add a tiny step.
 ROUND_OFF = 1e-9
 
@@ -109,18 +114,13 @@ class AdaptiveMarch(eqx.Module):
         )
         if not room:
             return trial, state, {}
-        sample = self._sample(trial, state, state, 0.0, jnp.nan, jnp.nan)
+        sample = self._sample(trial, state, state, jnp.zeros(()), jnp.nan, jnp.nan)
         return trial, state, {n: jnp.zeros((room + 1, *x.shape)).at[0].set(x) for n, x in sample.items()}
 
     def _sample(self, trial: Trial, initial, state, t, dt, estimate) -> dict[str, jax.Array]:
-        return {
-            **self.march._sample(initial, state, t),
-            "t": jnp.asarray(t, float),
-            "step_size": jnp.asarray(dt, float),
-            "estimate": jnp.asarray(estimate, float),
-            "rejected_by_estimate": trial.estimated.astype(float),
-            "rejected_by_solver": trial.unsolved.astype(float),
-        }
+        # in one array, because each array that is stored takes as long as a step of one unknown
+        of_step = jnp.stack([t, dt, estimate, trial.estimated, trial.unsolved])
+        return {**self.march._sample(initial, state, t), OF_STEP: of_step}
 
     def turn(self, trial: Trial, initial, tolerance) -> tuple[Trial, dict[str, jax.Array]]:
         """The run after a trial step, and the sample of that step."""

@@ -15,7 +15,16 @@ from jax import lax
 from study.algebra.jit import jit
 from study.control.estimators import Estimator
 from study.io import flags
-from study.marching.adaptive import RUNNING, STEP_TOO_SMALL, TOO_MANY_STEPS, AdaptiveMarch, Trial, proceed
+from study.marching.adaptive import (
+    OF_EACH_STEP,
+    OF_STEP,
+    RUNNING,
+    STEP_TOO_SMALL,
+    TOO_MANY_STEPS,
+    AdaptiveMarch,
+    Trial,
+    proceed,
+)
 from study.marching.control import Control
 from study.marching.failure import HOW, RunFailedWarning, likely_cause
 from study.marching.march import March
@@ -29,7 +38,7 @@ from study.scheme.newmark import average_acceleration
 from study.scheme.wrapper.unequal_steps import UnequalSteps
 
 #: Samples of one run that a call stores.
-MOST_ROOM = 2**12
+MOST_ROOM = 2**15
 
 #: Number of equal steps of the trial run that finds the size of a motion from rest.
 OF_TRIAL = 200
@@ -212,6 +221,7 @@ class Adaptive:
             data[name] = self._labelled(name, np.where(along, np.nan, value), lane)
         coordinates: dict[str, Any] = {n: ("lane", x) for n, x in self._over.items() if x.ndim == 1}
         if samples:
+            samples |= dict(zip(OF_EACH_STEP, np.moveaxis(samples.pop(OF_STEP), -1, 0), strict=True))
             along = (*lane, "sample" if self._lanes else "t")
             coordinates["t"] = (along, samples.pop("t"), {"long_name": "elapsed time", "units": "s"})
             for name in ("rejected_by_estimate", "rejected_by_solver"):
