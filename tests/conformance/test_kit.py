@@ -267,6 +267,18 @@ def test_opensees_has_newmarks_method_and_starts_houbolts_by_average_acceleratio
     assert {code for code, verdict in outcomes if verdict in ("differs", "fail")} == {"HOU"}
 
 
+def test_the_third_set_of_opensees_moves_from_rest_as_the_schemes_do_and_not_from_a_motion():
+    try:
+        runner = runners.of_function("conformance.tools.opensees:more")
+    except ValueError as reason:
+        pytest.skip(str(reason))
+    for code in ("CDM", "HHT", "GEN"):
+        for place, verdict in (("D-BASE", "pass"), ("A-LIN", "fail")):
+            (case,) = [case for case in ALL if case["name"] == f"{place}-{code}"]
+            motion = {"u": runner(case, 1)["u"], "v": None, "a": None}
+            assert judge(case, lambda part, motion=motion: motion).verdict == verdict
+
+
 def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
     """With steps that are not equal too."""
     pytest.importorskip("diffrax")
