@@ -42,7 +42,8 @@ def of_function(place: str) -> Runner:
     """
     file, _, name = place.rpartition(":")
     folder, module = (str(Path(file).parent), Path(file).stem) if file.endswith(".py") else (".", file)
-    sys.path.insert(0, folder)
+    # it stays on the path, as the function may import its neighbours when it runs
+    sys.path.insert(0, str(Path(folder).absolute()))
     try:
         step = getattr(importlib.import_module(module), name)
         if not callable(step):
@@ -51,8 +52,6 @@ def of_function(place: str) -> Runner:
         raise ValueError(
             f"'{place}' must name a module and a function in it, such as my_code:step ({error})."
         ) from None
-    finally:
-        sys.path.remove(folder)
 
     def motion(case: Mapping[str, Any], part: int) -> Motion:
         dt, steps = times(case, part)

@@ -1,5 +1,6 @@
 """What a code may do with good reason, and mistakes that codes make: words and numbers that change a scheme."""
 
+import math
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -171,18 +172,38 @@ def _uncoupled(problem: Mapping[str, Any]) -> dict[str, Any]:
     return {**problem, "mass": mass}
 
 
-def _without_phase(problem: Mapping[str, Any]) -> dict[str, Any]:
-    return {**problem, "load": {**problem["load"], "phase": "0"}} if "load" in problem else {**problem}
+def _loaded(change: Callable[[float, float], tuple[float, float]]) -> Callable[[Mapping[str, Any]], dict[str, Any]]:
+    """The same problem with another frequency and phase of the load, as functions of both."""
+
+    def changed(problem: Mapping[str, Any]) -> dict[str, Any]:
+        if "load" not in problem:
+            return {**problem}
+        names = ("frequency", "phase")
+        values = change(*(float(problem["load"][name]) for name in names))
+        return {**problem, "load": {**problem["load"], **dict(zip(names, map(repr, values), strict=True))}}
+
+    return changed
+
+
+def _cubic_alone(problem: Mapping[str, Any]) -> dict[str, Any]:
+    parameters = problem["parameters"]
+    if problem["form"] != "cubic":
+        return {**problem}
+    return {**problem, "parameters": {**parameters, "S2": repr(float(parameters["S2"]) / float(parameters["S1"]))}}
 
 
 #: Mistakes that were met after the cases were made, which therefore hold no values of them: words and another problem.
 LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[str, Any]]], ...] = (
     ("the internal force is that of the end of the step", ("force at end",), dict),
     ("the masses that couple unknowns are missing", (), _uncoupled),
-    ("the phase of the load is missing", (), _without_phase),
+    ("the phase of the load is missing", (), _loaded(lambda w, phase: (w, 0.0))),
+    ("the phase of the load has the opposite sign", (), _loaded(lambda w, phase: (w, -phase))),
+    ("the load is a sine instead of a cosine", (), _loaded(lambda w, phase: (w, phase + math.pi / 2))),
+    ("the frequency of the load is taken in cycles", (), _loaded(lambda w, phase: (2 * math.pi * w, phase))),
+    ("the cubic term of the force leaves out S1", (), _cubic_alone),
 )
 
-#: What shows where steps are not equal; the others show with equal ones.
+#: What shows where steps are not equal; the cases hold no values of the others there.
 UNEQUAL = (
     _alternative(
         "the carried acceleration is moved to the new step", ("hht", "generalized_alpha"), "corrected for step"

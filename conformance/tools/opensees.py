@@ -1,8 +1,8 @@
 """OpenSees, a finite element code: ``python -m conformance conformance.tools.opensees:step``.
 
 Every entry of a stiffness or damping matrix is a spring or a dashpot between two nodes on a line. OpenSees does not
-compute the acceleration at the start; ``step`` sets it, and ``from_zero`` does not. ``others`` runs integrators of
-other names for the same schemes.
+compute the acceleration at the start; ``step`` sets it, and ``from_zero`` does not. ``others`` and ``more`` run
+integrators of other names for the same schemes.
 """
 
 import math
@@ -44,6 +44,19 @@ OTHERS: dict[str, Callable[..., tuple]] = {
     ),
     "wilson": lambda theta: ("Collocation", theta, 1 / 6, 0.5),
     "kr_alpha": lambda rho_inf: ("KRAlphaExplicit_TP", rho_inf),
+}
+
+#: A third set of them.
+MORE: dict[str, Callable[..., tuple]] = {
+    "central_difference": lambda: ("CentralDifference",),
+    "hht": lambda alpha, beta, gamma: ("HHT_TP", 1 + alpha, beta, gamma),
+    "generalized_alpha": lambda alpha_m, alpha_f, beta, gamma: (
+        "HHTGeneralized_TP",
+        1 - alpha_m,
+        1 - alpha_f,
+        beta,
+        gamma,
+    ),
 }
 
 
@@ -131,3 +144,4 @@ def step(problem, scheme, dt, steps, started=True, integrators=INTEGRATORS):
 
 from_zero = partial(step, started=False)
 others = partial(step, integrators=OTHERS)
+more = partial(step, integrators=MORE)

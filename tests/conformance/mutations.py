@@ -83,5 +83,9 @@ C = [
     ("j < 50", "j < 1", "stops after one iteration"),
     ('number("\\"gamma\\"", 0.5)', "0.5", "γ is 1/2"),
     ('phase = number("\\"phase\\"", 0)', "phase = 0", "phase of the load is missing"),
+    ("frequency * t - phase", "frequency * t + phase", "phase of the load has the opposite sign"),
+    ("A * cos(", "A * sin(", "a sine instead of a cosine"),
+    ("A * cos(frequency", "A * cos(2 * 3.14159265358979 * frequency", "taken in cycles"),
+    ("S1 * u * (1 + S2 * u * u)", "(S1 * u + S2 * u * u * u)", "leaves out S1"),
     ('number("\\"dt\\"", 0)', '1.001 * number("\\"dt\\"", 0)', "factor of dt is off by about 0.001"),
 ]

@@ -1,14 +1,16 @@
 """Input files of Abaqus and code_aster: they state the case, and what they cannot state has none."""
 
 import builtins
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from conformance import chains
+from conformance import chains, runners
 from conformance.command import cases
+from conformance.judge import judge
 from conformance.problem import Problem
 
 BY_NAME = {case["name"]: case for case in cases()}
@@ -87,7 +89,7 @@ class Commands(dict):
 )
 def test_commands_of_code_aster_state_the_case(name, scheme):
     case, problem, names = BY_NAME[name], Problem(BY_NAME[name]["problem"]), Commands()
-    exec(_written(chains.code_aster, case).partition("columns = ")[0], names)  # the rest reads the motion
+    exec(_written(chains.code_aster, case).partition("u1 = ")[0], names)  # the rest reads the motion
     called: dict[str, Any] = names["called"]
     parts, n = called["AFFE_CARA_ELEM"].DISCRET, len(problem.u0)
     np.testing.assert_allclose(np.diag([one.VALE for one in parts if one.CARA == "M_T_D_N"]), problem.mass)
@@ -98,10 +100,30 @@ def test_commands_of_code_aster_state_the_case(name, scheme):
     assert all(" ".join([one.GROUP_MA, *(f"N{digit}" for digit in one.GROUP_MA[1:])]) in mesh for one in parts)
     assert [one.VALE for one in called["CREA_CHAMP"].AFFE[1:]] == problem.u0.tolist()
     motion = called["DYNA_NON_LINE"]
+    # a free motion has no external force for a relative tolerance
+    assert vars(motion.CONVERGENCE).keys() == {"RESI_GLOB_MAXI", "ITER_GLOB_MAXI"}
+    assert 0 < motion.CONVERGENCE.RESI_GLOB_MAXI < 1e-6
     assert scheme.items() <= vars(motion.SCHEMA_TEMPS).items()
     interval = motion.INCREMENT.LIST_INST.INTERVALLE
     assert interval.NOMBRE == case["run"]["steps"]
     assert interval.JUSQU_A == pytest.approx(interval.NOMBRE * float(case["run"]["dt"]))
+
+
+def test_the_table_of_code_aster_is_the_motion_that_it_reads(tmp_path, monkeypatch):
+    case, names = BY_NAME["F-FRAME-AVG"], Commands()
+    motion = runners.of_function("conformance.tools.newmark:step")(case, 1)
+    times = float(case["run"]["dt"]) * np.arange(case["run"]["steps"] + 1)
+    columns = {"DEPL": "u", "VITE": "v", "ACCE": "a"}
+
+    def function(NOM_CHAM, GROUP_NO, **words):
+        values = motion[columns[NOM_CHAM]]
+        assert values is not None
+        return SimpleNamespace(Valeurs=lambda: [times.tolist(), values[:, int(GROUP_NO[1:]) - 1].tolist()])
+
+    monkeypatch.chdir(tmp_path)
+    names["RECU_FONCTION"] = function
+    exec(_written(chains.code_aster, case), names)
+    assert judge(case, partial(runners.of_folder(tmp_path), case)).verdict == "pass"
 
 
 def test_what_cannot_be_stated_has_no_file():

@@ -5,10 +5,12 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from collections import Counter
+from collections import Counter, defaultdict
 from functools import partial
+from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import jax
 import jsonschema
@@ -57,6 +59,18 @@ def test_every_case_follows_the_schema_and_is_small():
     records = [case["problem"]["ground"]["acceleration"] for case in ALL if "ground" in case["problem"]]
     assert records and {record[-1] for record in records} == {"0"}, "codes differ in the load at a last sample"
     assert {case["name"][0] for case in ALL} == set("ABCDEFG")
+
+
+def test_a_case_never_changes():
+    """SHA-256 of all cases of a version; it changes only where a case retires."""
+    digests: defaultdict[str, Any] = defaultdict(sha256)
+    for file in sorted(generate.CASES.glob("*.json")):
+        text = file.read_bytes()
+        digests[json.loads(text)["version"]].update(text)
+    assert {version: one.hexdigest() for version, one in digests.items()} == {
+        "2026.1": "6d010550ea0f8ebd4d6b003ceeb7d33299634be0927f9af091eb51e1b878cb10",
+        "2026.2": "5fd46c83021deaf7b836237acf0f0258edea9139a1e829c712c7f15c96908b16",
+    }
 
 
 @pytest.mark.parametrize(
@@ -151,6 +165,21 @@ def test_an_acceleration_that_is_moved_to_the_new_step_is_an_alternative():
     assert counted(outcomes)["differs"] == 4
 
 
+def test_unequal_steps_have_the_changes_that_their_cases_hold_no_values_of():
+    text = (TOOLS / "newmark.py").read_text(encoding="utf-8")
+    unequal = [case for case in ALL if case["name"] in ("G-HARM-AVG", "G-CUB-GEN")]
+    for old, new, verdict, cause in (
+        ("problem.load(t + part * tau)", "problem.load(t + tau / 2)", "fail", "load is that of the middle"),
+        ("problem.force(at)", "part * problem.force(x) + alpha_f * problem.force(u)", "differs", "two internal forces"),
+    ):
+        module = ModuleType("mutated")
+        exec(text.replace(old, new), module.__dict__)
+        sys.modules["mutated"] = module
+        changed = [one for one in verdicts(runners.of_function("mutated:step"), unequal) if one.verdict != "pass"]
+        assert changed and all(one.verdict == verdict and cause in one.cause for one in changed), changed
+    del sys.modules["mutated"]
+
+
 needs_c = pytest.mark.skipif(shutil.which("cc") is None, reason="no compiler of C")
 
 
@@ -217,9 +246,9 @@ def test_stored_verdicts_are_those_of_these_cases_and_on_the_page():
     for code in codes:
         # those of an older version have no newer cases
         names = {case["name"] for case in ALL if _number(case["version"]) <= _number(code["kit"])}
-        assert {case["name"] for case in code["cases"]} == names
+        assert {case["name"] for case in code["cases"]} == names and code["version"]
         assert code["counts"] == {verdict: counted_in(code, verdict) for verdict in code["counts"]}
-        assert f"| {code['tool']}" in page
+        assert f"| {code['tool']} {code['version']}" in page
     assert "| fail | α_m is missing in the balance |" in page
 
 
@@ -236,6 +265,18 @@ def test_opensees_has_newmarks_method_and_starts_houbolts_by_average_acceleratio
     outcomes = Counter((one.name[-3:], one.verdict) for one in verdicts(runner, chosen))
     assert {code for code, verdict in outcomes if verdict == "pass"} >= {"AVG", "DIS", "HHT", "WIL"}
     assert {code for code, verdict in outcomes if verdict in ("differs", "fail")} == {"HOU"}
+
+
+def test_the_third_set_of_opensees_moves_from_rest_as_the_schemes_do_and_not_from_a_motion():
+    try:
+        runner = runners.of_function("conformance.tools.opensees:more")
+    except ValueError as reason:
+        pytest.skip(str(reason))
+    for code in ("CDM", "HHT", "GEN"):
+        for place, verdict in (("D-BASE", "pass"), ("A-LIN", "fail")):
+            (case,) = [case for case in ALL if case["name"] == f"{place}-{code}"]
+            motion = {"u": runner(case, 1)["u"], "v": None, "a": None}
+            assert judge(case, lambda part, motion=motion: motion).verdict == verdict
 
 
 def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():

@@ -79,6 +79,15 @@ def test_a_function_that_returns_no_motion_fails_with_a_sentence(found, sentence
     assert (one.verdict, one.cause) == ("fail", sentence)
 
 
+def test_a_function_may_import_its_neighbours_when_it_runs(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    (tmp_path / "neighbour.py").write_text("from conformance.tools.newmark import step", encoding="utf-8")
+    text = "def late(*given):\n    from neighbour import step\n    return step(*given)\n"
+    (tmp_path / "late_code.py").write_text(text, encoding="utf-8")
+    (one,) = _verdicts(runners.of_function(f"{tmp_path / 'late_code.py'}:late"), [ALL[0]])
+    assert one.verdict == "pass"
+
+
 _TABLE = "out.csv must be a line of names and rows of as many numbers, with commas"
 
 
