@@ -119,7 +119,7 @@ class AdaptiveMarch(eqx.Module):
 
     def _sample(self, trial: Trial, initial, state, t, dt, estimate) -> dict[str, jax.Array]:
         # in one array, because each array that is stored takes as long as a step of one unknown
-        of_step = jnp.stack([t, dt, estimate, trial.estimated, trial.unsolved])
+        of_step = jnp.stack([t, dt, estimate, trial.estimated.astype(float), trial.unsolved.astype(float)])
         return {**self.march._sample(initial, state, t), OF_STEP: of_step}
 
     def turn(self, trial: Trial, initial, tolerance) -> tuple[Trial, dict[str, jax.Array]]:
@@ -203,22 +203,36 @@ def proceed(
     def goes_on(trial):
         return trial.status == RUNNING if not room else (trial.status == RUNNING) & (trial.place < room)
 
-    def one(arguments, trial, stored, initial, tolerance):
+    def attempt(arguments, trial, initial, tolerance):
         new, sample = of(arguments).turn(trial, initial, tolerance)
-        taken = new.place > trial.place
         if lanes:
-            active = goes_on(trial)
-            taken &= active
-            new = jax.tree.map(partial(jnp.where, active), new, trial)
-        # the place after the last one takes what is not stored
-        place = jnp.where(taken, trial.place, room)
-        return new, {n: lax.dynamic_update_index_in_dim(x, sample[n], place, 0) for n, x in stored.items()}
+            new = jax.tree.map(partial(jnp.where, goes_on(trial)), new, trial)
+        return new, {name: sample[name] for name in stored}
 
-    each = jax.vmap(one) if lanes else one
+    def store(stored, sample, place):
+        return {name: lax.dynamic_update_index_in_dim(x, sample[name], place, 0) for name, x in stored.items()}
+
+    if lanes:
+        attempt, store = jax.vmap(attempt), jax.vmap(store)
 
     def step(carry):
+        """Trial steps until one is accepted in any lane, which is then stored."""
         trial, stored, count = carry
-        return *each(arguments, trial, stored, initial, tolerance), count + 1
+        before = trial.place
+
+        def again(carry):
+            trial, _, count = carry
+            return *attempt(arguments, trial, initial, tolerance), count + 1
+
+        def unaccepted(carry):
+            trial, _, count = carry
+            return jnp.all(trial.place == before) & (count < turns) & jnp.any(goes_on(trial))
+
+        sample = {name: jnp.zeros(x.shape[:1] * lanes + x.shape[1 + lanes :]) for name, x in stored.items()}
+        # a loop of its own: next to large arrays XLA would run the small ones of a step by a pool of threads
+        trial, sample, count = lax.while_loop(unaccepted, again, (trial, sample, count))
+        # the place after the last one takes what is not stored
+        return trial, store(stored, sample, jnp.where(trial.place > before, before, room)), count
 
     carry = trial, stored, jnp.zeros((), int)
     return lax.while_loop(lambda carry: (carry[2] < turns) & jnp.any(goes_on(carry[0])), step, carry)[:2]
