@@ -60,6 +60,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--workers", type=int, metavar="N", help="runs of such a program at once; default: cores")
     command.add_argument("--duration", type=float, help="time of the runs in seconds; default: ten periods, if any")
     command.add_argument("--seconds", type=float, default=math.inf, help="wall time after which no run begins")
+    command.add_argument("--controller", metavar="NAME", help="also find tolerances, with steps that it controls")
     command.add_argument(
         "--error", type=float, nargs="+", default=[0.1, 0.01, 0.001], help="errors that may be allowed, as fractions"
     )
@@ -141,6 +142,7 @@ def _assess(arguments: argparse.Namespace) -> None:
             quantities=load(arguments.quantities, (dict,)) if arguments.quantities else None,
             errors=arguments.error,
             maps=arguments.maps,
+            controller=arguments.controller,
             seconds=arguments.seconds,
         )
     dataset.attrs["command"] = shlex.join(["study", *arguments.words])

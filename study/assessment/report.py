@@ -189,6 +189,22 @@ def _needs(table: pd.DataFrame, titles: dict[str, str]) -> str:
     return "".join(parts)
 
 
+def _controlled(table: pd.DataFrame, titles: dict[str, str]) -> str:
+    """A table of the tolerances that keep an error; nothing if steps were not controlled."""
+    found = table[table["tolerance"] > 0] if "tolerance" in table else table[:0]
+    rows = [
+        (
+            titles[row.Index],
+            f"{row.tolerance:g}",
+            f"{row.controlled_force_evaluations:,.0f}",
+            number(row.control_over_equal, 2),
+        )
+        for row in found.itertuples()
+    ]
+    head = ("controlled steps", "tolerance", "forces", "forces over those of equal steps")
+    return table_of(head, rows) if rows else ""
+
+
 def judgement(assessed: xr.Dataset) -> list[str]:
     """What an assessment says, as parts of a page: answers, errors, energy, failures, reference."""
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
@@ -212,7 +228,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts.append(f'<div class="pair">{against_step}{against_time}</div>')
         for limit in limits:
             table = recommend(assessed, error=limit, quantity=quantity)
-            parts.append(f"<p><b>{percent(limit)}</b></p>{_needs(table, titles)}")
+            parts.append(f"<p><b>{percent(limit)}</b></p>{_needs(table, titles)}{_controlled(table, titles)}")
     if np.isfinite(assessed.energy_imbalance).any():
         parts.append("<h2>Energy</h2>")
         parts.append(

@@ -5,6 +5,7 @@ import pytest
 
 import study
 from reference import taylor
+from study.assessment.report import page
 from study.assessment.tolerances import EQUAL_ONLY, FOUND, round_tolerance
 
 DURATION, ALLOWED = 20.0, 0.01
@@ -60,6 +61,10 @@ def test_recommend_tells_whether_equal_steps_are_cheaper(assessed):
     both = table.controlled_force_evaluations / table.force_evaluations
     np.testing.assert_array_equal(table.control_over_equal, both)
     assert np.isnan(table.tolerance["houbolt"]) and table.tolerance["average_acceleration"] > 0
+
+
+def test_the_report_lists_the_tolerances(assessed):
+    assert page(assessed).count("controlled steps") == 3  # of displacement, velocity and energy
 
 
 @pytest.mark.parametrize("largest, expected", [(0.1, 0.1), (0.0999, 0.05), (3e-4, 2e-4), (5e-7, 5e-7), (1.01e-3, 1e-3)])

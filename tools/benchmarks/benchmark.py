@@ -9,6 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import control
 import ensembles
 import first_calls
 import numpy as np
@@ -91,6 +92,7 @@ def main(output: Path) -> None:
             *single_runs.cases(folder),
             *ensembles.cases(folder),
             *structures.cases(),
+            *control.cases(),
             *first_calls.cases(),
         ]
         ds = measure(cases)
