@@ -1,0 +1,48 @@
+"""Error against evaluations of the force, with controlled and with equal steps, and with general solvers."""
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from paper.data import SOLVERS
+from paper.figures.style import PAGE, legend_below, letter, looks_in_order, panels, wrapped
+from paper.numbers.step_control import ALLOWED
+from paper.products import figure
+
+#: Schemes that the figure shows, a solver, and most panels.
+SHOWN, SOLVER, MOST = ["average_acceleration", "generalized_alpha", "rk4", "dormand_prince6"], "cvode_adams", 8
+COLUMNS = 4
+
+
+@figure(
+    "Error of the displacement against evaluations of the force. Solid: equal steps. Dashed: steps controlled by PI. "
+    "Grey: CVODE's Adams methods. A step that is finer than another may have a larger error.",
+    asks={"control_cost.schemes": SHOWN[:1]},
+)
+def draw(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> Figure:
+    """One panel per problem."""
+    shown = [name for name in SHOWN if name in control_cost.scheme]
+    problems = control_cost.problem.values[:MOST]
+    columns = min(len(problems), COLUMNS)
+    rows = -(-len(problems) // columns)
+    figure, axes = panels(rows, columns, PAGE, 5.4 * rows + 1.2, sharey=True)
+    for index, (ax, problem) in enumerate(zip(axes.flat, problems, strict=False)):
+        of_problem = control_cost.sel(problem=problem)
+        ax.axhline(ALLOWED, color="0.85", linewidth=2, zorder=0)
+        for name, look in looks_in_order(shown).items():
+            one = of_problem.sel(scheme=name)
+            title, look = one.scheme_title.item(), look | {"markersize": 3, "linewidth": 1}
+            ax.plot(one.equal_forces, one.equal_error, label=title, **look | {"linestyle": "-"})
+            ax.plot(one.forces, one.error, **look | {"linestyle": "--", "markerfacecolor": "white"})
+        if problem in solver_cost.problem and SOLVER in solver_cost.solver:
+            solver = solver_cost.sel(problem=problem, solver=SOLVER)
+            ax.plot(solver.forces, solver.error, label=SOLVERS[SOLVER], color="0.5", linewidth=2, linestyle=":")
+        ax.set(xscale="log", yscale="log", ylim=(1e-7, 3))
+        ax.set_xlabel("evaluations of the force")
+        letter(ax, index, wrapped(of_problem.problem_title.item(), 16))
+    for ax in axes[:, 0]:
+        ax.set_ylabel("error of the displacement\nover its size")
+    for unused in axes.ravel()[len(problems) :]:
+        unused.remove()
+    fullest = max(axes.ravel()[: len(problems)], key=lambda ax: len(ax.get_legend_handles_labels()[0]))
+    legend_below(figure, 5, fullest)
+    return figure
