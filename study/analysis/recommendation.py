@@ -51,8 +51,8 @@ def recommend(
         ``error``
             Error at that step.
         ``most_wrong``, ``most_wrong_error``
-            The quantity with the largest error at that step, and that error: a step may keep the energy of a motion that
-            it loses.
+            The quantity with the largest error at that step, and that error: a step may keep the energy of a motion
+            that it loses.
         ``time``, ``time_spread``
             Time of all steps in s and its interquartile range. A call of :func:`study.run` adds less than a
             millisecond.
