@@ -43,7 +43,7 @@ WORK = {True: 1_500_000, False: 4_000_000}
 
 #: Runs up to an octave below a recommended step, where errors are largest, and their steps × unknowns at most, if that
 #: leaves so many runs. A step below half of the finest one needs none.
-CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 16_000_000}, {True: 0, False: 8}
+CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}, {True: 0, False: 8}
 
 #: Steps of a run of one unknown from which on it is made alone. A search that makes no longer runs than the second of
 #: these numbers does without the program of a single run, which takes as long to compile as it saves.
