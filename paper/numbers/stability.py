@@ -142,7 +142,6 @@ def of_stability(
         "together_span": span(in_chaos, ".0f"),
         "exponent_at_paper": f"{a_step:.2f}",
         "apart_from_exponent": f"{np.log(bifurcation.order_one / bifurcation.perturbation).item() / a_step:.0f}",
-        "apart_of_two_runs": at.steps_until_apart.item(),
         **{f"unique_{name}": f"{roots.unique_up_to.sel(scheme=name).item():.2f}" for name in roots.scheme.values},
         "foretold": f"{foretold.median().item():.1f}",
         "foretold_span": span(foretold.quantile([0.05, 0.95]), ".1f"),

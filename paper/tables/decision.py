@@ -150,12 +150,13 @@ def _fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits
     """The schemes that keep an error with the fewest forces in a period, as all their finer steps do.
 
     A run does not count if its balance of energies is off by more than ``LEVEL``, or, where the dataset has
-    that error, its velocity by more than ``VELOCITY``. ``≤`` marks the coarsest step that was tried, and ``†`` the
-    finest.
+    these errors, its displacement by more than that, or its velocity by more than ``VELOCITY``. ``≤`` marks the
+    coarsest step that was tried, and ``†`` the finest.
     """
     sound = runs.max_energy_imbalance <= LEVEL
-    if "velocity_error" in runs:
-        sound &= runs.velocity_error <= VELOCITY
+    for name, level in (("displacement_error", LEVEL), ("velocity_error", VELOCITY)):
+        if name in runs:
+            sound &= runs[name] <= level
     dims, steps = ("scheme", "steps_per_period"), runs.steps_per_period.values
     kept = ((error <= allowed) & sound).transpose(*dims).values
     keeps = np.logical_and.accumulate(kept[:, ::-1], axis=1)[:, ::-1]

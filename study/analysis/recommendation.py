@@ -50,6 +50,9 @@ def recommend(
             Steps of the run.
         ``error``
             Error at that step.
+        ``most_wrong``, ``most_wrong_error``
+            The quantity with the largest error at that step, and that error: a step may keep the energy of a motion
+            that it loses.
         ``time``, ``time_spread``
             Time of all steps in s and its interquartile range. A call of :func:`study.run` adds less than a
             millisecond.
@@ -108,6 +111,8 @@ def recommend(
     one = assessed.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
     words = np.array([word.replace("_", " ") for word in one.verdict.flag_meanings.split()])
     steps = np.floor(assessed.attrs["duration"] / one.recommended_dt * (1 + 1e-9))
+    known = one.recommended_dt.dropna("scheme").reset_coords(drop=True)
+    errors = assessed.error.sel(scheme=known.scheme, dt=known).to_pandas()
     table = pd.DataFrame(
         {
             "kind": one.kind,
@@ -130,6 +135,8 @@ def recommend(
         table["tolerance"] = one.tolerance.to_series()
         table["controlled_force_evaluations"] = one.controlled_force_evaluations.to_series()
         table["control_over_equal"] = table["controlled_force_evaluations"] / table["force_evaluations"]
+    table.insert(table.columns.get_loc("error") + 1, "most_wrong", errors.idxmax(axis=1))
+    table.insert(table.columns.get_loc("most_wrong") + 1, "most_wrong_error", errors.max(axis=1))
     slower_by = table["time"] - table["time"].iloc[0]
     ties = slower_by <= (table["time_spread"] + table["time_spread"].iloc[0]) / 2
     table.insert(table.columns.get_loc("time_spread") + 1, "ties_with_fastest", ties)

@@ -182,8 +182,8 @@ def assess(
         of_energy = False
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
     names = [*asked, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
-    of_run = search.FINEST_OF_RUN / np.size(equation.u0)
-    finest = length / min(search.MOST_STEPS, max(length * search.FINEST / slowest, of_run))
+    highest = highest_frequency_along(equation, reference.solution)
+    finest = search.finest_step(length, slowest, highest, np.size(equation.u0))
     limits = [(name, error) for name in names for error in allowed if error >= search.CERTAIN * uncertainty[name]]
 
     def of(scheme: Scheme) -> Assessed:
@@ -214,7 +214,7 @@ def assess(
     )
     ds["highest_frequency"] = (
         (),
-        highest_frequency_along(equation, reference.solution),
+        highest,
         {"long_name": "highest circular frequency of small motions about points of the motion", "units": "s-1"},
     )
     titles = {name: one.long_name or name for name, one in (quantities or DEFAULT).items()}

@@ -72,7 +72,10 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
         if "largest_safe_dt" in assessed and one.step_size >= assessed.map_dt.min():
             safe = assessed.largest_safe_dt.sel(scheme=one.Index)
             text += "" if one.step_size <= safe else ", beyond its largest step without failure (see how it fails)"
-        best.append(text + (", the coarsest step tried" if one.verdict == "already the coarsest step" else ""))
+        text += ", the coarsest step tried" if one.verdict == "already the coarsest step" else ""
+        if one.most_wrong_error > assessed.allowed_error.max():
+            text += f", where {one.most_wrong} is off by {percent(one.most_wrong_error)}"
+        best.append(text)
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
     return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
         f" As fast within the spread of times: {', '.join(ties)}." if ties else ""

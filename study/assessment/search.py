@@ -28,6 +28,10 @@ COARSEST = 4
 #: unknown; of several, that over their number. Most steps of any run.
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
+#: Finest Δt·ω with the highest frequency ω of the motion to which a search goes in any case that takes no more than so
+#: many steps, and steps × unknowns: stiff modes of a structure take finer steps than its slowest period tells.
+FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST = 0.03, 20_000, 4_000_000
+
 #: Multiple of a twentieth of a step down to which finer ones will do, if the step has shrunk.
 ENOUGH = 1.1
 
@@ -37,8 +41,9 @@ MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 #: Steps × unknowns of the runs of an octave, if that leaves enough runs: of one unknown and of several.
 WORK = {True: 1_500_000, False: 4_000_000}
 
-#: Runs up to an octave below a recommended step, where errors are largest, and their steps × unknowns at most.
-CONFIRMED, WORK_OF_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}
+#: Runs up to an octave below a recommended step, where errors are largest, and their steps × unknowns at most, if that
+#: leaves so many runs. A step below half of the finest one needs none.
+CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}, {True: 0, False: 8}
 
 #: Steps of a run of one unknown from which on it is made alone. A search that makes no longer runs than the second of
 #: these numbers does without the program of a single run, which takes as long to compile as it saves.
@@ -105,6 +110,13 @@ def spacing(problem: Problem, duration: float) -> float | None:
     times = np.asarray(getattr(problem.load, "kinks", ()))
     gaps = np.diff(times[times < duration])
     return float(gaps.mean()) if len(gaps) and np.ptp(gaps) < 1e-6 * gaps.mean() else None
+
+
+def finest_step(duration: float, slowest: float, highest: float, unknowns: int) -> float:
+    """Step down to which a search goes, by the slowest period and the highest frequency of small motions."""
+    of_highest = min(highest * duration / FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST / unknowns)
+    steps = max(duration * FINEST / slowest, FINEST_OF_RUN / unknowns, of_highest)
+    return duration / min(MOST_STEPS, steps)
 
 
 def _two_digits(x: float) -> float:
@@ -210,7 +222,9 @@ class Search:
         drawn = tried
         for step in sorted(steps, reverse=True):
             work = 2 * self.duration / step * self._size
-            wanted = min(CONFIRMED, int(WORK_OF_CONFIRMED[self._size == 1] / work))
+            single = self._size == 1
+            least = LEAST_CONFIRMED[single] if step > self.finest / 2 else 0
+            wanted = int(np.clip(WORK_OF_CONFIRMED[single] / work, least, CONFIRMED))
             lacking = wanted - int(((drawn >= step / 2) & (drawn <= step)).sum())
             drawn = np.append(drawn, self._drawn(step / 2, step, max(lacking, 0)))
         return drawn[len(tried) :]

@@ -4,6 +4,7 @@ import pandas as pd
 import pytest
 
 import study
+from study.assessment.report import answer
 from tests import small_results
 
 
@@ -21,6 +22,17 @@ def test_the_fastest_scheme_is_first_and_those_without_a_step_are_last(assessed)
     assert table["time"].tolist() == pytest.approx([10e-6, 50e-6]) and set(table.verdict) == {"found"}
     without = study.recommend(assessed, error=0.01, quantity="energy")
     assert without.verdict.tolist() == ["found", "not even the finest step"] and without.step_size.isna().tolist()[1]
+
+
+def test_what_else_is_wrong_at_a_step_is_told(assessed):
+    table = study.recommend(assessed, error=0.01, quantity="energy")
+    assert table.most_wrong.iloc[0] == "displacement" and table.most_wrong.isna().iloc[1]
+    assert table.most_wrong_error.iloc[0] == pytest.approx(100 * 0.004)
+    assert "with Δt = 0.004 s (2500 steps, 12.5 µs), where displacement is off by 40 %." in answer(
+        assessed, "energy", 0.01
+    )
+    assessed.error[:] = 0.1
+    assert "off by" not in answer(assessed, "energy", 0.01)
 
 
 def test_times_within_their_spreads_tie(assessed):

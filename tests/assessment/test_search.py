@@ -9,15 +9,25 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import study
-from study.assessment.search import COARSEST_KEEPS, FINEST_FAILS, FOUND, STARTS, Search, round_step, spacing
+from study.assessment.search import (
+    COARSEST_KEEPS,
+    FINEST_FAILS,
+    FOUND,
+    LEAST_CONFIRMED,
+    STARTS,
+    Search,
+    finest_step,
+    round_step,
+    spacing,
+)
 from study.program.confirmation import TWENTIETH
 
 
 class MadeUp(Search):
     """A search whose runs have the error that a function of step and start gives."""
 
-    def __init__(self, error, finest=1e-5, spacing=None):
-        self.duration, self.coarsest, self.finest, self._size, self._spacing = 20.0, 1.0, finest, 1, spacing
+    def __init__(self, error, finest=1e-5, spacing=None, unknowns=1):
+        self.duration, self.coarsest, self.finest, self._size, self._spacing = 20.0, 1.0, finest, unknowns, spacing
         self._error, self.runs = error, pd.DataFrame()
         self._cases = dict.fromkeys((1.0, *STARTS))  # type: ignore[assignment]
         self._random, self._long = np.random.default_rng(1), 30_000
@@ -85,7 +95,9 @@ def test_the_ends_of_a_search_are_said_as_such():
     assert searched(lambda dt, start: 1e-5 * dt)[1].how == COARSEST_KEEPS
     for constant in (0.5, np.nan):
         assert searched(lambda dt, start, c=constant: c, finest=1e-3)[1].how == FINEST_FAILS
-    assert searched(lambda dt, start: 1e-5 if start == 1.0 else 1.0, finest=1e-3)[1].how == FINEST_FAILS
+    for unknowns in (1, 1000):
+        of_others = searched(lambda dt, start: 1e-5 if start == 1.0 else 1.0, finest=1e-3, unknowns=unknowns)
+        assert of_others[1].how == FINEST_FAILS
 
 
 @settings(max_examples=50, deadline=None)
@@ -128,6 +140,20 @@ def test_all_that_was_tried_below_a_recommended_step_keeps_the_error(order, bump
 )
 def test_a_round_step_is_one_that_an_engineer_writes(largest, between_samples, expected):
     assert round_step(largest, between_samples) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_step_of_a_large_structure_is_confirmed_by_several_others():
+    made_up, verdict = searched(lambda dt, start: dt, allowed=0.01, finest=0.005, unknowns=1000)
+    step = verdict.recommended
+    assert verdict.how == FOUND and verdict.tried == len(_tried_up_to(made_up, step)) > LEAST_CONFIRMED[False]
+
+
+def test_stiff_modes_take_a_search_to_finer_steps_as_far_as_their_work_allows():
+    # 150 unknowns with periods of 3 to 0.03 s, over one period
+    assert finest_step(3.0, 3.0, 200.0, 150) == pytest.approx(0.03 / 200)
+    # an oscillator, and a mode that is too stiff for any of these steps
+    assert finest_step(3.0, 3.0, 2.0, 1) == finest_step(3.0, 3.0, 1e6, 1) == 3.0 / 250_000
+    assert finest_step(3.0, 3.0, 1e6, 1000) == 3.0 / 4000
 
 
 def test_the_spacing_of_a_record_is_found_in_the_load():
