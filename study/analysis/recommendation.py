@@ -111,8 +111,8 @@ def recommend(
     one = assessed.sel(quantity=quantity).sel(allowed_error=error, method="nearest")
     words = np.array([word.replace("_", " ") for word in one.verdict.flag_meanings.split()])
     steps = np.floor(assessed.attrs["duration"] / one.recommended_dt * (1 + 1e-9))
-    known = one.recommended_dt.dropna("scheme").reset_coords(drop=True)
-    errors = assessed.error.sel(scheme=known.scheme, dt=known).to_pandas()
+    found = one.recommended_dt.dropna("scheme").reset_coords(drop=True)
+    errors = assessed.error.sel(scheme=found.scheme, dt=found).to_pandas()
     table = pd.DataFrame(
         {
             "kind": one.kind,

@@ -67,7 +67,10 @@ def controlled_1996(
             "max_energy_error": (
                 dims,
                 error,
-                {"long_name": f"largest relative error of the total energy over {periods} periods", "units": "percent"},
+                {
+                    "long_name": f"largest relative error of the energy over {periods} periods, eq. (17) of Xie (1996)",
+                    "units": "percent",
+                },
             ),
             "steps": (dims, taken, {"long_name": "number of steps", "units": "1"}),
             "tolerance": (dims, tolerance, {"long_name": "tolerance that takes this number of steps", "units": "1"}),

@@ -56,7 +56,10 @@ def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, 
                     at = i, p, k, s
                     error[at], status[at], failed_at_step[at] = ds.max_energy_error, ds.status, ds.failed_at_step
     dims = ("period_used", "problem", "steps_per_period", "scheme")
-    attributes = {"long_name": f"largest relative error of the total energy over {periods} periods", "units": "percent"}
+    attributes = {
+        "long_name": f"largest relative error of the total energy over {periods} periods, eq. (17) of Xie (1996)",
+        "units": "percent",
+    }
     return xr.Dataset(
         {
             "max_energy_error": (dims, error, attributes),

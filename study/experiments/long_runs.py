@@ -58,7 +58,7 @@ def _step_sizes(step: float, runs: int) -> np.ndarray:
 #: What is measured at the end of a run: its type, and what it is.
 _VARIABLES = {
     "energy_error": (np.float64, {"long_name": "signed energy error at the end", "units": "1"}),
-    "max_energy_error": (np.float64, {"long_name": "largest energy error", "units": "percent"}),
+    "max_energy_error": (np.float64, {"long_name": "largest energy error, eq. (17) of Xie (1996)", "units": "percent"}),
     "mean_energy_error": (np.float64, {"long_name": "signed energy error, mean over the run", "units": "1"}),
     "phase_error": (np.float64, {"long_name": "delay at the end in periods", "units": "1"}),
     "status": (np.int32, STATUS_ATTRIBUTES),

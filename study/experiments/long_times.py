@@ -82,7 +82,9 @@ def summary(runs: xr.Dataset) -> xr.Dataset:
         {
             "energy_error": _described(mean["energy_error"], "signed energy error at the end, mean of runs", "1"),
             "max_energy_error": _described(
-                runs.max_energy_error.max("run", skipna=False), "largest energy error", "percent"
+                runs.max_energy_error.max("run", skipna=False),
+                "largest energy error, eq. (17) of Xie (1996)",
+                "percent",
             ),
             "mean_energy_error": _described(
                 mean["mean_energy_error"], "signed energy error, mean over the run and of runs", "1"

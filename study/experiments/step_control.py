@@ -107,7 +107,7 @@ def step_control(
                 history[p, -1] = _by_period(ds, period, periods)
     dims = ("problem", "scheme", "control", "tolerance")
     of_equal = ("problem", "scheme", "steps_per_period")
-    energy = {"long_name": "largest relative error of the total energy", "units": "percent"}
+    energy = {"long_name": "largest relative error of the total energy, eq. (17) of Xie (1996)", "units": "percent"}
     of_period = {"long_name": "largest relative error of the total energy of each period", "units": "1"}
     distance = {"long_name": "distance from the start after whole periods, over the largest value", "units": "1"}
     return xr.Dataset(

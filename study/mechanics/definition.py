@@ -169,7 +169,7 @@ class Problem(eqx.Module):
 
     def _count_arguments(self) -> None:
         """The number of arguments of the force, and its history at rest."""
-        function_checks.check_arguments(self.force, self.title)
+        function_checks.check_arguments(self.force, self.load, self.title)
         self.arguments = number_of_arguments(self.force) if callable(self.force) else 1
         if self.history is None:
             self.history = getattr(self.force, "history", None)

@@ -21,6 +21,9 @@ NEVER_OPTIONAL = ("v", "velocity", "history")
 #: Names that suggest the time, which a force does not take.
 TIME = ("t", "time")
 
+#: Names of a parameter that can only be the motion.
+MOTION = ("u", "v", "displacement", "velocity")
+
 #: A potential and its force may differ by this part of the force: the error of a central difference.
 GRADIENT_AGREEMENT = 1e-5
 
@@ -96,13 +99,16 @@ def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
     }
 
 
-def check_arguments(force: Callable, title: str) -> None:
-    """Refuse a force of the time, and a default with which the force would never receive velocity or history."""
+def _parameters(function: Callable | None) -> list[inspect.Parameter]:
     try:
-        parameters = inspect.signature(force).parameters.values()
+        return [] if function is None else list(inspect.signature(function).parameters.values())
     except (TypeError, ValueError):  # no function, or a built-in one, which tells nothing
-        return
-    for parameter in parameters:
+        return []
+
+
+def check_arguments(force: Callable, load: Callable | None, title: str) -> None:
+    """Refuse a force of the time, a load of the motion, and a default for what a force would then never receive."""
+    for parameter in _parameters(force):
         if parameter.name in TIME:
             raise ValueError(
                 f"force of '{title}' takes '{parameter.name}', and is called as force(u), force(u, v) or force(u, v, "
@@ -112,6 +118,12 @@ def check_arguments(force: Callable, title: str) -> None:
             raise ValueError(
                 f"force of '{title}' gives '{parameter.name}' a default, so that it would never receive it: "
                 f"drop the default."
+            )
+    for parameter in _parameters(load):
+        if parameter.name in MOTION and parameter.default is parameter.empty:
+            raise ValueError(
+                f"load of '{title}' takes '{parameter.name}', and is called as load(t): what depends on the motion "
+                "goes into force=, a function of u, or of u and v."
             )
 
 

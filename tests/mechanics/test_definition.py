@@ -91,6 +91,7 @@ def _problem(force=_chain, u0=ZERO, v0=None, **keywords):
          "force of 'tried' takes an entry that does not exist: out-of-bounds indexing for array of shape (5,)"),
         ({"load": lambda t: [1.0] * (N - 1)}, "load must return the shape (5,), not (4,)."),
         ({"force": lambda t, u: u}, "force of 'tried' takes 't', and is called as force(u), force(u, v) or"),
+        ({"load": lambda u: u}, "load of 'tried' takes 'u', and is called as load(t): what depends on the motion goes"),
         ({"positions": "here"}, "positions must be a real number or an array of real numbers, not 'here'."),
     ],
 )  # fmt: skip

@@ -1,6 +1,8 @@
 """Controlled steps: what a trial step costs next to an equal one of the same scheme."""
 
 from collections.abc import Iterator
+from functools import partial
+from typing import Any
 
 from case import Case, timed
 
@@ -15,17 +17,15 @@ def cases() -> Iterator[Case]:
         ("fpu_chain", 60.0, 1e-6),
     ):
         for scheme in ("average_acceleration", "generalized_alpha", "dormand_prince6"):
-            of_run = {"observe": ["max_energy_error"], "on_failure": "ignore"}
+            of_run: dict[str, Any] = {"observe": ["max_energy_error"], "on_failure": "ignore"}
             controlled = of_run | {"tolerance": tolerance, "duration": duration}
             once = study.run(problem, scheme, **controlled)
             trials = int(once.steps + once.steps_rejected_by_estimate + once.steps_rejected_by_solver)
             equal = of_run | {"dt": duration / trials, "steps": trials}
             yield Case(
                 f"{scheme} on {problem} : controlled steps / equal steps",
-                lambda problem=problem, scheme=scheme, given=controlled: timed(
-                    lambda: study.run(problem, scheme, **given)
-                ),
-                lambda problem=problem, scheme=scheme, given=equal: timed(lambda: study.run(problem, scheme, **given)),
+                partial(timed, partial(study.run, problem, scheme, **controlled)),
+                partial(timed, partial(study.run, problem, scheme, **equal)),
                 1.3,
                 trials,
             )
