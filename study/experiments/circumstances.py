@@ -19,6 +19,7 @@ from study.mechanics.loads import HarmonicLoad
 from study.mechanics.terms import StrainEnergy
 from study.observer.base import Reduction
 from study.scheme.base import Scheme, Wrapper
+from study.words import printed
 
 #: What is compared.
 QUANTITIES = ("displacement", "velocity", "acceleration")
@@ -245,7 +246,7 @@ def _support(ratio: float) -> Circumstance:
         title="moving support",
     )
     exact = {name: motion(DURATION, derivative) for derivative, name in enumerate(QUANTITIES)}
-    return Circumstance(f"support, {ratio:.0e}", problem, motion(0.0, 0), motion(0.0, 1), exact)
+    return Circumstance(f"support {printed(f'{ratio:.0e}')}", problem, motion(0.0, 0), motion(0.0, 1), exact)
 
 
 def circumstances_with(ratios: list[float]) -> dict[str, Circumstance]:

@@ -101,6 +101,7 @@ def order_under_reality(
             **coordinates.scheme_coordinates(schemes),
             "circumstance": ("circumstance", list(circumstances), {"long_name": "circumstance"}),
             "circumstance_title": ("circumstance", titles, {"long_name": "title of the circumstance"}),
+            "stiffness_ratio": ("support", list(stiffness_ratios), {"long_name": "stiffness ratio", "units": "1"}),
             "quantity": ("quantity", list(QUANTITIES), {"long_name": "quantity"}),
             "steps": ("steps", list(steps), {"long_name": "number of steps", "units": "1"}),
         },
