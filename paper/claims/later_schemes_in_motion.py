@@ -204,7 +204,7 @@ _OVER_FREQUENCIES = "largest over smallest error/Δt² of steps, where the error
     "schemes",
     "The error of Gautschi's method is of the size Δt², whatever ωΔt is.",
     _OVER_FREQUENCIES,
-    whose="Gautschi (1961)",
+    whose=PRACTICE,
 )
 def uniform_error_of_gautschi(later_schemes):
     spread = _uniformity(later_schemes, "gautschi")
