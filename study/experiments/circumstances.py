@@ -62,14 +62,20 @@ class AtTheEnd(Reduction):
 
 
 class FromNoAcceleration(Wrapper):
-    """Another scheme that starts with no acceleration in place of that of the equation of motion."""
+    """Another scheme that starts with no acceleration in place of that of the equation of motion.
+
+    References
+    ----------
+    G. M. Hulbert, T. J. R. Hughes, An error analysis of truncated starting conditions in step-by-step time integration:
+    consequences for structural dynamics, Earthquake Eng. Struct. Dyn. 15(7), 1987, 901-910.
+    """
 
     scheme: Scheme
     title: str = eqx.field(default="From no acceleration", kw_only=True, static=True)
 
     family: ClassVar[str] = "From no acceleration"
-    source: ClassVar[str] = ""
-    doi: ClassVar[str] = ""
+    source: ClassVar[str] = "Hulbert and Hughes (1987)"
+    doi: ClassVar[str] = "10.1002/eqe.4290150710"
 
     def start(self, problem, u0, v0, dt):
         """State at t = 0 without acceleration."""
