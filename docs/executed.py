@@ -1,9 +1,8 @@
 """Pages whose numbers come from the datasets.
 
-The Python of the first page and of a page of the gallery runs when the site is built, and what a block prints follows
-it. In any page the role ``eval`` is the value of an
-expression in the names that this Python defines, in ``n``, the numbers of the article, and in functions of
-:mod:`docs.text`.
+The Python of some pages runs when the site is built, and what a block prints follows it. In any page the role ``eval``
+is the value of an expression in the names that this Python defines, in ``n``, the numbers of the article, and in
+functions of :mod:`docs.text`.
 """
 
 import contextlib
@@ -22,6 +21,8 @@ from study.words import listed, number, percent
 
 _CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _KEY = "names of expressions"
+#: Pages whose Python runs, in addition to those of the gallery.
+_EXECUTED = ("index", "how_to/choose")
 
 
 def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
@@ -62,7 +63,7 @@ class Eval(SphinxRole):
 
 
 def _before_page(app: Any, docname: str, source: list[str]) -> None:
-    executed = docname == "index" or docname.startswith("gallery/")
+    executed = docname in _EXECUTED or docname.startswith("gallery/")
     try:
         text, names = run(source[0] if executed else "", app.srcdir.parent / "results")
         app.env.current_document[_KEY] = names
