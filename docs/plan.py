@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+from paper.products import discover
+
 PAGES = Path(__file__).parent / "pages"
 #: Datasets that pages of schemes read.
 OF_SCHEMES = (
@@ -16,6 +18,8 @@ OF_SCHEMES = (
 )
 #: Numbers of the article, and its table of decisions.
 NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
+#: The declaration of that table, which the table of recommendations makes again of fewer schemes.
+(RECOMMENDED,) = (one for one in discover(["tables"]) if one.name == "decision")
 #: Files of the results that are part of the site.
 PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf")
 
@@ -38,6 +42,7 @@ def reads() -> list[str]:
     """The files of the results that the site reads."""
     pages = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.rglob("*.md")))
     questions = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.glob("gallery/*.md")))
-    datasets = dict.fromkeys([*OF_SCHEMES, *re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)])
+    opened = re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)
+    datasets = dict.fromkeys([*OF_SCHEMES, *RECOMMENDED.datasets, *opened])
     figures = dict.fromkeys(re.findall(r"/(figures/\w+\.svg)", pages))
     return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, DECISION, *PRODUCTS]

@@ -13,7 +13,7 @@ from docs import scheme_results
 from docs.confirmed import names_in_codes, printed_limit
 from docs.docstrings import parsed
 from docs.scheme_curves import linear_theory
-from docs.text import definitions, described
+from docs.text import definitions, described, found_by
 from docs.theory import STEPS, Theory, theory_of
 from study.words import number
 
@@ -157,6 +157,7 @@ def scheme_page(subject: Subject, library: Library) -> str:
     }
     parts = [
         f"# {title}: numerical damping, stability, order and cost",
+        found_by([subject.name, *library.aliases.get(subject.name, [])]),
         summary,
         _facts(subject, library.aliases.get(subject.name, [])),
         *(f"## {heading}\n\n{text}" for heading, text in sections.items()),

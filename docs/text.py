@@ -21,3 +21,9 @@ def described(description: str, body: str, hide_toc: bool = False) -> str:
     sentence = description.replace('"', "'")
     hidden = "hide-toc: true\n" if hide_toc else ""
     return f'---\n{hidden}myst:\n  html_meta:\n    description: "{sentence}"\n---\n\n{body}'
+
+
+def found_by(names: Iterable[str]) -> str:
+    """Entries of the index, which the search of the site puts first."""
+    entries = ", ".join(f"! {name.replace('_', ' ')}" for name in names)
+    return f"```{{index}} {entries}\n```"

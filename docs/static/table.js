@@ -27,7 +27,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
     const words = form.elements.words.value.toLowerCase().split(/\s+/).filter(Boolean);
     const chosen = form.elements.chosen.checked;
     for (const row of body.rows) {
-      const text = row.textContent.toLowerCase(), ticked = row.querySelector("input").checked;
+      const text = `${row.textContent} ${row.dataset.words}`.toLowerCase(), ticked = row.querySelector("input").checked;
       row.hidden = !words.every((word) => text.includes(word)) || (chosen && !ticked);
     }
   };

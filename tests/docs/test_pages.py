@@ -67,8 +67,9 @@ def test_expressions_of_a_page_use_its_python_the_numbers_and_words(tmp_path):
     (results / "numbers.json").write_text(json.dumps({"claims": "56"}))
     data = xr.Dataset({"u": ("t", [1.0, 2.5])}, attrs={"source": io.SOURCE})
     io.write(data, results / "own" / "data.nc")
-    page = '```python\nimport study\n\ntop = study.open_dataset("own/data").u.max().item()\n```\n'
-    names = executed.names_of(page, results)
+    page = '```python\nimport study\n\ntop = study.open_dataset("own/data").u.max().item()\nprint(top)\n```\n'
+    shown, names = executed.run(page, results)
+    assert shown == page + "\n```text\n2.5\n```\n"
     assert eval('n["claims"], number(top), listed("ab")', names) == ("56", "2.5", "a and b")
 
 

@@ -99,8 +99,8 @@ def test_numbers_as_they_stand_on_pages():
 
 def test_the_table_has_every_scheme_and_column(library):
     table = table_of([library.subject(name) for name in library.schemes], library)
-    assert table.count("<tr>") == 1 + 3 and table.count("<button") == len(COLUMNS)
-    assert all(row.count("<td") == len(COLUMNS) for row in table.split("<tr>")[2:])
+    assert table.count("<tr") == 1 + 3 and table.count("<button") == len(COLUMNS)
+    assert all(row.count("<td") == len(COLUMNS) for row in table.split("<tr")[2:])
 
 
 def test_names_in_other_codes_can_be_checked():

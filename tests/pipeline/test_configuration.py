@@ -14,7 +14,7 @@ from snakemake.utils import update_config
 
 import study
 from paper import products
-from pipeline import configuration
+from pipeline import configuration, keys
 from pipeline.datasets import steps_of
 from pipeline.sources import Sources
 from study.declaration.experiment import discover
@@ -251,3 +251,23 @@ def test_any_configuration_is_accepted_or_refused_in_one_sentence(config, chance
     assert len(names) == len(set(names)) and not any(".." in name or name.startswith("/") for name in names)
     if chance == 1:
         assert all(step.jobs for step in steps_of(EXPERIMENTS, whole, SOURCES))
+
+
+def test_the_page_of_the_keys_is_current():
+    """``python -m pipeline.keys > config/README.md`` writes it."""
+    assert keys.page() == (PROJECT / "config" / "README.md").read_text()
+
+
+def test_the_page_of_the_keys_has_every_key_of_the_configurations(config):
+    listed = {re.sub(r"\[\]", "", key) for key in re.findall(r"^\| `([\w.\[\]]+)` \|", keys.page(), re.MULTILINE)}
+    patterns = [re.compile(key.replace("NAME", r"\w+")) for key in listed]
+
+    def keys_of(value, place):
+        if isinstance(value, dict):
+            for key, one in value.items():
+                yield from keys_of(one, f"{place}.{key}".lstrip("."))
+        else:
+            yield place
+
+    unknown = [key for key in keys_of(config, "") if not any(one.fullmatch(key) for one in patterns)]
+    assert len(listed) > 50 and unknown == []
