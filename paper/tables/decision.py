@@ -95,8 +95,8 @@ def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
 
 
 def _steps_of_spring(spring: xr.Dataset, kind: str, error: float, quantity: str) -> pd.DataFrame:
-    """The schemes of a class with the fewest forces, each with the finer one of its steps for a quantity and energy."""
-    wanted = (error, quantity), (LEVEL, "energy")
+    """The schemes of a class with the fewest forces, each with the finest of its steps for a quantity, energy, phase."""
+    wanted = {(error, quantity), (LEVEL, "energy"), (LEVEL, "phase")}
     needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
     needs = needs[needs.kind == kind].sort_values("step_size")
     kept = needs[needs.step_size.groupby(level="scheme").transform("count") == len(wanted)]
@@ -211,17 +211,25 @@ def _losing(one: xr.Dataset) -> str:
     return f"kept only by {_first(best_first.scheme_title.values.tolist())}"
 
 
+def _set_by_velocity(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str, float]) -> str:
+    """Says so if a coarser step would do were it not for the velocity."""
+    without = runs.drop_vars("velocity_error")
+    differs = any(_fewest_forces(runs, error, e, limits) != _fewest_forces(without, error, e, limits) for e in ERRORS)
+    return "the velocity sets the step" if differs else ""
+
+
 def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]:
     for problem in structures.problem.values:
         for k, what in enumerate(("displacement", "energy")):
             for c, (name, one) in enumerate(_by_class(structures.sel(problem=problem))):
                 size = one.displacement_error if what == "displacement" else one.max_energy_imbalance
+                warnings = [_losing(one) if k == 0 else "", _set_by_velocity(one, size, limits)]
                 yield {
                     "Problem": sentence(one.problem_title.item()) if k == c == 0 else "",
                     "Right in": what if c == 0 else "",
                     "Scheme": name,
                     **{_column(error): _cell(_fewest_forces(one, size, error, limits)) for error in ERRORS},
-                    "Beware of": _losing(one) if k == 0 else "",
+                    "Beware of": "; ".join(filter(None, warnings)),
                 }
 
 
@@ -284,8 +292,8 @@ def tabulate(
     """One row per kind of problem and what must be right; a dash where no scheme keeps the error.
 
     Explicit and implicit schemes have a row each. A cell names the scheme of its class with the fewest evaluations of
-    the force; numbers within a tenth tie, and of these the smallest error is named. The energy of a spring must be
-    right to ``LEVEL`` too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
+    the force; numbers within a tenth tie, and of these the smallest error is named. Energy and phase of a spring
+    must be right to ``LEVEL`` too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
     highest ω of the motion, below the stability limit of the linear theory if there is one.
     """
     limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()
