@@ -157,11 +157,13 @@ def restarted(folder: Path) -> None:
 
 
 if __name__ == "__main__":
+    output = Path(sys.argv[2])
+    output.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as place:
         undisturbed, tortured = (copied(Path(place, name)) for name in ("undisturbed", "tortured"))
         for one in (undisturbed, tortured):
             restarted(one)
         summary = torture(undisturbed, tortured, int(sys.argv[1]))
-    Path(sys.argv[2]).write_text(summary.to_csv(index=False))
+    output.write_text(summary.to_csv(index=False))
     print(summary.to_string(index=False))
     sys.exit(bool(summary[["differences", "unfinished files left"]].to_numpy().any()))
