@@ -35,7 +35,7 @@ check: .venv/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# times beside C, OpenSees where it is installed, and other parts of the study
+# times compared with C, OpenSees where it is installed, and other parts of the study
 benchmark: .venv/ready
 	$(BIN)/python tools/benchmarks/benchmark.py results/benchmark.nc
 

@@ -135,7 +135,7 @@ def torture(undisturbed: Path, tortured: Path, kills: int, seed: int = 0) -> pd.
         If a call after a kill does not end well.
     """
     choose, expected, rows = random.Random(seed), _hashes(undisturbed), []
-    latest = min(_undisturbed(tortured, choose) for _ in range(2))  # the first call in a copy plans anew
+    latest = min(_undisturbed(tortured, choose) for _ in range(2))  # the first call in a copy plans again
     for number in range(kills):
         mode = list(MODES)[number % len(MODES)]
         _remove(tortured, choose)

@@ -95,7 +95,7 @@ def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
 
 
 def _steps_of_spring(spring: xr.Dataset, kind: str, error: float, quantity: str) -> pd.DataFrame:
-    """The schemes of a class with the fewest forces, each with the finest of its steps for a quantity, energy, phase."""
+    """The schemes of a class with the fewest forces, each with its finest step for quantity, energy and phase."""
     wanted = {(error, quantity), (LEVEL, "energy"), (LEVEL, "phase")}
     needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
     needs = needs[needs.kind == kind].sort_values("step_size")
