@@ -8,13 +8,15 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 import study
 from docs import scheme_results
 from docs.confirmed import names_in_codes, printed_limit
 from docs.docstrings import parsed
 from docs.scheme_curves import linear_theory
 from docs.text import definitions, described, found_by
-from docs.theory import STEPS, Theory, theory_of
+from docs.theory import PARTS, STEPS, Theory, theory_of
 from study.words import number
 
 #: Fields of a scheme that are labels and no parameters.
@@ -87,6 +89,19 @@ def high_frequencies(theory: Theory) -> str:
     return f"spectral radius ρ∞ = {number(theory.at_infinity)} at infinite frequency"
 
 
+def overshoot(theory: Theory) -> str:
+    """Growth of the first step, and the largest of 64 steps, in a phrase."""
+    if not math.isinf(theory.limit):
+        return "bounded by the stability limit"
+    (u_from_u, v_from_u), (u_from_v, v_from_v) = np.round(theory.growth).astype(int)
+    powers = f"U{u_from_u}V{v_from_u} from u₀ and U{u_from_v}V{v_from_v} from u̇₀"
+    displacement, velocity = (number(value, 2) for value in theory.overshoot)
+    return (
+        f"{powers}, the powers of ωΔt with which displacement (U) and velocity (V) grow in a long first step; at most "
+        f"{displacement} and {velocity} in 64 steps from rest, at steps up to {number(PARTS[-1])} periods"
+    )
+
+
 def forces(scheme: study.Scheme) -> str:
     """Forces that a step evaluates, in a phrase."""
     counted = [f"{scheme.forces_per_step} a step"] if scheme.forces_per_step else []
@@ -113,6 +128,7 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
             "stable": stability(theory),
             **({"stable, as printed": printed} if (printed := printed_limit(subject.name)) else {}),
             "high frequencies": high_frequencies(theory),
+            "overshoot": overshoot(theory),
             f"at {STEPS} steps a period": scheme_results.by_the_rule_of_thumb(theory) + ", in linear theory",
             "forces": forces(scheme),
             "memory": f"{theory.memory} vectors of the size of u from step to step",

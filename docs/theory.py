@@ -31,6 +31,10 @@ class Theory(NamedTuple):
         ωΔt up to which the scheme is stable.
     at_infinity
         Spectral radius at infinite frequency; NaN for a scheme that is unstable there.
+    growth
+        Exponents of ωΔt with which the first step grows, as :meth:`study.LinearTheory.growth` has them.
+    overshoot
+        Largest displacement and velocity of 64 steps from rest over their sizes, less one, over all stable step sizes.
     memory
         Vectors of the size of u in the state that a step hands to the next.
     """
@@ -44,6 +48,8 @@ class Theory(NamedTuple):
     order_with_damping: float
     limit: float
     at_infinity: float
+    growth: np.ndarray
+    overshoot: np.ndarray
     memory: int
 
 
@@ -68,5 +74,7 @@ def theory_of(scheme: study.Scheme) -> Theory:
         study.LinearTheory(scheme, PARTS, damping_ratio=DAMPED).order(),
         limit,
         np.nan if np.isfinite(limit) else at_infinity * (at_infinity > _NO_RADIUS),
+        undamped.growth(),
+        np.nanmax(undamped.overshoot(), axis=1, initial=0.0),
         undamped.matrices.shape[-1],
     )

@@ -18,9 +18,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
-from jaxtyping import Complex, Float
+from jaxtyping import Float
 
 from study.algebra.jit import jit
+from study.analysis.eigenvalues import Matrices, Points, Roots, eigenvalues, followed
 from study.marching.arguments import resolve
 from study.marching.program import unlabelled
 from study.mechanics.definition import Problem
@@ -28,23 +29,14 @@ from study.scheme.base import Scheme
 from study.scheme.contract import started, stepped
 from study.scheme.named import schemes
 
-#: A number for each step size, shape (points,).
-Points = Float[np.ndarray, "points"]
-
 #: What can be made into such an array.
 PointsLike = Float[Any, "points"]
 
-#: A complex number for each step size, shape (points,).
-ComplexPoints = Complex[np.ndarray, "points"]
-
-#: Eigenvalues for each step size, shape (points, m).
-Roots = Complex[np.ndarray, "points m"]
-
-#: A matrix for each step size, shape (points, m, m).
-Matrices = Float[np.ndarray, "points m m"]
-
 #: Values of displacement and velocity for each step size, shape (2, points).
 Pairs = Float[np.ndarray, "2 points"]
+
+#: Exponents of displacement and velocity from u₀ and from u̇₀, shape (2, 2).
+Growth = Float[np.ndarray, "2 2"]
 
 #: Largest excess of a spectral radius over one that counts as round-off.
 GROWTH = 1e-8
@@ -57,6 +49,9 @@ ROUND_OFF = 1e-11
 
 #: Number of steps in which overshoot is measured.
 OVERSHOOT_STEPS = 64
+
+#: Values of Ω between which the growth of the first step is measured.
+LONG = (1e4, 1e6)
 
 #: Δt/T that stands for infinity.
 INFINITE = 1e12
@@ -93,10 +88,15 @@ def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.A
     return jax.jacfwd(step)(flat)
 
 
-def _initial_state(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
-    """The scheme's whole state at u = 1 and u̇ = 0, as a vector."""
-    state, _ = started(scheme, oscillator(damping_ratio), jnp.ones(()), jnp.zeros(()), 2 * jnp.pi * dt_over_period)
-    return ravel_pytree(state)[0]
+def _initial_states(scheme: Scheme, dt_over_period, damping_ratio) -> jax.Array:
+    """The scheme's whole states at u = 1 and u̇ = 0, and at u = 0 and u̇ = 1, of shape (2, m)."""
+
+    def state(start):
+        return ravel_pytree(
+            started(scheme, oscillator(damping_ratio), start[0], start[1], 2 * jnp.pi * dt_over_period)[0]
+        )[0]
+
+    return jax.vmap(state)(jnp.eye(2))
 
 
 @partial(jit, compiler=eqx.filter_jit)
@@ -186,7 +186,7 @@ class LinearTheory:
             raise ValueError(f"damping_ratio must be at least 0 and less than 1, not {damping_ratio}.")
         self._scheme, self._dt_over_period, self._damping_ratio = scheme, parts, damping_ratio
         self.matrices = self._of_each(amplification_matrix, parts)
-        self.roots = _eigenvalues(self.matrices)
+        self.roots = eigenvalues(self.matrices)
         self.spectral_radius = np.abs(self.roots).max(axis=-1)
 
     def _of_each(self, function, dt_over_period) -> np.ndarray:
@@ -200,7 +200,7 @@ class LinearTheory:
         return np.concatenate([_at_each(function, unlabelled(self._scheme), tile, damping) for tile in tiles])[:points]
 
     def _radius(self, dt_over_period: Points) -> Points:
-        return np.abs(_eigenvalues(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)
+        return np.abs(eigenvalues(self._of_each(amplification_matrix, dt_over_period))).max(axis=-1)
 
     def _first_unstable(self, omega: Points) -> int | None:
         """Index of the first unstable Ω, searched tile by tile; None if all are stable."""
@@ -238,7 +238,7 @@ class LinearTheory:
         It is the largest :math:`|u| - 1` and :math:`|\dot u|/\omega - 1`, zero for the exact motion, and NaN at
         unstable step sizes.
         """
-        state = self._of_each(_initial_state, self._dt_over_period)
+        state = self._of_each(_initial_states, self._dt_over_period)[:, 0]
         largest = np.ones((2, len(state)))
         stable = self.spectral_radius <= 1 + GROWTH
         for _ in range(OVERSHOOT_STEPS):
@@ -246,13 +246,33 @@ class LinearTheory:
             largest = np.maximum(largest, np.abs(state[:, :2].T))
         return np.where(stable, largest - 1, np.nan)
 
+    def growth(self) -> Growth:
+        r"""Exponents of Ω with which the first step grows for Ω → ∞, of shape (2, 2).
+
+        The first row is that of :math:`|u_1|` and :math:`|\dot u_1|/\omega` from u = 1 and u̇ = 0, the second from
+        u = 0 and u̇ = ω. Zero stands for what stays bounded. Those of a scheme with a stability limit are of its
+        instability.
+
+        References
+        ----------
+        H. M. Hilber, T. J. R. Hughes, Collocation, dissipation and 'overshoot' for time integration schemes in
+        structural dynamics, Earthquake Eng. Struct. Dyn. 6(1), 1978, 99-117.
+        X. Zhou, K. K. Tamma, Design, analysis, and synthesis of generalized single step single solve and optimal
+        algorithms for structural dynamics, Int. J. Numer. Methods Eng. 59(5), 2004, 597-668.
+        """
+        ends = np.array(LONG) / (2 * np.pi)
+        states = self._of_each(_initial_states, ends)
+        first = np.abs(np.einsum("pij,psj->psi", self._of_each(amplification_matrix, ends), states)[..., :2])
+        slopes = np.log(np.maximum(first[1], 1.0) / np.maximum(first[0], 1.0)) / np.log(LONG[1] / LONG[0])
+        return np.maximum(slopes, 0.0)
+
     @property
     def _exponent(self) -> complex:
         """−ξ + i √(1 − ξ²): the exact motion is exp(exponent · Ω)."""
         return -self._damping_ratio + 1j * np.sqrt(1 - self._damping_ratio**2)
 
     def _principal_logarithm(self) -> np.ndarray:
-        return _followed(self.roots, self._exponent, 2 * np.pi * self._dt_over_period)
+        return followed(self.roots, self._exponent, 2 * np.pi * self._dt_over_period)
 
     def motion(self) -> NumericalMotion:
         """Period and damping of the numerical motion."""
@@ -277,28 +297,3 @@ class LinearTheory:
         if fine.sum() < 3:
             return np.nan
         return float(np.polyfit(np.log(omega[fine]), np.log(error[fine]), 1)[0]) - 1
-
-
-def _eigenvalues(matrices: Matrices) -> Roots:
-    """Eigenvalues, of shape (points, m), infinite where a matrix overflows."""
-    finite = np.isfinite(matrices).all(axis=(1, 2))
-    roots = np.full(matrices.shape[:2], complex(np.inf))
-    roots[finite] = np.linalg.eigvals(matrices[finite])
-    return roots
-
-
-def _followed(roots: Roots, exponent: complex, omega: Points) -> ComplexPoints:
-    """Logarithm of the root that tends to exp(exponent · Ω) for Ω → 0, followed over step sizes; NaN once real."""
-    result = np.full(len(omega), complex(np.nan, np.nan))
-    last, slope = (0.0, 0j), exponent
-    for i, (candidates, step) in enumerate(zip(roots, omega, strict=True)):
-        expected = last[1] + slope * (step - last[0])
-        root = candidates[np.argmin(np.abs(candidates - np.exp(expected)))]
-        if abs(root.imag) <= 1e-9 * abs(root):
-            break
-        # the nearest branch of the logarithm, since a step may be longer than half a period
-        turns = np.round((expected - np.log(root)).imag / (2 * np.pi))
-        result[i] = np.log(root) + 2j * np.pi * turns
-        slope = (result[i] - last[1]) / (step - last[0])
-        last = step, result[i]
-    return result

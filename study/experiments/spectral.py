@@ -37,6 +37,10 @@ _NUMBERS = {
     "linear_order": "order with which the principal roots approach the exact ones",
     "order_rederived": "the same where the acceleration is taken from the equation of motion after every step; NaN "
     "where the scheme has none",
+    "growth_u_from_u": "exponent of ωΔt with which the displacement of the first long step grows from u₀",
+    "growth_v_from_u": "exponent of ωΔt with which the velocity of the first long step over ω grows from u₀",
+    "growth_u_from_v": "exponent of ωΔt with which ω times the displacement of the first long step grows from u̇₀",
+    "growth_v_from_v": "exponent of ωΔt with which the velocity of the first long step grows from u̇₀",
 }
 
 
@@ -59,6 +63,7 @@ def _order_rederived(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: 
 def _of_scheme(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float) -> dict[str, np.ndarray | float]:
     theory = LinearTheory(scheme, dt_over_period, damping_ratio)
     motion, (displacement, velocity) = theory.motion(), theory.overshoot()
+    (u_from_u, v_from_u), (u_from_v, v_from_v) = theory.growth().tolist()
     return {
         "spectral_radius": theory.spectral_radius,
         "period_elongation": motion.period_elongation,
@@ -70,6 +75,10 @@ def _of_scheme(scheme: Scheme, dt_over_period: np.ndarray, damping_ratio: float)
         "infinite_frequency_radius": theory.infinite_frequency_radius(),
         "linear_order": theory.order(),
         "order_rederived": _order_rederived(scheme, dt_over_period, damping_ratio),
+        "growth_u_from_u": u_from_u,
+        "growth_v_from_u": v_from_u,
+        "growth_u_from_v": u_from_v,
+        "growth_v_from_v": v_from_v,
     }
 
 

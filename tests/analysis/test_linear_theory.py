@@ -270,3 +270,17 @@ def test_a_scheme_that_grows_weakly_is_stable_at_no_step():
     # Heun's method: |R|² = 1 + Ω⁴/4, which is within round-off of one at small steps
     scope = runpy.run_path("examples/scheme.py")
     assert study.LinearTheory(scope["heun"], np.logspace(-3, 0, 5)).stability_limit() == 0.0
+
+
+@pytest.mark.parametrize(
+    "name, from_u, from_v",
+    [
+        ("average_acceleration", [0, 0], [0, 0]),
+        ("hht_alpha", [0, 1], [0, 0]),
+        ("wilson_theta", [2, 1], [1, 0]),  # as Hilber and Hughes have it for collocation
+        ("central_difference", [2, 3], [1, 2]),  # u₁ = (1 − Ω²/2) u₀ + Ω v₀
+        ("chen_ricles", [0, 0], [1, 0]),
+    ],
+)
+def test_powers_of_overshoot(name, from_u, from_v):
+    np.testing.assert_allclose(LinearTheory(name, PARTS).growth(), [from_u, from_v], atol=0.01)

@@ -1,0 +1,40 @@
+"""Numbers of the text: the order of schemes under the circumstances of real problems."""
+
+import numpy as np
+import xarray as xr
+
+from paper.claims.wording import joined
+from paper.products import numbers
+from paper.tables.order_under_reality import LOST
+from study.words import printed, span
+
+#: Circumstances with kinks of the force, and those in which all is smooth.
+KINKED, SMOOTH = ["hysteresis", "contact"], ["plain", "damping", "load"]
+#: Orders that are no more than one and two, up to what the fit leaves.
+ONE, TWO = 1.6, 2.5
+
+
+@numbers(orders="order_under_reality", asks={"order_under_reality.schemes": ["generalized_alpha"]})
+def of_order_under_reality(orders: xr.Dataset) -> dict:
+    """What is left of the order, and where nothing is."""
+    observed, data = orders.observed_order, {"orders": orders}
+    displacement = observed.sel(quantity="displacement")
+    kinked = displacement.sel(circumstance=KINKED)
+    wrong, plain = (displacement.sel(circumstance=name) for name in ("inconsistent_start", "plain"))
+    depends = orders.scheme.values[(plain - wrong > LOST).values]
+    alpha = observed.sel(scheme="generalized_alpha", circumstance=["damping", "load"])
+    late, moved = (alpha.sel(quantity=name) for name in ("acceleration", "displacement"))
+    supports = sorted(name for name in orders.circumstance.values if name.startswith("support_"))
+    failed = orders.status.sel(quantity="displacement") == orders.status.flag_meanings.split().index("failed")
+    lost = failed.sel(circumstance=supports[-1])
+    return {
+        "reality_schemes": orders.sizes["scheme"],
+        "reality_kinks_highest": f"{float(kinked.max()):.1f}",
+        "reality_kinks_take_all": bool(kinked.max() < TWO and displacement.sel(circumstance=SMOOTH).max() > TWO + 1),
+        "reality_start": span(wrong.sel(scheme=depends), ".1f") if len(depends) else None,
+        "reality_start_schemes": joined(depends, data),
+        "reality_alpha_is_late": bool(late.max() < ONE and moved.min() > ONE),
+        "reality_alpha": span(late, ".1f"),
+        "reality_ratio": printed(f"{orders.stiffness_ratio.max().item():.0e}"),
+        "reality_support_failed": joined(orders.scheme.values[np.asarray(lost)], data),
+    }

@@ -1,0 +1,27 @@
+"""Numbers of the text: cost at one percent of error, and schemes that another dominates."""
+
+import numpy as np
+import xarray as xr
+
+from paper.claims.wording import joined
+from paper.products import numbers
+from paper.respects import ALLOWED, costs, dominated_by, respects
+
+
+@numbers(asks={"spectral.damping_ratios": [0.0]})
+def of_respects(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> dict:
+    """Schemes compared on all problems, the cheapest on most, and those that are dominated."""
+    forces = costs(kinks, structures)
+    of, data = respects(forces, spectral), {"spectral": spectral}
+    names = forces.scheme.values
+    dominated = [name for name in names if dominated_by(of, name)]
+    everywhere = names[forces.notnull().all("problem").values]
+    cheapest = forces.fillna(np.inf).idxmin("scheme").values.tolist()
+    return {
+        "respects_schemes": len(names),
+        "respects_problems": forces.sizes["problem"],
+        "respects_error": f"{100 * ALLOWED:g}",
+        "respects_dominated": joined(dominated, data),
+        "respects_everywhere": joined(everywhere, data),
+        "respects_cheapest": joined(sorted(set(cheapest), key=lambda name: -cheapest.count(name)), data),
+    }

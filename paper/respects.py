@@ -1,0 +1,56 @@
+"""In which respects one scheme is better than another: cost at equal error, dissipation, stability and overshoot."""
+
+import numpy as np
+import xarray as xr
+
+#: Error of the displacement, over its size, at which costs are compared, and steps in a period of the damping.
+ALLOWED, RESOLVED = 0.01, 20
+#: Relative difference of two numbers that are equal.
+EQUAL = 1e-6
+
+
+def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
+    """Forces that a period takes with the fewest steps from which on all finer ones keep the allowed error."""
+    fine = runs.sortby("steps_per_period", ascending=False)
+    of_step = fine.forces_per_step + fine.forces_per_iteration * fine.iterations_per_step
+    kept = (fine[error] <= ALLOWED).astype(int).cumprod("steps_per_period")
+    return (fine.steps_per_period * of_step).where(kept == 1).min("steps_per_period")
+
+
+def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:
+    """Forces in a period for the allowed error, (problem, scheme), NaN where no step keeps it, of schemes in both."""
+    common = [name for name in kinks.scheme.values if name in structures.scheme.values]
+    parts = [_forces(kinks.sel(scheme=common), "error"), _forces(structures.sel(scheme=common), "displacement_error")]
+    return xr.concat(parts, "problem", coords="minimal", compat="override").transpose("problem", "scheme")
+
+
+def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
+    """Numbers of which less is better, (respect, scheme): costs, then what linear theory tells without damping.
+
+    They are the spectral radius at infinite frequency, the damping of a resolved oscillation, the inverse of the
+    stability limit, and the largest power of the step with which a long first step grows. A scheme with a stability
+    limit has an infinite radius.
+    """
+    free = spectral.sel(damping_ratio=0, scheme=costs_at.scheme.values)
+    limited = np.isfinite(free.stability_limit)
+    powers = [free[f"growth_{one}_from_{start}"] for one in "uv" for start in "uv"]
+    rows = [
+        free.infinite_frequency_radius.where(~limited, np.inf),
+        abs(free.algorithmic_damping.sel(dt_over_period=1 / RESOLVED, method="nearest")).round(9),
+        1 / free.stability_limit,
+        xr.concat(powers, "power").max("power").where(~limited, np.inf),
+    ]
+    numbers = [*costs_at.fillna(np.inf).values, *(row.values for row in rows)]
+    return xr.DataArray(np.array(numbers), {"scheme": costs_at.scheme.values}, ["respect", "scheme"])
+
+
+def dominated_by(of: xr.DataArray, scheme: str) -> list[str]:
+    """Schemes that are at least as good in every respect and better in one."""
+    own = of.sel(scheme=scheme).values
+
+    def better(other: np.ndarray) -> bool:
+        with np.errstate(invalid="ignore"):  # two infinities are equal
+            close = np.isclose(other, own, rtol=EQUAL, atol=EQUAL)
+        return bool(((other < own) | close).all() and ((other < own) & ~close).any())
+
+    return [name for name in of.scheme.values if name != scheme and better(of.sel(scheme=name).values)]

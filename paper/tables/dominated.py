@@ -1,0 +1,27 @@
+"""Schemes that another one dominates in every respect measured."""
+
+import pandas as pd
+import xarray as xr
+
+from paper.claims.wording import joined, number
+from paper.products import table
+from paper.respects import costs, dominated_by, respects
+
+
+@table(asks={"spectral.damping_ratios": [0.0]})
+def tabulate(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
+    """One row per scheme: problems on which a step is enough, and the schemes that dominate it."""
+    forces = costs(kinks, structures)
+    of = respects(forces, spectral)
+    rows = []
+    for name in forces.scheme.values:
+        cost, others = forces.sel(scheme=name), dominated_by(of, name)
+        rows.append(
+            {
+                "Scheme": forces.scheme_title.sel(scheme=name).item(),
+                "Problems": f"{int(cost.notnull().sum())} of {cost.size}",
+                "Forces, median": number(cost.median().item(), ".0f", missing="–"),
+                "Dominated by": joined(others, {"spectral": spectral}) if others else "–",
+            }
+        )
+    return pd.DataFrame(rows)

@@ -1,0 +1,263 @@
+"""Problems with exact motions on which schemes show their order, and how runs of them end."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+from study.control.controllers import Prescribed
+from study.marching.run import run
+from study.materials import elastoplastic
+from study.mechanics.balance import acceleration
+from study.mechanics.definition import Problem
+from study.mechanics.loads import HarmonicLoad
+from study.mechanics.terms import StrainEnergy
+from study.observer.base import Reduction
+from study.scheme.base import Scheme, Wrapper
+from study.words import printed
+
+#: What is compared.
+QUANTITIES = ("displacement", "velocity", "acceleration")
+
+#: Duration of a run, and the initial velocities of the runs of which each error is the root mean square.
+DURATION, SPEEDS = 6.0, np.linspace(0.6, 1.4, 12)
+
+#: Part of the mean step by which every second step is larger, and every other one smaller.
+UNEQUAL = 1 / 3
+
+#: Relative and absolute tolerance of the references, by the method of Dormand and Prince of eighth order.
+TOLERANCES = {"rtol": 1e-13, "atol": 1e-14}
+
+
+def carries(state: Any) -> bool:
+    """Whether a state has one acceleration; some schemes have those of their stages."""
+    return hasattr(state, "a") and state.a.shape == state.u.shape
+
+
+class AtTheEnd(Reduction):
+    """Displacement, velocity and acceleration at the end: the carried one, or that of the equation of motion."""
+
+    variables: ClassVar = {name: {"long_name": name, "units": "1"} for name in QUANTITIES}
+
+    def start(self, problem, state):
+        """The time."""
+        return jnp.zeros(())
+
+    def update(self, carried, problem, state, t, effort):
+        """The time."""
+        return t
+
+    def result(self, carried, problem, state):
+        """The last state."""
+        inner = state
+        while hasattr(inner, "inner"):
+            inner = inner.inner
+        a = inner.a if carries(inner) else acceleration(problem, carried, state.u, state.v)
+        return dict(zip(QUANTITIES, (state.u, state.v, a), strict=True))
+
+
+class FromNoAcceleration(Wrapper):
+    """Another scheme that starts with no acceleration in place of that of the equation of motion."""
+
+    scheme: Scheme
+    title: str = eqx.field(default="From no acceleration", kw_only=True, static=True)
+
+    family: ClassVar[str] = "From no acceleration"
+    source: ClassVar[str] = ""
+    doi: ClassVar[str] = ""
+
+    def start(self, problem, u0, v0, dt):
+        """State at t = 0 without acceleration."""
+        state, effort = self.scheme.start(problem, u0, v0, dt)
+        return state._replace(a=jnp.zeros_like(state.a)), effort
+
+    def step(self, problem, state, t, dt):
+        """A step of the other scheme."""
+        return self.scheme.step(problem, state, t, dt)
+
+
+@dataclass(frozen=True)
+class Circumstance:
+    """A problem, the initial motions of its runs, and its exact motions.
+
+    Attributes
+    ----------
+    title
+        What it is called in figures.
+    problem
+        The problem, whose initial displacement and velocity the runs replace.
+    u0, v0
+        Initial displacements and velocities, each of shape (runs, ...).
+    exact
+        Displacement, velocity and acceleration at the end, each of the shape of ``u0``.
+    unequal, inconsistent
+        Whether steps have two sizes in turn, and whether the first acceleration is zero.
+    """
+
+    title: str
+    problem: Problem
+    u0: np.ndarray
+    v0: np.ndarray
+    exact: Mapping[str, np.ndarray]
+    unequal: bool = False
+    inconsistent: bool = False
+
+    def final(self, scheme: Scheme, counts: list[int]) -> tuple[xr.Dataset, np.ndarray]:
+        """Motions at the end with each number of steps, and whether the runs were completed, (steps, runs)."""
+        runs, most = len(self.u0), len(counts)
+        if self.inconsistent:
+            scheme = FromNoAcceleration(scheme)
+        shared: dict[str, Any] = {"observe": [AtTheEnd()], "on_failure": "ignore"}
+        if self.unequal:
+            each = [
+                run(
+                    self.problem,
+                    scheme,
+                    controller=Prescribed(DURATION / count * np.array([1 + UNEQUAL, 1 - UNEQUAL])),
+                    duration=DURATION,
+                    u0=self.u0,
+                    v0=self.v0,
+                    **shared,
+                )
+                for count in counts
+            ]
+            ds = xr.concat(each, "lane")
+        else:
+            steps = np.repeat(counts, runs)
+            starts = (np.tile(start, (most, *[1] * (start.ndim - 1))) for start in (self.u0, self.v0))
+            u0, v0 = starts
+            ds = run(self.problem, scheme, dt=DURATION / steps, steps=steps, u0=u0, v0=v0, **shared)
+        return ds, (ds.status.values == 0).reshape(most, runs)
+
+    def errors(self, scheme: Scheme, counts: list[int]) -> np.ndarray:
+        """Errors over the root mean square of the motion, (quantities, steps); NaN where a run was not completed."""
+        ds, completed = self.final(scheme, counts)
+        found = np.full((len(QUANTITIES), len(counts)), np.nan)
+        for q, name in enumerate(QUANTITIES):
+            exact = self.exact[name]
+            difference = ds[name].values.reshape(len(counts), *exact.shape) - exact
+            squares = (difference**2).reshape(len(counts), -1).mean(axis=1)
+            found[q] = np.where(completed.all(axis=1), np.sqrt(squares / (exact**2).mean()), np.nan)
+        return found
+
+
+def _by_adaptive_steps(rates: Callable, u0: np.ndarray, v0: np.ndarray, *internal: float) -> dict[str, np.ndarray]:
+    """Exact motions at the end of a system y' = rates(t, y) of first order, y = (u, u̇, internal variables)."""
+    ends = []
+    for u, v in zip(u0, v0, strict=True):
+        y = solve_ivp(rates, (0.0, DURATION), [u, v, *internal], "DOP853", **TOLERANCES).y[:, -1]
+        ends.append([y[0], y[1], rates(DURATION, y)[1]])
+    return dict(zip(QUANTITIES, np.array(ends).T, strict=True))
+
+
+# The functions have names, because problems that differ in numbers alone share what is compiled.
+
+
+def _hardening(u):
+    return u + u * u * u
+
+
+def _energy_of_hardening(u):
+    return u * u / 2 + u**4 / 4
+
+
+def _stretches(u):
+    return jnp.stack([u[0], u[1] - u[0]])
+
+
+def _densities(stiffness, stretches):
+    return stiffness * stretches**2 / 2
+
+
+def _smooth(title: str, damping: float = 0.0, amplitude: float = 0.0, **more: bool) -> Circumstance:
+    """The oscillator ü + c u̇ + u + u³ = f cos(1.5t − 0.7) from u₀ = 1."""
+    u0, v0, load = np.ones(len(SPEEDS)), SPEEDS, HarmonicLoad(amplitude, frequency=1.5, phase=0.7)
+
+    def rates(t, y):
+        return [y[1], amplitude * np.cos(1.5 * t - 0.7) - damping * y[1] - y[0] - y[0] ** 3]
+
+    problem = Problem(
+        _hardening, 1.0, potential=_energy_of_hardening, damping=damping, load=load, title="hardening oscillator"
+    )
+    return Circumstance(title, problem, u0, v0, _by_adaptive_steps(rates, u0, v0), **more)
+
+
+def _contact() -> Circumstance:
+    """The oscillator ü + u + 20 max(u − ½, 0) = 0 from u₀ = 0, a mass that meets a stop."""
+    u0, v0 = np.zeros(len(SPEEDS)), SPEEDS
+
+    def rates(t, y):
+        return [y[1], -y[0] - 20 * max(y[0] - 0.5, 0.0)]
+
+    problem = Problem(
+        lambda u: u + 20 * jnp.maximum(u - 0.5, 0.0),
+        0.0,
+        potential=lambda u: u * u / 2 + 10 * jnp.maximum(u - 0.5, 0.0) ** 2,
+        title="contact",
+    )
+    return Circumstance("contact", problem, u0, v0, _by_adaptive_steps(rates, u0, v0))
+
+
+def _hysteresis() -> Circumstance:
+    """An elastoplastic spring with k = 1, a yield force of ½ and b = 0.1, from u₀ = 0."""
+    limit, hardening, u0, v0 = 0.5, 0.1, np.zeros(len(SPEEDS)), SPEEDS
+
+    def rates(t, y):
+        u, v, elastic = y
+        yields = abs(elastic) >= limit and elastic * v > 0
+        return [v, -hardening * u - (1 - hardening) * np.clip(elastic, -limit, limit), 0.0 if yields else v]
+
+    problem = Problem(elastoplastic(1.0, limit, hardening), 0.0, title="hysteresis")
+    return Circumstance("hysteresis", problem, u0, v0, _by_adaptive_steps(rates, u0, v0, 0.0))
+
+
+def _support(ratio: float) -> Circumstance:
+    r"""Two masses in a row on a support that moves by g = cos(1.5t − 0.7); a spring of stiffness κ holds the first.
+
+    .. math::
+
+        \ddot u_1 + (\kappa + 1)\,u_1 - u_2 = \kappa g, \quad \ddot u_2 + u_2 - u_1 = 0
+
+    The exact motion is the response to the load and the slow mode. The fast mode is at rest.
+    """
+    of_load, phase = 1.5, 0.7
+    soft = 1 - of_load**2  # the second equation is u₁ = soft u₂ for the response
+    second = ratio / ((ratio + soft) * soft - 1)
+    response = np.array([soft * second, second])
+    # the smaller root of ω⁴ − (κ + 2) ω² + κ = 0, without cancellation
+    square = 2 * ratio / (ratio + 2 + np.sqrt(ratio**2 + 4))
+    mode, frequency = np.array([1 - square, 1.0]), np.sqrt(square)
+
+    def motion(t: float, derivative: int) -> np.ndarray:
+        turn = derivative * np.pi / 2
+        of_response = of_load**derivative * np.cos(of_load * t - phase + turn) * response
+        of_mode = frequency**derivative * np.cos(frequency * t + turn) * mode
+        return of_response + np.outer(SPEEDS, of_mode)
+
+    problem = Problem(
+        potential=StrainEnergy(_stretches, eqx.Partial(_densities, np.array([ratio, 1.0]))),
+        u0=np.zeros(2),
+        load=HarmonicLoad(np.array([ratio, 0.0]), frequency=of_load, phase=phase),
+        title="moving support",
+    )
+    exact = {name: motion(DURATION, derivative) for derivative, name in enumerate(QUANTITIES)}
+    return Circumstance(f"support {printed(f'{ratio:.0e}')}", problem, motion(0.0, 0), motion(0.0, 1), exact)
+
+
+def circumstances_with(ratios: list[float]) -> dict[str, Circumstance]:
+    """All circumstances, by name."""
+    return {
+        "plain": _smooth("plain"),
+        "damping": _smooth("damping", damping=0.2),
+        "load": _smooth("load", amplitude=1.0),
+        **{f"support_{i}": _support(ratio) for i, ratio in enumerate(ratios)},
+        "hysteresis": _hysteresis(),
+        "contact": _contact(),
+        "inconsistent_start": _smooth("inconsistent start", inconsistent=True),
+        "unequal_steps": _smooth("unequal steps", unequal=True),
+    }

@@ -1,0 +1,213 @@
+"""What the authors of later schemes claim beyond linear theory, measured on problems of their kind."""
+
+from collections.abc import Mapping
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from jax.flatten_util import ravel_pytree
+from scipy.integrate import solve_ivp
+
+from study.analysis.eigenvalues import eigenvalues
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Counts, Length, RisingCounts, Sizes
+from study.experiments.circumstances import DURATION, QUANTITIES, TOLERANCES, circumstances_with
+from study.marching.run import run
+from study.mechanics.definition import Problem
+from study.observer.motion import Quantity
+from study.scheme.auxiliary_variable import AuxiliaryVariable
+from study.scheme.base import Scheme
+from study.scheme.kolay_ricles import KolayRicles
+from study.scheme.named import schemes as schemes_by_name
+from study.scheme.trigonometric import Trigonometric, filters
+
+#: Schemes with a model of the structure in their coefficients, of which α-methods have ρ∞ = 1 here.
+WITH_MODEL: dict[str, Scheme] = {
+    "chen_ricles": schemes_by_name["chen_ricles"],
+    "chang": schemes_by_name["chang"],
+    "kr_alpha": KolayRicles(rho_inf=1.0),
+    "mkr_alpha": KolayRicles(rho_inf=1.0, modified=True),
+}
+#: Ratios of the tangent to the model that are tried, and the excess of a spectral radius that counts as round-off.
+RATIOS, GROWTH = np.geomspace(1.0001, 1e4, 20_000), 1e-7
+
+#: Schemes of a wave, those of a cost, and schemes beside the auxiliary variable.
+OF_WAVES = ("rho_bathe", "beta_bathe", "average_acceleration", "noh_bathe", "central_difference")
+OF_FOURTH_ORDER = ("blanes_moan4", "mclachlan4", "yoshida4", "nystrom4")
+
+#: Circular frequencies of the stiff part in the test of trigonometric methods, and the duration of its runs.
+FREQUENCIES, OSCILLATES = np.geomspace(1.0, 200.0, 48), 2.0
+
+#: Part of the bar behind the front at the end.
+REACHED = 0.7
+
+
+def _offset(stiffness):
+    """A force with the tangent 1 at u = 0, and a tangent of its own about the equilibrium u = 10."""
+    return lambda u: stiffness * (u - 10) + (1 - stiffness) * u * jnp.exp(-u * u)
+
+
+def _largest_stiffening(scheme: Scheme, dt: float) -> float:
+    """Largest tried ratio of the tangent to the model up to which the step is stable without damping; one if none."""
+
+    def matrix(ratio):
+        problem = Problem(_offset(ratio), 10.0)
+        state, _ = scheme.start(problem, jnp.asarray(10.0), jnp.zeros(()), dt)
+        flat, unflatten = ravel_pytree(state)
+        return jax.jacfwd(lambda flat: ravel_pytree(scheme.step(problem, unflatten(flat), 0.0, dt)[0])[0])(flat)
+
+    roots = eigenvalues(np.asarray(jax.jit(jax.vmap(matrix))(RATIOS)))
+    unstable = np.abs(roots).max(axis=1) > 1 + GROWTH
+    first = int(np.argmax(unstable)) if unstable.any() else len(RATIOS)
+    return float(RATIOS[first - 1]) if first else 1.0
+
+
+def _coupled(u):
+    return (u[0] - u[1]) ** 4 / 4 + u[0] ** 2 / 2
+
+
+def _oscillatory(omega) -> Problem:
+    """A soft unknown and a stiff one of circular frequency ω, which start with energies that do not depend on ω."""
+    return Problem(
+        potential=_coupled, stiffness=jnp.stack([0.0 * omega, omega**2]), u0=jnp.stack([1 + 0 * omega, 1 / omega]),
+        v0=jnp.ones(2), tangent="dense",
+    )  # fmt: skip
+
+
+def _exact_oscillatory(omega: float) -> np.ndarray:
+    def rates(t, y):
+        force = (y[0] - y[1]) ** 3
+        return [y[2], y[3], -force - y[0], force - omega**2 * y[1]]
+
+    start = [1.0, 1 / omega, 1.0, 1.0]
+    return solve_ivp(rates, (0.0, OSCILLATES), start, "DOP853", **TOLERANCES).y[:2, -1]
+
+
+def _errors_of_trigonometric(steps: list[int]) -> np.ndarray:
+    """Largest error of the displacements over all frequencies, (member, steps)."""
+    exact = np.array([_exact_oscillatory(omega) for omega in FREQUENCIES])
+    final = Quantity(lambda u: u, name="end", reduce="final")
+    errors = np.empty((len(filters), len(steps)))
+    for m, member in enumerate(filters):
+        progress(f"error of {member}")
+        for k, count in enumerate(steps):
+            ds = run(
+                _oscillatory,
+                Trigonometric(member),
+                over={"omega": FREQUENCIES},
+                dt=OSCILLATES / count,
+                steps=count,
+                observe=[final],
+                on_failure="ignore",
+            )
+            errors[m, k] = np.abs(ds.end.values - exact).max()
+    return errors
+
+
+class _Push(eqx.Module):
+    """A unit force on the first unknown from t = 0 on."""
+
+    n: int = eqx.field(static=True)
+
+    def __call__(self, t):
+        return jnp.zeros(self.n).at[0].set(1.0)
+
+
+def _error_of_wave(scheme: str, courant: float, elements: int) -> float:
+    """Root mean square error of the velocity along a bar that is pushed at one end, when a part has been reached.
+
+    Lumped masses, wave speed and impedance 1: the exact velocity is 1 behind the front and 0 ahead of it.
+    """
+    h = 1 / elements
+    stiffness = (np.diag(np.full(elements, 2.0)) - np.eye(elements, k=1) - np.eye(elements, k=-1)) / h
+    stiffness[0, 0] = 1 / h
+    mass = np.full(elements, h)
+    mass[0] = h / 2
+    bar = Problem(stiffness=stiffness, u0=np.zeros(elements), mass=mass, load=_Push(elements), title="pushed bar")
+    steps = round(REACHED / (courant * h))
+    v = run(bar, scheme, dt=REACHED / steps, steps=steps, every=steps, on_failure="ignore").v.values[-1]
+    return float(np.sqrt(np.mean((v - (np.arange(elements) * h < REACHED)) ** 2)))
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    waves = sum(REACHED * options["elements"] / courant for courant in options["courant"]) * len(OF_WAVES)
+    return 64 * len(filters) * sum(options["steps"]) + waves
+
+
+@experiment("later_schemes", steps=_number_of_steps)
+def later_schemes(
+    omega_steps: Sizes, steps: RisingCounts, courant: Sizes, elements: Length, long_steps: Sizes, forces: Counts
+) -> xr.Dataset:
+    """Measure what the authors of later schemes claim beyond linear theory.
+
+    Parameters
+    ----------
+    omega_steps
+        ωΔt of the model, at which schemes with a model of the structure show how far the tangent may exceed it.
+    steps
+        Numbers of steps of trigonometric methods on a soft and a stiff unknown, and of the auxiliary variable.
+    courant, elements
+        Steps over the time in which a wave crosses an element, and elements of the bar.
+    long_steps
+        Steps of the auxiliary variable on the hardening oscillator ü + u + u³ = 0, over a thousand of them.
+    forces
+        Forces that schemes of fourth order evaluate over the same motion.
+    """
+    plain = circumstances_with([])["plain"]
+    average = schemes_by_name["average_acceleration"]
+    auxiliary: dict[str, Scheme] = {"auxiliary_variable": AuxiliaryVariable(), "average_acceleration": average}
+    displacement = QUANTITIES.index("displacement")
+    peaks = [
+        float(run(plain.problem, AuxiliaryVariable(), dt=dt, steps=1000, observe="peak", on_failure="ignore").peak)
+        for dt in long_steps
+    ]
+    fourth = [
+        plain.errors(schemes_by_name[name], [count // schemes_by_name[name].forces_per_step for count in forces])
+        for name in OF_FOURTH_ORDER
+    ]
+    error = {"long_name": "error of the displacement over the motion", "units": "1"}
+    return xr.Dataset(
+        {
+            "largest_stiffening": (
+                ("with_model", "omega_step"),
+                [[_largest_stiffening(scheme, dt) for dt in omega_steps] for scheme in WITH_MODEL.values()],
+                {"long_name": "largest ratio of the tangent to the model up to which a step is stable", "units": "1"},
+            ),
+            "trigonometric_error": (
+                ("member", "steps"),
+                _errors_of_trigonometric(steps),
+                {"long_name": "largest error of the displacements over all frequencies", "units": "1"},
+            ),
+            "wave_error": (
+                ("wave_scheme", "courant"),
+                [[_error_of_wave(name, number, elements) for number in courant] for name in OF_WAVES],
+                {"long_name": "root mean square error of the velocity along a bar over its size", "units": "1"},
+            ),
+            "auxiliary_error": (
+                ("auxiliary", "steps"),
+                [plain.errors(scheme, steps)[displacement] for scheme in auxiliary.values()],
+                error,
+            ),
+            "auxiliary_peak": (
+                "long_step",
+                peaks,
+                {"long_name": "largest displacement of a thousand steps of the auxiliary variable", "units": "1"},
+            ),
+            "fourth_order_error": (("of_fourth_order", "forces"), [one[displacement] for one in fourth], error),
+        },
+        coords={
+            "with_model": ("with_model", list(WITH_MODEL), {"long_name": "scheme with a model of the structure"}),
+            "omega_step": ("omega_step", list(omega_steps), {"long_name": "ωΔt of the model", "units": "1"}),
+            "member": ("member", list(filters), {"long_name": "trigonometric method"}),
+            "steps": ("steps", list(steps), {"long_name": "number of steps", "units": "1"}),
+            "wave_scheme": ("wave_scheme", list(OF_WAVES), {"long_name": "scheme of a wave"}),
+            "courant": ("courant", list(courant), {"long_name": "Courant number", "units": "1"}),
+            "auxiliary": ("auxiliary", list(auxiliary), {"long_name": "scheme beside the auxiliary variable"}),
+            "long_step": ("long_step", list(long_steps), {"long_name": "step", "units": "s"}),
+            "of_fourth_order": ("of_fourth_order", list(OF_FOURTH_ORDER), {"long_name": "scheme of fourth order"}),
+            "forces": ("forces", list(forces), {"long_name": "forces evaluated", "units": "1"}),
+        },
+        attrs={"title": "What the authors of later schemes claim beyond linear theory", "duration": DURATION},
+    )

@@ -1,0 +1,109 @@
+"""The order of displacement, velocity and acceleration under the circumstances of real problems."""
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Annotated
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import xarray as xr
+from annotated_types import Ge, Le, Len
+
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import RisingCounts, Schemes
+from study.experiments import coordinates
+from study.experiments.circumstances import QUANTITIES, SPEEDS, Circumstance, carries, circumstances_with
+from study.io import flags
+from study.scheme.base import Scheme
+from study.scheme.named import schemes as schemes_by_name
+
+#: How an order can be missing.
+STATUSES = ("measured", "does_not_apply", "failed", "exact")
+
+#: Errors between these parts of the motion count towards an order, which takes the finest ones, at most and at least so
+#: many.
+SMALLEST, LARGEST, MOST, LEAST = 1e-11, 1.0, 4, 3
+
+
+def _applies(circumstance: Circumstance, scheme: Scheme) -> bool:
+    """Whether a scheme can be run so."""
+    if circumstance.inconsistent:
+        state, _ = jax.eval_shape(partial(scheme.start, circumstance.problem), jnp.ones(()), jnp.ones(()), 1.0)
+        return carries(state)
+    return not (scheme.refusal(circumstance.problem) or (circumstance.unequal and scheme.needs_equal_steps))
+
+
+def _order(counts: np.ndarray, error: np.ndarray) -> tuple[float, str]:
+    """Order by least squares of the logarithms of the finest errors that count, and how it was found."""
+    useful = error < LARGEST
+    if useful.sum() < LEAST:
+        return np.nan, "failed"
+    places = np.flatnonzero(useful & (error > SMALLEST))[-MOST:]
+    if len(places) < LEAST:
+        return np.nan, "exact"
+    return float(-np.polyfit(np.log(counts[places]), np.log(error[places]), 1)[0]), "measured"
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    runs = (7 + len(options["stiffness_ratios"])) * len(SPEEDS) * len(options["schemes"])
+    return runs * sum(options["steps"])
+
+
+@experiment("order_under_reality", steps=_number_of_steps)
+def order_under_reality(
+    schemes: Schemes,
+    steps: RisingCounts,
+    stiffness_ratios: Annotated[list[Annotated[float, Ge(1e2), Le(1e12)]], Len(1, 10)],
+) -> xr.Dataset:
+    """Measure the order of displacement, velocity and acceleration of schemes under the circumstances of real problems.
+
+    The error is that at the end of a run of six units of time, as the root mean square over twelve motions and all
+    unknowns, over that of the exact motion; the order is its slope over the step. References are exact, or by a
+    Runge-Kutta method of eighth order with adaptive steps. The acceleration is the one that a scheme carries, at the
+    end of the step, or that of the equation of motion if it carries none.
+
+    - ``plain``, ``damping``, ``load``: ü + c u̇ + u + u³ = f cos(1.5t − 0.7), free, with c = 0.2 and with f = 1;
+    - ``support_0``, ...: two masses on a moving support, held by a spring of each of the ``stiffness_ratios``;
+    - ``hysteresis``, ``contact``: an elastoplastic spring, and a mass that meets a stop of twenty times its stiffness;
+    - ``inconsistent_start``: the free oscillator, from no acceleration in place of that of the equation of motion;
+    - ``unequal_steps``: the free oscillator, with steps of 4/3 and 2/3 of their mean in turn.
+
+    Parameters
+    ----------
+    steps
+        Numbers of steps of a run.
+    stiffness_ratios
+        Stiffness of the spring at the support over that between the masses.
+    """
+    circumstances, counts = circumstances_with(stiffness_ratios), np.array(steps)
+    shape = len(schemes), len(circumstances), len(QUANTITIES)
+    error, order = np.full((*shape, len(steps)), np.nan), np.full(shape, np.nan)
+    status = np.full(shape, STATUSES.index("does_not_apply"), np.int8)
+    for s, name in enumerate(schemes):
+        progress(f"order of {name}")
+        for c, circumstance in enumerate(circumstances.values()):
+            if not _applies(circumstance, schemes_by_name[name]):
+                continue
+            error[s, c] = circumstance.errors(schemes_by_name[name], steps)
+            for q in range(len(QUANTITIES)):
+                order[s, c, q], how = _order(counts, error[s, c, q])
+                status[s, c, q] = STATUSES.index(how)
+    dims = ("scheme", "circumstance", "quantity")
+    titles = [one.title for one in circumstances.values()]
+    return xr.Dataset(
+        {
+            "error": ((*dims, "steps"), error, {"long_name": "error at the end over the motion", "units": "1"}),
+            "observed_order": (dims, order, {"long_name": "order that the errors show", "units": "1"}),
+            "status": (dims, status, flags("how the order was found", STATUSES, np.int8)),
+        },
+        coords={
+            **coordinates.scheme_coordinates(schemes),
+            "circumstance": ("circumstance", list(circumstances), {"long_name": "circumstance"}),
+            "circumstance_title": ("circumstance", titles, {"long_name": "title of the circumstance"}),
+            "stiffness_ratio": ("support", list(stiffness_ratios), {"long_name": "stiffness ratio", "units": "1"}),
+            "quantity": ("quantity", list(QUANTITIES), {"long_name": "quantity"}),
+            "steps": ("steps", list(steps), {"long_name": "number of steps", "units": "1"}),
+        },
+        attrs={"title": "Order of schemes under the circumstances of real problems"},
+    )

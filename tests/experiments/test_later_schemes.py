@@ -1,0 +1,35 @@
+"""What the authors of later schemes claim, on problems whose answer is known."""
+
+import numpy as np
+import pytest
+
+from study.experiments.later_schemes import later_schemes
+
+
+@pytest.fixture(scope="module")
+def found():
+    return later_schemes([0.5, 2.0], [16, 32, 64], [0.25, 1.0], 40, [0.5, 8.0], [192, 384])
+
+
+def test_a_tangent_may_exceed_the_model_by_a_multiple_of_the_mass(found):
+    exact = 1 + 4 / np.array([0.5, 2.0]) ** 2
+    for scheme in ("chen_ricles", "chang", "kr_alpha"):
+        np.testing.assert_allclose(found.largest_stiffening.sel(with_model=scheme), exact, rtol=1e-3)
+
+
+def test_mollifying_makes_the_error_uniform(found):
+    slopes = np.log2(found.trigonometric_error[:, :-1].values / found.trigonometric_error[:, 1:].values)
+    members = found.member.values.tolist()
+    np.testing.assert_allclose(slopes[members.index("garcia_archilla")], 2.0, atol=0.2)
+    assert np.ptp(slopes[members.index("deuflhard")]) > 0.4
+
+
+def test_central_difference_is_best_at_a_step_of_an_element(found):
+    error = found.wave_error.sel(courant=1.0)
+    assert error.idxmin() == "central_difference" and np.isfinite(error.sel(wave_scheme="beta_bathe"))
+
+
+def test_the_auxiliary_variable_bounds_the_motion_at_every_step(found):
+    assert (found.auxiliary_peak < 10).all() and (found.auxiliary_error.sel(auxiliary="auxiliary_variable") > 0).all()
+    finer = found.fourth_order_error
+    assert (finer[:, 1] < finer[:, 0] / 10).all()

@@ -1,0 +1,70 @@
+"""The order of schemes under the circumstances of real problems, where theory tells it."""
+
+import numpy as np
+import pytest
+
+from study.experiments.circumstances import QUANTITIES, TOLERANCES, circumstances_with
+from study.experiments.order_under_reality import STATUSES, order_under_reality
+from study.marching.run import run
+from study.scheme.named import schemes
+
+SCHEMES = ["average_acceleration", "generalized_alpha", "rk4", "energy_momentum"]
+
+
+@pytest.fixture(scope="module")
+def found():
+    return order_under_reality(SCHEMES, [64, 128, 256, 512], [1e6])
+
+
+def test_schemes_have_their_order_where_all_is_smooth(found):
+    motion = found.observed_order.sel(quantity=["displacement", "velocity"])
+    for circumstance in ("plain", "damping", "load", "unequal_steps"):
+        one = motion.sel(circumstance=circumstance)
+        np.testing.assert_allclose(one.sel(scheme=SCHEMES[:2]), 2.0, atol=0.1)
+        np.testing.assert_allclose(one.sel(scheme="rk4"), 4.0, atol=0.4)
+
+
+def test_circumstances_cost_the_order_that_theory_tells(found):
+    order = found.observed_order
+    # the carried acceleration belongs to a time within the step
+    late = order.sel(scheme="generalized_alpha", quantity="acceleration", circumstance=["damping", "load"])
+    np.testing.assert_allclose(late, 1.0, atol=0.35)
+    # a wrong first acceleration shifts the velocity by a part of the first step
+    wrong = order.sel(scheme="average_acceleration", circumstance="inconsistent_start", quantity="velocity")
+    assert wrong == pytest.approx(1.0, abs=0.1)
+    # a kink costs the Runge-Kutta method two orders
+    assert (order.sel(scheme="rk4", circumstance=["hysteresis", "contact"]) < 2.7).all()
+    # the stiff spring is integrated by none that has a limit of stability below it
+    support = found.sel(circumstance="support_0")
+    assert support.observed_order.sel(scheme="average_acceleration")[0] == pytest.approx(2.0, abs=0.1)
+    assert (support.status.sel(scheme="rk4") == STATUSES.index("failed")).all()
+
+
+def test_what_does_not_apply_has_no_error(found):
+    left_out = {("energy_momentum", "hysteresis"), ("rk4", "inconsistent_start")}
+    for scheme in SCHEMES:
+        for circumstance in found.circumstance.values:
+            one = found.sel(scheme=scheme, circumstance=circumstance)
+            applies = (one.status != STATUSES.index("does_not_apply")).all()
+            assert applies == ((scheme, circumstance) not in left_out)
+            assert applies or one.error.isnull().all()
+    assert (found.observed_order.notnull() == (found.status == STATUSES.index("measured"))).all()
+
+
+def test_references_are_those_of_a_fine_run_of_another_method():
+    assert TOLERANCES["rtol"] < 1e-12
+    for name, circumstance in circumstances_with([100.0]).items():
+        if circumstance.inconsistent or circumstance.unequal:
+            continue
+        # kinks leave an error of second order
+        allowed = 1e-5 if name in ("hysteresis", "contact") else 1e-9
+        assert circumstance.errors(schemes["rk4"], [4096]).max() < allowed, name
+
+
+def test_a_lane_is_a_run_of_its_own():
+    plain = circumstances_with([100.0])["plain"]
+    ds, completed = plain.final(schemes["rk4"], [32, 64])
+    assert completed.all()
+    alone = run(plain.problem, "rk4", dt=6.0 / 64, steps=64, u0=1.0, v0=plain.v0[3], every=64)
+    together = ds[QUANTITIES[0]].values.reshape(2, -1)[1, 3]
+    np.testing.assert_allclose(together, alone.u[-1], rtol=1e-12)

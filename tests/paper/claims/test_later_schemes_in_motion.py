@@ -1,0 +1,180 @@
+"""Claims on later schemes in motion: each check can come out either way."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from paper.claims import later_schemes_in_motion as claims
+from tests.paper.claims.made_up import filled
+
+MEMBERS = ["gautschi", "deuflhard", "garcia_archilla"]
+WAVES = ["rho_bathe", "beta_bathe", "noh_bathe", "central_difference"]
+FOURTH = ["blanes_moan4", "mclachlan4"]
+
+
+def _later(**parts):
+    """A dataset as later_schemes.nc has it, of ones but for what is given by the name of a scheme."""
+    along = {
+        "largest_stiffening": {"with_model": ["chen_ricles", "chang", "kr_alpha"], "omega_step": [1.0, 10.0]},
+        "trigonometric_error": {"member": MEMBERS, "steps": [16, 32, 64]},
+        "wave_error": {"wave_scheme": WAVES, "courant": [0.5, 1.0]},
+        "auxiliary_error": {"auxiliary": ["auxiliary_variable", "average_acceleration"], "steps": [16, 32, 64]},
+        "auxiliary_peak": {"long_step": [0.5, 8.0]},
+        "fourth_order_error": {"of_fourth_order": FOURTH, "forces": [192, 384]},
+    }
+    data = xr.Dataset({name: filled(1.0, **dims) for name, dims in along.items()})
+    for name, values in parts.items():
+        if not isinstance(values, dict):
+            data[name][:] = values
+            continue
+        first = data[name].dims[0]
+        for one, value in values.items():
+            data[name].loc[{first: one}] = value
+    return data
+
+
+def _reality(scheme, **orders):
+    """A dataset as order_under_reality.nc has it, with orders of four but for some circumstances or quantities."""
+    along = {
+        "scheme": [scheme],
+        "circumstance": ["plain", "damping", "load", "support_0"],
+        "quantity": ["displacement", "velocity", "acceleration"],
+    }
+    data = filled(4.0, **along)
+    for name, value in orders.items():
+        data.loc[{"circumstance" if name in along["circumstance"] else "quantity": name}] = value
+    return data.to_dataset(name="observed_order")
+
+
+def _spectral(**powers):
+    """A dataset as spectral.nc has it, with one power of growth for each scheme."""
+    names = [f"growth_{one}_from_{start}" for one in "uv" for start in "uv"]
+    along = {"scheme": list(powers), "damping_ratio": [0.0]}
+    data = xr.Dataset({name: filled(0.0, **along) for name in [*names, "linear_order"]})
+    for scheme, power in powers.items():
+        data.growth_u_from_v.loc[{"scheme": scheme}] = power
+    return data
+
+
+@pytest.mark.parametrize(
+    "check, scheme",
+    [
+        (claims.cr_on_stiffening, "chen_ricles"),
+        (claims.chang_on_stiffening, "chang"),
+        (claims.kr_on_stiffening, "kr_alpha"),
+    ],
+)
+def test_a_model_bounds_the_tangent(check, scheme):
+    bounded = check(_later(largest_stiffening={scheme: [5.0, 1.04]}))
+    assert not bounded.holds and "4.0 M/Δt²" in bounded.qualification
+    assert check(_later(largest_stiffening={scheme: [1e4, 1e4]})).holds
+
+
+@pytest.mark.parametrize("order, holds", [(2.0, True), (1.0, False)])
+def test_order_of_mkr(order, holds):
+    finding = claims.order_of_mkr(_reality("mkr_alpha", velocity=order), _spectral(mkr_alpha=1.0))
+    assert finding.holds == holds and bool(finding.qualification) != holds
+
+
+@pytest.mark.parametrize(
+    "check, powers, holds",
+    [
+        (claims.same_power_of_overshoot, {"kr_alpha": 1, "mkr_alpha": 1}, True),
+        (claims.same_power_of_overshoot, {"kr_alpha": 1, "mkr_alpha": 0}, False),
+        (claims.no_overshoot_of_two_steps, {"oalts": 0, "generalized_alpha": 1}, True),
+        (claims.no_overshoot_of_two_steps, {"oalts": 1, "generalized_alpha": 1}, False),
+        (claims.no_overshoot_of_two_steps, {"oalts": 0, "generalized_alpha": 0}, False),
+        (claims.overshoot_with_a_model, {"chang": 0, "chen_ricles": 1, "kr_alpha": 1}, True),
+        (claims.overshoot_with_a_model, {"chang": 1, "chen_ricles": 1, "kr_alpha": 1}, False),
+    ],
+)
+def test_powers_of_overshoot(check, powers, holds):
+    assert check(_spectral(**powers)).holds == holds
+
+
+@pytest.mark.parametrize(
+    "check, scheme",
+    [(claims.third_order_in_motion, "wat2"), (claims.second_order_of_generalized_alpha, "generalized_alpha")],
+)
+def test_orders_of_motion_and_acceleration(check, scheme):
+    for orders, holds, qualified in (
+        ({}, True, False),
+        ({"acceleration": 1.0}, True, True),
+        ({"damping": 1.0}, False, True),
+    ):
+        finding = check(_reality(scheme, **orders))
+        assert (finding.holds, bool(finding.qualification)) == (holds, qualified)
+    assert not check(_reality(scheme, load=np.nan)).holds
+
+
+def test_reduction_by_a_load_and_by_a_support():
+    for orders, holds, qualified in (
+        ({}, True, False),
+        ({"support_0": np.nan}, True, True),
+        ({"load": 3.0}, False, False),
+    ):
+        finding = claims.no_reduction_under_a_load(_reality("esdirk4", **orders))
+        assert (finding.holds, bool(finding.qualification)) == (holds, qualified)
+
+
+@pytest.mark.parametrize(
+    "peak, ratio, holds, qualified",
+    [(2.0, 1.0, True, False), (2.0, 3.0, True, True), (99.0, 1.0, False, False), (np.nan, 1.0, False, False)],
+)
+def test_bounds_by_an_auxiliary_variable(peak, ratio, holds, qualified):
+    data = _later(auxiliary_peak=[1.0, peak], auxiliary_error={"auxiliary_variable": ratio})
+    finding = claims.bounded_by_an_auxiliary_variable(data)
+    assert (finding.holds, bool(finding.qualification)) == (holds, qualified)
+
+
+@pytest.mark.parametrize("order, holds", [(2.0, True), (1.0, False)])
+def test_order_with_an_auxiliary_variable(order, holds):
+    data = _later(auxiliary_error={"auxiliary_variable": np.array([16.0, 32.0, 64.0]) ** -order})
+    assert claims.order_with_an_auxiliary_variable(data).holds == holds
+
+
+def test_errors_over_all_frequencies():
+    uniform, erratic = np.array([16.0, 32.0, 64.0]) ** -2, np.array([1.0, 1.0, 0.01])
+    for member, check in (
+        ("gautschi", claims.uniform_error_of_gautschi),
+        ("garcia_archilla", claims.uniform_error_of_mollified_impulse),
+    ):
+        assert check(_later(trigonometric_error={member: uniform})).holds
+        assert not check(_later(trigonometric_error={member: erratic})).holds
+    cured = {"deuflhard": erratic, "garcia_archilla": uniform}
+    assert claims.resonances_of_impulse(_later(trigonometric_error=cured)).holds
+    assert not claims.resonances_of_impulse(_later(trigonometric_error=cured | {"deuflhard": uniform})).holds
+
+
+@pytest.mark.parametrize(
+    "check, scheme",
+    [(claims.better_for_waves, "beta_bathe"), (claims.better_for_waves_than_central_difference, "noh_bathe")],
+)
+def test_waves(check, scheme):
+    better = check(_later(wave_error={scheme: 0.8}))
+    assert better.holds and not better.qualification
+    assert not check(_later(wave_error={scheme: 1.2})).holds
+    assert check(_later(wave_error={scheme: 0.8, "central_difference": [1.0, 0.1]})).qualification
+
+
+@pytest.mark.parametrize("error, holds", [(0.5, True), (2.0, False)])
+def test_errors_at_equal_cost(error, holds):
+    finding = claims.least_error_of_fourth_order(_later(fourth_order_error={"blanes_moan4": error}))
+    assert finding.holds == holds and bool(finding.qualification) != holds
+
+
+def _relaxation(plain, relaxed):
+    along = {"problem": ["hardening"], "steps_per_period": [20, 100, 200], "variant": ["plain", "relaxed"]}
+    data = filled(1.0, **along)
+    for variant, values in (("plain", plain), ("relaxed", relaxed)):
+        data.loc[{"variant": variant}] = values
+    return data.to_dataset(name="motion_error")
+
+
+def test_relaxation_in_motion():
+    of_fourth, of_second = 1.0 / np.array([20, 100, 200.0]) ** 4, 1.0 / np.array([20, 100, 200.0]) ** 2
+    assert claims.order_with_relaxation(_relaxation(1.0, of_fourth)).holds
+    assert not claims.order_with_relaxation(_relaxation(1.0, of_second)).holds
+    assert not claims.motion_with_relaxation(_relaxation(1.0, 2.0)).holds
+    everywhere, mostly = (claims.motion_with_relaxation(_relaxation(1.0, one)) for one in (0.5, [2.0, 0.5, 0.5]))
+    assert everywhere.holds and not everywhere.qualification and mostly.holds and mostly.qualification
