@@ -22,7 +22,13 @@ from study.words import listed, number, percent
 _CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _KEY = "names of expressions"
 #: Pages whose Python runs, in addition to those of the gallery.
-_EXECUTED = ("index", "how_to/choose")
+_EXECUTED = (
+    "index",
+    *(
+        f"how_to/{name}"
+        for name in ("choose", "run", "control", "problem", "scheme", "datasets", "derivatives", "precision")
+    ),
+)
 
 
 def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
