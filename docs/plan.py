@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+from paper.data import ASSESSED
 from paper.products import discover
 
 PAGES = Path(__file__).parent / "pages"
@@ -14,7 +15,9 @@ OF_SCHEMES = (
     "large_steps",
     "stability/atlas",
     "stability/robustness",
+    "structures",
     "work_precision",
+    *ASSESSED,
 )
 #: Numbers of the article, and its table of decisions.
 NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
@@ -24,7 +27,7 @@ NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
 PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf")
 
 #: Folders and files of the project from which the site is made.
-_FOLDERS = ("study", "docs", "paper/figures", "paper/published", "examples", "conformance/verdicts")
+_FOLDERS = ("study", "docs", "paper/figures", "paper/published", "paper/tables", "examples", "conformance/verdicts")
 _FILES = (
     *("paper/data.py", "paper/products.py", "paper/orders.py"),
     *("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "conformance/README.md"),

@@ -1,5 +1,6 @@
 """Linear theory of a scheme for its page, from the code of the scheme itself."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +34,8 @@ class Theory(NamedTuple):
         Spectral radius at infinite frequency; NaN for a scheme that is unstable there.
     memory
         Vectors of the size of u in the state that a step hands to the next.
+    forces
+        Forces that a step evaluates at :data:`STEPS` steps a period of the undamped linear oscillator.
     """
 
     radius: np.ndarray
@@ -45,10 +48,22 @@ class Theory(NamedTuple):
     limit: float
     at_infinity: float
     memory: int
+    forces: float
 
 
 #: ρ∞ below this is zero: where roots at zero meet, round-off leaves the more of it the more of them there are.
 _NO_RADIUS = 5e-3
+
+
+#: The undamped linear oscillator with ω = 1.
+_LINEAR = study.Problem(force=lambda u: u, potential=lambda u: u * u / 2, u0=1.0, title="linear oscillator")
+
+
+def _forces(scheme: study.Scheme) -> float:
+    if scheme.explicit:
+        return scheme.forces_per_step
+    run = study.run(_LINEAR, scheme, dt=2 * math.pi / STEPS, steps=STEPS, observe=["newton_iterations"])
+    return scheme.forces_per_step + scheme.forces_per_iteration * run.newton_iterations.item() / STEPS
 
 
 def theory_of(scheme: study.Scheme) -> Theory:
@@ -69,4 +84,5 @@ def theory_of(scheme: study.Scheme) -> Theory:
         limit,
         np.nan if np.isfinite(limit) else at_infinity * (at_infinity > _NO_RADIUS),
         undamped.matrices.shape[-1],
+        _forces(scheme),
     )
