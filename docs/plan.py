@@ -23,8 +23,10 @@ OF_SCHEMES = (
 NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
 #: The declaration of that table, which the table of recommendations makes again of fewer schemes.
 (RECOMMENDED,) = (one for one in discover(["tables"]) if one.name == "decision")
+#: All tables of the study, and that of the claims.
+TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table"), "claims"
 #: Files of the results that are part of the site.
-PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf")
+PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "assessment/hardening.html")
 
 #: Folders and files of the project from which the site is made.
 _FOLDERS = ("study", "docs", "paper/figures", "paper/published", "paper/tables", "examples", "conformance/verdicts")
@@ -48,4 +50,5 @@ def reads() -> list[str]:
     opened = re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)
     datasets = dict.fromkeys([*OF_SCHEMES, *RECOMMENDED.datasets, *opened])
     figures = dict.fromkeys(re.findall(r"/(figures/\w+\.svg)", pages))
-    return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, DECISION, *PRODUCTS]
+    tables = [f"tables/{one.name}.csv" for one in TABLES]
+    return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, *tables, *PRODUCTS]
