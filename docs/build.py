@@ -16,7 +16,7 @@ from typing import Any
 from sphinx.cmd.build import build_main
 
 import study
-from docs import decisions
+from docs import decisions, gallery
 from docs.conformance_page import conformance_page
 from docs.docstrings import parsed
 from docs.plan import OF_SCHEMES, PAGES, PRODUCTS
@@ -59,6 +59,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     for name in INCLUDED:
         shutil.copy(PROJECT / name, folder / "included")
     shutil.copy(PROJECT / "conformance" / "README.md", folder / "included" / "conformance.md")
+    gallery.write_scripts(folder / "gallery")
     (folder / "figures").symlink_to(results / "figures")
     library = library_of(results, own)
     made = {f"schemes/{name}.md": scheme_page(library.subject(name), library) for name in library.schemes}
@@ -66,6 +67,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     made |= {"claims.md": claims_page(results), "tables.md": tables_page(results)}
     made["how_to/conformance.md"] = conformance_page()
     made |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
+    made["included/gallery.md"] = gallery.grid()
     made["interface/problems.rst"] = registry_page("Problems", makers)
     made["interface/observers.rst"] = registry_page("Observers", study.observers)
     made["interface/estimators.rst"] = registry_page("Estimators", study.estimators)

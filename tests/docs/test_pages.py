@@ -10,7 +10,7 @@ import xarray as xr
 import yaml
 
 import study
-from docs import executed, plan
+from docs import executed, gallery, plan
 from paper import products
 from pipeline import configuration
 from study import io
@@ -87,8 +87,13 @@ def test_a_question_has_a_figure_numbers_and_its_python(page):
     assert text.count("{eval}`") >= 2 and f"\n{page.stem}\n" in (page.parent / "index.md").read_text()
 
 
-def test_there_are_enough_questions():
-    assert len(GALLERY) >= 8
+def test_the_index_of_the_gallery_shows_every_question_and_has_its_script(tmp_path):
+    grid = gallery.grid()
+    assert sorted(gallery.questions()) == GALLERY and grid.count("```{figure}") == len(GALLERY) >= 8
+    assert "[Which scheme damps least?](damping.md)" in grid and ":target: damping.html" in grid
+    gallery.write_scripts(tmp_path)
+    (code,) = blocks((plan.PAGES / "gallery" / "damping.md").read_text(), "python")
+    assert (tmp_path / "damping.py").read_text() == code and "<damping.py>" in (tmp_path / "damping.md").read_text()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=_relative)
