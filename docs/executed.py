@@ -19,10 +19,17 @@ from sphinx.util.docutils import SphinxRole
 from docs.plan import NUMBERS
 from study.words import listed, number, percent
 
-_CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+#: A block of Python.
+CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _KEY = "names of expressions"
 #: Pages whose Python runs, in addition to those of the gallery.
-_EXECUTED = ("index", "how_to/choose")
+_EXECUTED = (
+    "index",
+    *(
+        f"how_to/{name}"
+        for name in ("choose", "run", "control", "problem", "scheme", "datasets", "derivatives", "precision")
+    ),
+)
 
 
 def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
@@ -36,7 +43,7 @@ def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
         return block[0] + (f"\n\n```text\n{printed.getvalue()}```" if printed.getvalue() else "")
 
     with contextlib.chdir(results.parent):  # `study.open_dataset` reads the folder `results`
-        return _CODE.sub(with_output, text), names
+        return CODE.sub(with_output, text), names
 
 
 def _warn(what: str, error: Exception, location: Any) -> None:

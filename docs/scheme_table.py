@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterable
 
 from docs.scheme_page import Library, Subject
-from docs.text import described
+from docs.text import described, narrowed
 from docs.theory import ROUND_OFF, STEPS
 from study.scheme.codes import names_in_codes
 from study.words import number
@@ -77,13 +77,13 @@ def table_of(subjects: Iterable[Subject], library: Library) -> str:
         for name, meaning in COLUMNS.items()
     )
     rows = "\n".join(_row(subject, library) for subject in subjects)
-    return (
-        '<form class="narrow" hidden><label>Show schemes with <input type="search" name="words" '
-        'placeholder="explicit, Verlet, OpenSees, …"></label> '
-        '<label><input type="checkbox" name="chosen"> only those with a tick</label></form>\n'
-        '<div class="wide" tabindex="0" role="region" aria-label="table of schemes">\n<table class="sortable">\n'
-        f'<thead><tr><th scope="col"><span class="hidden">compare</span></th>{heads}</tr></thead>\n'
-        f"<tbody>\n{rows}\n</tbody>\n</table>\n</div>\n"
+    return narrowed(
+        f'<tr><th scope="col"><span class="hidden">compare</span></th>{heads}</tr>',
+        rows,
+        ("schemes", "table of schemes"),
+        "explicit, Verlet, OpenSees, …",
+        '<label><input type="checkbox" name="chosen"> only those with a tick</label>',
+        kind="schemes",
     )
 
 

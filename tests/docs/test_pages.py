@@ -10,7 +10,7 @@ import xarray as xr
 import yaml
 
 import study
-from docs import executed, plan
+from docs import executed, gallery, plan
 from paper import products
 from pipeline import configuration
 from study import io
@@ -39,6 +39,12 @@ def test_the_examples_of_a_page_run_in_order(page, tmp_path, monkeypatch):
         assert (tmp_path / "duffing.html").stat().st_size > 1e4
     if page.stem == "run":
         assert seen["theory"].order() == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize("page", [*PAGES, PROJECT / "CONTRIBUTING.md"], ids=lambda page: page.stem)
+def test_lines_of_code_fit_a_page(page):
+    code = [block for language in ("python", "sh", "text", "yaml") for block in blocks(page.read_text(), language)]
+    assert [line for block in code for line in block.splitlines() if len(line) > 88] == []
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page.read_text(), "yaml")], ids=_relative)
@@ -77,12 +83,17 @@ def test_expressions_of_a_page_use_its_python_the_numbers_and_words(tmp_path):
 def test_a_question_has_a_figure_numbers_and_its_python(page):
     text, figures = page.read_text(), {one.name for one in products.discover(["figures"]) if one.kind == "figure"}
     assert re.match(r"# .*\?\n", text) and len(blocks(text, "python")) == 1 and "study.open_dataset(" in text
-    assert set(re.findall(r"figures/(\w+)\.svg", text)) <= figures and text.count("```{figure}") == 1
+    assert set(re.findall(r"figures/(\w+)\.svg", text)) <= figures and "```{figure}" in text
     assert text.count("{eval}`") >= 2 and f"\n{page.stem}\n" in (page.parent / "index.md").read_text()
 
 
-def test_there_are_enough_questions():
-    assert len(GALLERY) >= 8
+def test_the_index_of_the_gallery_shows_every_question_and_has_its_script(tmp_path):
+    grid = gallery.grid()
+    assert sorted(gallery.questions()) == GALLERY and grid.count("```{figure}") == len(GALLERY) >= 8
+    assert "[Which scheme damps least?](damping.md)" in grid and ":target: damping.html" in grid
+    gallery.write_scripts(tmp_path)
+    (code,) = blocks((plan.PAGES / "gallery" / "damping.md").read_text(), "python")
+    assert (tmp_path / "damping.py").read_text() == code and "<damping.py>" in (tmp_path / "damping.md").read_text()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=_relative)
