@@ -35,7 +35,7 @@ check: .venv/ready
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# times beside C, OpenSees where it is installed, and other parts of the study
+# times compared with C, OpenSees where it is installed, and other parts of the study
 benchmark: .venv/ready
 	$(BIN)/python tools/benchmarks/benchmark.py results/benchmark.nc
 
@@ -75,11 +75,9 @@ conformance:
 	@find conformance -type f -not -path '*/__pycache__/*' | sort | $(PYTHON) -c "import sys, zipfile; \
 	  [zipped.write(name.strip()) for zipped in [zipfile.ZipFile('$(CONFORMANCE)', 'w', 8)] for name in sys.stdin]"
 
-# what other catalogues read, derived from CITATION.cff
+# whether CITATION.cff is valid; a test compares it with codemeta.json and .zenodo.json
 citation: .venv/ready
 	$(BIN)/uv tool run cffconvert --validate
-	$(BIN)/uv tool run cffconvert --format codemeta --outfile codemeta.json
-	$(BIN)/uv tool run cffconvert --format zenodo --outfile .zenodo.json
 
 clean:
 	rm -rf results .snakemake build report.html .coverage

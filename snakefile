@@ -10,29 +10,31 @@ import sys
 
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
-from study.io import write
 
 min_version("9.15")
 
+# also where workflow/Snakefile includes this file
+PROJECT = str(workflow.current_basedir)
 
-configfile: f"{workflow.basedir}/config/study.yaml"
+
+configfile: f"{PROJECT}/config/study.yaml"
 
 
 report: "paper/pages/workflow.rst"
 
 
-ROOT = os.path.relpath(workflow.basedir)  # relative, so that a project that is moved stays made
+ROOT = os.path.relpath(PROJECT)  # relative, so that a project that is moved stays made
 BIN = os.path.dirname(sys.executable)
 # the commands run with this Python and find the project wherever the results are made
 os.environ |= {
     "PATH": os.pathsep.join([BIN, *os.get_exec_path()]),
     "STUDY_BIN": BIN,
-    "PYTHONPATH": workflow.basedir,
+    "PYTHONPATH": PROJECT,
     "PYTHONSAFEPATH": "1",
     # the study needs all settings, also where the user declines some for other runs
     "STUDY_SETTINGS": "precision,compiler,cache",
 }
-sys.path.insert(0, workflow.basedir)
+sys.path.insert(0, PROJECT)
 
 from pipeline.start import Refused, begun, planned
 
@@ -58,15 +60,6 @@ rule all:
         "everything is made; see results/manuscript.pdf and results/explorer.html"
 
 
-def in_report(output, listed):
-    """An output that the report of Snakemake lists, with its heading and label by job."""
-    return report(
-        output,
-        category=lambda wildcards: listed[wildcards.get("job", "")][0],
-        labels=lambda wildcards: {"content": listed[wildcards.get("job", "")][1]},
-    )
-
-
 for step in plan["steps"]:
     kept, listed = temp if step["temporary"] else str, step["report"]
     several = any("{job}" in output for output in step["outputs"])
@@ -75,28 +68,52 @@ for step in plan["steps"]:
     rule:
         name:
             step["name"]
-        group: step["group"]
-        localrule: step["quick"]  # on a cluster it stays where Snakemake is
         input:
-            lambda wildcards, jobs=step["jobs"]: jobs[wildcards.get("job", "")]["inputs"],
+            lambda wildcards, jobs=step["jobs"]: jobs[wildcards.get("job", "")][
+                "inputs"
+            ],
         output:
-            *(in_report(kept(one), listed[one]) if one in listed else kept(one) for one in step["outputs"]),
-        params:
-            script=f"{ROOT}/pipeline/job.py",
-            command=lambda wildcards, jobs=step["jobs"]: jobs[wildcards.get("job", "")]["command"],
+            *(
+                # which Snakemake's report lists with its heading and label by job
+                (
+                    report(
+                        kept(one),
+                        category=lambda wildcards, jobs=listed[one]: jobs[
+                            wildcards.get("job", "")
+                        ][0],
+                        labels=lambda wildcards, jobs=listed[one]: {
+                            "content": jobs[wildcards.get("job", "")][1]
+                        },
+                    )
+                    if one in listed
+                    else kept(one)
+                )
+                for one in step["outputs"]
+            ),
         log:
             f"results/logs/{name}.log",
         benchmark:
             f"results/benchmarks/{name}.tsv"
-        conda:
-            "config/environment.yaml"  # for --sdm conda only
         wildcard_constraints:
             job="|".join(step["jobs"]),
+        group:
+            step["group"]
+        localrule: step["quick"]  # on a cluster it stays where Snakemake is
+        conda:
+            "config/environment.yaml"  # for --sdm conda only
         # what measures times has the machine alone: all cores of this one, or a node of a cluster
-        threads: lambda wildcards, alone=step["alone"]: workflow.cores if alone and workflow.local_exec else 1
+        threads:
+            lambda wildcards, alone=step["alone"]: (
+                workflow.cores if alone and workflow.local_exec else 1
+            )
         resources:
             **({"slurm_extra": "'--exclusive'"} if step["alone"] else {}),
             **({"paper": 1} if step["group"] else {}),  # which a cluster draws one by one, in one job
+        params:
+            script=f"{ROOT}/pipeline/job.py",
+            command=lambda wildcards, jobs=step["jobs"]: jobs[
+                wildcards.get("job", "")
+            ]["command"],
         message:
             step["message"] + (": {wildcards.job}" if several else "")
         shell:

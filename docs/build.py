@@ -16,12 +16,13 @@ from typing import Any
 from sphinx.cmd.build import build_main
 
 import study
-from docs import decisions
+from docs import decisions, gallery
 from docs.conformance_page import conformance_page
 from docs.docstrings import parsed
 from docs.plan import OF_SCHEMES, PAGES, PRODUCTS
 from docs.scheme_page import Library, scheme_page
 from docs.scheme_table import index_page
+from docs.tables_page import claims_page, tables_page
 from paper.products import reader
 from study.problem.named import makers
 from study.scheme.named import ALIASES
@@ -58,12 +59,15 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
     for name in INCLUDED:
         shutil.copy(PROJECT / name, folder / "included")
     shutil.copy(PROJECT / "conformance" / "README.md", folder / "included" / "conformance.md")
+    gallery.write_scripts(folder / "gallery")
     (folder / "figures").symlink_to(results / "figures")
     library = library_of(results, own)
     made = {f"schemes/{name}.md": scheme_page(library.subject(name), library) for name in library.schemes}
     made["schemes/index.md"] = index_page(library)
+    made |= {"claims.md": claims_page(results), "tables.md": tables_page(results)}
     made["how_to/conformance.md"] = conformance_page()
     made |= {f"included/{name}.md": text for name, text in decisions.tables(results).items()}
+    made["included/gallery.md"] = gallery.grid()
     made["interface/problems.rst"] = registry_page("Problems", makers)
     made["interface/observers.rst"] = registry_page("Observers", study.observers)
     made["interface/estimators.rst"] = registry_page("Estimators", study.estimators)
@@ -96,7 +100,8 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
                 raise SystemExit("the site is not built: the lines above say what Sphinx warns of.")
         (unfinished / ".buildinfo").unlink()  # a sum over paths of this machine, for builds that go on
         for name in PRODUCTS:
-            shutil.copy(results / name, unfinished)
+            (unfinished / name).parent.mkdir(exist_ok=True)
+            shutil.copy(results / name, unfinished / name)
         explorer = unfinished / "explorer.html"  # which links to the site from the folder above it
         explorer.write_text(explorer.read_text("utf-8").replace('href="site/', 'href="'), "utf-8")
         shutil.rmtree(output, ignore_errors=True)

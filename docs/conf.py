@@ -24,6 +24,7 @@ extensions = [
     "numpydoc",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
+    "sphinx_copybutton",
     "docs.executed",
     "docs.mathml",
 ]
@@ -38,6 +39,9 @@ numpydoc_show_class_members = False
 autodoc_default_options = {"members": True}
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
+
+# what code prints has no button
+copybutton_selector = "div:not(.highlight-text) > div.highlight > pre"
 
 html_theme = "furo"
 html_math_renderer = "mathml"

@@ -79,6 +79,17 @@ def figure_of(panels: list[str], caption: str) -> str:
     return f'<figure class="panels">\n{inside}\n<figcaption>{caption}</figcaption>\n</figure>\n'
 
 
+def lines_legend(lines: list[tuple[str, str]]) -> str:
+    """The lines of curves, by line style, the first of them in colour, as an element of a page."""
+    styles = {"-": "solid", "--": "dashed", ":": "dotted"}
+    colours = ["var(--curve)"] + ["var(--curve-other)"] * (len(lines) - 1)
+    items = "\n".join(
+        f'<li><span style="border-top: 3px {styles[line]} {colour}"></span>{html.escape(label)}</li>'
+        for colour, (line, label) in zip(colours, lines, strict=True)
+    )
+    return f'<ul class="outcomes lines">\n{items}\n</ul>'
+
+
 def map_legend() -> str:
     """The colours of outcomes in the maps, as an element of a page."""
     colours = "\n".join(

@@ -1,11 +1,12 @@
 """Pages whose numbers come from the datasets.
 
-The Python of a page of the gallery runs when the site is built. In any page the role ``eval`` is the value of an
-expression in the names that this Python defines, in ``n``, the numbers of the article, and in functions of
-:mod:`docs.text`.
+The Python of some pages runs when the site is built, and what a block prints follows it. In any page the role ``eval``
+is the value of an expression in the names that this Python defines, in ``n``, the numbers of the article, and in
+functions of :mod:`docs.text`.
 """
 
 import contextlib
+import io
 import json
 import re
 from pathlib import Path
@@ -18,18 +19,31 @@ from sphinx.util.docutils import SphinxRole
 from docs.plan import NUMBERS
 from study.words import listed, number, percent
 
-_CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+#: A block of Python.
+CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _KEY = "names of expressions"
+#: Pages whose Python runs, in addition to those of the gallery.
+_EXECUTED = (
+    "index",
+    *(
+        f"how_to/{name}"
+        for name in ("choose", "run", "control", "problem", "scheme", "datasets", "derivatives", "precision")
+    ),
+)
 
 
-def names_of(text: str, results: Path) -> dict[str, Any]:
-    """Names for the expressions of a page, whose Python runs next to a folder of results."""
+def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
+    """A page with what its Python prints, and names for its expressions; it runs next to a folder of results."""
     n = json.loads((results / NUMBERS).read_text(encoding="utf-8"))
     names = {"listed": listed, "number": number, "percent": percent, "n": n}
+
+    def with_output(block: re.Match) -> str:
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            exec(block[1], names)
+        return block[0] + (f"\n\n```text\n{printed.getvalue()}```" if printed.getvalue() else "")
+
     with contextlib.chdir(results.parent):  # `study.open_dataset` reads the folder `results`
-        for code in _CODE.findall(text):
-            exec(code, names)
-    return names
+        return CODE.sub(with_output, text), names
 
 
 def _warn(what: str, error: Exception, location: Any) -> None:
@@ -56,9 +70,11 @@ class Eval(SphinxRole):
 
 
 def _before_page(app: Any, docname: str, source: list[str]) -> None:
-    code = source[0] if docname.startswith("gallery/") else ""
+    executed = docname in _EXECUTED or docname.startswith("gallery/")
     try:
-        app.env.current_document[_KEY] = names_of(code, app.srcdir.parent / "results")
+        text, names = run(source[0] if executed else "", app.srcdir.parent / "results")
+        app.env.current_document[_KEY] = names
+        source[0] = text or source[0]
     except Exception as error:  # a page may raise anything
         _warn("The Python of the page", error, docname)
         app.env.current_document[_KEY] = None

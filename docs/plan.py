@@ -3,6 +3,9 @@
 import re
 from pathlib import Path
 
+from paper.data import ASSESSED
+from paper.products import discover
+
 PAGES = Path(__file__).parent / "pages"
 #: Datasets that pages of schemes read.
 OF_SCHEMES = (
@@ -12,15 +15,21 @@ OF_SCHEMES = (
     "large_steps",
     "stability/atlas",
     "stability/robustness",
+    "structures",
     "work_precision",
+    *ASSESSED,
 )
 #: Numbers of the article, and its table of decisions.
 NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
+#: The declaration of that table, which the table of recommendations makes again of fewer schemes.
+(RECOMMENDED,) = (one for one in discover(["tables"]) if one.name == "decision")
+#: All tables of the study, and that of the claims.
+TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table"), "claims"
 #: Files of the results that are part of the site.
-PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf")
+PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "assessment/hardening.html")
 
 #: Folders and files of the project from which the site is made.
-_FOLDERS = ("study", "docs", "paper/figures", "paper/published", "examples", "conformance/verdicts")
+_FOLDERS = ("study", "docs", "paper/figures", "paper/published", "paper/tables", "examples", "conformance/verdicts")
 _FILES = (
     *("paper/data.py", "paper/products.py", "paper/orders.py"),
     *("CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "conformance/README.md"),
@@ -38,6 +47,8 @@ def reads() -> list[str]:
     """The files of the results that the site reads."""
     pages = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.rglob("*.md")))
     questions = "\n".join(page.read_text(encoding="utf-8") for page in sorted(PAGES.glob("gallery/*.md")))
-    datasets = dict.fromkeys([*OF_SCHEMES, *re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)])
+    opened = re.findall(r'study\.open_dataset\("([\w/]+)"\)', questions)
+    datasets = dict.fromkeys([*OF_SCHEMES, *RECOMMENDED.datasets, *opened])
     figures = dict.fromkeys(re.findall(r"/(figures/\w+\.svg)", pages))
-    return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, DECISION, *PRODUCTS]
+    tables = [f"tables/{one.name}.csv" for one in TABLES]
+    return [*(f"{name}.nc" for name in datasets), *figures, NUMBERS, *tables, *PRODUCTS]

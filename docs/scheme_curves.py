@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from docs.drawing import ACCENT, INK, OTHER, figure_of, panel, svg
+from docs.drawing import ACCENT, INK, OTHER, figure_of, lines_legend, panel, svg
 from docs.theory import PARTS
 
 if TYPE_CHECKING:
@@ -29,18 +29,19 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
             if other != subject.name and other in library.schemes:
                 beside = library.subject(other)
                 values = getattr(beside.theory, name)[shown]
-                axes.plot(PARTS[shown], np.clip(values, -9, 9), color=OTHER, ls=line, lw=1.2, label=beside.scheme.title)
+                axes.plot(PARTS[shown], np.clip(values, -9, 9), color=OTHER, ls=line, lw=1.2)
         values = getattr(subject.theory, name)[shown]
-        axes.plot(PARTS[shown], np.clip(values, -9, 9), color=ACCENT, lw=2, label=subject.scheme.title)
+        axes.plot(PARTS[shown], np.clip(values, -9, 9), color=ACCENT, lw=2)
         if name == "radius":
             axes.axhline(1.0, color=INK, lw=0.6)
         if name == "damping" and np.nanmin(values, initial=0.0) < vertical[0]:
             vertical = (-vertical[1], vertical[1])  # a scheme that feeds energy
         axes.set(xlim=horizontal, ylim=vertical, xlabel="step size over period", ylabel=label)
-        axes.legend(frameon=False, fontsize=8)
         panels.append(svg(figure, f"{label} of {subject.scheme.title} over the step size"))
     caption = (
         "Linear theory, from the derivative of a step of the code. Above a spectral radius of one a run grows without "
         "bound; curves end where the roots become real and nothing oscillates."
     )
-    return figure_of(panels, caption)
+    lines = {BESIDE[name]: name for name in BESIDE if name != subject.name and name in library.schemes}
+    legend = [("-", subject.scheme.title), *((line, library.schemes[name].title) for line, name in lines.items())]
+    return figure_of([*panels, lines_legend(legend)], caption)

@@ -9,13 +9,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 import study
-from docs import scheme_results
+from docs import scheme_results, scheme_verdict
 from docs.confirmed import names_in_codes, printed_limit
 from docs.docstrings import parsed
 from docs.scheme_curves import linear_theory
-from docs.text import definitions, described
+from docs.text import definitions, described, found_by
 from docs.theory import PARTS, STEPS, Theory, theory_of
 from study.words import number
 
@@ -50,6 +51,11 @@ class Library:
     schemes: Mapping[str, study.Scheme]
     aliases: Mapping[str, list[str]]
     _known: dict[str, Subject] = field(default_factory=dict)
+
+    @cached_property
+    def needs(self) -> Mapping[str, Mapping[float, pd.DataFrame]]:
+        """Steps and forces that the schemes need, by problem and error."""
+        return scheme_verdict.needs(self.data)
 
     def subject(self, name: str) -> Subject:
         """A scheme by its name, whose linear theory is computed once for all pages."""
@@ -147,7 +153,8 @@ def _use(subject: Subject) -> str:
     public = f"\n\nOther parameters: {{py:class}}`study.{kind}`." if hasattr(study, kind) else ""
     return (
         "```python\nimport study\n\n"
-        f'ds = study.run("softening", "{subject.name}", dt=0.057, steps=2000, observe=["max_energy_error"])\n'
+        'run = dict(dt=0.057, steps=2000, observe=["max_energy_error"])\n'
+        f'ds = study.run("softening", "{subject.name}", **run)\n'
         f"print(ds.max_energy_error)\n```{public}"
     )
 
@@ -163,18 +170,20 @@ def scheme_page(subject: Subject, library: Library) -> str:
     summary, docstring["Summary"] = _rst("\n".join(docstring["Summary"])), []
     sections = {
         "Equations, parameters and references": _rst(str(docstring)),
+        "Names in other codes": names_in_codes(subject.name),
+        "Run it": _use(subject),
+        "Properties": _facts(subject, library.aliases.get(subject.name, [])),
         "Linear theory: stability, period elongation and numerical damping": linear_theory(subject, library),
         "Order on non-linear springs": scheme_results.orders(subject, library.data),
         "Energy error at the step sizes of 1996": scheme_results.energy(subject, library.data),
         "Map of stability, and how it fails": scheme_results.maps(subject, library.data),
         "Work, precision and cost": scheme_results.work(subject, library.data),
-        "Names in other codes": names_in_codes(subject.name),
-        "Run it": _use(subject),
     }
     parts = [
         f"# {title}: numerical damping, stability, order and cost",
+        found_by([subject.name, *library.aliases.get(subject.name, [])]),
         summary,
-        _facts(subject, library.aliases.get(subject.name, [])),
+        scheme_verdict.verdict(subject, library),
         *(f"## {heading}\n\n{text}" for heading, text in sections.items()),
     ]
     return described(description, "\n\n".join(parts) + "\n")

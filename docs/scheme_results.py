@@ -40,7 +40,8 @@ def _of(subject: "Subject", dataset: xr.Dataset) -> xr.Dataset | None:
     return dataset.sel(scheme=subject.name) if subject.name in dataset.scheme.values else None
 
 
-def _not_run(subject: "Subject", what: str) -> str:
+def not_run(subject: "Subject", what: str) -> str:
+    """A sentence on a kind of run that the study has not made of a scheme."""
     missing = f"The study that made this page has no {what} of this scheme"
     if subject.name in study.schemes:
         return f"{missing}; the full study runs all schemes that have names."
@@ -56,7 +57,7 @@ def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
     parts = []
     one = _of(subject, data["accuracy"])
     if one is None:
-        parts.append(_not_run(subject, "accuracy runs"))
+        parts.append(not_run(subject, "accuracy runs"))
     else:
         rows = []
         for problem, title in _titles(one).items():
@@ -120,7 +121,7 @@ def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
     atlas = data["stability/atlas"]
     one = _of(subject, atlas)
     if one is None:
-        return _not_run(subject, "maps of stability")
+        return not_run(subject, "maps of stability")
     names = atlas.outcome.flag_meanings.split()
     panels, rows = [], []
     for problem, title in _titles(one).items():
@@ -190,7 +191,7 @@ def work(subject: "Subject", data: Mapping[str, Any]) -> str:
     everything = data["work_precision"]
     one = _of(subject, everything)
     if one is None:
-        return _not_run(subject, "measured times")
+        return not_run(subject, "measured times")
     panels, rows = [], []
     for problem, title in _titles(one).items():
         figure, axes = panel("xy")
@@ -199,7 +200,7 @@ def work(subject: "Subject", data: Mapping[str, Any]) -> str:
             error = abs(run.max_trajectory_error)
             known = error.where((run.flagged.sel(measure="max_trajectory_error") == 0) & (error > _FLOOR))
             color, width, marker = (ACCENT, 2.0, "o") if name == subject.name else (OTHER, 0.7, "")
-            axes.plot(run.force_evaluations, known, color=color, lw=width, marker=marker, ms=4)
+            axes.plot(run.force_evaluations, known, "-", color=color, lw=width, marker=marker, ms=4)
         axes.set(xlabel=f"forces in {_LONG} periods", ylabel="largest error, relative")
         axes.set_ylim(top=3)
         axes.set_title(title)

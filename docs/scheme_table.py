@@ -5,8 +5,9 @@ import math
 from collections.abc import Iterable
 
 from docs.scheme_page import Library, Subject
-from docs.text import described
+from docs.text import described, narrowed
 from docs.theory import ROUND_OFF, STEPS
+from study.scheme.codes import names_in_codes
 from study.words import number
 
 #: Heading of each column, and what it means where the heading alone does not say it.
@@ -14,8 +15,7 @@ COLUMNS = {
     "scheme": "",
     "family": "",
     "kind": "",
-    "order": "claimed, without damping and load",
-    "order, damped": "claimed, with damping or load",
+    "order": "claimed, without damping and load; in brackets with them, where it is another",
     "largest stable ωΔt": "without damping",
     "ρ∞": "spectral radius at infinite frequency",
     "period, %": f"relative error of the period at {STEPS} steps a period, in linear theory",
@@ -42,7 +42,6 @@ def _cells(subject: Subject, library: Library) -> list[str | float]:
         scheme.family,
         "explicit" if scheme.explicit else "implicit",
         scheme.order,
-        scheme.order_with_damping,
         theory.limit,
         theory.at_infinity,
         100 * theory.elongation_of_rule,
@@ -55,16 +54,20 @@ def _cells(subject: Subject, library: Library) -> list[str | float]:
 
 def _row(subject: Subject, library: Library) -> str:
     title, *cells = _cells(subject, library)
+    scheme = subject.scheme
+    damped = "" if scheme.order_with_damping == scheme.order else f" ({scheme.order_with_damping})"
+    called = [f"{one.code} {one.name}" for one in names_in_codes() if one.scheme == subject.name]
+    words = html.escape(" ".join([subject.name, *library.aliases.get(subject.name, []), *called]))
     parts = [
         f'<td><input type="checkbox" aria-label="compare {html.escape(str(title))}"></td>',
         f'<th scope="row"><a href="{subject.name}.html">{html.escape(str(title))}</a></th>',
     ]
-    for cell in cells:
+    for heading, cell in zip(list(COLUMNS)[1:], cells, strict=True):
         if isinstance(cell, str):
             parts.append(f"<td>{html.escape(cell)}</td>")
         else:
-            parts.append(f'<td data-value="{cell!r}">{number(cell)}</td>')
-    return f"<tr>{''.join(parts)}</tr>"
+            parts.append(f'<td data-value="{cell!r}">{number(cell)}{damped if heading == "order" else ""}</td>')
+    return f'<tr data-words="{words}">{"".join(parts)}</tr>'
 
 
 def table_of(subjects: Iterable[Subject], library: Library) -> str:
@@ -74,13 +77,13 @@ def table_of(subjects: Iterable[Subject], library: Library) -> str:
         for name, meaning in COLUMNS.items()
     )
     rows = "\n".join(_row(subject, library) for subject in subjects)
-    return (
-        '<form class="narrow" hidden><label>Show schemes with <input type="search" name="words" '
-        'placeholder="explicit, Newmark, …"></label> '
-        '<label><input type="checkbox" name="chosen"> only those with a tick</label></form>\n'
-        '<div class="wide" tabindex="0" role="region" aria-label="table of schemes">\n<table class="sortable">\n'
-        f'<thead><tr><th scope="col"><span class="hidden">compare</span></th>{heads}</tr></thead>\n'
-        f"<tbody>\n{rows}\n</tbody>\n</table>\n</div>\n"
+    return narrowed(
+        f'<tr><th scope="col"><span class="hidden">compare</span></th>{heads}</tr>',
+        rows,
+        ("schemes", "table of schemes"),
+        "explicit, Verlet, OpenSees, …",
+        '<label><input type="checkbox" name="chosen"> only those with a tick</label>',
+        kind="schemes",
     )
 
 
@@ -99,8 +102,9 @@ ticks keep some schemes side by side.
 {meanings}
 
 Orders are those that schemes claim; their pages give measured ones. Stability, damping and memory follow from the code
-of each scheme by automatic differentiation. Times were measured on the machine that made this site. A narrow screen
-shows the first columns; the table scrolls sideways. {{doc}}`/how_to/choose` compares schemes at equal error.
+of each scheme by automatic differentiation. Times were measured on the machine that made this site. On a narrow screen
+the table scrolls sideways. The box above it finds schemes by their other names and by those in codes too.
+{{doc}}`/how_to/choose` compares schemes at equal error.
 
 ```{{toctree}}
 :hidden:

@@ -10,6 +10,33 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]], numbers_from: int 
     return "\n".join("| " + " | ".join(row) + " |" for row in [head, rule, *rows])
 
 
+def narrowed(
+    head: str, rows: str, what: tuple[str, str], placeholder: str, choices: str = "", kind: str = "plain"
+) -> str:
+    """A table that scrolls by itself, below a form that narrows it down by words; see ``static/table.js``.
+
+    Parameters
+    ----------
+    head, rows
+        Rows of the table as HTML.
+    what
+        What the form shows, and what the table is for those who do not see it.
+    placeholder
+        Examples of words.
+    choices
+        Further elements of the form.
+    kind
+        Class of the table.
+    """
+    shown, label = what
+    return (
+        f'<form class="narrow" hidden><label>Show {shown} with <input type="search" name="words" '
+        f'placeholder="{placeholder}"></label> {choices}</form>\n'
+        f'<div class="wide" tabindex="0" role="region" aria-label="{label}">\n<table class="sortable {kind}">\n'
+        f"<thead>{head}</thead>\n<tbody>\n{rows}\n</tbody>\n</table>\n</div>\n"
+    )
+
+
 def definitions(facts: Mapping[str, str]) -> str:
     """A list of facts with their names; the facts are HTML."""
     inside = "".join(f"<dt>{name}</dt><dd>{fact}</dd>\n" for name, fact in facts.items())
@@ -21,3 +48,9 @@ def described(description: str, body: str, hide_toc: bool = False) -> str:
     sentence = description.replace('"', "'")
     hidden = "hide-toc: true\n" if hide_toc else ""
     return f'---\n{hidden}myst:\n  html_meta:\n    description: "{sentence}"\n---\n\n{body}'
+
+
+def found_by(names: Iterable[str]) -> str:
+    """Entries of the index, which the search of the site puts first."""
+    entries = ", ".join(f"! {name.replace('_', ' ')}" for name in names)
+    return f"```{{index}} {entries}\n```"

@@ -1,5 +1,6 @@
 """Linear theory of a scheme for its page, from the code of the scheme itself."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +38,8 @@ class Theory(NamedTuple):
         Largest displacement and velocity of 64 steps from rest over their sizes, less one, over all stable step sizes.
     memory
         Vectors of the size of u in the state that a step hands to the next.
+    forces
+        Forces that a step evaluates at :data:`STEPS` steps a period of the undamped linear oscillator.
     """
 
     radius: np.ndarray
@@ -51,10 +54,22 @@ class Theory(NamedTuple):
     growth: np.ndarray
     overshoot: np.ndarray
     memory: int
+    forces: float
 
 
 #: ρ∞ below this is zero: where roots at zero meet, round-off leaves the more of it the more of them there are.
 _NO_RADIUS = 5e-3
+
+
+#: The undamped linear oscillator with ω = 1.
+_LINEAR = study.Problem(force=lambda u: u, potential=lambda u: u * u / 2, u0=1.0, title="linear oscillator")
+
+
+def _forces(scheme: study.Scheme) -> float:
+    if scheme.explicit:
+        return scheme.forces_per_step
+    run = study.run(_LINEAR, scheme, dt=2 * math.pi / STEPS, steps=STEPS, observe=["newton_iterations"])
+    return scheme.forces_per_step + scheme.forces_per_iteration * run.newton_iterations.item() / STEPS
 
 
 def theory_of(scheme: study.Scheme) -> Theory:
@@ -77,4 +92,5 @@ def theory_of(scheme: study.Scheme) -> Theory:
         undamped.growth(),
         np.nanmax(undamped.overshoot(), axis=1, initial=0.0),
         undamped.matrices.shape[-1],
+        _forces(scheme),
     )

@@ -160,11 +160,11 @@ def check_form(model: type[BaseModel], configuration: Any) -> None:
         raise ValueError(f"the configuration must be a mapping from sections to options, not {configuration!r}.")
     strange = next(_strange_keys(configuration, ""), None)
     if strange is not None:
-        raise ValueError(f"{strange} of the configuration is no text; put it into quotation marks.")
+        raise ValueError(f"{strange} of the configuration must be a string; put it into quotation marks.")
     try:
         model.model_validate(configuration, context=_registries())
     except ValidationError as mistakes:
-        # where a key is misspelt another is missing, which tells less
+        # where a key is misspelt another is missing, which is the weaker message
         first = min(mistakes.errors(), key=lambda mistake: mistake["type"] != "extra_forbidden")
         raise ValueError(_sentence(first, model)) from None
 

@@ -225,7 +225,7 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str =
     """
     sign = release(f"diffrax {method}", problem, estimate)
     untitled = problem.untitled()
-    # all numbers are arrays of one type; otherwise each call is compiled anew
+    # all numbers are arrays of one type; otherwise each call is compiled again
     tolerance = np.float64(rtol)
     found = _until(untitled, np.float64(0.75 * estimate), np.float64(-sign), tolerance, method)
     _check(problem, method, found.result)

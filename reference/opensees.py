@@ -8,6 +8,7 @@ twentieth of the period its motion of this spring grows to a hundred times the a
 """
 
 import importlib
+import tempfile
 import time
 from collections.abc import Callable
 from types import ModuleType
@@ -15,7 +16,7 @@ from types import ModuleType
 import numpy as np
 from jaxtyping import Float, Int
 
-from reference.solution import Solution
+from reference.solution import Solution, Times
 from study.materials import BoucWen, Elastoplastic, ViscousDamper
 from study.mechanics.definition import Problem
 from study.mechanics.ground import GroundMotion
@@ -146,6 +147,41 @@ def trajectory(problem: str, scheme: str, dt: float, steps: int) -> Solution:
     """
     ops = _prepared(problem, scheme)
     return _stepped(ops, scheme, dt, steps, lambda of_node: of_node(2, 1))
+
+
+def variable_steps(
+    problem: str, scheme: str, duration: float, dt: float, longest: float, iterations: int
+) -> tuple[Times, Solution]:
+    """Times, and displacement and velocity there, of a cubic spring with the steps that OpenSees chooses.
+
+    The next step is this one times ``iterations`` over the number of tests of convergence that it took
+    (``VariableTransient``). The last step is not shortened, so that the run ends after its duration. Raises as
+    :func:`trajectory` does.
+
+    Parameters
+    ----------
+    dt, longest
+        The first step and the longest, in seconds.
+    iterations
+        Number of tests for which the step is meant.
+    """
+    ops = _prepared(problem, scheme)
+    ops.wipeAnalysis()
+    _choose(ops, scheme)
+    ops.analysis("VariableTransient")
+    with tempfile.TemporaryDirectory() as folder:
+        files = {what: f"{folder}/{what}" for what in ("disp", "vel")}
+        for what, file in files.items():
+            ops.recorder("Node", "-file", file, "-precision", 16, "-time", "-node", 2, "-dof", 1, what)
+        start = time.perf_counter()
+        steps = round(duration / dt)
+        failed = ops.analyze(steps, duration / steps, 1e-6 * dt, longest, iterations)
+        elapsed = time.perf_counter() - start
+        ops.wipe()  # which closes the files
+        (t, u), (_, v) = (np.loadtxt(file).T for file in files.values())
+    if failed:
+        raise ValueError(f"OpenSees failed on '{problem}' with '{scheme}'.")
+    return t, Solution(u, v, -1, elapsed)
 
 
 def stiff_soft(scheme: str, dt: float, steps: int) -> Solution:

@@ -118,7 +118,7 @@ def trajectory(
     kinks
         Times at which the load has a kink, in ascending order; no step crosses one.
     restarts
-        Times, all among ``t``, at which CVODE starts anew, since what it remembers of the motion before is of no use.
+        Times, all among ``t``, at which CVODE restarts, because its history of the motion is of no use after them.
 
     Raises
     ------
@@ -134,8 +134,8 @@ def trajectory(
     solver = _solver(motion, rtol, method, max_num_steps=max_num_steps)
     y = np.empty((len(t), 2, *np.shape(problem.u0)))
     stops = np.concatenate([[] if kinks is None else kinks, [np.inf]])
-    anew = np.isin(t, [] if restarts is None else restarts)
-    stops = np.union1d(stops, t[anew])
+    restarted = np.isin(t, [] if restarts is None else restarts)
+    stops = np.union1d(stops, t[restarted])
     start, evaluations = time.perf_counter(), 0
     # a loop that is not in Python; of two times alone it would return all steps between them
     if len(t) > 2 and motion.history is None and not np.isfinite(stops).any():
@@ -151,7 +151,7 @@ def trajectory(
             _check(problem, method, solution)
         y[i] = solution.y.reshape(y[i].shape)
         motion.commit(solution.y)
-        if anew[i]:
+        if restarted[i]:
             evaluations += solution.nfev
             solution = solver.init_step(until, solution.y)
     return Solution(y[:, 0], y[:, 1], int(evaluations + solution.nfev), time.perf_counter() - start)

@@ -73,7 +73,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--no-maps", dest="maps", action="store_false", help="leave out how the schemes fail")
     command.add_argument("--output", type=Path, metavar="PATH", help="PATH.nc and PATH.html are written; default: none")
 
-    command = commands.add_parser("assess-scheme", help="put a scheme of your own beside those of the study")
+    command = commands.add_parser("assess-scheme", help="compare your own scheme with those of the study")
     command.set_defaults(function=_assess_scheme)
     command.add_argument("scheme", metavar="FILE.py:NAME", help="a study.Scheme in a file, or the name of a scheme")
     command.add_argument("--beside", nargs="+", metavar="NAME", default=BESIDE, help="schemes to compare with")
@@ -153,8 +153,8 @@ def _assess(arguments: argparse.Namespace) -> None:
         for error in dataset.allowed_error.values:
             print(f"{quantity}, error {error:g}:\n{recommend(dataset, error=error, quantity=quantity).to_string()}\n")
             print(f"{answer(dataset, quantity, error)}\n")
-    if told := limits_of_reference(dataset):
-        print(f"{told}\n")
+    if limits := limits_of_reference(dataset):
+        print(f"{limits}\n")
     if outputs:
         print(f"written: {outputs[0]}, {outputs[1]}")
 

@@ -6,7 +6,7 @@ A material is the force of one unknown, or with :func:`elements` that of every s
     oscillator = study.Problem(spring, u0=0.0, potential=spring.potential, load=load)
 
 Parameters may be arrays with one value for each element. A material with a memory has an attribute ``history`` and
-returns the new one beside its force. Forces are those of the motion from the last committed displacement straight to u,
+returns the new one with its force. Forces are those of the motion from the last committed displacement straight to u,
 without error: a step has only the error of its scheme.
 """
 

@@ -105,7 +105,7 @@ class Registry(Mapping[str, T], Generic[T]):
         raise UnknownName(f"there is no {self.kind} {name!r}; {did_you_mean(str(name), self)}")
 
     def add(self, name: str, entry: T) -> None:
-        """Enter a thing of one's own under a new name.
+        """Enter your own object under a new name.
 
         Raises
         ------

@@ -36,7 +36,7 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    sys.path.insert(0, str(path.parent.resolve()))  # for modules beside it
+    sys.path.insert(0, str(path.parent.resolve()))  # for modules next to it
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # a user's file may raise anything

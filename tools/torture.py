@@ -135,7 +135,7 @@ def torture(undisturbed: Path, tortured: Path, kills: int, seed: int = 0) -> pd.
         If a call after a kill does not end well.
     """
     choose, expected, rows = random.Random(seed), _hashes(undisturbed), []
-    latest = min(_undisturbed(tortured, choose) for _ in range(2))  # the first call in a copy plans anew
+    latest = min(_undisturbed(tortured, choose) for _ in range(2))  # the first call in a copy plans again
     for number in range(kills):
         mode = list(MODES)[number % len(MODES)]
         _remove(tortured, choose)
@@ -157,11 +157,13 @@ def restarted(folder: Path) -> None:
 
 
 if __name__ == "__main__":
+    output = Path(sys.argv[2])
+    output.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as place:
         undisturbed, tortured = (copied(Path(place, name)) for name in ("undisturbed", "tortured"))
         for one in (undisturbed, tortured):
             restarted(one)
         summary = torture(undisturbed, tortured, int(sys.argv[1]))
-    Path(sys.argv[2]).write_text(summary.to_csv(index=False))
+    output.write_text(summary.to_csv(index=False))
     print(summary.to_string(index=False))
     sys.exit(bool(summary[["differences", "unfinished files left"]].to_numpy().any()))

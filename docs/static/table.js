@@ -9,7 +9,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
     return "value" in cell.dataset ? Math.abs(cell.dataset.value.replace("inf", "Infinity")) : cell.textContent;
   };
   const compare = (a, b) => {
-    if (typeof a === "string") return a.localeCompare(b);
+    if (typeof a === "string") return a.localeCompare(b, undefined, {numeric: true});
     return Number.isNaN(a) || Number.isNaN(b) ? Number.isNaN(a) - Number.isNaN(b) : a === b ? 0 : a < b ? -1 : 1;
   };
 
@@ -25,10 +25,11 @@ for (const table of document.querySelectorAll("table.sortable")) {
 
   const narrow = () => {
     const words = form.elements.words.value.toLowerCase().split(/\s+/).filter(Boolean);
-    const chosen = form.elements.chosen.checked;
+    const chosen = form.elements.chosen?.checked, verdict = form.elements.verdict?.value;
     for (const row of body.rows) {
-      const text = row.textContent.toLowerCase(), ticked = row.querySelector("input").checked;
-      row.hidden = !words.every((word) => text.includes(word)) || (chosen && !ticked);
+      const text = `${row.textContent} ${row.dataset.words ?? ""}`.toLowerCase();
+      const left = (chosen && !row.querySelector("input").checked) || (verdict && row.dataset.verdict !== verdict);
+      row.hidden = !words.every((word) => text.includes(word)) || left;
     }
   };
   form.hidden = false;

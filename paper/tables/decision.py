@@ -94,16 +94,28 @@ def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
         yield name, runs.isel(scheme=np.flatnonzero(runs.explicit.values == flag))
 
 
-def _steps_of_spring(spring: xr.Dataset, kind: str, error: float, quantity: str) -> pd.DataFrame:
-    """The schemes of a class with the fewest forces, each with the finer one of its steps for a quantity and energy."""
-    wanted = (error, quantity), (LEVEL, "energy")
+def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataFrame:
+    """Rows of ``study.recommend``, each for the finest step that a scheme needs for a quantity, energy and phase.
+
+    Schemes that keep one of the errors at no step have no row. ``steps`` are those in a period, ``forces`` the
+    evaluations in it, and ``made`` is the error of the quantity.
+    """
+    wanted = {(error, quantity), (LEVEL, "energy"), (LEVEL, "phase")}
     needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
-    needs = needs[needs.kind == kind].sort_values("step_size")
+    needs = needs.sort_values("step_size")
     kept = needs[needs.step_size.groupby(level="scheme").transform("count") == len(wanted)]
     finer = kept[~kept.index.duplicated()]
     made = [spring.error.sel(scheme=name, dt=dt, quantity=quantity).item() for name, dt in finer.step_size.items()]
     steps = [steps_of_period(spring, dt) for dt in finer.step_size]
-    return finer.assign(steps=steps).iloc[_tied(finer.forces_per_time.to_numpy(), np.array(made))]
+    forces = [row.force_evaluations / row.number_of_steps * n for row, n in zip(finer.itertuples(), steps, strict=True)]
+    return finer.assign(steps=steps, forces=forces, made=made)
+
+
+def _steps_of_spring(spring: xr.Dataset, kind: str, error: float, quantity: str) -> pd.DataFrame:
+    """The schemes of a class with the fewest forces."""
+    needs = needs_of_spring(spring, error, quantity)
+    needs = needs[needs.kind == kind]
+    return needs.iloc[_tied(needs.forces_per_time.to_numpy(), needs.made.to_numpy())]
 
 
 def _of_spring(spring: xr.Dataset, chosen: pd.DataFrame, limits: Mapping[str, float]) -> list[Pick]:
@@ -112,7 +124,7 @@ def _of_spring(spring: xr.Dataset, chosen: pd.DataFrame, limits: Mapping[str, fl
         Pick(
             titles[row.Index],
             f"{AT_MOST if row.verdict == COARSEST else ''}{row.steps:,}",
-            f"{row.force_evaluations / row.number_of_steps * row.steps:,.0f} forces",
+            f"{row.forces:,.0f} forces",
             row.omega_step,
             limits[row.Index],
         )
@@ -146,12 +158,12 @@ def _springs(springs: list[xr.Dataset], robustness: xr.Dataset, limits: Mapping[
                 }
 
 
-def _fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes that keep an error with the fewest forces in a period, as all their finer steps do.
+def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tuple[np.ndarray, np.ndarray]:
+    """Fewest forces in a period with which each scheme keeps an error, as all its finer steps do, and the step's place.
 
     A run does not count if its balance of energies is off by more than ``LEVEL``, or, where the dataset has
-    these errors, its displacement by more than that, or its velocity by more than ``VELOCITY``. ``≤`` marks the
-    coarsest step that was tried, and ``†`` the finest.
+    these errors, its displacement by more than that, or its velocity by more than ``VELOCITY``. The number is NaN
+    where no step keeps the error.
     """
     sound = runs.max_energy_imbalance <= LEVEL
     for name, level in (("displacement_error", LEVEL), ("velocity_error", VELOCITY)):
@@ -163,14 +175,22 @@ def _fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits
     per_step = (runs.forces_per_step + runs.forces_per_iteration * runs.iterations_per_step).transpose(*dims).values
     forces = np.where(keeps, per_step * steps, np.inf)
     best = forces.argmin(axis=1)
-    schemes = np.arange(len(best))
-    fewest = np.where(keeps.any(axis=1), forces[schemes, best], np.nan)
-    marks = {steps[0]: (AT_MOST, ""), steps[-1]: ("", " †")}
+    return np.where(keeps.any(axis=1), forces[np.arange(len(best)), best], np.nan), best
+
+
+def marked(steps: np.ndarray, place: int) -> str:
+    """A number of steps; ``≤`` marks the coarsest step that was tried, and ``†`` the finest."""
+    return f"{AT_MOST if place == 0 else ''}{steps[place]:,}{' †' if place == len(steps) - 1 else ''}"
+
+
+def _fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapping[str, float]) -> list[Pick]:
+    """The schemes that keep an error with the fewest forces in a period, with their steps."""
+    fewest, best = fewest_forces(runs, error, allowed)
+    steps = runs.steps_per_period.values
     picks = []
-    for k in _tied(fewest, error.transpose(*dims).values[schemes, best]):
+    for k in _tied(fewest, error.transpose("scheme", "steps_per_period").values[np.arange(len(best)), best]):
         per_period = steps[best[k]]
-        before, after = marks.get(per_period, ("", ""))
-        step, work = f"{before}{per_period:,}{after}", f"{fewest[k]:,.0f} forces"
+        step, work = marked(steps, best[k]), f"{fewest[k]:,.0f} forces"
         omega_step = runs.highest_frequency.item() * runs.period.item() / per_period
         picks.append(Pick(runs.scheme_title.values[k], step, work, omega_step, limits[runs.scheme.values[k]]))
     return picks
@@ -211,17 +231,25 @@ def _losing(one: xr.Dataset) -> str:
     return f"kept only by {_first(best_first.scheme_title.values.tolist())}"
 
 
+def _set_by_velocity(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str, float]) -> str:
+    """Says so if a coarser step would do were it not for the velocity."""
+    without = runs.drop_vars("velocity_error")
+    differs = any(_fewest_forces(runs, error, e, limits) != _fewest_forces(without, error, e, limits) for e in ERRORS)
+    return "the velocity sets the step" if differs else ""
+
+
 def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]:
     for problem in structures.problem.values:
         for k, what in enumerate(("displacement", "energy")):
             for c, (name, one) in enumerate(_by_class(structures.sel(problem=problem))):
                 size = one.displacement_error if what == "displacement" else one.max_energy_imbalance
+                warnings = [_losing(one) if k == 0 else "", _set_by_velocity(one, size, limits)]
                 yield {
                     "Problem": sentence(one.problem_title.item()) if k == c == 0 else "",
                     "Right in": what if c == 0 else "",
                     "Scheme": name,
                     **{_column(error): _cell(_fewest_forces(one, size, error, limits)) for error in ERRORS},
-                    "Beware of": _losing(one) if k == 0 else "",
+                    "Beware of": "; ".join(filter(None, warnings)),
                 }
 
 
@@ -284,8 +312,8 @@ def tabulate(
     """One row per kind of problem and what must be right; a dash where no scheme keeps the error.
 
     Explicit and implicit schemes have a row each. A cell names the scheme of its class with the fewest evaluations of
-    the force; numbers within a tenth tie, and of these the smallest error is named. The energy of a spring must be
-    right to ``LEVEL`` too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
+    the force; numbers within a tenth tie, and of these the smallest error is named. Energy and phase of a spring
+    must be right to ``LEVEL`` too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
     highest ω of the motion, below the stability limit of the linear theory if there is one.
     """
     limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()

@@ -143,7 +143,7 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         "period_error": "relative error of the period",
         "evaluations": f"evaluations of the right side over {max(WINDOWS)} periods: of kvaerno5 its stages, each of "
         "which takes several; of heyoka those of a Taylor coefficient; of CVODE without those for its Jacobian",
-        "run_time": f"run time over {max(WINDOWS)} periods, without compilation, of one run beside other jobs",
+        "run_time": f"run time over {max(WINDOWS)} periods, without compilation, of one run while other jobs run",
         "status": "how the trajectory ended",
         "period_status": "how the search for the period ended",
     }

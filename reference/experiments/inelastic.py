@@ -27,7 +27,7 @@ def _in_pieces(problem, t: Times) -> tuple[str, Solution, Solution]:
 
 
 def from_kink_to_kink(problem: Problem, t: Times) -> tuple[str, Solution, Solution]:
-    """The route and the solutions by diffrax and CVODE, which start anew at every kink of load and force."""
+    """The route and the solutions by diffrax and CVODE, which restart at every kink of load and force."""
     declared = np.asarray(getattr(problem.load, "kinks", []), float)
     of_load = declared[(declared > 0) & (declared < t[-1])]
     of_force = sundials.kinks(problem, t[-1], of_load)

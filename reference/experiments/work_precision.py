@@ -132,7 +132,7 @@ def work_precision(
     repeats: Repeats,
     longest: Annotated[float, Gt(0), Le(3600)],
 ) -> xr.Dataset:
-    """Measure time and evaluations of every general solver at every tolerance, beside its errors.
+    """Measure time and evaluations of every general solver at every tolerance, and its errors.
 
     Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
     and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.

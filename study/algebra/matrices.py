@@ -72,8 +72,8 @@ def _banded_times(matrix: Banded, x):
     k, n = matrix.half_bandwidth, len(x)
     if k <= 1:
         return sum(band * shifted(x, d) for d, band in enumerate(matrix.bands, start=-k))
-    beside = jnp.pad(x, k)[jnp.arange(2 * k + 1)[:, None] + jnp.arange(n)[None]]
-    return jnp.sum(jnp.stack(tuple(matrix.bands)) * beside, axis=0)
+    diagonals = jnp.pad(x, k)[jnp.arange(2 * k + 1)[:, None] + jnp.arange(n)[None]]
+    return jnp.sum(jnp.stack(tuple(matrix.bands)) * diagonals, axis=0)
 
 
 def _written_out(matrix, other):

@@ -72,7 +72,7 @@ class Pattern:
 
     def product(self, values: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Product of the matrix with these values and a vector (n,)."""
-        with self._alone:  # making the matrices anew would take longer than the product
+        with self._alone:  # making the matrices again would take longer than the product
             self._matrix.data = self._mirrored.data = values
             product = self._matrix @ x
             return product + self._mirrored @ x - values[self.diagonal] * x if self.symmetric else product
@@ -94,8 +94,8 @@ class Sparse(eqx.Module):
         product = jnp.zeros_like(x).at[pattern.rows].add(values * x[pattern.columns])
         if not pattern.symmetric:
             return product
-        beside = jnp.where(pattern.rows != pattern.columns, values, 0.0)
-        return product.at[pattern.columns].add(beside * x[pattern.rows])
+        off_diagonal = jnp.where(pattern.rows != pattern.columns, values, 0.0)
+        return product.at[pattern.columns].add(off_diagonal * x[pattern.rows])
 
     def transposed(self) -> "Sparse":
         """The transposed matrix."""

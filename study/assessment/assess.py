@@ -247,7 +247,7 @@ def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
     if at_start >= LEAST_ENERGY * kinetic:
         return ""
     return (
-        f"the balance of energies of '{problem.title}' is left out: errors would be told relative to the energy at the "
+        f"the balance of energies of '{problem.title}' is left out: errors would be relative to the energy at the "
         f"start, {at_start:g}, and the kinetic energy reaches {kinetic:g}; add a constant to the potential."
     )
 

@@ -67,7 +67,7 @@ def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: dict[float
     """Median time of the steps of a run and its interquartile range, by step size, of numbers of steps.
 
     Runs are timed over as many steps of the same size as a clock needs, and the time of a run of one step is
-    subtracted: it is that of the call. Where a run cannot be told from the call, its time has the call in it.
+    subtracted: it is the overhead of the call. It is not subtracted if the run is not longer than the call.
     """
     timed = Timed(problem, scheme, ())
     call = np.median([timed.run(max(wanted), 1)[0] for _ in range(REPEATS)])

@@ -23,7 +23,7 @@ from study.observer.motion import Quantity
 #: Points between two of the reference at which a quantity is evaluated.
 FINER = 8
 
-#: Samples of a closer look at a peak, between those beside it, and looks, of which each is closer.
+#: Number of samples of a refinement of a peak, between its neighbours, and number of refinements.
 CLOSER, LOOKS = 65, 2
 
 #: Times at which a quantity is evaluated at once.
@@ -84,7 +84,7 @@ def values_along(quantity: Quantity, problem: Problem, solution: DenseSolution, 
 def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times, values: Values) -> np.ndarray:
     """Largest size of each component: that of its samples, and of closer ones about the largest.
 
-    The solution is smooth between its points only, so no curve through samples tells the height of a peak.
+    The solution is smooth between its points only, so no curve through samples gives the height of a peak.
     """
     peak = np.abs(values).max(axis=0)
     together = AT_ONCE // CLOSER

@@ -42,7 +42,7 @@ class NoReference(ValueError):
 class Kinks(NamedTuple):
     """Times within the run at which a record has a kink, and those at which a comparison in a force or load changes.
 
-    There the load may jump, and a solver starts anew.
+    There the load may jump, and a solver restarts.
     """
 
     of_load: Times
@@ -194,8 +194,8 @@ class Reference:
         of_force, all_kinks = self.kinks.of_force, np.union1d(*self.kinks)
         ends = np.concatenate([[-np.inf], all_kinks, [np.inf]])
         after = np.searchsorted(ends, grid)
-        beside = np.minimum(grid - ends[after - 1], ends[after] - grid)
-        kept = beside > 0.1 * np.minimum(np.diff(grid, prepend=-np.inf), np.diff(grid, append=np.inf))
+        distance = np.minimum(grid - ends[after - 1], ends[after] - grid)
+        kept = distance > 0.1 * np.minimum(np.diff(grid, prepend=-np.inf), np.diff(grid, append=np.inf))
         kept[[0, -1]] = True
         merged = np.union1d(grid[kept], all_kinks)
         few = np.diff(np.searchsorted(merged, of_force)) < POINTS_BETWEEN_KINKS

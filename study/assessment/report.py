@@ -21,7 +21,7 @@ from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes
 from study.words import document, number, text_of
 
-#: Colours that differ in greyscale and for the colour-blind, and markers that tell more curves apart.
+#: Colours that differ in greyscale and for the colour-blind, and markers that distinguish more curves.
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 MARKERS = "osD^vPX<>*"
 

@@ -1,4 +1,4 @@
-"""``study.assess_scheme``: a scheme of one's own beside those of the study."""
+"""``study.assess_scheme``: your own scheme, compared with those of the study."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -18,8 +18,8 @@ from study.scheme.contract import check_told
 from study.scheme.named import schemes
 from study.words import document
 
-#: Schemes beside which one is put, and problems on which all of them run, with the time in seconds if it is needed. The
-#: reference takes steps of the stiffest mode, so that the stiff problems are short.
+#: Schemes with which one is compared, and problems on which all of them run, with the time in seconds if it is needed.
+#: The reference takes steps of the stiffest mode, so that the stiff problems are short.
 BESIDE = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
 ON = {"hardening": None, "softening": None, "double_well": None, "stiff_soft_sine": 5.0, "fpu_chain": 12.6}
 
@@ -73,7 +73,7 @@ def assess_scheme(
     problems: Sequence[str] | Mapping[str, float | None] = ON,  # type: ignore[assignment]
     errors: Sequence[float] = (0.1, 0.01),
 ) -> SchemeAssessment:
-    """Put a scheme through linear theory, the springs and stiff systems, beside schemes of the study.
+    """Put a scheme through linear theory, the springs and stiff systems, compared with schemes of the study.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def assess_scheme(
     chosen = {name: own} | {other: schemes[other] for other in others if schemes[other] is not own}
     durations = problems if isinstance(problems, Mapping) else dict.fromkeys(problems)
     linear = _linear(chosen)
-    linear.attrs = io.provenance(f"{own.title} beside other schemes", "study.assess_scheme")
+    linear.attrs = io.provenance(f"{own.title} compared with other schemes", "study.assess_scheme")
     linear.attrs["processor"] = processor()
     found = {
         problem: assess(problem, chosen, duration=duration, errors=errors) for problem, duration in durations.items()

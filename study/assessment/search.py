@@ -29,7 +29,7 @@ COARSEST = 4
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
 #: Finest Δt·ω with the highest frequency ω of the motion to which a search goes in any case that takes no more than so
-#: many steps, and steps × unknowns: stiff modes of a structure take finer steps than its slowest period tells.
+#: many steps, and steps × unknowns: stiff modes of a structure need finer steps than its slowest period suggests.
 FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST = 0.03, 20_000, 4_000_000
 
 #: Multiple of a twentieth of a step down to which finer ones will do, if the step has shrunk.
@@ -97,7 +97,7 @@ class Case:
 
 
 def told_of_starts(cases: dict[float, Case]) -> str:
-    """A sentence on the starts beside that of the problem: a multiple of nothing is no other start."""
+    """A sentence on the starts next to that of the problem; a multiple of zero is no other start."""
     own = cases[1.0].problem
     others = [case.problem for factor, case in cases.items() if factor != 1.0]
     if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):

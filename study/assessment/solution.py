@@ -69,7 +69,7 @@ class DenseSolution(NamedTuple):
             # what the routes differ by at the points is no fault of the interpolant
             at_ends = np.maximum(at[:, 0], np.append(at[1:, 0], apart[-1]))
             np.maximum(off, between.max(axis=1) - at_ends, out=off)
-        if not np.isfinite(off).all():  # a motion without bound, of which others tell
+        if not np.isfinite(off).all():  # a motion without bound, which the caller reports
             return self.t
         # the interpolant of u̇ is of fifth order
         parts = np.ceil(np.clip(off / goal, 1.0, None) ** 0.2).astype(int)

@@ -49,7 +49,7 @@ class Experiment:
     steps, values
         About how many steps of all runs, and how many numbers held at once, a job asks for.
     page
-        Module that makes a page of HTML beside each dataset, of the dataset's file and its own.
+        Module that makes a page of HTML next to each dataset, of the dataset's file and its own.
     stops_early
         Whether runs that decide the result end a job before ``steps``, which is then a bound.
     timed

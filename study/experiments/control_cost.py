@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from study.control.estimators import Estimator
 from study.control.named import estimators
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import ControllerName, FallingTolerances, RisingCounts, Sampled, Schemes
@@ -14,7 +15,9 @@ from study.io import flags
 from study.marching.adaptive_run import ENDS
 from study.marching.control import usual_estimator
 from study.marching.run import run
+from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
+from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.wrapper.with_history import WithHistory
 
@@ -64,10 +67,9 @@ def control_cost(
     shape = len(problems), len(schemes)
     controlled = {name: np.full((*shape, len(tolerances)), np.nan) for name in ("error", "forces", "steps", "rejected")}
     equal = {name: np.full((*shape, len(steps_per_sample)), np.nan) for name in ("error", "forces")}
-    status = np.full((*shape, len(tolerances)), NOT_RUN, np.int8)
-    equal_status = np.full((*shape, len(steps_per_sample)), NOT_RUN, np.int8)
-    uncertainty = np.empty(len(problems))
-    used = np.full(shape, "", object)
+    for one in (controlled, equal):
+        one["status"] = np.full(one["error"].shape, NOT_RUN, np.int8)
+    uncertainty, used = np.empty(len(problems)), np.full(shape, "", object)
     for p, problem in enumerate(problems):
         exact, definition = known(problem), problems_by_name[problem]
         uncertainty[p] = exact.uncertainty
@@ -76,37 +78,17 @@ def control_cost(
             if scheme.refusal(definition):
                 continue
             progress(f"control of {name} on {problem}")
-            marched = scheme if definition.history is None else WithHistory(scheme)
-            for k, parts in enumerate(steps_per_sample):
-                ds = _equal(problem, name, exact, parts)
-                steps, at = parts * len(exact.t), (p, s, k)
-                equal["error"][at], equal_status[at] = exact.error(ds.u.values[1:]), ds.status
-                equal["forces"][at] = _forces(marched, marched.forces_per_step, ds, steps, steps)
-            if scheme.needs_equal_steps:
-                continue
-            estimator = usual_estimator(marched, definition)
-            used[p, s] = estimators[estimator].title
-            for k, tolerance in enumerate(tolerances):
-                ds = run(
-                    problem,
-                    name,
-                    tolerance=tolerance,
-                    duration=exact.t[-1],
-                    estimator=estimator,
-                    controller=controller,
-                    times=exact.t,
-                    steps=MOST * max(steps_per_sample) * len(exact.t),
-                    observe=["trajectory", "newton_iterations"],
-                    on_failure="ignore",
-                )
-                at = p, s, k
-                status[at] = ds.status
-                rejected = ds.steps_rejected_by_estimate.item() + ds.steps_rejected_by_solver.item()
-                controlled["steps"][at], controlled["rejected"][at] = ds.steps, rejected
-                if not status[at]:
-                    controlled["error"][at] = exact.error(ds.u.sel(t=exact.t, method="nearest").values)
-                of_step = estimators[estimator].forces_per_step(marched)
-                controlled["forces"][at] = _forces(marched, of_step, ds, ds.steps.item(), ds.steps.item() + rejected)
+            runs = [(equal, k, _equal(definition, scheme, exact, parts)) for k, parts in enumerate(steps_per_sample)]
+            if not scheme.needs_equal_steps:
+                estimator = estimators[usual_estimator(_marched(definition, scheme), definition)]
+                used[p, s] = estimator.title
+                most = MOST * max(steps_per_sample) * len(exact.t)
+                for k, tolerance in enumerate(tolerances):
+                    found = _controlled(definition, scheme, exact, tolerance, estimator, controller, most)
+                    runs.append((controlled, k, found))
+            for of_kind, k, found in runs:
+                for variable, value in found.items():
+                    of_kind[variable][p, s, k] = value
     dims, of_equal = ("problem", "scheme", "tolerance"), ("problem", "scheme", "steps_per_sample")
     error = {"long_name": "largest error of the displacement over its size", "units": "1"}
     forces = {"long_name": "evaluations of the internal force", "units": "1"}
@@ -116,10 +98,10 @@ def control_cost(
             "forces": (dims, controlled["forces"], forces),
             "steps": (dims, controlled["steps"], {"long_name": "number of steps", "units": "1"}),
             "rejected": (dims, controlled["rejected"], {"long_name": "trial steps that were rejected", "units": "1"}),
-            "status": (dims, status, flags("how the run ended", STATUSES, np.int8)),
+            "status": (dims, controlled["status"], flags("how the run ended", STATUSES, np.int8)),
             "equal_error": (of_equal, equal["error"], error | {"comment": "with equal steps"}),
             "equal_forces": (of_equal, equal["forces"], forces | {"comment": "with equal steps"}),
-            "equal_status": (of_equal, equal_status, flags("how the run ended", STATUSES, np.int8)),
+            "equal_status": (of_equal, equal["status"], flags("how the run ended", STATUSES, np.int8)),
             "estimator_title": (dims[:2], used.astype(str), {"long_name": "estimator of the error of a step"}),
             "uncertainty": (
                 "problem",
@@ -141,19 +123,59 @@ def control_cost(
     )
 
 
-def _equal(problem: str, scheme: str, exact: Known, parts: int) -> xr.Dataset:
-    return run(
+#: What is observed in every run.
+OBSERVED = ["trajectory", "newton_iterations"]
+
+
+def _equal(problem: Problem, scheme: Scheme, exact: Known, parts: int) -> dict[str, float]:
+    """Error, forces and status of a run with so many equal steps between two samples."""
+    steps = parts * len(exact.t)
+    ds = run(problem, scheme, dt=exact.t[-1] / steps, steps=steps, every=parts, observe=OBSERVED, on_failure="ignore")
+    marched = _marched(problem, scheme)
+    forces = _forces(marched, marched.forces_per_step, ds, steps, steps)
+    return {"error": exact.error(ds.u.values[1:]), "forces": forces, "status": ds.status.item()}
+
+
+def _controlled(
+    problem: Problem,
+    scheme: Scheme,
+    exact: Known,
+    tolerance: float,
+    estimator: Estimator,
+    controller: str,
+    most: int,
+) -> dict[str, float]:
+    """Error, forces, steps, rejections and status of a run with a tolerance."""
+    ds = run(
         problem,
         scheme,
-        dt=exact.t[-1] / len(exact.t) / parts,
-        steps=parts * len(exact.t),
-        every=parts,
-        observe=["trajectory", "newton_iterations"],
+        tolerance=tolerance,
+        duration=exact.t[-1],
+        estimator=estimator,
+        controller=controller,
+        times=exact.t,
+        steps=most,
+        observe=OBSERVED,
         on_failure="ignore",
     )
+    steps, rejected = ds.steps.item(), (ds.steps_rejected_by_estimate + ds.steps_rejected_by_solver).item()
+    marched = _marched(problem, scheme)
+    completed = ds.status == ENDS.index("completed")
+    return {
+        "error": exact.error(ds.u.sel(t=exact.t, method="nearest").values) if completed else np.nan,
+        "forces": _forces(marched, estimator.forces_per_step(marched), ds, steps, steps + rejected),
+        "steps": steps,
+        "rejected": rejected,
+        "status": ds.status.item(),
+    }
 
 
-def _forces(scheme, per_step: int, ds: xr.Dataset, steps: int, trials: int) -> float:
+def _marched(problem: Problem, scheme: Scheme) -> Scheme:
+    """The scheme as it is marched, with the forces that commit a history."""
+    return scheme if problem.history is None else WithHistory(scheme)
+
+
+def _forces(scheme: Scheme, per_step: int, ds: xr.Dataset, steps: int, trials: int) -> float:
     """Forces of a run, of trial steps that each take as many iterations as the steps that were taken."""
     of_iterations = 0 if scheme.explicit else scheme.forces_per_iteration * ds.newton_iterations.item() / max(steps, 1)
     return trials * (per_step + of_iterations)

@@ -7,7 +7,7 @@ from study import io
 from study.declaration.experiment import experiment
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 
-#: The arithmetic from whose runs the round-off of the others is told.
+#: Arithmetic whose runs give the round-off of the others.
 _LEAST_ROUND_OFF = "float64_compensated"
 
 

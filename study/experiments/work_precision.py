@@ -1,4 +1,4 @@
-"""Work and precision of the schemes: time, force evaluations and Newton iterations beside the errors."""
+"""Work and precision of the schemes: time, force evaluations and Newton iterations, and the errors."""
 
 import os
 from collections.abc import Mapping
@@ -53,7 +53,7 @@ merged("work_precision", of=("work_precision/schemes", "work_precision/solvers")
     temporary=True,
 )
 def work_precision(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, repeats: Repeats) -> xr.Dataset:
-    """Measure time, force evaluations and Newton iterations of a step of every scheme, beside its errors.
+    """Measure time, force evaluations and Newton iterations of a step of every scheme, and its errors.
 
     The errors are the dataset ``accuracy``, which the costs complement. The schemes are timed in turns, so that a slow
     moment of the machine affects all of them. Times of a step have the shape

@@ -68,7 +68,8 @@ def final_state(
     >>> import jax, study
     >>> def end(stiffness):
     ...     spring = study.Problem(lambda u: stiffness * u, u0=1.0)
-    ...     return study.final_state(spring, "average_acceleration", dt=0.01, steps=100)["u"]
+    ...     end = study.final_state(spring, "average_acceleration", dt=0.01, steps=100)
+    ...     return end["u"]
     >>> print(f"{jax.grad(end)(4.0):.4f}")
     -0.2273
     """

@@ -187,7 +187,8 @@ def run(
     Examples
     --------
     >>> import study
-    >>> ds = study.run("hardening", "average_acceleration", dt=0.15 / 20, steps=2000, observe=["max_energy_error"])
+    >>> run = dict(dt=0.15 / 20, steps=2000, observe=["max_energy_error"])
+    >>> ds = study.run("hardening", "average_acceleration", **run)
     >>> print(f"{ds.max_energy_error.item():.1f} {ds.max_energy_error.units}")
     4.1 percent
     """

@@ -315,5 +315,5 @@ class Problem(eqx.Module):
 
 
 def _nothing(u: Vector) -> Scalar:
-    """The potential of a linear problem beside ½ uᵀ K u."""
+    """The potential of a linear problem in addition to ½ uᵀ K u."""
     return jnp.zeros((), u.dtype)

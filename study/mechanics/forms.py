@@ -1,4 +1,4 @@
-"""The forms in which a problem stores its matrices: that of the tangent, and of others beside it."""
+"""The forms in which a problem stores its matrices: that of the tangent, and of matrices next to it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -89,7 +89,7 @@ def entries_of(matrix: Matrix, name: str) -> ScipySparse | None:
 
 
 def stored(matrix: Matrix, form: FormOfTangent) -> Matrix:
-    """Stiffness, mass or damping in the smallest form that holds it, beside a tangent of this form."""
+    """Stiffness, mass or damping in the smallest form that holds it, next to a tangent of this form."""
     if isinstance(matrix, Sparse):
         if isinstance(form, SparseTangent):
             return matrix.within(form.pattern)

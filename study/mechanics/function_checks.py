@@ -102,7 +102,7 @@ def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
 def _parameters(function: Callable | None) -> list[inspect.Parameter]:
     try:
         return [] if function is None else list(inspect.signature(function).parameters.values())
-    except (TypeError, ValueError):  # no function, or a built-in one, which tells nothing
+    except (TypeError, ValueError):  # no function, or a built-in one without a signature
         return []
 
 

@@ -26,7 +26,7 @@ def number_of_arguments(force: Callable) -> int:
     """Number of arguments that a force must be given: 1 for p(u), 2 for p(u, u̇), 3 for a force with a history."""
     try:
         parameters = inspect.signature(force).parameters.values()
-    except (TypeError, ValueError):  # built-in functions tell nothing
+    except (TypeError, ValueError):  # built-in functions have no signature
         return 1
     needed = [p for p in parameters if p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
     return max(len(needed), 1)
@@ -89,7 +89,7 @@ def may_have_kinks(force: Callable, *arguments: Any) -> bool:
     return _kinked(program, [True] * len(program.invars))[0]
 
 
-#: Differences whose sign tells on which side of a kink an operation is, by its operands.
+#: Differences whose sign decides on which side of a kink an operation is, by its operands.
 _SWITCHES: dict[str, Callable] = dict.fromkeys(("lt", "le", "gt", "ge", "max", "min"), lambda a, b: [a - b])
 _SWITCHES |= dict.fromkeys(("abs", "sign"), lambda a: [a])
 _SWITCHES["clamp"] = lambda low, a, high: [a - low, a - high]

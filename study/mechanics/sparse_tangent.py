@@ -1,7 +1,7 @@
-"""The form of a sparse tangent: its pattern, and which products with the derivative of the force tell its entries.
+"""The form of a sparse tangent: its pattern, and which products with the derivative of the force give its entries.
 
 Columns without a common row share a product: they have the same colour (Curtis, Powell and Reid, 1974). A force that
-acts on few unknowns, beside a constant stiffness, needs few products.
+acts on few unknowns, next to a constant stiffness, needs few products.
 
 References
 ----------

@@ -75,7 +75,8 @@ class Program:
     ...             v.append(((1 - dt**2 / 4) * v[-1] - dt * u[-1]) / (1 + dt**2 / 4))
     ...             u.append(u[-1] + dt * (v[-1] + v[-2]) / 2)
     ...     return {"t": t, "displacement": u}
-    >>> program = Program(run, ["average_acceleration", "symplectic_euler"], duration=10.0)
+    >>> schemes = ["average_acceleration", "symplectic_euler"]
+    >>> program = Program(run, schemes, duration=10.0)
     """
 
     run: Runnable

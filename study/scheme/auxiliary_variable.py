@@ -38,11 +38,12 @@ class AuxiliaryVariable(Scheme):
         M \ddot u_1 + C \dot u_1 + K u_1 + \frac{r_1}{q}\,p(\bar u) &= f(t_1) \\
         3 r_1 - 4 r_0 + r_{-1} &= \frac{p(\bar u)}{2q} \cdot (3 u_1 - 4 u_0 + u_{-1})
 
-    where K is the stiffness beside the force p, and V the potential of p. The equations are linear, and solved with one
-    matrix for two right sides. Second order. Without load the quadratic form of BDF2 in u̇, u and r, which stands for
-    the energy :math:`\tfrac12 \dot u^T M \dot u + \tfrac12 u^T K u + r^2`, does not grow at any step size; r itself may
-    leave :math:`\sqrt{V + c}`. Without p it is BDF2. The average acceleration method, run backwards, finds the motion
-    before the start. Needs the potential. Carries u, u̇ and r at two times; one force and one potential a step.
+    where K is the stiffness next to the force p, and V the potential of p. The equations are linear, and solved with
+    one matrix for two right sides. Second order. Without load the quadratic form of BDF2 in u̇, u and r, which
+    stands for the energy :math:`\tfrac12 \dot u^T M \dot u + \tfrac12 u^T K u + r^2`, does not grow at any step
+    size; r itself may leave :math:`\sqrt{V + c}`. Without p it is BDF2. The average acceleration method, run
+    backwards, finds the motion before the start. Needs the potential. Carries u, u̇ and r at two times; one force
+    and one potential a step.
 
     Parameters
     ----------

@@ -115,7 +115,7 @@ class Scheme(eqx.Module):
         return "\n".join(lines)
 
     def refusal(self, problem: Problem) -> str | None:
-        """One sentence that tells why the scheme cannot step this problem; None if it can."""
+        """One sentence that says why the scheme cannot step this problem; None if it can."""
         if problem.massless and self.needs_mass:
             return (
                 f"'{self.title}' needs a mass at every unknown, and that of '{problem.title}' is singular: take an "

@@ -174,7 +174,7 @@ class EnergyMomentum(OneStep):
 
 def _with_stiffness(scheme: Scheme, problem: Problem) -> str:
     return (
-        f"'{scheme.title}' takes a mean of the whole force, and '{problem.title}' has a stiffness beside its force: "
+        f"'{scheme.title}' takes a mean of the whole force, and '{problem.title}' has a stiffness next to its force: "
         "make it part of the force and of the potential."
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 from study.mechanics.function_checks import NOT_TRACEABLE
 from study.mechanics.state import Effort
 
-#: What a scheme tells of itself in whole numbers, with the least of each.
+#: Integer attributes of a scheme, and their minima.
 _TOLD = {"order": 1, "order_with_damping": 1, "forces_per_step": 0, "forces_per_iteration": 0}
 
 

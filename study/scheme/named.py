@@ -62,7 +62,7 @@ schemes: Registry[Scheme] = Registry(
 
 
 def register_scheme(name: str, scheme: Scheme) -> None:
-    """Give a scheme of one's own a name, under which experiments and all functions of the study take it.
+    """Give your own scheme a name, under which experiments and all functions of the study take it.
 
     Raises
     ------

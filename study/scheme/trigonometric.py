@@ -16,7 +16,7 @@ from study.scheme.base import OneStep
 
 
 class Pushed(NamedTuple):
-    """Displacement, velocity and the acceleration g of the forces beside the stiffness, each of shape () or (n,)."""
+    """Displacement, velocity and acceleration g of the forces without the stiffness, each of shape () or (n,)."""
 
     u: Vector
     v: Vector

@@ -10,7 +10,7 @@ import xarray as xr
 import yaml
 
 import study
-from docs import executed, plan
+from docs import executed, gallery, plan
 from paper import products
 from pipeline import configuration
 from study import io
@@ -41,6 +41,12 @@ def test_the_examples_of_a_page_run_in_order(page, tmp_path, monkeypatch):
         assert seen["theory"].order() == pytest.approx(2, abs=0.1)
 
 
+@pytest.mark.parametrize("page", [*PAGES, PROJECT / "CONTRIBUTING.md"], ids=lambda page: page.stem)
+def test_lines_of_code_fit_a_page(page):
+    code = [block for language in ("python", "sh", "text", "yaml") for block in blocks(page.read_text(), language)]
+    assert [line for block in code for line in block.splitlines() if len(line) > 88] == []
+
+
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page.read_text(), "yaml")], ids=_relative)
 def test_the_configuration_of_a_page_is_accepted(page, tmp_path):
     folder = copied(tmp_path)
@@ -67,8 +73,9 @@ def test_expressions_of_a_page_use_its_python_the_numbers_and_words(tmp_path):
     (results / "numbers.json").write_text(json.dumps({"claims": "56"}))
     data = xr.Dataset({"u": ("t", [1.0, 2.5])}, attrs={"source": io.SOURCE})
     io.write(data, results / "own" / "data.nc")
-    page = '```python\nimport study\n\ntop = study.open_dataset("own/data").u.max().item()\n```\n'
-    names = executed.names_of(page, results)
+    page = '```python\nimport study\n\ntop = study.open_dataset("own/data").u.max().item()\nprint(top)\n```\n'
+    shown, names = executed.run(page, results)
+    assert shown == page + "\n```text\n2.5\n```\n"
     assert eval('n["claims"], number(top), listed("ab")', names) == ("56", "2.5", "a and b")
 
 
@@ -76,12 +83,17 @@ def test_expressions_of_a_page_use_its_python_the_numbers_and_words(tmp_path):
 def test_a_question_has_a_figure_numbers_and_its_python(page):
     text, figures = page.read_text(), {one.name for one in products.discover(["figures"]) if one.kind == "figure"}
     assert re.match(r"# .*\?\n", text) and len(blocks(text, "python")) == 1 and "study.open_dataset(" in text
-    assert set(re.findall(r"figures/(\w+)\.svg", text)) <= figures and text.count("```{figure}") == 1
+    assert set(re.findall(r"figures/(\w+)\.svg", text)) <= figures and "```{figure}" in text
     assert text.count("{eval}`") >= 2 and f"\n{page.stem}\n" in (page.parent / "index.md").read_text()
 
 
-def test_there_are_enough_questions():
-    assert len(GALLERY) >= 8
+def test_the_index_of_the_gallery_shows_every_question_and_has_its_script(tmp_path):
+    grid = gallery.grid()
+    assert sorted(gallery.questions()) == GALLERY and grid.count("```{figure}") == len(GALLERY) >= 8
+    assert "[Which scheme damps least?](damping.md)" in grid and ":target: damping.html" in grid
+    gallery.write_scripts(tmp_path)
+    (code,) = blocks((plan.PAGES / "gallery" / "damping.md").read_text(), "python")
+    assert (tmp_path / "damping.py").read_text() == code and "<damping.py>" in (tmp_path / "damping.md").read_text()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=_relative)

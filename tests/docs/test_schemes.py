@@ -13,6 +13,7 @@ from docs.drawing import ACCENT, INK, panel, svg
 from docs.scheme_page import Library, scheme_page
 from docs.scheme_results import orders
 from docs.scheme_table import COLUMNS, table_of
+from docs.scheme_verdict import verdict
 from docs.theory import theory_of
 from study.scheme.codes import names_in_codes
 from study.user_files import load
@@ -41,7 +42,7 @@ def test_pages_of_named_schemes_and_of_ones_own_have_one_form(library):
     pages = {name: scheme_page(library.subject(name), library) for name in library.schemes}
     headings = {name: re.findall("^## .*", page, re.MULTILINE) for name, page in pages.items()}
     assert headings["houbolt"] == headings["central_difference"] == headings["heun"]
-    assert all(page.count("this page has no") == 3 for page in pages.values())  # one sentence for each kind of run
+    assert all(page.count("this page has no") == 4 for page in pages.values())  # one sentence for each kind of run
     houbolt = pages["houbolt"]
     assert "<code>houbolt</code>, <code>hbt</code>" in houbolt and "10.2514/8.1722" in houbolt
     assert (
@@ -69,6 +70,53 @@ def test_orders_come_from_the_errors():
     data = Empty({"accuracy": accuracy})
     subject = Library(data, study.schemes, {}).subject("rk4")
     assert "| spring | 3 | 3 | 3 | 3 |" in orders(subject, data)
+
+
+def _kinks(*needed, first_order=0):
+    """A yielding oscillator on which central difference and Runge-Kutta need some steps a period for one percent."""
+    steps, names = np.array([16, 32, 64]), ["central_difference", "rk4"]
+    dims = ("problem", "scheme", "steps_per_period")
+    error = np.where(steps < np.array(needed)[:, None], 0.02, 0.005)[None]
+    order = np.array([[2.0, 4.0]])
+    order[0, :first_order] = 1.0
+    coords = {"problem": ["yielding"], "scheme": names, "steps_per_period": steps}
+    return xr.Dataset(
+        {
+            "error": (dims, error),
+            "max_energy_imbalance": (dims, 0 * error),
+            "iterations_per_step": (dims, 0 * error),
+            "observed_order": (dims[:2], order),
+        },
+        coords,
+    ).assign_coords(
+        problem_title=("problem", ["yielding oscillator"]),
+        explicit=("scheme", [1, 1]),
+        forces_per_step=("scheme", [1, 4]),
+        forces_per_iteration=("scheme", [1, 1]),
+    )
+
+
+def test_the_verdict_follows_the_data():
+    def of(name, kinks):
+        data = Empty({"kinks": kinks})
+        library = Library(data, {one: study.schemes[one] for one in ("central_difference", "rk4")}, {})
+        return verdict(library.subject(name), library)
+
+    cheaper = of("central_difference", _kinks(32, 16))
+    assert "within 1 % on the yielding oscillator" in cheaper and "first order only" not in cheaper
+    assert "| yielding oscillator | ≤\u00a016 (16) | 32 (32) | – | this one |" in cheaper
+    assert "[Central difference](central_difference.md): 32 (32) |" in of("rk4", _kinks(32, 16))
+    dearer = of("central_difference", _kinks(100, 16, first_order=1))
+    assert "within 1 %" not in dearer and "small errors on the yielding oscillator" in dearer
+    assert "| – | – | [Runge-Kutta](rk4.md): ≤\u00a016 (64) |" in dearer
+
+
+def test_the_better_scheme_is_as_good_in_all():
+    names = ("houbolt", "park", "average_acceleration")
+    library = Library(Empty(), {name: study.schemes[name] for name in names}, {})
+    pages = {name: verdict(library.subject(name), library) for name in names}
+    assert '<a href="park.html">Park</a>' in pages["houbolt"]  # average acceleration does not damp high frequencies
+    assert "none in linear theory" in pages["park"] and "none in linear theory" in pages["average_acceleration"]
 
 
 def test_a_figure_has_the_colours_of_its_page_and_the_same_bytes():
@@ -99,8 +147,8 @@ def test_numbers_as_they_stand_on_pages():
 
 def test_the_table_has_every_scheme_and_column(library):
     table = table_of([library.subject(name) for name in library.schemes], library)
-    assert table.count("<tr>") == 1 + 3 and table.count("<button") == len(COLUMNS)
-    assert all(row.count("<td") == len(COLUMNS) for row in table.split("<tr>")[2:])
+    assert table.count("<tr") == 1 + 3 and table.count("<button") == len(COLUMNS)
+    assert all(row.count("<td") == len(COLUMNS) for row in table.split("<tr")[2:])
 
 
 def test_names_in_other_codes_can_be_checked():

@@ -2,13 +2,15 @@
 
 import shutil
 
+import pandas as pd
 import pytest
 import xarray as xr
 
 import study
-from docs.plan import PAGES
+from docs.plan import LEDGER, PAGES, TABLES
 from docs.scheme_page import Library
 from docs.scheme_table import table_of
+from docs.tables_page import claims_page, tables_page
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 #: Titles of the schemes that the table shows.
@@ -19,25 +21,35 @@ return rows.filter((row) => !row.hidden).map((row) => row.cells[1].innerText)
 
 
 @pytest.fixture
-def browser(tmp_path):
-    """A browser that shows the table of three schemes."""
+def show(tmp_path):
+    """A function that shows a table in a browser."""
     from selenium import webdriver
 
-    times = xr.Dataset({"median_time_per_step": (("problem", "scheme", "steps_per_period"), [[[7.0], [30.0]]])})
-    times = times.assign_coords(problem=["softening"], scheme=["rk4", "houbolt"], steps_per_period=[64])
-    library = Library({"work_precision": times}, study.schemes, {})  # type: ignore[arg-type]
-    table = table_of([library.subject(name) for name in ("houbolt", "rk4", "central_difference")], library)
-    script = (PAGES.parent / "static" / "table.js").read_text()
-    page = tmp_path / "page.html"
-    page.write_text(f'<meta charset="utf-8"><link rel="icon" href="data:,">{table}<script>{script}</script>')
     options = webdriver.ChromeOptions()
     options.binary_location = CHROMIUM or ""
     for argument in ("headless", "no-sandbox", "disable-gpu", f"user-data-dir={tmp_path / 'profile'}"):
         options.add_argument(f"--{argument}")
     driver = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
-    driver.get(page.as_uri())
-    yield driver
+
+    def shown(table):
+        script = (PAGES.parent / "static" / "table.js").read_text()
+        page = tmp_path / "page.html"
+        page.write_text(f'<meta charset="utf-8"><link rel="icon" href="data:,">{table}<script>{script}</script>')
+        driver.get(page.as_uri())
+        return driver
+
+    yield shown
     driver.quit()
+
+
+@pytest.fixture
+def browser(show):
+    """A browser that shows the table of three schemes."""
+    times = xr.Dataset({"median_time_per_step": (("problem", "scheme", "steps_per_period"), [[[7.0], [30.0]]])})
+    times = times.assign_coords(problem=["softening"], scheme=["rk4", "houbolt"], steps_per_period=[64])
+    library = Library({"work_precision": times}, study.schemes, {"central_difference": ["verlet"]})  # type: ignore[arg-type]
+    table = table_of([library.subject(name) for name in ("houbolt", "rk4", "central_difference")], library)
+    return show(table)
 
 
 @pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs chromium and chromedriver")
@@ -52,7 +64,11 @@ def test_the_keyboard_sorts_and_narrows_the_table(browser):
 
     press(Keys.TAB, "explicit")
     assert browser.execute_script(SHOWN) == ["Runge-Kutta", "Central difference"]
-    press(*[Keys.BACKSPACE] * len("explicit"))
+    press(*[Keys.BACKSPACE] * len("explicit"), "Verlet")  # an alias
+    assert browser.execute_script(SHOWN) == ["Central difference"]
+    press(*[Keys.BACKSPACE] * len("Verlet"), "Houbolt OpenSees")  # a name in a code
+    assert browser.execute_script(SHOWN) == ["Houbolt"]
+    press(*[Keys.BACKSPACE] * len("Houbolt OpenSees"))
     sorted_by = {}
     for _ in range(16):  # past the box, the region that scrolls, and all headings
         press(Keys.TAB)
@@ -65,10 +81,53 @@ def test_the_keyboard_sorts_and_narrows_the_table(browser):
     assert sorted_by["time, ns"] == ["Runge-Kutta", "Houbolt", "Central difference"]  # what is missing stays last
     (last,) = browser.execute_script("return [...document.querySelectorAll('[aria-sort]')].map((one) => one.ariaSort)")
     assert last == "ascending"
-    browser.execute_script("document.querySelectorAll('thead button')[11].focus()")
+    browser.execute_script("document.querySelectorAll('thead button')[10].focus()")
     press(Keys.ENTER)
     assert browser.execute_script(SHOWN) == ["Houbolt", "Runge-Kutta", "Central difference"]
     press(Keys.TAB, Keys.SPACE)
     browser.execute_script("document.querySelector('[name=chosen]').focus()")
     press(Keys.SPACE)
     assert browser.execute_script(SHOWN) == ["Houbolt"]
+
+
+@pytest.fixture
+def results(tmp_path):
+    """Tables of one row, and a ledger of three claims."""
+    ledger = pd.DataFrame({"No.": ["1", "2", "3"], "Claim": ["A < B.", "C.", "D of A."]}).assign(Whose="Xie, 2")
+    ledger = ledger.assign(**{"Decided by": "runs", "Printed": "", "Ours": "1"})
+    verdicts = ["reproduced", "not reproduced; by far", "reproduced"]
+    (tmp_path / "tables").mkdir()
+    for one in TABLES:
+        table = pd.DataFrame({"Problem": ["spring", ""], "Scheme": ["explicit", "implicit <b>"]})
+        frame = ledger.assign(Verdict=verdicts) if one.name == LEDGER else table
+        frame.to_csv(tmp_path / "tables" / f"{one.name}.csv", index=False)
+    return tmp_path
+
+
+@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="needs chromium and chromedriver")
+def test_words_and_a_verdict_narrow_the_ledger(show, results):
+    from selenium.webdriver.common.by import By
+
+    page = claims_page(results)
+    assert "3 claims: 2 reproduced, 1 not reproduced." in page
+    browser = show(page)
+    verdict, words = (browser.find_element(By.NAME, name) for name in ("verdict", "words"))
+
+    def numbers():
+        rows = browser.find_elements(By.CSS_SELECTOR, "tbody tr")
+        return [row.text.split()[0] for row in rows if row.is_displayed()]
+
+    verdict.send_keys("rep")
+    assert numbers() == ["1", "3"]
+    words.send_keys("d of")
+    assert numbers() == ["3"]
+    verdict.send_keys("all")
+    words.clear()
+    words.send_keys("far")
+    assert numbers() == ["2"]
+
+
+def test_every_table_has_a_section(results):
+    page = tables_page(results)
+    assert page.count("\n## ") == page.count("<table") == len(TABLES) - 1
+    assert '<tr data-words="spring"><td></td><td>implicit &lt;b&gt;</td></tr>' in page

@@ -1,6 +1,7 @@
 """Interrupted, killed and concurrent calls of the pipeline, on datasets that take seconds."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -92,6 +93,18 @@ def test_the_pipeline_goes_on_without_its_worker_and_after_interrupts(folder, ru
     running.wait()
     make(folder, *TARGETS)
     assert hashes_of(folder).items() >= undisturbed.items()
+
+
+def test_the_snakefile_of_the_catalogue_plans_the_same_jobs(folder):
+    def planned(snakefile):
+        done = call_snakemake(folder, "-n", "--forceall", "--snakefile", snakefile)
+        assert done.returncode == 0, done.stderr[-4000:]
+        return [line for line in done.stdout.splitlines() if re.match(r"\w+ +\d+$", line)]
+
+    jobs = planned("snakefile")
+    assert len(jobs) > 30 and planned("workflow/Snakefile") == jobs
+    linted = call_snakemake(folder, "--lint", "--snakefile", "workflow/Snakefile")
+    assert linted.returncode == 0, (linted.stdout + linted.stderr)[-4000:]
 
 
 def test_results_that_cannot_be_written_are_named(folder, tmp_path):

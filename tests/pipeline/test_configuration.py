@@ -14,7 +14,7 @@ from snakemake.utils import update_config
 
 import study
 from paper import products
-from pipeline import configuration
+from pipeline import configuration, keys
 from pipeline.datasets import steps_of
 from pipeline.sources import Sources
 from study.declaration.experiment import discover
@@ -86,8 +86,8 @@ def test_what_is_no_configuration_is_told(whole):
     "change, sentence",
     [
         (lambda c: c.update(enery_error={}), "the configuration has no key 'enery_error'; did you mean 'energy_error'"),
-        (lambda c: c.update({True: 1}), "the key True of the configuration is no text"),
-        (lambda c: c["phase_portrait"].update({1: {}}), "the key phase_portrait.1 of the configuration is no text"),
+        (lambda c: c.update({True: 1}), "the key True of the configuration must be a string"),
+        (lambda c: c["phase_portrait"].update({1: {}}), "the key phase_portrait.1 of the configuration must be"),
         (lambda c: c["cpu_time"].update(repeat=3), "cpu_time has no key 'repeat'; did you mean 'repeats'?"),
         (lambda c: c["cpu_time"].update(repeats="many"), "cpu_time.repeats must be a whole number, not 'many'."),
         (lambda c: c["cpu_time"].update(repeats=15.0), "cpu_time.repeats must be a whole number, not 15.0."),
@@ -251,3 +251,23 @@ def test_any_configuration_is_accepted_or_refused_in_one_sentence(config, chance
     assert len(names) == len(set(names)) and not any(".." in name or name.startswith("/") for name in names)
     if chance == 1:
         assert all(step.jobs for step in steps_of(EXPERIMENTS, whole, SOURCES))
+
+
+def test_the_page_of_the_keys_is_current():
+    """``python -m pipeline.keys > config/README.md`` writes it."""
+    assert keys.page() == (PROJECT / "config" / "README.md").read_text()
+
+
+def test_the_page_of_the_keys_has_every_key_of_the_configurations(config):
+    listed = {re.sub(r"\[\]", "", key) for key in re.findall(r"^\| `([\w.\[\]]+)` \|", keys.page(), re.MULTILINE)}
+    patterns = [re.compile(key.replace("NAME", r"\w+")) for key in listed]
+
+    def keys_of(value, place):
+        if isinstance(value, dict):
+            for key, one in value.items():
+                yield from keys_of(one, f"{place}.{key}".lstrip("."))
+        else:
+            yield place
+
+    unknown = [key for key in keys_of(config, "") if not any(one.fullmatch(key) for one in patterns)]
+    assert len(listed) > 50 and unknown == []

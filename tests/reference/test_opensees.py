@@ -31,6 +31,20 @@ def test_the_same_definitions_agree_to_round_off(theirs, scheme):
     np.testing.assert_allclose(solution.v, ours.v[1:], atol=1e-9)
 
 
+@pytest.mark.parametrize("iterations", [4, 6])
+def test_its_variable_steps_follow_the_iterations_and_make_the_motion_of_ours(theirs, iterations):
+    period = printed_periods["hardening"]
+    t, solution = opensees.variable_steps("hardening", "average_acceleration", 20 * period, DT, period, iterations)
+    sizes = np.diff(np.append(0.0, t))
+    tests = iterations * sizes[:-1] / sizes[1:]
+    free = sizes[1:] < 0.999 * period
+    np.testing.assert_allclose(tests[free], np.round(tests[free]), rtol=1e-6)
+    ours = study.run(
+        "hardening", "average_acceleration", controller=study.Prescribed(sizes), duration=t[-1], observe=["trajectory"]
+    )
+    np.testing.assert_allclose(ours.u[1:], solution.u, atol=1e-6)
+
+
 @pytest.mark.parametrize(
     "scheme", ["average_acceleration", "newmark_dissipative", "wilson_theta", "hht_alpha", "bathe"]
 )

@@ -1,5 +1,5 @@
 /* The formulas of the study's schemes in C, for the benchmark: what a compiler makes of them is the peer of what XLA
- * makes of ours. The energy is observed, Newton's convergence tested and a failure told, as in study/march.py.
+ * makes of ours. The energy is observed, Newton's convergence tested and a failure reported, as in study/march.py.
  *
  * Compiled twice by the benchmark: -O3 -march=native for a single run, and with -ffast-math -fopenmp-simd for the
  * ensemble with two fixed iterations. SPRING is 0 for the hardening spring and 1 for the softening one. */

@@ -1,4 +1,4 @@
-"""A scheme together with the derivative of its map, which tells how fast neighbouring runs diverge."""
+"""A scheme together with the derivative of its map, which measures how fast neighbouring runs diverge."""
 
 from typing import Any, ClassVar
 

@@ -1,0 +1,233 @@
+"""The verdict on a scheme: what it is for, what it is not for, the steps that it needs, and what serves better."""
+
+import html
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+import study
+from docs.scheme_results import not_run
+from docs.text import definitions, table
+from docs.theory import ROUND_OFF, STEPS
+from paper.data import ASSESSED
+from paper.tables.decision import AT_MOST, COARSEST, ERRORS, LEVEL, SPRING, TIED, fewest_forces, marked, needs_of_spring
+from study.words import listed, number, percent
+
+if TYPE_CHECKING:
+    from docs.scheme_page import Library, Subject
+
+#: Error for which schemes are compared.
+COMPARED = 0.01
+#: Loss of amplitude a period at the rule of thumb above which a scheme is said to damp.
+DAMPS = 0.01
+#: Spectral radius at infinite frequency below which unresolved modes are said to be damped.
+RADIUS = 0.9
+#: Part of an error to which another one must fall to be better.
+BETTER = 0.9
+
+
+def _of_runs(runs: Any, error: Any, allowed: float) -> pd.DataFrame:
+    forces, place = fewest_forces(runs, error, allowed)
+    steps = [marked(runs.steps_per_period.values, k) for k in place]
+    kinds = np.where(runs.explicit.values == 1, "explicit", "implicit")
+    frame = pd.DataFrame({"kind": kinds, "steps": steps, "forces": forces}, index=runs.scheme.values)
+    return frame.dropna()
+
+
+def _of_spring(spring: Any, error: float) -> pd.DataFrame:
+    found = needs_of_spring(spring, error, "displacement")
+    steps = [
+        f"{AT_MOST if verdict == COARSEST else ''}{n:,}" for n, verdict in zip(found.steps, found.verdict, strict=True)
+    ]
+    return pd.DataFrame({"kind": found.kind, "steps": steps, "forces": found.forces})
+
+
+def needs(data: Mapping[str, Any]) -> dict[str, dict[float, pd.DataFrame]]:
+    """Steps in a period and forces in it that keep an error of the displacement, by title of the problem and error.
+
+    The rows of a table are the schemes that keep the error, with their ``kind``, as in the table of decisions.
+    """
+    found = {}
+    for spring in (data[name] for name in ASSESSED):
+        if spring.scheme.size:
+            found[spring.attrs["problem"]] = {error: _of_spring(spring, error) for error in ERRORS}
+    for name, measure in (("structures", "displacement_error"), ("kinks", "error")):
+        if not data[name].scheme.size:
+            continue
+        for problem in data[name].problem.values:
+            runs = data[name].sel(problem=problem)
+            if problem != SPRING:
+                title = runs.problem_title.item()
+                found[title] = {error: _of_runs(runs, runs[measure], error) for error in ERRORS}
+    return found
+
+
+def _best(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
+    """The schemes of a kind whose forces tie with the fewest, the fewest first."""
+    rows = rows[rows.kind == kind].sort_values("forces", kind="stable")
+    return rows[rows.forces <= TIED * rows.forces.min()]
+
+
+def _link(name: str, library: "Library") -> str:
+    return f'<a href="{name}.html">{html.escape(library.schemes[name].title)}</a>'
+
+
+def _kind(scheme: study.Scheme) -> str:
+    return "explicit" if scheme.explicit else "implicit"
+
+
+def _steps(subject: "Subject", library: "Library") -> str:
+    """Steps by problem and error, and the scheme of the same kind with the fewest forces; empty if nothing is known."""
+    rows, name = [], subject.name
+    for title, tables in library.needs.items():
+        if not any(name in rows.index for rows in tables.values()):
+            continue
+        cells = [
+            f"{one.steps[name]} ({one.forces[name]:,.0f})" if name in one.index else "–"
+            for one in (tables[error] for error in ERRORS)
+        ]
+        best = _best(tables[COMPARED], _kind(subject.scheme))
+        least = "–" if best.empty else "this one"
+        if not best.empty and name not in best.index:
+            first = best.iloc[0]
+            least = f"[{library.schemes[best.index[0]].title}]({best.index[0]}.md): {first.steps} ({first.forces:,.0f})"
+        rows.append([title, *cells, least])
+    if not rows:
+        return ""
+    head = ["problem", *(f"{100 * error:g} %" for error in ERRORS), f"fewest forces for {100 * COMPARED:g} %"]
+    return (
+        "Steps in a period, and in brackets the forces evaluated in it, for an error of the displacement:\n\n"
+        + table(head, rows, numbers_from=len(head))
+        + f"\n\nAll finer steps keep the error too, and the energies to {percent(LEVEL)}. On the hardening and the "
+        "softening spring the error is the largest over a hundred periods, in which the delay of the phase grows. The "
+        f"last column names the {_kind(subject.scheme)} scheme with the fewest forces. ≤ marks the coarsest step that "
+        "was tried, and † the finest. A dash means that no step tried keeps the error. {doc}`/decisions` compares all "
+        "schemes."
+    )
+
+
+def _good(subject: "Subject", library: "Library") -> Iterator[str]:
+    scheme, theory = subject.scheme, subject.theory
+    fewest = [
+        title for title, tables in library.needs.items() if subject.name in _best(tables[COMPARED], _kind(scheme)).index
+    ]
+    if fewest:
+        yield (
+            f"displacements within {percent(COMPARED)} on the {listed(fewest)}, where no {_kind(scheme)} scheme "
+            f"compared needs fewer forces by more than {percent(TIED - 1)}"
+        )
+    if math.isinf(theory.limit):
+        without = " without iterations" if scheme.explicit else ""
+        yield f"stiff structures{without}: stability limits no step in linear theory"
+        if theory.at_infinity < RADIUS:
+            yield f"modes that the step does not resolve, which it damps (ρ∞ = {number(theory.at_infinity)})"
+    if theory.limit > 0 and abs(theory.decay_of_rule) < ROUND_OFF:
+        yield "long motions, whose amplitude it keeps in linear theory"
+    if min(scheme.order, scheme.order_with_damping) >= 4:
+        yield f"small errors, as its order is {min(scheme.order, scheme.order_with_damping)}"
+
+
+def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
+    scheme, theory, data = subject.scheme, subject.theory, library.data
+    if theory.limit == 0:
+        yield "motions without damping, which grow at any step"
+    elif math.isfinite(theory.limit):
+        yield f"structures with ωΔt above {number(theory.limit, 3)} in any mode, where it is unstable"
+    elif theory.at_infinity > 1 - ROUND_OFF:
+        yield "modes that are excited and that the step does not resolve, which it does not damp (ρ∞ = 1)"
+    if abs(theory.decay_of_rule) > DAMPS and theory.limit > 0:
+        how = "falls" if theory.decay_of_rule > 0 else "grows"
+        yield (
+            f"long motions with few steps: at {STEPS} a period the amplitude {how} by "
+            f"{percent(abs(theory.decay_of_rule))} a period"
+        )
+    if scheme.order == 1:
+        yield "small errors, as its order is 1"
+    elif scheme.order_with_damping == 1:
+        yield "small errors with damping or load, where its order is 1"
+    robust, kinks, structures = data["stability/robustness"], data["kinks"], data["structures"]
+    if subject.name in robust.scheme.values:
+        needed = robust.steps_needed.isel(periods=-1).sel(level=LEVEL, scheme=subject.name)
+        lost = robust.problem_title.values[np.isnan(needed.values)].tolist()
+        if lost:
+            yield (
+                f"all amplitudes of the {listed(lost)}: {int(robust.most_steps)} steps a period do not keep the energy "
+                f"within {percent(LEVEL)}"
+            )
+    if subject.name in kinks.scheme.values and scheme.order >= 2:
+        first = kinks.problem_title.values[kinks.observed_order.sel(scheme=subject.name).values < 1.5].tolist()
+        if first:
+            yield f"small errors on the {listed(first)}, where it shows the first order only"
+    if subject.name in structures.scheme.values:
+        lost = (structures.status != 0) | ~(structures.max_energy_imbalance <= LEVEL)
+        lost = lost.any("steps_per_period")
+        of_it = lost.sel(scheme=subject.name) & ~lost.all("scheme")
+        titles = structures.problem_title.values[of_it.values].tolist()
+        if titles:
+            yield (
+                f"coarse steps on the {listed(titles)}: with some the run fails or the energies are out of balance by "
+                f"more than {percent(LEVEL)}, and another scheme keeps them with all steps tried"
+            )
+
+
+def _error(subject: "Subject") -> float:
+    """Error of a motion after one period of the rule of thumb, relative to its amplitude, in linear theory."""
+    return math.hypot(2 * math.pi * subject.theory.elongation_of_rule, subject.theory.decay_of_rule)
+
+
+def _dominates(other: "Subject", one: "Subject") -> bool:
+    """Whether a scheme errs less after a period, and is nowhere worse in linear theory, for as few forces."""
+    a, b, s, t = other.theory, one.theory, other.scheme, one.scheme
+    return bool(
+        s.explicit == t.explicit
+        and a.forces <= b.forces
+        and s.order >= t.order
+        and s.order_with_damping >= t.order_with_damping
+        and a.limit >= b.limit
+        and (not math.isinf(b.limit) or a.at_infinity <= b.at_infinity + ROUND_OFF)
+        # a scheme that keeps the amplitude gives way only to one that keeps it too
+        and (abs(b.decay_of_rule) > ROUND_OFF or abs(a.decay_of_rule) <= ROUND_OFF)
+        and _error(other) < BETTER * _error(one)
+    )
+
+
+def _alternative(subject: "Subject", library: "Library") -> str:
+    """The scheme that is better in linear theory, of those the one with the nearest radius at infinite frequency."""
+    theory, found = subject.theory, []
+    for name in library.schemes:
+        other = library.subject(name)
+        if _dominates(other, subject):
+            apart = abs(other.theory.at_infinity - theory.at_infinity) if math.isinf(theory.limit) else 0.0
+            found.append((apart, _error(other), name))
+    if not found:
+        return (
+            f"none in linear theory: every {_kind(subject.scheme)} scheme here that needs as few forces a step errs as "
+            f"much at {STEPS} steps a period, or is worse in order, stability or damping of high frequencies"
+        )
+    best = library.subject(min(found)[2])
+    return (
+        f"{_link(best.name, library)}: in linear theory, for as few forces, a motion errs by {percent(_error(best))} "
+        f"instead of {percent(_error(subject))} of its amplitude after a period of {STEPS} steps, and order, stability "
+        "and damping of high frequencies are no worse"
+    )
+
+
+def _items(reasons: Iterator[str], none: str) -> str:
+    items = "".join(f"<li>{html.escape(reason)}</li>" for reason in reasons)
+    return f"<ul>{items}</ul>" if items else none
+
+
+def verdict(subject: "Subject", library: "Library") -> str:
+    """The first screen of the page: uses, limits, the nearest better scheme, and steps by problem and error."""
+    facts = {
+        "use it for": _items(_good(subject, library), "no case that the data of this page show"),
+        "not for": _items(_bad(subject, library), "no case that the data of this page exclude"),
+        "nearest better scheme": _alternative(subject, library),
+    }
+    steps = _steps(subject, library)
+    if not steps:
+        steps = not_run(subject, "steps by error")
+    return f"{definitions(facts)}\n\n{steps}"

@@ -1,0 +1,66 @@
+"""All keys of the configuration as a page: ``python -m pipeline.keys > config/README.md``."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pipeline.configuration import model_of
+from study.declaration.experiment import Experiment, discover
+
+_TYPES = {"integer": "whole number", "number": "number", "string": "text", "boolean": "true or false"}
+_BOUNDS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
+_HEAD = """# Configuration
+
+`study.yaml` is the short study, and `full.yaml`, laid over it, the full one. `environment.yaml` lists the packages for
+`snakemake --sdm conda`. A file of your own, laid over `study.yaml` by `--configfile FILE`, holds only what differs.
+A list replaces a whole list. Other keys and values are refused before any work.
+
+`NAME` stands for a name of your choice and `[]` for each item of a list. The word `all` in place of a list of schemes
+stands for all schemes. `own_schemes` lists schemes in your own files as `FILE.py:NAME`.
+`python -m pipeline.keys` writes this page from the declarations of the experiments."""
+
+
+def _value(kind: Mapping[str, Any]) -> str:
+    """What a key holds, in a phrase."""
+    if "enum" in kind or "const" in kind:
+        return " or ".join(f"`{one}`" for one in kind.get("enum", [kind.get("const")]))
+    if "anyOf" in kind:
+        return " or ".join(map(_value, kind["anyOf"]))
+    if kind.get("type") == "array":
+        return "list" if "$ref" in kind["items"] else f"list: {_value(kind['items'])}"
+    bounds = ", ".join(f"{sign} {kind[name]:.12g}" for name, sign in _BOUNDS.items() if name in kind)
+    return f"{_TYPES[kind['type']]} {bounds}".rstrip()
+
+
+def _rows(key: str, kind: Mapping[str, Any], needed: bool, schema: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """The key, and those below it, with what they hold and whether they may be left out."""
+    kind = schema["$defs"][kind["$ref"].rpartition("/")[2]] if "$ref" in kind else kind
+    if "properties" in kind:
+        for name, one in kind["properties"].items():
+            yield from _rows(f"{key}.{name}", one, needed and name in kind.get("required", []), schema)
+    elif isinstance(below := kind.get("additionalProperties"), Mapping):
+        yield from _rows(f"{key}.NAME", below, needed, schema)
+    else:
+        yield key, _value(kind), "" if needed and "default" not in kind else "may be left out"
+        if "$ref" in (items := kind.get("items", {})):
+            yield from _rows(f"{key}[]", items, needed, schema)
+
+
+def page() -> str:
+    """The page."""
+    declared = tuple(discover())
+    schema = model_of(declared).model_json_schema()
+    parts = [_HEAD]
+    for section, kind in schema["properties"].items():
+        makers = [one for one in declared if isinstance(one, Experiment) and one.section.split(".")[0] == section]
+        said = dict.fromkeys(str(one.function.__doc__).splitlines()[0] for one in makers)
+        rows = [f"| `{key}` | {value} | {left} |" for key, value, left in _rows(section, kind, True, schema)]
+        parts.append(
+            "\n".join(
+                [f"## {section}", "", *said, *([""] if said else []), "| key | value | |", "|---|---|---|", *rows]
+            )
+        )
+    return "\n\n".join(parts) + "\n"
+
+
+if __name__ == "__main__":
+    print(page(), end="")
