@@ -13,6 +13,7 @@ from study.assessment.failures import failed_runs
 from study.assessment.search import VERDICTS, round_step
 from study.program import runs, search
 from study.program.attempt import STATUSES, Run
+from study.program.curves import Curve
 from study.program.refinement import NoTruth
 from study.program.runs import Runs
 from study.program.search import MOST_CONFIRMING, Search
@@ -260,3 +261,13 @@ def test_runs_are_known_by_the_source(tmp_path):
         ValueError, match="cannot be distinguished from those of other programs.*give the program a name"
     ):
         own(made["bare"])
+
+
+def test_a_curve_at_its_steps_needs_no_spline():
+    """And between them has one."""
+    t = np.linspace(0, 1, 11)
+    curve = Curve(t, np.stack([np.sin(t), np.cos(t)], axis=1))
+    assert (curve.at(t[::2] + 1e-9) == curve.values[::2]).all() and "_spline" not in vars(curve)
+    assert curve.at(t[:-1] + 0.05) == pytest.approx(
+        np.stack([np.sin(t[:-1] + 0.05), np.cos(t[:-1] + 0.05)], 1), abs=1e-5
+    )
