@@ -185,9 +185,14 @@ class Search:
             if not finest or run.dt > 1.99 * finest[-1]:
                 finest.append(run.dt)
         last = [self.errors[scheme, dt][name] for dt in finest[:FEWEST_RUNS]]
-        stuck = len(last) == FEWEST_RUNS and all(fine > STUCK * coarse for fine, coarse in pairwise(last))
+        # as fine as the truth, since errors of an impact may stay for octaves of coarser steps
+        stuck = len(last) == FEWEST_RUNS and finest[0] <= self.truth.best.dt * (1 + 1e-9)
+        stuck = stuck and all(fine > STUCK * coarse for fine, coarse in pairwise(last))
         if stuck:
-            remark = f"'{scheme}' goes to another motion: it keeps an error of {percent(last[0])} of '{name}'"
+            remark = (
+                f"'{scheme}' goes to another motion: halving its steps to {finest[0]:.4g} s leaves an error of "
+                f"{percent(last[0])} of '{name}'"
+            )
             remarks = self.refinement.remarks
             remarks += [remark] if remark not in remarks else []
         return stuck
