@@ -266,7 +266,7 @@ def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress
         try:
             for one in as_completed(waiting.values()):
                 one.result()
-                progress.bar.update()
+                progress.update()
         except KeyboardInterrupt:
             progress.stopped = True
             pool.shutdown(cancel_futures=True)

@@ -49,7 +49,7 @@ def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
     return replace(program, schemes=names, witnesses=[name for name in program.all_schemes if name not in names])
 
 
-def assess_program(program: Program, allowed: list[float], seconds: float, report: Callable[[str], None]) -> xr.Dataset:
+def assess_program(program: Program, allowed: list[float], seconds: float, report: Callable[..., None]) -> xr.Dataset:
     """What :func:`study.assess` returns for a program.
 
     Raises

@@ -14,14 +14,26 @@ class Progress:
 
     def __init__(self, schemes: int):
         self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
-        self.stopped, self._told = False, -PAUSE
+        self.stopped, self.done, self._told, self._start = False, 0, -PAUSE, time.monotonic()
 
-    def tell(self, what: str) -> None:
-        """Tell what is being done; the place at which a thread ends after Ctrl-C."""
+    def tell(self, what: str, ahead: float = 0.0) -> None:
+        """Tell what is being done, at once if it takes long; the place at which a thread ends after Ctrl-C."""
         if self.stopped:
             raise KeyboardInterrupt
         if not self.bar.disable:
             self.bar.set_postfix_str(what)
-        elif time.monotonic() >= self._told + PAUSE:
+        elif ahead > PAUSE or time.monotonic() >= self._told + PAUSE:
             self._told = time.monotonic()
-            print(what, file=sys.stderr, flush=True)
+            print(f"{what}{self._of_all()}", file=sys.stderr, flush=True)
+
+    def update(self) -> None:
+        """A scheme is done."""
+        self.done += 1
+        self.bar.update()
+
+    def _of_all(self) -> str:
+        """How many schemes are done, and how long the others may take by that; empty before the first."""
+        if not self.done:
+            return ""
+        left = (time.monotonic() - self._start) * (self.bar.total / self.done - 1)
+        return f" ({self.done} of {self.bar.total} schemes, about {left:.2g} s to go)"

@@ -1,10 +1,17 @@
 """Quantities of runs at different steps, compared."""
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from study.program.attempt import Run, Times, Values
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 #: How values between the steps are had.
 INTERPOLATION = "cubic splines through the steps of the finer run"
@@ -13,7 +20,12 @@ INTERPOLATION = "cubic splines through the steps of the finer run"
 FEWEST = 8
 
 
-class Curve(NamedTuple):
+#: Part of a step by which two times may differ and be the same.
+SAME = 1e-6
+
+
+@dataclass(frozen=True)
+class Curve:
     """A quantity along its times, of shape (t, ...); or a single number, of shape (), without times."""
 
     t: Times
@@ -24,26 +36,39 @@ class Curve(NamedTuple):
         """The largest size."""
         return float(np.abs(self.values).max())
 
-    def at(self, times: np.ndarray) -> Values:
-        """Values at some times, by a cubic spline; of a single number, itself."""
+    @cached_property
+    def _spline(self) -> CubicSpline:
         from scipy.interpolate import CubicSpline  # here, because problems without a program do without it
 
-        return CubicSpline(self.t, self.values)(times) if self.values.ndim else self.values
+        return CubicSpline(self.t, self.values)
 
-    def within(self, other: "Curve") -> "Curve":
+    @property
+    def _slack(self) -> float:
+        return SAME * (self.t[1] - self.t[0])
+
+    def at(self, times: np.ndarray) -> Values:
+        """Values at some times, those of its steps or by a cubic spline; of a single number, itself."""
+        if not self.values.ndim:
+            return self.values
+        # a spline of many components takes longer than a run, and of steps that halve one has the times of the other
+        places = np.searchsorted(self.t, times - self._slack).clip(max=len(self.t) - 1)
+        if (np.abs(self.t[places] - times) <= self._slack).all():
+            return self.values[places]
+        return self._spline(times)
+
+    def within(self, other: Curve) -> Curve:
         """The part of it at times that another curve covers."""
         if not self.values.ndim:
             return self
-        slack = 1e-6 * (self.t[1] - self.t[0])
-        shared = (self.t >= other.t[0] - slack) & (self.t <= other.t[-1] + slack)
+        shared = (self.t >= other.t[0] - self._slack) & (self.t <= other.t[-1] + self._slack)
         return Curve(self.t[shared], self.values[shared])
 
-    def from_(self, finer: "Curve") -> Values:
+    def from_(self, finer: Curve) -> Values:
         """Difference from a finer curve at the times of this one that the finer one covers."""
         shared = self.within(finer)
         return shared.values - finer.at(shared.t)
 
-    def distance(self, finer: "Curve") -> float:
+    def distance(self, finer: Curve) -> float:
         """Largest difference from a finer curve."""
         return float(np.abs(self.from_(finer)).max(initial=0.0))
 

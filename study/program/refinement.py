@@ -97,6 +97,8 @@ class Refinement:
             steps.append(steps[-1] / 2)
             if not refined or self._runs.late or steps[-1] < self._program.smallest * (1 - 1e-9):
                 break
+        if truth is None and self._runs.interrupted:
+            raise KeyboardInterrupt
         if truth is None:
             short = [s for s in self._program.all_schemes if len(self.last_completed(s)) < FEWEST_RUNS]
             reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in short if not self.noise[s]])

@@ -53,7 +53,7 @@ class Runs:
     seconds
         Wall time after which no run begins that would end later.
     report
-        Takes a sentence on what is being done.
+        Takes a sentence on what is being done, and the seconds that it will take if these are known.
 
     Attributes
     ----------
@@ -61,13 +61,19 @@ class Runs:
         All runs that were wanted and for which there was time, by scheme and step.
     late
         Whether there was no time for one.
+    interrupted
+        Whether Ctrl-C has ended the time.
     """
 
-    def __init__(self, program: Program, seconds: float = math.inf, report: Callable[[str], None] = lambda what: None):
+    def __init__(self, program: Program, seconds: float = math.inf, report: Callable[..., None] = lambda *told: None):
         self.program, self.made, self._report = program, dict[Job, Run](), report
         self._workers = program.workers or cores()
         self._identity, self._pool = program.identity(), self._start()
-        self._end, self.late = time.monotonic() + seconds, False
+        self._end, self.late, self.interrupted = time.monotonic() + seconds, False, False
+
+    @property
+    def _at_once(self) -> int:
+        return self._workers if self._pool else 1
 
     def _start(self) -> Executor | None:
         """Processes, or threads for a program that starts a process for each of its runs; None for this process."""
@@ -100,28 +106,48 @@ class Runs:
         """Runs of pairs of a scheme and a step; those that are on disk are read. ``repeat`` numbers repeated runs."""
         jobs = {job: self._path(*job, repeat) for job in wanted}
         missing = [job for job, path in jobs.items() if not path.exists() or self._waited_less(_read(path))]
-        late = {*missing} - {*(missing := self._in_time(missing))}
+        expected = self._expected(missing)
+        late = {*missing} - {*(missing := self._in_time(expected))}
         self.late |= bool(late)
-        for number, run in enumerate(self._made(missing), start=1):
-            _keep(run, jobs[run.scheme, run.dt])
-            ended = "" if run.completed else f", {run.reason}"
-            self._report(
-                f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs){ended}"
-            )
+        ends = time.monotonic() + self._wait([expected[job] for job in missing])
+        waiting = {*missing}
+        try:
+            if missing:
+                schemes, finest = ", ".join(dict.fromkeys(s for s, _ in missing)), min(dt for _, dt in missing)
+                what = f"{len(missing)} run{'s' * (len(missing) > 1)} of {schemes} down to Δt = {finest:.4g} s"
+                self._report(f"{what}{_to_go(ends)}", ends - time.monotonic())
+            for number, run in enumerate(self._made(missing), start=1):
+                _keep(run, jobs[run.scheme, run.dt])
+                waiting.remove((run.scheme, run.dt))
+                ended = "" if run.completed else f", {run.reason}"
+                self._report(
+                    f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs"
+                    f"{_to_go(ends)}){ended}"
+                )
+        except KeyboardInterrupt:  # what is known is answered, and no other run begins
+            self._end, self.late, self.interrupted = -math.inf, True, True
+            late |= waiting
         found = [_read(path) for job, path in jobs.items() if job not in late]
         if not repeat:
             self.made |= {(run.scheme, run.dt): run for run in found}
         return found
 
-    def _in_time(self, jobs: list[Job]) -> list[Job]:
-        """The runs that end in time if a step takes as long as in the fastest run of its scheme, the shortest first."""
+    def _expected(self, jobs: list[Job]) -> dict[Job, float]:
+        """Seconds of each run if a step takes as long as in the fastest run of its scheme; zero if there is none."""
         work = dict[str, float]()  # seconds of a run at a step of one second
         for run in self.made.values():
             if run.completed:
                 work[run.scheme] = min(work.get(run.scheme, math.inf), run.elapsed * run.dt)
-        expected = {(s, dt): work.get(s, 0.0) / dt for s, dt in jobs}
+        return {(s, dt): work.get(s, 0.0) / dt for s, dt in jobs}
+
+    def _wait(self, each: list[float]) -> float:
+        """Wall time in s of runs that take so long, several at once."""
+        return max(max(each, default=0.0), sum(each) / self._at_once)
+
+    def _in_time(self, expected: dict[Job, float]) -> list[Job]:
+        """The runs that are expected to end in time, the shortest first."""
         left, found = self._end - time.monotonic(), []
-        of_all = left * (self._workers if self._pool else 1)
+        of_all = left * self._at_once
         for job in sorted(expected, key=expected.__getitem__):
             of_all -= expected[job]
             # one run has one worker
@@ -160,6 +186,12 @@ class Runs:
         self._pool = self._start()
         reason = "its process ended without an exception, as after a segmentation fault"
         return Run(*job, "signal", reason, np.nan, 0.0, np.empty(0), {})
+
+
+def _to_go(ends: float) -> str:
+    """About how long it is up to a time of the clock; empty if that is over, or nothing is known of it."""
+    left = ends - time.monotonic()
+    return f", about {left:.2g} s to go" if left > 0 else ""
 
 
 def _keep(run: Run, path: Path) -> None:

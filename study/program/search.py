@@ -54,7 +54,7 @@ class Search:
     seconds
         Wall time after which no run begins that would end later.
     report
-        Takes a sentence on what is being done.
+        Takes a sentence on what is being done, and the seconds that it will take if these are known.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Search:
         allowed: list[float],
         round_step: Callable[[float, float | None], float],
         seconds: float,
-        report: Callable[[str], None],
+        report: Callable[..., None],
     ):
         self.program, self.allowed, self._round_step = program, allowed, round_step
         self.errors: dict[Job, dict[str, float]] = {}
@@ -88,6 +88,21 @@ class Search:
             while any([self._search(error) for error in allowed]):
                 pass
             self._late = runs.late
+        self._remark_what_is_lacking(runs.interrupted)
+
+    def _remark_what_is_lacking(self, interrupted: bool) -> None:
+        """Sentences on an interruption, and on schemes that keep no error and fail more often than not."""
+        if interrupted:
+            self.refinement.remarks.append("interrupted: no step is named where more runs were needed")
+        limits = [(name, error) for name in self.truth.uncertainty for error in self.allowed]
+        for scheme in self.program.all_schemes:
+            runs = self.refinement.of(scheme)
+            failed = [run for run in runs if not run.completed]
+            if 2 * len(failed) > len(runs) and not any(self.largest(scheme, one)[0] for one in limits):
+                self.refinement.remarks.append(
+                    f"{len(failed)} of {len(runs)} runs of '{scheme}' are of no use: at Δt = {failed[-1].dt:.4g} s, "
+                    f"{failed[-1].reason}"
+                )
 
     def _search(self, error: float) -> bool:
         """Run until all is known for an error; whether there was a run."""
@@ -170,9 +185,14 @@ class Search:
             if not finest or run.dt > 1.99 * finest[-1]:
                 finest.append(run.dt)
         last = [self.errors[scheme, dt][name] for dt in finest[:FEWEST_RUNS]]
-        stuck = len(last) == FEWEST_RUNS and all(fine > STUCK * coarse for fine, coarse in pairwise(last))
+        # as fine as the truth, since errors of an impact may stay for octaves of coarser steps
+        stuck = len(last) == FEWEST_RUNS and finest[0] <= self.truth.best.dt * (1 + 1e-9)
+        stuck = stuck and all(fine > STUCK * coarse for fine, coarse in pairwise(last))
         if stuck:
-            remark = f"'{scheme}' goes to another motion: it keeps an error of {percent(last[0])} of '{name}'"
+            remark = (
+                f"'{scheme}' goes to another motion: halving its steps to {finest[0]:.4g} s leaves an error of "
+                f"{percent(last[0])} of '{name}'"
+            )
             remarks = self.refinement.remarks
             remarks += [remark] if remark not in remarks else []
         return stuck

@@ -10,9 +10,10 @@ from scipy.integrate import solve_ivp
 
 import study
 from study.assessment.failures import failed_runs
-from study.assessment.search import round_step
+from study.assessment.search import VERDICTS, round_step
 from study.program import runs, search
 from study.program.attempt import STATUSES, Run
+from study.program.curves import Curve
 from study.program.refinement import NoTruth
 from study.program.runs import Runs
 from study.program.search import MOST_CONFIRMING, Search
@@ -43,7 +44,7 @@ def spring(request, tmp_path_factory):
 
 def test_the_truth_is_as_uncertain_as_it_says(spring):
     own, ds, hardening = spring
-    truth = Search(own, [0.1, 0.01, 0.001], round_step, math.inf, lambda what: None).truth
+    truth = Search(own, [0.1, 0.01, 0.001], round_step, math.inf, lambda *told: None).truth
 
     def rate(t, y):
         return [y[1], -y[0] - hardening * y[0] ** 3]
@@ -113,7 +114,8 @@ def test_a_second_question_repeats_no_run(spring):
 )
 def test_a_scheme_that_goes_wrong_is_recorded(how, reason, tmp_path):
     own = program(partial(models.fails, how), tmp_path, [*models.SCHEMES, "wrong"])
-    ds = study.assess(own, errors=[0.01])
+    with pytest.warns(RuntimeWarning, match="11 of 11 runs of 'wrong' are of no use: at Δt = 0.001221 s, "):
+        ds = study.assess(own, errors=[0.01])
     wrong = ds.sel(scheme="wrong")
     assert wrong.status[0] == STATUSES.index(how) and wrong.reason[0] == reason
     assert wrong.verdict[0].item() == 2 and (ds.verdict.sel(scheme=models.SCHEMES) == 0).all()
@@ -173,6 +175,36 @@ def test_an_unfit_program_is_refused(change, error, sentence, tmp_path):
         replace(program(models.linear, tmp_path), **change)
 
 
+def test_ctrl_c_answers_what_is_known_and_loses_no_run(tmp_path):
+    made: list[tuple[str, float]] = []
+
+    def interrupted(below, scheme, dt):
+        """Below a step, with one that is none of the halved ones."""
+        if dt < below and math.log2(1.25 / dt) % 1:
+            raise KeyboardInterrupt
+        made.append((scheme, dt))
+        return models.linear(scheme, dt)
+
+    own = program(partial(interrupted, 0.1), tmp_path)
+    with pytest.warns(RuntimeWarning, match="interrupted: no step is named where more runs were needed"):
+        ds = study.assess(own, errors=[0.1, 0.001])
+    found, out_of_time = VERDICTS.index("found"), VERDICTS.index("out_of_time")
+    assert (ds.verdict.sel(allowed_error=0.1) == found).all()
+    assert (ds.verdict.sel(allowed_error=0.001) == out_of_time).all()
+    again = study.assess(replace(own, run=partial(interrupted, 0.0)), errors=[0.1, 0.001])
+    assert (again.verdict == found).all()
+    # as is always done, one run of each is repeated
+    assert len(made) == len(set(made)) + len(models.SCHEMES)
+
+
+def test_ctrl_c_before_the_truth_is_known_ends_the_question(tmp_path):
+    def interrupted(scheme, dt):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        study.assess(program(interrupted, tmp_path))
+
+
 def _eight_seconds(run, scheme, dt, duration):
     """A run that has taken eight seconds at a step of one second."""
     return Run(scheme, dt, "completed", "", 1.0, 8.0 / dt, np.empty(0), {"peak": np.array(1.0)})
@@ -229,3 +261,13 @@ def test_runs_are_known_by_the_source(tmp_path):
         ValueError, match="cannot be distinguished from those of other programs.*give the program a name"
     ):
         own(made["bare"])
+
+
+def test_a_curve_at_its_steps_needs_no_spline():
+    """And between them has one."""
+    t = np.linspace(0, 1, 11)
+    curve = Curve(t, np.stack([np.sin(t), np.cos(t)], axis=1))
+    assert (curve.at(t[::2] + 1e-9) == curve.values[::2]).all() and "_spline" not in vars(curve)
+    assert curve.at(t[:-1] + 0.05) == pytest.approx(
+        np.stack([np.sin(t[:-1] + 0.05), np.cos(t[:-1] + 0.05)], 1), abs=1e-5
+    )
