@@ -1,5 +1,6 @@
 """Numbers of the text: the step for the peak drift of oscillators that yield under records."""
 
+import numpy as np
 import xarray as xr
 
 from paper.products import numbers
@@ -27,6 +28,14 @@ def share_between(spectrum: xr.Dataset) -> xr.DataArray:
     off = spectrum.commensurate == 0
     between = off & (spectrum.step_size > spectrum.spacing / 2) & (spectrum.step_size < spectrum.spacing)
     return share_beyond(spectrum).sel(step_size=between).mean("step_size")
+
+
+def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
+    """Largest step of every scheme from which on every finer one keeps an error of the peak drift, NaN if none does."""
+    kept = (spectrum.error <= error).all(["record", "period", "reduction"])
+    kept = kept.sortby("step_size").transpose("scheme", "step_size")
+    holds = kept.copy(data=np.logical_and.accumulate(kept.values, axis=1))
+    return holds.step_size.where(holds).max("step_size")
 
 
 @numbers(

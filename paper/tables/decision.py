@@ -9,7 +9,7 @@ import xarray as xr
 
 from paper.asks import OF_THE_ASSESSMENTS, contained
 from paper.data import ASSESSED, steps_of_period
-from paper.numbers.spectrum import share_at_the_spacing, share_between
+from paper.numbers.spectrum import largest_steps, share_at_the_spacing, share_between
 from paper.products import table
 from paper.published import PROBLEMS
 from study.analysis.recommendation import recommend
@@ -253,18 +253,10 @@ def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator
                 }
 
 
-def _largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest step of every scheme from which on every finer one keeps an error of the peak drift, NaN if none does."""
-    kept = (spectrum.error <= error).all(["record", "period", "reduction"])
-    kept = kept.sortby("step_size").transpose("scheme", "step_size")
-    holds = kept.copy(data=np.logical_and.accumulate(kept.values, axis=1))
-    return holds.step_size.where(holds).max("step_size")
-
-
 def _under_records(spectrum: xr.Dataset, error: float, limits: Mapping[str, float]) -> list[Pick]:
     """The schemes of a class with the fewest forces a second for the peak drift."""
     runs = ["record", "period", "reduction"]
-    largest = _largest_steps(spectrum, error)
+    largest = largest_steps(spectrum, error)
     found = spectrum.isel(scheme=np.flatnonzero(largest.notnull()))
     largest = largest.sel(scheme=found.scheme)
     made = found.sel(step_size=largest)
