@@ -1,6 +1,6 @@
 """From the problems to the manuscript: references, experiments, figures, tables, ledger of claims, PDF and site.
 
-Every experiment, figure, table and claim declares in its own file what it reads, how it is called and what it asks of
+Every experiment, figure, table and claim declares in its own file what it reads, how it is called and what it requires of
 the configuration. The planner turns these declarations into steps, and every step becomes a rule. `snakemake` makes
 everything but the site, which `snakemake site` makes.
 """

@@ -4,8 +4,8 @@ import json
 import re
 from pathlib import Path
 
-from paper.asks import as_many
 from paper.products import Product, enter
+from paper.requirements import as_many
 
 #: What the texts share, and the texts, each of which becomes a PDF of its name.
 LAYOUT = Path(__file__).parent / "text" / "layout.typ"

@@ -17,13 +17,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from paper.asks import value_at
+from paper.requirements import value_at
 from study.io import one_sentence, read, write
 
 #: Requirements on the configuration by dotted key. A list must be contained in the value, a function is one of
-#: :mod:`paper.asks`, and any other object must equal the value. The key "" stands for the whole configuration. A key
-#: that leads into a list of mappings stands for the list of their values.
-Asks = Mapping[str, Any]
+#: :mod:`paper.requirements`, and any other object must equal the value. The key "" stands for the whole configuration.
+#: A key that leads into a list of mappings stands for the list of their values.
+Requirements = Mapping[str, Any]
 #: The dataset that each argument of a function takes, or a list of datasets.
 Reads = Mapping[str, str | Sequence[str]]
 #: Folders and modules of ``paper`` that hold declarations.
@@ -32,7 +32,7 @@ PLACES = ("claims", "explorer", "figures", "manuscript", "numbers", "pages", "ta
 
 @dataclass(frozen=True)
 class Product:
-    """A figure, table, page, set of numbers or claim; or the text of the manuscript, which only asks.
+    """A figure, table, page, set of numbers or claim; or the text of the manuscript, which only requires.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Product:
         another file of the results.
     caption
         Sentence for the report of the pipeline.
-    asks
+    requires
         Requirements on the configuration.
     """
 
@@ -56,7 +56,7 @@ class Product:
     function: Callable
     reads: Reads
     caption: str
-    asks: Asks
+    requires: Requirements
 
     @property
     def datasets(self) -> list[str]:
@@ -107,34 +107,38 @@ def reads_of(function: Callable, given: Reads) -> Reads:
     return own | dict(given)
 
 
-def _declared(kind: str, name: str, caption: str, asks: Asks | None, given: Reads) -> Callable:
+def _declared(kind: str, name: str, caption: str, requires: Requirements | None, given: Reads) -> Callable:
     def declare(function: Callable) -> Callable:
         module = function.__module__
         named = name or (f"{module}.{function.__name__}" if kind == "numbers" else module.rpartition(".")[-1])
-        enter(Product(kind, named, module, function, reads_of(function, given), caption, asks or {}))
+        enter(Product(kind, named, module, function, reads_of(function, given), caption, requires or {}))
         return function
 
     return declare
 
 
-def figure(caption: str, *, name: str = "", asks: Asks | None = None, **reads: str | Sequence[str]) -> Callable:
+def figure(
+    caption: str, *, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]
+) -> Callable:
     """Declare a figure, named as its module unless ``name`` is given: a function of datasets that draws it."""
-    return _declared("figure", name, caption, asks, reads)
+    return _declared("figure", name, caption, requires, reads)
 
 
-def table(*, name: str = "", asks: Asks | None = None, **reads: str | Sequence[str]) -> Callable:
+def table(*, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]) -> Callable:
     """Declare a table, named as its module unless ``name`` is given: a function of datasets that returns a frame."""
-    return _declared("table", name, "", asks, reads)
+    return _declared("table", name, "", requires, reads)
 
 
-def page(caption: str, *, name: str = "", asks: Asks | None = None, **reads: str | Sequence[str]) -> Callable:
+def page(
+    caption: str, *, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]
+) -> Callable:
     """Declare a page, named as its module unless ``name`` is given: a function of datasets that returns HTML."""
-    return _declared("page", name, caption, asks, reads)
+    return _declared("page", name, caption, requires, reads)
 
 
-def numbers(*, asks: Asks | None = None, **reads: str | Sequence[str]) -> Callable:
+def numbers(*, requires: Requirements | None = None, **reads: str | Sequence[str]) -> Callable:
     """Declare numbers of the text: a function of datasets that returns them by name."""
-    return _declared("numbers", "", "", asks, reads)
+    return _declared("numbers", "", "", requires, reads)
 
 
 def discover(places: Iterable[str] = PLACES) -> list[Product]:
@@ -150,7 +154,7 @@ def discover(places: Iterable[str] = PLACES) -> list[Product]:
 
 
 def check(products: Iterable[Product], config: dict) -> None:
-    """Refuse a configuration that lacks what a product asks.
+    """Refuse a configuration that lacks what a product requires.
 
     Raises
     ------
@@ -158,7 +162,7 @@ def check(products: Iterable[Product], config: dict) -> None:
         If a requirement is not met. The message is one sentence that names the key and the product.
     """
     for product in products:
-        for key, asked in product.asks.items():
+        for key, asked in product.requires.items():
             try:
                 value = value_at(config, key)
             except (KeyError, TypeError):

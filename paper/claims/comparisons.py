@@ -3,7 +3,6 @@
 import numpy as np
 import xarray as xr
 
-from paper.asks import steps_of_portrait
 from paper.claims.introduction import PERIODS
 from paper.claims.ledger import Finding, by_name, claim, errors, most, when
 from paper.claims.terms import (
@@ -19,6 +18,7 @@ from paper.claims.terms import (
 )
 from paper.claims.wording import joined, listed, number
 from paper.published import PROBLEMS, same, twice
+from paper.requirements import steps_of_portrait
 
 #: Titles of the problems of the paper in its statements.
 _SPRINGS = {
@@ -51,7 +51,7 @@ def at_step(steps: object) -> str:
     "The deviation of the total energy is a convenient measure of the inaccuracy of a solution.",
     f"runs on both springs whose errors of energy and displacement are both within {REASONABLE:g} %, or both not",
     words="can be conveniently measured by the deviation of the total energy from its initial value",
-    asks=OVER_BOTH_SPRINGS,
+    requires=OVER_BOTH_SPRINGS,
 )
 def energy_measures_inaccuracy(accuracy):
     runs = accuracy.sel(problem=PROBLEMS, periods=100)
@@ -94,7 +94,7 @@ def some_are_far_off(energy_error):
     "The energy error grows with time, in some cases with small oscillations.",
     "error in the last tenth of the time over that in the first tenth, hardening at T/20",
     words="is increasing with time, with small oscillations in some cases",
-    asks={"phase_portrait.hardening": steps_of_portrait(10)},
+    requires={"phase_portrait.hardening": steps_of_portrait(10)},
     portrait="phase_portrait/hardening",
 )
 def error_grows_with_time(portrait):
@@ -212,7 +212,7 @@ def lost_energy(portrait: xr.Dataset) -> dict[str, float]:
     "The grave errors of Newmark (γ = 0.6), Houbolt and Wilson come from strong numerical damping.",
     f"runs with an energy error above {FAR_OFF:g} % that lose as much energy by the end of 100 periods, hardening",
     words="are caused by the strong numerical damping possessed by these schemes",
-    asks=OVER_BOTH_SPRINGS,
+    requires=OVER_BOTH_SPRINGS,
 )
 def grave_errors_are_damping(accuracy):
     runs = accuracy.sel(problem="hardening", scheme=DISSIPATIVE, periods=100)

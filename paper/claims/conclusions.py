@@ -56,7 +56,10 @@ def accuracy_varies(energy_error):
     "Average acceleration and central difference are reasonable for Δt < T/20.",
     "largest error of both at these steps by problem, in percent",
     words="give reasonable results when Δt < T/20",
-    asks={"large_steps.problems": ["hardening", "softening"], "large_steps.dt_over_period": _some_below_a_twentieth},
+    requires={
+        "large_steps.problems": ["hardening", "softening"],
+        "large_steps.dt_over_period": _some_below_a_twentieth,
+    },
 )
 def reasonable_below_a_twentieth(large_steps):
     large = large_steps.max_energy_error.sel(scheme=FAITHFUL)
@@ -134,7 +137,7 @@ def runge_kutta_at_small_steps(energy_error):
     "smallest Δt/T at which a run failed, by scheme and problem",
     words="a converged solution of the non-linear equilibrium equation may not be found by the method of central "
     "difference and the Runge–Kutta method",
-    asks={"large_steps.dt_over_period": _some_above_a_fifth},
+    requires={"large_steps.dt_over_period": _some_above_a_fifth},
 )
 def explicit_schemes_at_large_steps(large_steps):
     large = large_steps.sel(scheme=EXPLICIT)
@@ -155,7 +158,7 @@ def explicit_schemes_at_large_steps(large_steps):
     "At such large steps the results of the other schemes are often meaningless.",
     f"shares of the runs of the five implicit schemes at Δt > T/5 that fail, and that err by more than {FAR_OFF:g} %",
     words="numerical results obtained when using such a large time step are often meaningless",
-    asks={"large_steps.dt_over_period": _some_above_a_fifth},
+    requires={"large_steps.dt_over_period": _some_above_a_fifth},
 )
 def other_schemes_at_large_steps(large_steps):
     large = large_steps.drop_sel(scheme=EXPLICIT)
@@ -176,7 +179,7 @@ def other_schemes_at_large_steps(large_steps):
     "At such large steps the other schemes are sometimes chaotic.",
     f"steps until two runs that start 10⁻¹⁰ apart in the double well at Δt = 2.5 are {APART:g} apart, above and below",
     words="and sometimes chaotic",
-    asks={"sensitivity.problem": "double_well"},
+    requires={"sensitivity.problem": "double_well"},
 )
 def other_schemes_may_be_chaotic(sensitivity):
     parted = sensitivity.parted_at_step.drop_sel(scheme=EXPLICIT).sel(start=[-1, 1])

@@ -14,7 +14,7 @@ AVERAGE = "average_acceleration"
     "Controlled steps need fewer forces than equal ones for an error of one percent.",
     "forces with controlled over forces with equal steps, average acceleration",
     whose=PRACTICE,
-    asks={"control_cost.schemes": [AVERAGE]},
+    requires={"control_cost.schemes": [AVERAGE]},
 )
 def control_saves_forces(control_cost):
     controlled, equal = with_control(control_cost, ALLOWED)
@@ -29,7 +29,7 @@ def control_saves_forces(control_cost):
     "Where contact comes and goes, controlled steps pay for methods of higher order.",
     "forces with controlled over forces with equal steps, for one percent, on the bouncing mass",
     whose=PRACTICE,
-    asks={"control_cost.problems": ["bouncing"], "control_cost.schemes": ["rk4"]},
+    requires={"control_cost.problems": ["bouncing"], "control_cost.schemes": ["rk4"]},
 )
 def control_pays_at_contact(control_cost):
     controlled, equal = with_control(control_cost, ALLOWED)
@@ -46,7 +46,7 @@ def control_pays_at_contact(control_cost):
     "forces with controlled over forces with equal steps, for one percent, average acceleration on stiff and soft "
     "springs",
     whose=PRACTICE,
-    asks={"control_cost.problems": STIFF, "control_cost.schemes": [AVERAGE]},
+    requires={"control_cost.problems": STIFF, "control_cost.schemes": [AVERAGE]},
 )
 def a_stiff_mode_is_ignored(control_cost):
     controlled, equal = with_control(control_cost, ALLOWED)
@@ -60,7 +60,7 @@ def a_stiff_mode_is_ignored(control_cost):
     "A general solver with control of its step and order needs fewer forces than average acceleration does.",
     "forces of CVODE's Adams methods over those of average acceleration with equal steps, for one percent",
     whose=PRACTICE,
-    asks={"solver_cost.solvers": ["cvode_adams"], "control_cost.schemes": [AVERAGE]},
+    requires={"solver_cost.solvers": ["cvode_adams"], "control_cost.schemes": [AVERAGE]},
 )
 def a_general_solver_needs_fewer(control_cost, solver_cost):
     equal = with_control(control_cost, ALLOWED)[1].sel(scheme=AVERAGE)
@@ -76,7 +76,7 @@ def a_general_solver_needs_fewer(control_cost, solver_cost):
     "A half-increment residual of a tenth of the force is a tolerance for high accuracy.",
     "energy error in percent over the run and steps in a period, HHT-α with the controller of Abaqus",
     whose="Hibbitt and Karlsson (1979)",
-    asks={"control_of_codes.problems": PROBLEMS},
+    requires={"control_of_codes.problems": PROBLEMS},
 )
 def a_tenth_of_the_force_is_accurate(control_of_codes):
     tight = control_of_codes.sel({"code": "Abaqus", "class": "tight"})
@@ -90,7 +90,7 @@ def a_tenth_of_the_force_is_accurate(control_of_codes):
     "The number of Newton iterations tells how accurate a step is.",
     "energy error in percent with the controller of OpenSees, of the three numbers of iterations",
     whose="McKenna (1997)",
-    asks={"control_of_codes.problems": PROBLEMS},
+    requires={"control_of_codes.problems": PROBLEMS},
 )
 def iterations_tell_the_error(control_of_codes):
     loose = control_of_codes.max_energy_error.sel({"code": "OpenSees", "class": ["middle", "loose"]}).max("class")
@@ -103,7 +103,7 @@ def iterations_tell_the_error(control_of_codes):
     "If the step is halved, average acceleration shows oscillations that it had not.",
     "largest energy error with the step halved in the middle over that with equal steps",
     whose="MOOSE",
-    asks={"control_of_codes.problems": PROBLEMS},
+    requires={"control_of_codes.problems": PROBLEMS},
 )
 def a_halved_step_disturbs(control_of_codes):
     largest = control_of_codes.halved_energy_error.max("steps_at_first")

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from paper.asks import OF_THE_DRIFT, rising
 from paper.claims.comparisons import claim_period, claim_printed_error
 from paper.claims.ledger import Finding, by_name, claim, errors, when
 from paper.claims.terms import (
@@ -18,6 +17,7 @@ from paper.claims.terms import (
 )
 from paper.claims.wording import joined, listed, number
 from paper.published import printed_energy_errors
+from paper.requirements import OF_THE_DRIFT, rising
 
 #: The two springs, the softening one from both u₀.
 _OF_TWO_SPRINGS = ["hardening", "softening", "softening_large"]
@@ -28,7 +28,7 @@ _OF_TWO_SPRINGS = ["hardening", "softening", "softening_large"]
     "On the softening spring at T/20 Runge-Kutta is the most accurate of the seven.",
     "errors at T/20, softening",
     words="it appears that the Runge–Kutta method is the most accurate integration scheme of the seven schemes",
-    asks=OF_THE_DRIFT,
+    requires=OF_THE_DRIFT,
 )
 def runge_kutta_is_best(energy_error, energy_drift):
     at = errors(energy_error, "softening").sel(steps_per_period=20)
@@ -64,7 +64,7 @@ claim_printed_error(
     f"share of neighbouring step sizes of which the smaller one has an error more than {ALMOST:g} times as large, "
     "all schemes and springs from T/100 to T",
     words="Such behaviour of having a less accurate solution with a smaller time step is not uncommon",
-    asks={"large_steps.dt_over_period": rising},
+    requires={"large_steps.dt_over_period": rising},
 )
 def smaller_may_be_worse(large_steps):
     error = large_steps.max_energy_error.transpose(..., "dt_over_period").values
@@ -84,7 +84,7 @@ def smaller_may_be_worse(large_steps):
     "With average acceleration a smaller step may turn a stable solution into an unstable one (Xie and Steven).",
     f"softening spring from u₀ = 10: a larger step with an error up to {REASONABLE:g} %, a smaller unstable one",
     words="a smaller time step may even change a stable solution to an unstable one",
-    asks={
+    requires={
         "large_steps.problems": ["softening_large"],
         "large_steps.dt_over_period": rising,
     },
@@ -108,7 +108,7 @@ def smaller_may_be_unstable(large_steps):
     "largest spectral radius less one",
     "0",
     words="five are unconditionally stable for linear systems",
-    asks={"spectral.damping_ratios": [0.0]},
+    requires={"spectral.damping_ratios": [0.0]},
 )
 def five_are_unconditionally_stable(spectral):
     radius = spectral.spectral_radius.sel(damping_ratio=0)
@@ -123,7 +123,7 @@ def five_are_unconditionally_stable(spectral):
     "On non-linear systems unconditional stability is lost.",
     "which of these five more than double their energy in the second half of a run on the two springs",
     words="such unconditional stability is no longer valid",
-    asks={"large_steps.problems": _OF_TWO_SPRINGS},
+    requires={"large_steps.problems": _OF_TWO_SPRINGS},
 )
 def stability_is_lost(large_steps):
     large = large_steps.sel(problem=_OF_TWO_SPRINGS, scheme=UNCONDITIONAL)
@@ -157,7 +157,7 @@ def alpha_is_unstable(portrait):
     "The α-method has moderate numerical damping.",
     "1 − spectral radius at T/20: more than that of average acceleration, less than that of any other",
     words="which has moderate numerical damping",
-    asks={"spectral.damping_ratios": [0.0]},
+    requires={"spectral.damping_ratios": [0.0]},
 )
 def alpha_is_moderate(spectral):
     radius = spectral.spectral_radius.sel(scheme=UNCONDITIONAL, damping_ratio=0)

@@ -36,7 +36,7 @@ def step_is_a_third(portrait, reference):
     "At this step average acceleration becomes chaotic.",
     f"steps until two runs that start 10⁻¹⁰ apart are {APART:g} apart, above and below",
     words="the solution by the average acceleration method becomes chaotic",
-    asks=_OF_STARTS,
+    requires=_OF_STARTS,
 )
 def average_acceleration_is_chaotic(sensitivity):
     parted = sensitivity.parted_at_step.sel(scheme="average_acceleration", start=[-1, 1])
@@ -49,7 +49,7 @@ def average_acceleration_is_chaotic(sensitivity):
     "changes of the well in 1,000 steps from starts within 10⁻⁹; numbers of steps between them in one run",
     words="the numerical results jump irregularly between the system’s two static equilibria",
     portrait="phase_portrait/double_well",
-    asks=_OF_STARTS,
+    requires=_OF_STARTS,
 )
 def jumps_between_wells(portrait, sensitivity):
     u = portrait.u.sel(scheme="average_acceleration").values

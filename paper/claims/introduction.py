@@ -41,7 +41,7 @@ def solutions_are_periodic(references):
     "The period can be found analytically or by integration with very small steps.",
     "relative error of the period by CVODE, diffrax and heyoka at the tightest tolerance: the largest of all solvers",
     words="obtained numerically by using time integration with very small time steps",
-    asks={"references.problems": list(PERIODS), "agreement.tolerances": [1e-15]},
+    requires={"references.problems": list(PERIODS), "agreement.tolerances": [1e-15]},
 )
 def period_by_every_route(reference_agreement):
     worst = reference_agreement.period_error.min("tolerance").max().item()
@@ -54,7 +54,7 @@ def period_by_every_route(reference_agreement):
     "steps until two runs of average acceleration in the double well that start 10⁻¹⁰ apart, above and below, are "
     f"{APART:g} apart",
     words="may lead to chaotic predictions",
-    asks={"sensitivity.problem": "double_well"},
+    requires={"sensitivity.problem": "double_well"},
 )
 def newmark_may_be_chaotic(sensitivity):
     parted = sensitivity.parted_at_step.sel(scheme="average_acceleration", start=[-1, 1])
@@ -83,7 +83,7 @@ def newmark_beta_zero_is_central_difference(portrait):
     "error on the hardening spring at T/20 by start",
     "97.3 %",
     words="The initialization scheme as described in reference [6] is used",
-    asks={"houbolt_start.problems": ["hardening"], "houbolt_start.steps_per_period": [20]},
+    requires={"houbolt_start.problems": ["hardening"], "houbolt_start.steps_per_period": [20]},
 )
 def start_of_houbolt(houbolt_start):
     at = houbolt_start.max_energy_error.sel(problem="hardening", steps_per_period=20)
@@ -106,7 +106,7 @@ def start_of_houbolt(houbolt_start):
     "vectors of the size of u that a step hands to the next; spread of the error at T/20, hardening, over four starts",
     words="Apart from the extra memory needed for storing the displacements at several steps, the Houbolt method "
     "requires an initialization",
-    asks={"houbolt_start.problems": ["hardening"], "houbolt_start.steps_per_period": [20]},
+    requires={"houbolt_start.problems": ["hardening"], "houbolt_start.steps_per_period": [20]},
 )
 def houbolt_needs_memory(spectral, houbolt_start):
     memory = by_name(spectral.memory)

@@ -16,7 +16,7 @@ def _undamped(spectral, variable):
     "OALTS damps low frequencies half as much as the generalized-α method of equal ρ∞.",
     "algorithmic damping of OALTS at T/100 over that of generalized-α",
     whose="Zhang (2020)",
-    asks={"spectral.schemes": ["oalts", "generalized_alpha"], "spectral.damping_ratios": [0.0]},
+    requires={"spectral.schemes": ["oalts", "generalized_alpha"], "spectral.damping_ratios": [0.0]},
 )
 def half_the_damping(spectral):
     damping = _undamped(spectral, "algorithmic_damping").sel(dt_over_period=0.01, method="nearest")
@@ -29,7 +29,7 @@ def half_the_damping(spectral):
     "MKR-α overshoots less than KR-α.",
     "largest overshoot of the displacement over all step sizes, relative; period error at T/10 over that of KR-α",
     whose="Kolay and Ricles (2019)",
-    asks={"spectral.schemes": ["kr_alpha", "mkr_alpha"], "spectral.damping_ratios": [0.0]},
+    requires={"spectral.schemes": ["kr_alpha", "mkr_alpha"], "spectral.damping_ratios": [0.0]},
 )
 def less_overshoot(spectral):
     schemes = ["kr_alpha", "mkr_alpha"]
@@ -47,7 +47,7 @@ def less_overshoot(spectral):
     "CR is explicit and unconditionally stable.",
     "largest stable ωΔt; largest overshoot of the displacement over all step sizes, relative",
     whose="Chen and Ricles (2008)",
-    asks={"spectral.schemes": ["chen_ricles"], "spectral.damping_ratios": [0.0]},
+    requires={"spectral.schemes": ["chen_ricles"], "spectral.damping_ratios": [0.0]},
 )
 def stable_with_a_model(spectral):
     limit = _undamped(spectral, "stability_limit").sel(scheme="chen_ricles").item()
@@ -61,7 +61,7 @@ def stable_with_a_model(spectral):
     "Chang's method is explicit, unconditionally stable and of second order.",
     "largest stable ωΔt; order of the principal roots, least over damping",
     whose="Chang (2002)",
-    asks={"spectral.schemes": ["chang"], "spectral.damping_ratios": [0.0]},
+    requires={"spectral.schemes": ["chang"], "spectral.damping_ratios": [0.0]},
 )
 def second_order_with_a_model(spectral):
     limit = _undamped(spectral, "stability_limit").sel(scheme="chang").item()
@@ -74,7 +74,7 @@ def second_order_with_a_model(spectral):
     "ICL is of second order with damping, with one force and no matrix but the mass.",
     "order of its principal roots, least over damping; largest stable ωΔt without and with damping",
     whose="Li et al. (2021)",
-    asks={"spectral.schemes": ["icl"], "spectral.damping_ratios": [0.0]},
+    requires={"spectral.schemes": ["icl"], "spectral.damping_ratios": [0.0]},
 )
 def second_order_with_one_force(spectral):
     at = spectral.sel(scheme="icl").sortby("damping_ratio")
@@ -89,7 +89,7 @@ def second_order_with_one_force(spectral):
     "WAT2 is of third order with damping.",
     "order of its principal roots without and with damping",
     whose="Wang et al. (2025)",
-    asks={"spectral.schemes": ["wat2"]},
+    requires={"spectral.schemes": ["wat2"]},
 )
 def third_order_with_damping(spectral):
     order = spectral.linear_order.sel(scheme="wat2").sortby("damping_ratio")
@@ -101,7 +101,7 @@ def third_order_with_damping(spectral):
     "ESDIRK methods of s sub-steps are of order s, unconditionally stable and of controlled dissipation at once.",
     "order of their principal roots, least over damping; largest stable ωΔt; spectral radius at infinite frequency",
     whose="Li et al. (2023)",
-    asks={"spectral.schemes": ["esdirk3", "esdirk4"], "spectral.damping_ratios": [0.0]},
+    requires={"spectral.schemes": ["esdirk3", "esdirk4"], "spectral.damping_ratios": [0.0]},
 )
 def order_stability_and_dissipation_at_once(spectral):
     found, holds = [], True

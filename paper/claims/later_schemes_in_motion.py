@@ -60,7 +60,7 @@ _SMOOTH, _MOTION = ["plain", "damping", "load"], ["displacement", "velocity"]
     "MKR-α is of second order.",
     "least order of displacement and velocity, and order of the principal roots",
     whose="Kolay and Ricles (2019)",
-    asks={_REALITY: ["mkr_alpha"], "spectral.schemes": ["mkr_alpha"]},
+    requires={_REALITY: ["mkr_alpha"], "spectral.schemes": ["mkr_alpha"]},
 )
 def order_of_mkr(order_under_reality, spectral):
     order = _orders(order_under_reality, "mkr_alpha", _SMOOTH, _MOTION)
@@ -74,7 +74,7 @@ def order_of_mkr(order_under_reality, spectral):
     "The overshoot of MKR-α grows with the same power of the step as that of KR-α.",
     "largest power of ωΔt with which displacement or velocity of a long first step grow",
     whose=STUDY,
-    asks={"spectral.schemes": ["kr_alpha", "mkr_alpha"], "spectral.damping_ratios": [0.0]},
+    requires={"spectral.schemes": ["kr_alpha", "mkr_alpha"], "spectral.damping_ratios": [0.0]},
 )
 def same_power_of_overshoot(spectral):
     powers = {name: _power(spectral, name) for name in ("kr_alpha", "mkr_alpha")}
@@ -93,7 +93,7 @@ def _power(spectral: xr.Dataset, scheme: str) -> float:
     "OALTS does not overshoot, which the generalized-α method does.",
     "largest power of ωΔt with which displacement or velocity of a long first step grow",
     whose=STUDY,
-    asks={"spectral.schemes": ["oalts", "generalized_alpha"], "spectral.damping_ratios": [0.0]},
+    requires={"spectral.schemes": ["oalts", "generalized_alpha"], "spectral.damping_ratios": [0.0]},
 )
 def no_overshoot_of_two_steps(spectral):
     powers = {name: _power(spectral, name) for name in ("oalts", "generalized_alpha")}
@@ -106,7 +106,7 @@ def no_overshoot_of_two_steps(spectral):
     "Of the explicit methods with a model of the structure, Chang's does not overshoot.",
     "largest power of ωΔt with which displacement or velocity of a long first step grow",
     whose=STUDY,
-    asks={"spectral.schemes": ["chang", "chen_ricles", "kr_alpha"], "spectral.damping_ratios": [0.0]},
+    requires={"spectral.schemes": ["chang", "chen_ricles", "kr_alpha"], "spectral.damping_ratios": [0.0]},
 )
 def overshoot_with_a_model(spectral):
     powers = {name: _power(spectral, name) for name in ("chang", "chen_ricles", "kr_alpha")}
@@ -119,7 +119,7 @@ def overshoot_with_a_model(spectral):
     "WAT2 is of third order with two forces, with damping and load.",
     "least order of displacement and velocity; of the acceleration",
     whose="Wang et al. (2025)",
-    asks={_REALITY: ["wat2"]},
+    requires={_REALITY: ["wat2"]},
 )
 def third_order_in_motion(order_under_reality):
     motion, acceleration = (
@@ -134,7 +134,7 @@ def third_order_in_motion(order_under_reality):
     "ESDIRK methods do not lose their order in forced vibration.",
     "least order of the method of fourth order under a load; on a moving support that a stiff spring holds",
     whose="Li et al. (2023)",
-    asks={_REALITY: ["esdirk4"]},
+    requires={_REALITY: ["esdirk4"]},
 )
 def no_reduction_under_a_load(order_under_reality):
     supports = [name for name in order_under_reality.circumstance.values if name.startswith("support_")]
@@ -150,7 +150,7 @@ def no_reduction_under_a_load(order_under_reality):
     "The generalized-α method is of second order.",
     "least order of displacement and velocity; of the acceleration that it carries",
     whose="Chung and Hulbert (1993)",
-    asks={_REALITY: ["generalized_alpha"]},
+    requires={_REALITY: ["generalized_alpha"]},
 )
 def second_order_of_generalized_alpha(order_under_reality):
     motion, acceleration = (
@@ -253,7 +253,7 @@ def better_for_waves(later_schemes):
     "Noh and Bathe's explicit method is better for waves than central difference.",
     "error of the velocity along a bar, over that of central difference with the same forces",
     whose="Noh and Bathe (2013)",
-    asks={"later_schemes.courant": [0.5, 1.0]},
+    requires={"later_schemes.courant": [0.5, 1.0]},
 )
 def better_for_waves_than_central_difference(later_schemes):
     error = later_schemes.wave_error

@@ -9,7 +9,7 @@ import xarray as xr
 
 from paper.claims.terms import MOST
 from paper.data import of_the_paper
-from paper.products import Asks, Product, enter, reads_of
+from paper.products import Product, Requirements, enter, reads_of
 from paper.published import SCHEMES
 
 
@@ -95,7 +95,7 @@ def claim(
     *,
     words: str = "",
     whose: str = STUDY,
-    asks: Asks | None = None,
+    requires: Requirements | None = None,
     **reads: str | Sequence[str],
 ) -> Callable:
     """Enter the decorated check, a function of datasets, into the ledger.
@@ -109,7 +109,7 @@ def claim(
         As the attributes of :class:`Claim`. A claim of the paper needs its ``words``, any other has none.
     whose
         Who makes the claim, if not the paper.
-    asks, reads
+    requires, reads
         As those of :class:`paper.products.Product`.
 
     Raises
@@ -126,11 +126,11 @@ def claim(
 
     def declare(check: Callable[..., Finding]) -> Callable[..., Finding]:
         read = reads_of(check, reads)
-        product = Product("claim", statement, check.__module__, check, read, statement, asks or {})
+        product = Product("claim", statement, check.__module__, check, read, statement, requires or {})
         if from_the_paper:
             over_schemes = [name.replace("/", ".") for name in product.datasets if name.startswith(_OVER_SCHEMES)]
-            needed = {f"{name}.schemes": SCHEMES for name in over_schemes} | dict(asks or {})
-            product = replace(product, function=_of_1996(check), asks=needed)
+            needed = {f"{name}.schemes": SCHEMES for name in over_schemes} | dict(requires or {})
+            product = replace(product, function=_of_1996(check), requires=needed)
         enter(product)
         CLAIMS.append(Claim(section, XIE if from_the_paper else whose, statement, words, quantity, printed, product))
         return check

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from paper.asks import fourfold
 from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.claims.terms import MATTERS, RULE, SECOND_ORDER, UNNOTICED
 from paper.claims.wording import listed, number
 from paper.numbers.kinks import GAINED, KINKED, LOST, at_equal_forces
 from paper.numbers.spectrum import LONG, share_at_the_spacing, share_between
+from paper.requirements import fourfold
 
 
 @claim(
@@ -16,7 +16,7 @@ from paper.numbers.spectrum import LONG, share_at_the_spacing, share_between
     "least error of average acceleration over that of Runge-Kutta at equal steps; of central difference at as many "
     "forces; order of Runge-Kutta",
     whose=PRACTICE,
-    asks={
+    requires={
         "kinks.problems": KINKED,
         "kinks.schemes": ["average_acceleration", "central_difference", "rk4"],
         "kinks.steps_per_period": fourfold,
@@ -40,7 +40,7 @@ def order_does_not_matter(kinks):
     "The balance of energies shows whether the motion of a yielding structure is right.",
     "error of the displacement and of the balance of average acceleration at the coarsest steps, in percent",
     whose=PRACTICE,
-    asks={"kinks.problems": ["yielding"], "kinks.schemes": ["average_acceleration"]},
+    requires={"kinks.problems": ["yielding"], "kinks.schemes": ["average_acceleration"]},
 )
 def balance_is_a_verdict(kinks):
     run = kinks.sel(problem="yielding", scheme="average_acceleration").isel(steps_per_period=0)
@@ -55,7 +55,7 @@ def balance_is_a_verdict(kinks):
     "Twenty steps in a period are enough for the peak drift.",
     "steps in a period that average acceleration needs for the peak drift within the allowed error, by period",
     whose=PRACTICE,
-    asks={"spectrum.schemes": ["average_acceleration"]},
+    requires={"spectrum.schemes": ["average_acceleration"]},
 )
 def twenty_steps_for_the_peak(spectrum):
     needed = spectrum.step_needed.sel(scheme="average_acceleration")
@@ -72,7 +72,7 @@ def twenty_steps_for_the_peak(spectrum):
     "runs of average acceleration at long periods whose peak drift is beyond the allowed error, in percent: with the "
     "spacing as step; with finer steps that do not divide it, down to half of it",
     whose=PRACTICE,
-    asks={"spectrum.schemes": ["average_acceleration"], "spectrum.periods": [LONG]},
+    requires={"spectrum.schemes": ["average_acceleration"], "spectrum.periods": [LONG]},
 )
 def finer_is_better_under_a_record(spectrum):
     average = spectrum.sel(scheme="average_acceleration")
@@ -87,7 +87,7 @@ def finer_is_better_under_a_record(spectrum):
     "The α-method of 1996 is of second order with damping too.",
     "its order by linear theory, by damping ratio",
     whose=PRACTICE,
-    asks={"spectral.schemes": ["hht_alpha_1996"]},
+    requires={"spectral.schemes": ["hht_alpha_1996"]},
 )
 def order_of_the_alpha_method(spectral):
     order = spectral.linear_order.sel(scheme="hht_alpha_1996")

@@ -1,9 +1,9 @@
 """Claims about stability at large steps and over long times."""
 
-from paper.asks import rising, spans
 from paper.claims.ledger import PRACTICE, XIE_EXTENDED, Finding, by_name, claim, most, when
 from paper.claims.terms import CHAOTIC, DAMPED, REASONABLE, ROUND_OFF, RULE
 from paper.claims.wording import joined, listed, number
+from paper.requirements import rising, spans
 from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_1996
 
 
@@ -12,7 +12,7 @@ from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_199
     "Δt < T/20 is reasonable for average acceleration at every amplitude and over long times.",
     f"steps a period that keep the energy within {REASONABLE:g} % over the longest runs at all amplitudes, by problem",
     whose=XIE_EXTENDED,
-    asks={"robustness.schemes": ["average_acceleration"], "robustness.periods": rising},
+    requires={"robustness.schemes": ["average_acceleration"], "robustness.periods": rising},
     robustness="stability/robustness",
 )
 def a_twentieth_at_every_amplitude(robustness):
@@ -30,7 +30,7 @@ def a_twentieth_at_every_amplitude(robustness):
     "In the double well at Δt = 2.5 average acceleration is chaotic.",
     "Lyapunov exponent of its map, per step",
     whose=XIE_EXTENDED,
-    asks={
+    requires={
         "stability.bifurcation.problem": "double_well",
         "stability.bifurcation.scheme": "average_acceleration",
         "stability.bifurcation.dt": spans(2.5),
@@ -47,7 +47,7 @@ def chaos_of_average_acceleration(bifurcation):
     "stability",
     "Where the effective equation of a step has several roots, Newton's choice among them decides.",
     "spread of the displacements that Newton finds from different starts at the step size of the paper, by scheme",
-    asks={"stability.roots.problem": "double_well", "stability.roots.paper_dt": 2.5},
+    requires={"stability.roots.problem": "double_well", "stability.roots.paper_dt": 2.5},
     roots="stability/roots",
 )
 def several_roots(roots):
@@ -63,7 +63,7 @@ def several_roots(roots):
     "Numerical damping keeps the schemes of the paper from chaos.",
     "share of their runs that end chaotic on the maps at amplitudes like those of 1996, in percent",
     whose=PRACTICE,
-    asks={"atlas.schemes": DAMPED, "atlas.amplitudes": some_near_1996},
+    requires={"atlas.schemes": DAMPED, "atlas.amplitudes": some_near_1996},
     atlas="stability/atlas",
 )
 def damping_against_chaos(atlas):

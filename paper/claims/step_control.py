@@ -29,7 +29,7 @@ def _asked(estimator, scheme=AVERAGE):
     "The estimate of Zienkiewicz and Xie is the error of the step.",
     "estimate over the true error of the displacement, and of displacement and velocity, average acceleration",
     whose="Zienkiewicz and Xie (1991)",
-    asks=_asked("zienkiewicz_xie"),
+    requires=_asked("zienkiewicz_xie"),
 )
 def zienkiewicz_xie_is_true(estimates):
     of_u = _ratio(estimates, "zienkiewicz_xie", "true_displacement_error").sel(scheme=AVERAGE)
@@ -45,7 +45,7 @@ def zienkiewicz_xie_is_true(estimates):
     "The estimate of Zienkiewicz and Xie sees the error at every time.",
     "smallest estimate over the true error along a period, average acceleration",
     whose=PRACTICE,
-    asks=_asked("zienkiewicz_xie"),
+    requires=_asked("zienkiewicz_xie"),
 )
 def zienkiewicz_xie_is_never_blind(estimates):
     least = estimates.ratio.sel(estimator="zienkiewicz_xie", scheme=AVERAGE).min("phase")
@@ -58,7 +58,7 @@ def zienkiewicz_xie_is_never_blind(estimates):
     "An acceleration through three times gives the error of displacement and velocity.",
     "estimate over the true error, average acceleration",
     whose="Zeng et al. (1992)",
-    asks=_asked("three_point"),
+    requires=_asked("three_point"),
 )
 def three_points_are_true(estimates):
     ratio = _ratio(estimates, "three_point").sel(scheme=AVERAGE)
@@ -70,7 +70,7 @@ def three_points_are_true(estimates):
     "Step doubling gives the error of the step.",
     "estimate over the true error, average acceleration",
     whose=PRACTICE,
-    asks=_asked("step_doubling"),
+    requires=_asked("step_doubling"),
 )
 def step_doubling_is_true(estimates):
     ratio = _ratio(estimates, "step_doubling").sel(scheme=AVERAGE)
@@ -82,7 +82,7 @@ def step_doubling_is_true(estimates):
     "The residual in the middle of the step measures the error of the step.",
     "power of the step with which residual over true error falls, average acceleration",
     whose="Hibbitt and Karlsson (1979)",
-    asks=_asked("half_step_residual"),
+    requires=_asked("half_step_residual"),
 )
 def residual_measures_the_error(estimates):
     one = estimates.sel(estimator="half_step_residual", scheme=AVERAGE)
@@ -107,7 +107,7 @@ def _of_control(*controllers, scheme=AVERAGE):
     "Controlled steps of average acceleration keep the energy as equal ones do.",
     "energy error of the last period over that of the first: controlled by PI; equal",
     whose=PRACTICE,
-    asks=_of_control("pi"),
+    requires=_of_control("pi"),
 )
 def control_keeps_the_energy(step_control):
     grown = growth(step_control)
@@ -122,7 +122,7 @@ def control_keeps_the_energy(step_control):
     "A dead band, which holds the step for long, avoids the drift.",
     "energy error of the last period over that of the first",
     whose=PRACTICE,
-    asks=_of_control("dead_band"),
+    requires=_of_control("dead_band"),
 )
 def a_dead_band_avoids_the_drift(step_control):
     grown = by_name(growth(step_control).sel(with_equal="dead_band"))
@@ -135,7 +135,7 @@ def a_dead_band_avoids_the_drift(step_control):
     "Reversible control of a symmetric scheme shows no drift.",
     "energy error of the last period over that of the first",
     whose="Hairer and Söderlind (2005)",
-    asks=_of_control("pi"),
+    requires=_of_control("pi"),
 )
 def reversible_control_has_no_drift(step_control):
     grown = by_name(growth(step_control).sel(with_equal="reversible"))
@@ -147,7 +147,7 @@ def reversible_control_has_no_drift(step_control):
     "With numerical damping, controlled steps never gain energy.",
     "signed energy error of generalized-α at the end in percent, the largest over tolerances, controlled by PI",
     whose=PRACTICE,
-    asks=_of_control("pi", scheme=GENERALIZED),
+    requires=_of_control("pi", scheme=GENERALIZED),
 )
 def damping_prevents_gain(step_control):
     drift = 100 * step_control.energy_drift.sel(scheme=GENERALIZED, control="pi").max("tolerance")
@@ -162,7 +162,7 @@ def damping_prevents_gain(step_control):
     "energy error with steps controlled by the estimator of 1991 over that with equal steps, the smallest of all cells "
     "of Tables 1 and 2, average acceleration",
     whose=PRACTICE,
-    asks={
+    requires={
         "controlled_1996.problems": PROBLEMS,
         "controlled_1996.schemes": [AVERAGE],
         "energy_error.problems": PROBLEMS,
@@ -180,7 +180,7 @@ def control_improves_the_tables(controlled_1996, energy_error):
     "power of the tolerance with which the largest energy error falls between the two smallest tolerances, "
     "average acceleration, PI",
     whose=PRACTICE,
-    asks=_of_control("pi"),
+    requires=_of_control("pi"),
 )
 def proportional_to_the_tolerance(step_control):
     one = step_control.max_energy_error.sel(scheme=AVERAGE, control="pi").sortby("tolerance").isel(tolerance=[0, 1])
@@ -198,7 +198,7 @@ def proportional_to_the_tolerance(step_control):
     "acceleration.",
     "steps in a period, of the tolerances that keep the energy within ten percent: Runge-Kutta; average acceleration",
     whose=PRACTICE,
-    asks={
+    requires={
         "step_control.problems": PROBLEMS,
         "step_control.schemes": [AVERAGE, "rk4"],
         "step_control.controllers": ["pi"],

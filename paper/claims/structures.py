@@ -3,12 +3,12 @@
 import numpy as np
 import xarray as xr
 
-from paper.asks import samples_of_history
 from paper.claims.ledger import PRACTICE, XIE_EXTENDED, Finding, by_name, claim, most, when
 from paper.claims.terms import DISSIPATIVE, EXPLICIT, FAITHFUL, GREATLY, MOST, REASONABLE, RULE
 from paper.claims.wording import joined, listed
 from paper.data import TURNING
 from paper.published import SCHEMES
+from paper.requirements import samples_of_history
 
 #: Structures with modes far too fast for the steps.
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
@@ -39,7 +39,7 @@ def _share(runs: xr.DataArray, schemes: list[str]) -> dict[str, float]:
     "Average acceleration and central difference are the best of the seven schemes of 1996.",
     f"share of the runs on structures that keep the balance of energies within {REASONABLE:g} %, in percent",
     whose=XIE_EXTENDED,
-    asks={"structures.schemes": SCHEMES},
+    requires={"structures.schemes": SCHEMES},
 )
 def faithful_on_structures(structures):
     share = _share(kept(structures), SCHEMES)
@@ -56,7 +56,7 @@ def faithful_on_structures(structures):
     "Newmark (γ = 0.6), Houbolt and Wilson damp structures too strongly.",
     "largest error of the balance of energies on the Fermi-Pasta-Ulam chain at the finest step, in percent",
     whose=XIE_EXTENDED,
-    asks={"structures.lengths.problem": ["fpu_chain"], "structures.schemes": DISSIPATIVE},
+    requires={"structures.lengths.problem": ["fpu_chain"], "structures.schemes": DISSIPATIVE},
 )
 def damping_on_the_chain(structures):
     chain = 100 * structures.max_energy_imbalance.sel(problem="fpu_chain", scheme=DISSIPATIVE)
@@ -71,7 +71,7 @@ def damping_on_the_chain(structures):
     "Average acceleration oscillates spuriously where a mode is too stiff for the step.",
     "alternating part of the velocity of the mass on the stiff spring late in the run",
     whose="Bathe and Noh",
-    asks={
+    requires={
         "structure_history.stiff_soft.problem": "stiff_soft",
         "structure_history.stiff_soft.schemes": ["average_acceleration", "bathe"],
         "structure_history.stiff_soft": samples_of_history(SAMPLES_OF_SAWTOOTH),
@@ -93,7 +93,7 @@ def spurious_oscillation(history):
     "structures",
     "Where stiff modes rotate, the trapezoidal and the midpoint rule fail, and the energy-momentum method does not.",
     f"runs on such structures that fail or leave the balance of energies by more than {REASONABLE:g} %",
-    asks={
+    requires={
         "structures.lengths.problem": ["elastic_pendulum"],
         "structures.schemes": ["average_acceleration", "implicit_midpoint", "energy_momentum"],
     },
@@ -112,7 +112,7 @@ def conserving_on_stiff_structures(structures):
     "Explicit schemes are of no use where a mode is stiff, however slow the motion.",
     f"runs on stiff structures that fail or leave the balance of energies by more than {REASONABLE:g} %, in percent",
     whose=PRACTICE,
-    asks={
+    requires={
         "structures.lengths.problem": ["stiff_soft", "elastic_pendulum", "fpu_chain"],
         "structures.schemes": EXPLICIT,
     },
@@ -130,7 +130,7 @@ def explicit_on_stiff_structures(structures):
     "Δt < T/20 is reasonable for average acceleration on structures.",
     f"error of the displacement at {RULE} steps in the time scale of the motion, by structure, in percent",
     whose=XIE_EXTENDED,
-    asks={"structures.schemes": ["average_acceleration"], "structures.steps_per_period": [RULE]},
+    requires={"structures.schemes": ["average_acceleration"], "structures.steps_per_period": [RULE]},
 )
 def a_twentieth_on_structures(structures):
     runs = structures.sel(scheme="average_acceleration", steps_per_period=RULE)

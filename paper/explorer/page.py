@@ -79,7 +79,7 @@ def _as_script(value: object) -> str:
     name="explorer",
     atlas="stability/atlas",
     cases=[f"phase_portrait/{name}" for name in CASES],
-    asks={"atlas.problems": PROBLEMS, "atlas.schemes": FIRST["schemes"]},
+    requires={"atlas.problems": PROBLEMS, "atlas.schemes": FIRST["schemes"]},
 )
 def explorer(atlas: xr.Dataset, cases: list[xr.Dataset]) -> str:
     """The page with all that it needs, the same text for the same data.

@@ -23,7 +23,7 @@ PERIODS, SHORTER = 100, 3
     "Errors of the seven schemes of Xie (1996) over 100 periods against the step size, one row per spring. The "
     "slope of a curve is the order of its error. Errors that the reference does not resolve are left out, and "
     "changes of amplitude that do not grow with the length of the run.",
-    asks={
+    requires={
         "accuracy.schemes": SCHEMES,
         "accuracy.problems": list(PROBLEMS),
         "accuracy.periods": [SHORTER, PERIODS],

@@ -3,19 +3,19 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.asks import contained
 from paper.data import of_the_paper
 from paper.figures.outcome_map import PAPER_CASES, legend, outcome_map, step_ticks
 from paper.figures.style import PAGE, panels, wrapped
 from paper.products import figure
 from paper.published import SCHEMES
+from paper.requirements import contained
 
 
 @figure(
     "How each run of the schemes of 1996 ends, over step size and initial displacement. Dashed: the linear limit "
     "of stability at the stiffest place of each motion; markers: the runs of Figures 3 and 4 of Xie (1996).",
     atlas="stability/atlas",
-    asks={
+    requires={
         "": contained("atlas.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "atlas.schemes": SCHEMES,

@@ -3,11 +3,11 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.asks import contained
 from paper.figures.outcome_map import legend, outcome_map, step_ticks
 from paper.figures.style import PAGE, empty, wrapped
 from paper.products import figure
 from paper.published import SCHEMES
+from paper.requirements import contained
 
 #: Schemes side by side.
 COLUMNS = 3
@@ -23,7 +23,7 @@ def _others(schemes: list[str]) -> str:
     "How each run of the later schemes ends, over step size (T/100 to T) and initial displacement; the three maps "
     "of a scheme are those of the hardening spring, the softening spring and the double well.",
     atlas="stability/atlas",
-    asks={
+    requires={
         "": contained("atlas.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "atlas.schemes": _others,

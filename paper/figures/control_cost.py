@@ -16,7 +16,7 @@ COLUMNS = 4
 @figure(
     "Error of the displacement against evaluations of the force. Solid: equal steps. Dashed: steps controlled by PI. "
     "Grey: CVODE's Adams methods. A step that is finer than another may have a larger error.",
-    asks={"control_cost.schemes": SHOWN[:1]},
+    requires={"control_cost.schemes": SHOWN[:1]},
 )
 def draw(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> Figure:
     """One panel per problem."""

@@ -3,10 +3,10 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.asks import OF_THE_DRIFT
 from paper.figures.style import COLUMN, letter, panels
 from paper.products import figure
 from paper.published import printed_energy_errors
+from paper.requirements import OF_THE_DRIFT
 
 #: The two step sizes that the paper compares, and the places of their labels.
 _MARKED = {20: (22.0, -68), 25: (27.0, -38)}
@@ -18,7 +18,7 @@ _CURVE = {"color": "#0072B2", "linewidth": 0.6, "marker": ".", "markersize": 2.5
     "numbers of Table 2 of Xie (1996) of which the coarser step has the smaller error. Where the steps of an "
     "oscillation stay at a whole number over a range of step sizes, a resonance holds the orbit.",
     drift="energy_drift",
-    asks=OF_THE_DRIFT,
+    requires=OF_THE_DRIFT,
 )
 def draw(drift: xr.Dataset) -> Figure:
     """Signed drift (above) and steps per oscillation at the end (below) over the step size."""

@@ -4,10 +4,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.asks import one_of, samples_of_history
 from paper.data import TURNING
 from paper.figures.style import PAGE, legend_below, letter, looks, panels
 from paper.products import figure
+from paper.requirements import one_of, samples_of_history
 
 #: Smallest error in percent; smaller ones are drawn at this value.
 FLOOR = 1e-13
@@ -17,7 +17,7 @@ FLOOR = 1e-13
     "Energy error along time of structures that turn, with so many steps in their time scale that stiff modes are "
     "not resolved. A cross marks the end of a run that fails; errors below 10⁻¹³ % are drawn there.",
     histories=["structure_history/stiff_bar", "structure_history/stiff_truss"],
-    asks={
+    requires={
         "structure_history.stiff_bar.problem": one_of(TURNING),
         "structure_history.stiff_truss.problem": one_of(TURNING),
         "structure_history.stiff_bar": samples_of_history(1),

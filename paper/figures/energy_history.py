@@ -4,9 +4,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.asks import steps_of_portrait
 from paper.figures.style import COLUMN, legend_below, letter, looks, panels
 from paper.products import figure
+from paper.requirements import steps_of_portrait
 
 #: Steps of which the largest error is drawn.
 STRETCH = 20
@@ -20,7 +20,7 @@ def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
 @figure(
     "Energy error along time in the runs of Figures 1 and 2 of Xie (1996), the largest in each stretch of 20 steps.",
     portraits=["phase_portrait/hardening", "phase_portrait/softening"],
-    asks={
+    requires={
         "phase_portrait.hardening": steps_of_portrait(STRETCH),
         "phase_portrait.softening": steps_of_portrait(STRETCH),
     },

@@ -15,7 +15,7 @@ TOP = 3
     "Error of the displacement after 100 periods of the hardening spring against the time of the run, by family. "
     "Grey curve: the Runge-Kutta method of 1996; grey points: heyoka at its tolerances.",
     data="work_precision",
-    asks={
+    requires={
         "work_precision.schemes.schemes": ["rk4"],
         "work_precision.schemes.problems": [PROBLEM],
         "work_precision.solvers.periods": [PERIODS],

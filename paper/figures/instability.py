@@ -15,7 +15,7 @@ SCHEME = "hht_alpha_1996"
     "orbit filled; (c) energy of all schemes.",
     portrait="phase_portrait/softening_large",
     reference="reference/softening_large",
-    asks={"phase_portrait.softening_large.schemes": [SCHEME]},
+    requires={"phase_portrait.softening_large.schemes": [SCHEME]},
 )
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     """Displacement and phase portrait of the α-method over the exact ones in grey; energy of every scheme."""

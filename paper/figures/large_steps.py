@@ -6,12 +6,12 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from paper.asks import rising
 from paper.data import of_the_paper
 from paper.figures.outcome_map import LIMIT
 from paper.figures.style import PAGE, legend_below, letter, panels
 from paper.products import figure
 from paper.published import SCHEMES
+from paper.requirements import rising
 
 #: Classes of the outcome: the worse the darker, in steps that can be told apart in greyscale.
 CLASSES = {
@@ -43,7 +43,7 @@ def classify(run: xr.Dataset) -> np.ndarray:
     "Largest energy error over 100 periods, or the failure, of every scheme of 1996 over the step size. Dashed "
     "lines: the step T/20 that Xie (1996) finds reasonable for two of them, and T/5, above which he expects "
     "failures.",
-    asks={"large_steps.schemes": SCHEMES, "large_steps.dt_over_period": rising},
+    requires={"large_steps.schemes": SCHEMES, "large_steps.dt_over_period": rising},
 )
 def draw(large_steps: xr.Dataset) -> Figure:
     """One panel per problem, one row per scheme of 1996."""

@@ -14,7 +14,7 @@ TO = 0.4
 @figure(
     "Period elongation (above) and algorithmic damping ratio (below) of every scheme on the linear oscillator, by "
     "family, as far as the scheme is stable.",
-    asks={"spectral.damping_ratios": [0.0]},
+    requires={"spectral.damping_ratios": [0.0]},
 )
 def draw(spectral: xr.Dataset) -> Figure:
     """Elongation in percent (above) and algorithmic damping ratio in percent (below) against Δt/T, where stable."""

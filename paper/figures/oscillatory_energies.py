@@ -22,7 +22,7 @@ def total(history: xr.Dataset) -> xr.DataArray:
     "their sum, markers where the reference is known; last panel: the sum over long times.",
     exchange="structure_history/energy_exchange",
     long_times="structure_history/long_times",
-    asks={
+    requires={
         "structure_history.energy_exchange.problem": "fpu_chain",
         "structure_history.long_times.problem": "fpu_chain",
     },

@@ -4,17 +4,17 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.asks import OF_THE_TABLES
 from paper.data import of_the_tables
 from paper.figures.style import COLUMN, legend_below, letter, looks, panels
 from paper.products import figure
 from paper.published import printed_energy_errors
+from paper.requirements import OF_THE_TABLES
 
 
 @figure(
     "Computed energy errors less those printed in Tables 1 and 2 of Xie (1996), for all cells. Points in the grey "
     "band round to the printed digit. Printed errors of 0.0 are drawn at 0.05.",
-    asks=OF_THE_TABLES,
+    requires=OF_THE_TABLES,
 )
 def draw(energy_error: xr.Dataset) -> Figure:
     """One panel for the step sizes of the printed periods, one for those of the exact periods."""

@@ -7,9 +7,9 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from paper.asks import as_many
 from paper.figures.style import PAGE, letter, looks, panels
 from paper.products import figure
+from paper.requirements import as_many
 
 #: Colours of the tolerances of Newton's iteration.
 COLOURS = ("#56B4E9", "#0072B2", "#000000")
@@ -24,7 +24,7 @@ BELOW = {"loc": "upper left", "bbox_to_anchor": (0, -0.22)}
     "Figure 4 of Xie (1996). (b) The root that Newton's iteration finds for Houbolt's method, white where it "
     "finds none. (c) Steps until runs of average acceleration with different tolerances of that iteration differ.",
     roots="stability/roots",
-    asks={"stability.roots.schemes": ["houbolt"], "stability.roots.tolerances": as_many(len(COLOURS))},
+    requires={"stability.roots.schemes": ["houbolt"], "stability.roots.tolerances": as_many(len(COLOURS))},
 )
 def draw(roots: xr.Dataset) -> Figure:
     """Regions with three roots, the root that Newton finds, and how long runs of two tolerances agree."""

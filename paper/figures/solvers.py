@@ -22,7 +22,7 @@ _COSTS = {
     "Error of the displacement over 100 periods against time (above) and evaluations of the force (below): "
     "general solvers, a point for each tolerance, beside two schemes at fixed steps (grey).",
     data="work_precision",
-    asks={"work_precision.schemes.schemes": list(SCHEMES), "work_precision.solvers.periods": [100]},
+    requires={"work_precision.schemes.schemes": list(SCHEMES), "work_precision.solvers.periods": [100]},
 )
 def draw(data: xr.Dataset) -> Figure:
     """Error of the displacement over a hundred periods against time (above) and evaluations (below)."""

@@ -13,7 +13,7 @@ FROM = 0.02
 @figure(
     "Spectral radius of every scheme on the undamped linear oscillator, by family. A scheme is unstable where it "
     "exceeds one, and removes modes that the step does not resolve where it is small.",
-    asks={"spectral.damping_ratios": [0.0]},
+    requires={"spectral.damping_ratios": [0.0]},
 )
 def draw(spectral: xr.Dataset) -> Figure:
     """ρ against Δt/T; the curves of explicit schemes leave the panel where they lose their stability."""

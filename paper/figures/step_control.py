@@ -15,7 +15,7 @@ from paper.products import figure
     "Controlled steps of average acceleration on the hardening spring. (a) Estimate of the error of a step over the "
     "true one, along a period. (b) Largest energy error of each period, of about as many steps controlled in three "
     "ways and of equal size. (c) Distance from the start after the last period against the number of steps.",
-    asks={
+    requires={
         "estimates.problems": [PROBLEM],
         "estimates.schemes": [SCHEME],
         "step_control.problems": [PROBLEM],

@@ -11,7 +11,7 @@ from paper.products import figure
     "Velocity of a mass on a stiff spring whose oscillation no step resolves, at the steps of each scheme, over "
     "the exact one (grey) at those instants that the reference holds.",
     history="structure_history/stiff_soft",
-    asks={"structure_history.stiff_soft.problem": "stiff_soft"},
+    requires={"structure_history.stiff_soft.problem": "stiff_soft"},
 )
 def draw(history: xr.Dataset) -> Figure:
     """One panel per scheme, over the reference at the same instants."""

@@ -16,7 +16,7 @@ COLUMNS = 5
     "Lyapunov exponents of the schemes on structures over the step size: positive where runs that start together "
     "separate, whether the structure is chaotic or only the scheme.",
     structures="stability/structures",
-    asks={"stability.structures.excitations": [1]},
+    requires={"stability.structures.excitations": [1]},
 )
 def draw(structures: xr.Dataset) -> Figure:
     """One panel per structure."""

@@ -4,10 +4,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.asks import contained
 from paper.data import families
 from paper.figures.style import PAGE, legend_below, letter, panels
 from paper.products import figure
+from paper.requirements import contained
 
 #: Steps per period and periods of the runs that are shown.
 STEPS, PERIODS = 64, 3
@@ -30,7 +30,7 @@ def _points(ax, values, rows, label, **look) -> None:
 @figure(
     f"Size of the period elongation and of the loss of amplitude at {STEPS} steps per period by linear theory and "
     f"in runs of {PERIODS} periods. Open markers are negative; smaller sizes are drawn at the left edge.",
-    asks={
+    requires={
         "": contained("accuracy.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "accuracy.steps_per_period": [STEPS],

@@ -57,7 +57,7 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
 @figure(
     "Errors of the schemes of 1996 over 100 periods against the time of the run. Grey: heyoka at its tolerances.",
     data="work_precision",
-    asks=_ASKS,
+    requires=_ASKS,
 )
 def over_time(data: xr.Dataset) -> Figure:
     """Errors over the time of a run; heyoka, a general solver, in grey."""
@@ -68,7 +68,7 @@ def over_time(data: xr.Dataset) -> Figure:
     "Errors of the schemes of 1996 over 100 periods against the forces evaluated; each Newton iteration takes one.",
     name="force_evaluations",
     data="work_precision",
-    asks=_ASKS,
+    requires=_ASKS,
 )
 def over_forces(data: xr.Dataset) -> Figure:
     """Errors over the forces evaluated, where a force is expensive: each Newton iteration takes one."""

@@ -16,7 +16,9 @@ _COMPARED = [*_DAMPED, *_FAITHFUL]
 _SOLVERS = ["cvode_adams", "cvode_bdf", "dopri8", "tsit5", "heyoka"]
 
 
-@numbers(agreement="reference_agreement", asks={"agreement.tolerances": [1e-9], "references.problems": ["hardening"]})
+@numbers(
+    agreement="reference_agreement", requires={"agreement.tolerances": [1e-9], "references.problems": ["hardening"]}
+)
 def of_agreement(agreement: xr.Dataset) -> dict:
     """True errors of general solvers at a tolerance."""
     error = agreement.u_error.sel(periods=100, problem="hardening")
@@ -37,7 +39,7 @@ def of_agreement(agreement: xr.Dataset) -> dict:
 
 
 @numbers(
-    asks={
+    requires={
         "accuracy.problems": ["hardening"],
         "accuracy.schemes": FAITHFUL,
         "accuracy.periods": [100],
@@ -64,7 +66,7 @@ def of_accuracy(accuracy: xr.Dataset) -> dict:
 
 
 @numbers(
-    asks={
+    requires={
         "spectral.schemes": _COMPARED,
         "spectral.damping_ratios": [0.0],
         "accuracy.schemes": _COMPARED,
@@ -96,7 +98,7 @@ def _meaning(runs: xr.Dataset, name: str) -> int:
 
 
 @numbers(
-    asks={
+    requires={
         "spectral.schemes": ["wilson_theta", "generalized_alpha"],
         "spectral.damping_ratios": [0.0],
         "large_steps.problems": PROBLEMS,
@@ -140,7 +142,7 @@ def of_references(references: list[xr.Dataset]) -> dict:
     return {"period_doubt": f"{period:.0e}", "motion_doubt": f"{motion:.0e}"}
 
 
-@numbers(asks={"round_off.schemes": ["rk4"]})
+@numbers(requires={"round_off.schemes": ["rk4"]})
 def of_round_off(round_off: xr.Dataset) -> dict:
     """Floors of the error."""
     finest = round_off.error.sel(scheme="rk4").isel(steps_per_period=slice(-5, None)).max("steps_per_period")

@@ -3,8 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from paper.asks import fourfold
 from paper.products import numbers
+from paper.requirements import fourfold
 from study.words import span
 
 #: Problems with a history, and those with any kink but contact.
@@ -32,7 +32,7 @@ def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
 
 
 @numbers(
-    asks={
+    requires={
         "kinks.problems": ["hardening", "yielding", "hysteretic", "bouncing", "shaken"],
         "kinks.schemes": ["average_acceleration", "central_difference", "rk4", "yoshida4"],
         "kinks.steps_per_period": fourfold,

@@ -14,7 +14,7 @@ KINKED, SMOOTH = ["hysteresis", "contact"], ["plain", "damping", "load"]
 ONE, TWO = 1.6, 2.5
 
 
-@numbers(orders="order_under_reality", asks={"order_under_reality.schemes": ["generalized_alpha"]})
+@numbers(orders="order_under_reality", requires={"order_under_reality.schemes": ["generalized_alpha"]})
 def of_order_under_reality(orders: xr.Dataset) -> dict:
     """What is left of the order, and where nothing is."""
     observed, data = orders.observed_order, {"orders": orders}

@@ -3,11 +3,11 @@
 import numpy as np
 import xarray as xr
 
-from paper.asks import OF_THE_DRIFT, OF_THE_TABLES
 from paper.claims.terms import DISSIPATIVE, FAITHFUL
 from paper.data import of_the_tables
 from paper.products import numbers
 from paper.published import SCHEMES, once, printed_energy_errors, same, twice
+from paper.requirements import OF_THE_DRIFT, OF_THE_TABLES
 from study.words import span
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.
@@ -21,7 +21,7 @@ def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
     return (period.sel(period_used="printed") / period.sel(period_used="exact")).item()
 
 
-@numbers(asks=OF_THE_TABLES)
+@numbers(requires=OF_THE_TABLES)
 def of_cells(energy_error: xr.Dataset) -> dict:
     """Our table beside the printed one, cell by cell."""
     printed = printed_energy_errors()
@@ -62,7 +62,7 @@ def _caught(drift: xr.Dataset) -> np.ndarray:
     return np.where((np.abs(count / whole - 1) < 1e-3) & (lost < trend / 2), whole, 0).astype(int)
 
 
-@numbers(drift="energy_drift", asks=OF_THE_DRIFT)
+@numbers(drift="energy_drift", requires=OF_THE_DRIFT)
 def of_drift(drift: xr.Dataset) -> dict:
     """Energy drift of the Runge-Kutta method over step size, with its resonances."""
     parts, caught = drift.steps_per_period, _caught(drift)
@@ -84,7 +84,7 @@ def of_drift(drift: xr.Dataset) -> dict:
     }
 
 
-@numbers(portrait="phase_portrait/softening", asks={"phase_portrait.softening.schemes": SCHEMES})
+@numbers(portrait="phase_portrait/softening", requires={"phase_portrait.softening.schemes": SCHEMES})
 def of_the_softening_spring(portrait: xr.Dataset) -> dict:
     """Energy that schemes have lost by the end."""
     lost = -100 * portrait.energy_error.isel(t=-1)
@@ -103,7 +103,7 @@ def _near_an_eighth(parts: list[float]) -> str:
 
 @numbers(
     portrait="phase_portrait/softening_large",
-    asks={
+    requires={
         "phase_portrait.softening_large.schemes": _GROWING,
         "large_steps.problems": ["softening_large"],
         "large_steps.schemes": _GROWING,
@@ -128,7 +128,7 @@ def of_instability(portrait: xr.Dataset, large_steps: xr.Dataset) -> dict:
 
 @numbers(
     portrait="phase_portrait/double_well",
-    asks={
+    requires={
         "phase_portrait.double_well.schemes": ["average_acceleration", "central_difference", "rk4"],
         "sensitivity.schemes": ["average_acceleration"],
         "sensitivity.problem": "double_well",

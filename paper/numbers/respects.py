@@ -8,7 +8,7 @@ from paper.products import numbers
 from paper.respects import ALLOWED, costs, dominated_by, respects
 
 
-@numbers(asks={"spectral.damping_ratios": [0.0]})
+@numbers(requires={"spectral.damping_ratios": [0.0]})
 def of_respects(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> dict:
     """Schemes compared on all problems, the cheapest on most, and those that are dominated."""
     forces = costs(kinks, structures)

@@ -39,7 +39,7 @@ def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
 
 
 @numbers(
-    asks={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [SHORT, LONG]},
+    requires={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [SHORT, LONG]},
 )
 def of_spectrum(spectrum: xr.Dataset) -> dict:
     """Steps for all records and strengths, if they divide the spacing and if not, and how often 1 % is exceeded."""

@@ -3,16 +3,16 @@
 import numpy as np
 import xarray as xr
 
-from paper.asks import contained, rising
 from paper.claims.ledger import by_name
 from paper.claims.terms import CHAOTIC, DAMPED, DISSIPATIVE, FAITHFUL
 from paper.products import numbers
 from paper.published import PROBLEMS
+from paper.requirements import contained, rising
 from paper.tables.outcomes_near_1996 import FAILURES, SPAN, is_outcome, near_1996
 from study.words import span
 
 
-@numbers(runs="long_times", asks={"long_times.schemes": ["central_difference", "energy_momentum", "yoshida4"]})
+@numbers(runs="long_times", requires={"long_times.schemes": ["central_difference", "energy_momentum", "yoshida4"]})
 def of_long_times(runs: xr.Dataset) -> dict:
     """Errors of the schemes over the longest runs, and laws and sizes of round-off."""
     last = runs.isel(periods=-1)
@@ -63,7 +63,7 @@ def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str
     bifurcation="stability/bifurcation",
     robustness="stability/robustness",
     structures="stability/structures",
-    asks={
+    requires={
         "": contained("atlas.schemes", within="spectral.schemes"),
         "atlas.schemes": DAMPED,
         "energy_error.problems": PROBLEMS,

@@ -51,7 +51,7 @@ def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) 
 
 
 @numbers(
-    asks={
+    requires={
         "estimates.problems": [PROBLEM],
         "estimates.schemes": [SCHEME],
         "estimates.estimators": ["zienkiewicz_xie", "three_point", "half_step_residual"],
@@ -106,7 +106,7 @@ def of_step_control(
     }
 
 
-@numbers(asks={"control_cost.problems": STIFF, "control_cost.schemes": [SCHEME]})
+@numbers(requires={"control_cost.problems": STIFF, "control_cost.schemes": [SCHEME]})
 def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> dict:
     """Where controlled steps save forces, and the automatic steps of codes."""
     controlled, equal = with_control(control_cost, ALLOWED)

@@ -15,7 +15,7 @@ SCHEMES = ["central_difference", "average_acceleration", "rk4"]
 NO_RULE = 3.0
 
 
-@numbers(rule="stability/step_rule", asks={"step_rule.schemes": SCHEMES})
+@numbers(rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
 def of_step_rule(rule: xr.Dataset) -> dict:
     """Δt ωmax up to which all runs at all amplitudes keep energy and period and above which none does, and steps."""
     everywhere = ["problem", "amplitude"]

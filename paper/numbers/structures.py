@@ -3,12 +3,12 @@
 import numpy as np
 import xarray as xr
 
-from paper.asks import samples_of_history
 from paper.claims.ledger import by_name
 from paper.claims.structures import SAMPLES_OF_SAWTOOTH, kept, sawtooth
 from paper.claims.wording import joined
 from paper.data import TURNING
 from paper.products import numbers
+from paper.requirements import samples_of_history
 from paper.tables.structures import STEPS_PER_PERIOD
 
 #: Schemes of structures without numerical damping, apart from the energy-momentum method.
@@ -41,7 +41,7 @@ def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
     long_times="structure_history/long_times",
     stiff_bar="structure_history/stiff_bar",
     stiff_truss="structure_history/stiff_truss",
-    asks={
+    requires={
         "structures.lengths.problem": ["elastic_pendulum", "fpu_chain"],
         "structures.schemes": [*UNDAMPED, "energy_momentum"],
         "structure_history.stiff_soft.schemes": ["average_acceleration", "bathe"],

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.asks import OF_THE_ASSESSMENTS
 from paper.data import ASSESSED, fastest
 from paper.products import numbers
 from paper.published import SCHEMES, printed_cpu_times
+from paper.requirements import OF_THE_ASSESSMENTS
 from study.analysis.recommendation import recommend
 from study.words import listed
 
@@ -26,7 +26,7 @@ def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time:
 
 @numbers(
     work="work_precision",
-    asks={
+    requires={
         "work_precision.schemes.schemes": SCHEMES,
         "work_precision.schemes.problems": ["hardening"],
         "work_precision.solvers.problems": ["hardening"],
@@ -77,7 +77,7 @@ def _fastest(springs: list[xr.Dataset]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["quantity", "error", "scheme", "title", "kind", "tied"])
 
 
-@numbers(springs=ASSESSED, asks=OF_THE_ASSESSMENTS)
+@numbers(springs=ASSESSED, requires=OF_THE_ASSESSMENTS)
 def of_recommendations(springs: list[xr.Dataset]) -> dict:
     """The fastest schemes of the assessed springs, over all quantities and errors, and among the schemes of 1996."""
     best = _fastest(springs)
@@ -108,7 +108,7 @@ def of_recommendations(springs: list[xr.Dataset]) -> dict:
     }
 
 
-@numbers(asks={"cpu_time.schemes": ["average_acceleration", "rk4"], "cpu_time.problems": ["hardening"]})
+@numbers(requires={"cpu_time.schemes": ["average_acceleration", "rk4"], "cpu_time.problems": ["hardening"]})
 def of_times(cpu_time: xr.Dataset) -> dict:
     """Times of a step, the cost of the Runge-Kutta method in 1996 and now, and the processor of now."""
     step = cpu_time.median_time_per_step.sel(problem="hardening")

@@ -7,7 +7,7 @@ from paper.products import table
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 
 
-@table(asks={"cpu_time.schemes": SCHEMES, "cpu_time.problems": PROBLEMS})
+@table(requires={"cpu_time.schemes": SCHEMES, "cpu_time.problems": PROBLEMS})
 def tabulate(cpu_time: xr.Dataset) -> pd.DataFrame:
     """One row per problem and scheme of 1996."""
     seconds = printed_cpu_times()

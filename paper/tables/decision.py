@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.asks import OF_THE_ASSESSMENTS, contained
 from paper.data import ASSESSED, steps_of_period
 from paper.numbers.spectrum import largest_steps, share_at_the_spacing, share_between
 from paper.products import table
 from paper.published import PROBLEMS
+from paper.requirements import OF_THE_ASSESSMENTS, contained
 from study.analysis.recommendation import recommend
 from study.words import number
 
@@ -287,7 +287,7 @@ def _record(spectrum: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]
 @table(
     springs=ASSESSED,
     robustness="stability/robustness",
-    asks={
+    requires={
         **OF_THE_ASSESSMENTS,
         "": contained(*SCHEMES_OF_THE_ROWS, within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],

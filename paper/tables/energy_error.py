@@ -3,13 +3,13 @@
 import pandas as pd
 import xarray as xr
 
-from paper.asks import OF_THE_TABLES
 from paper.data import of_the_tables
 from paper.products import table
 from paper.published import printed_energy_errors
+from paper.requirements import OF_THE_TABLES
 
 
-@table(asks=OF_THE_TABLES)
+@table(requires=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """Three rows per step size: printed, computed, computed with the exact period; for the schemes of 1996."""
     printed = printed_energy_errors()

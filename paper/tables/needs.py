@@ -3,13 +3,13 @@
 import pandas as pd
 import xarray as xr
 
-from paper.asks import OF_THE_ASSESSMENTS
 from paper.data import steps_of_period
 from paper.products import table
+from paper.requirements import OF_THE_ASSESSMENTS
 from study.analysis.recommendation import recommend
 
 
-@table(spring="assessment/hardening", asks=OF_THE_ASSESSMENTS)
+@table(spring="assessment/hardening", requires=OF_THE_ASSESSMENTS)
 def tabulate(spring: xr.Dataset) -> pd.DataFrame:
     """One row per scheme, one column per error; a dash where no step was found."""
     rows = []

@@ -28,7 +28,7 @@ def _observed(run: xr.Dataset) -> dict[str, str]:
     return named | {title: f"{order:.2f}" if order == order else "–" for title, order in orders.items()}
 
 
-@table(asks={"accuracy.schemes": SCHEMES, "accuracy.periods": sorted(set(PERIODS.values()))})
+@table(requires={"accuracy.schemes": SCHEMES, "accuracy.periods": sorted(set(PERIODS.values()))})
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
     """One row per problem and scheme."""
     accuracy = of_the_paper(accuracy)
@@ -44,7 +44,7 @@ def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
 
 @table(
     name="orders_of_today",
-    asks={"accuracy.problems": [PROBLEM], "accuracy.periods": sorted(set(PERIODS.values()))},
+    requires={"accuracy.problems": [PROBLEM], "accuracy.periods": sorted(set(PERIODS.values()))},
 )
 def tabulate_all(accuracy: xr.Dataset) -> pd.DataFrame:
     """One row per scheme."""

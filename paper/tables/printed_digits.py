@@ -3,16 +3,16 @@
 import pandas as pd
 import xarray as xr
 
-from paper.asks import OF_THE_TABLES
 from paper.data import of_the_tables
 from paper.products import table
 from paper.published import once, printed_energy_errors, same, twice
+from paper.requirements import OF_THE_TABLES
 
 _ROUNDED_TWICE = "rounded to two decimals, then to one"
 _UNEXPLAINED = "by no rounding; see the text"
 
 
-@table(asks=OF_THE_TABLES)
+@table(requires=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """One row per cell whose value, rounded once, is not the printed one."""
     printed = printed_energy_errors()

@@ -3,9 +3,9 @@
 import pandas as pd
 import xarray as xr
 
-from paper.asks import OF_THE_ASSESSMENTS
 from paper.data import ASSESSED, fastest, steps_of_period
 from paper.products import table
+from paper.requirements import OF_THE_ASSESSMENTS
 from paper.tables.decision import AT_MOST, COARSEST, sentence
 from study.analysis.recommendation import recommend
 
@@ -22,7 +22,7 @@ def _cell(spring: xr.Dataset, error: float, quantity: str) -> str:
     return f"{title}: {at_most}{steps_of_period(spring, best.step_size):,}{tied}"
 
 
-@table(springs=ASSESSED, asks=OF_THE_ASSESSMENTS)
+@table(springs=ASSESSED, requires=OF_THE_ASSESSMENTS)
 def tabulate(springs: list[xr.Dataset]) -> pd.DataFrame:
     """One row per spring and error; a dash where no scheme keeps the error."""
     return pd.DataFrame(

@@ -20,7 +20,7 @@ DIGITS = 20
 @table(
     agreement="reference_agreement",
     references=["reference/hardening", "reference/softening", "reference/softening_large", "reference/double_well"],
-    asks={"references.problems": ["hardening", "softening", "softening_large", "double_well"]},
+    requires={"references.problems": ["hardening", "softening", "softening_large", "double_well"]},
 )
 def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFrame:
     """One row per problem: period, certificates, and the smallest trajectory error of each solver over 100 periods."""

@@ -8,7 +8,7 @@ from paper.products import table
 from paper.published import PROBLEMS, STEPS, printed_energy_errors
 
 
-@table(asks={"relaxation.problems": PROBLEMS, "relaxation.steps_per_period": STEPS})
+@table(requires={"relaxation.problems": PROBLEMS, "relaxation.steps_per_period": STEPS})
 def tabulate(relaxation: xr.Dataset) -> pd.DataFrame:
     """One row per problem and step size."""
     printed = printed_energy_errors().sel(scheme="rk4")

@@ -4,15 +4,15 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.asks import rising
 from paper.products import table
+from paper.requirements import rising
 
 
 def _steps(value: float, most: int) -> str:
     return f"> {most}" if np.isnan(value) else f"{value:.0f}"
 
 
-@table(robustness="stability/robustness", asks={"robustness.periods": rising})
+@table(robustness="stability/robustness", requires={"robustness.periods": rising})
 def tabulate(robustness: xr.Dataset) -> pd.DataFrame:
     """One row per scheme, over the longest runs, the levels of each problem side by side."""
     most = int(robustness.most_steps)

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.asks import contained, rising
 from paper.data import families
 from paper.products import table
+from paper.requirements import contained, rising
 
 #: The problems with positive energy, on which a gain can be distinguished from a loss.
 PROBLEMS = ["hardening", "softening", "softening_large"]
@@ -26,7 +26,7 @@ def _first(run: xr.Dataset) -> str:
 
 
 @table(
-    asks={
+    requires={
         "": contained("large_steps.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],
         "large_steps.problems": PROBLEMS,

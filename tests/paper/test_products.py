@@ -12,8 +12,8 @@ from snakemake.utils import update_config
 
 import paper
 from paper import products
-from paper.asks import rising
 from paper.products import Product, check, discover, figure, made, table
+from paper.requirements import rising
 from pipeline.configuration import complete
 from study.io import SOURCE
 
@@ -69,7 +69,7 @@ def test_datasets_come_by_name():
 
 
 @pytest.mark.parametrize(
-    "asks, sentence",
+    "requires, sentence",
     [
         ({"runs.periods": [3]}, "runs.periods lacks 3, which table 'own' needs."),
         ({"runs.lengths.problem": ["b", "c"]}, "runs.lengths.problem lacks 'c', which table 'own' needs."),
@@ -79,12 +79,12 @@ def test_datasets_come_by_name():
         ({"runs.periods": rising}, "runs.periods must rise, not [100, 1]."),
     ],
 )
-def test_what_is_asked(asks, sentence):
+def test_what_is_asked(requires, sentence):
     config = {"runs": {"periods": [100, 1], "lengths": [{"problem": "a"}, {"problem": "b"}], "scheme": "houbolt"}}
     met = {"runs.periods": [100], "runs.lengths.problem": ["a"], "runs.scheme": "houbolt", "": lambda config: ""}
     check([Product("table", "own", "here", print, {}, "", met)], config)
     with pytest.raises(ValueError) as refusal:
-        check([Product("table", "own", "here", print, {}, "", met | asks)], config)
+        check([Product("table", "own", "here", print, {}, "", met | requires)], config)
     assert str(refusal.value) == sentence
 
 
@@ -141,7 +141,7 @@ def test_a_figure_is_one_new_file(tmp_path):
         '"""A figure."""\n'
         "import matplotlib.pyplot as plt\n"
         "from paper.products import figure\n\n\n"
-        '@figure("Own.", data="own", asks={"own.steps": [3]})\n'
+        '@figure("Own.", data="own", requires={"own.steps": [3]})\n'
         "def draw(data):\n"
         "    figure, ax = plt.subplots()\n"
         "    ax.plot(data.u)\n"
@@ -150,7 +150,7 @@ def test_a_figure_is_one_new_file(tmp_path):
     xr.Dataset({"u": ("t", [1.0, 2.0])}, attrs={"source": SOURCE}).to_netcdf(tmp_path / "own.nc")
     code = (
         "from paper.products import discover\n"
-        "print(*[(p.module, p.caption, p.files, p.asks) for p in discover() if p.name == 'own'])"
+        "print(*[(p.module, p.caption, p.files, p.requires) for p in discover() if p.name == 'own'])"
     )
     environment = {"PYTHONPATH": f"{tmp_path}:{CONFIG.parent}", "PATH": ""}
     found = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True)

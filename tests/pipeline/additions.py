@@ -30,7 +30,7 @@ import matplotlib.pyplot as plt
 from paper.products import figure
 
 
-@figure("The last displacement.", asks={"energy_error.periods": 100}, last="last_displacement")
+@figure("The last displacement.", requires={"energy_error.periods": 100}, last="last_displacement")
 def draw(last):
     """One point."""
     picture, axes = plt.subplots()

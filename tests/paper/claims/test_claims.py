@@ -85,7 +85,7 @@ def test_claims_of_the_paper_see_its_schemes_alone(entered, section, seen):
     both = xr.concat([later, tables], "scheme")
     product = _entered(section, lambda energy_error: Finding(str(energy_error.sizes["scheme"]), True))
     assert made(product, lambda name: both).ours == str(seen)
-    assert product.asks == ({"energy_error.schemes": SCHEMES} if section == "4" else {})
+    assert product.requires == ({"energy_error.schemes": SCHEMES} if section == "4" else {})
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Requirements on the configuration that several products share.
 
-A requirement is a function of the value at a key, as :data:`paper.products.Asks` takes it. It returns an empty text if
-the value fits, and otherwise what is wrong with it, as a sentence whose subject is the key.
+A requirement is a function of the value at a key, as :data:`paper.products.Requirements` takes it. It returns an empty
+text if the value fits, and otherwise what is wrong with it, as a sentence whose subject is the key.
 """
 
 from collections.abc import Callable, Sequence
@@ -9,7 +9,7 @@ from typing import Any
 
 from paper.published import PROBLEMS, SCHEMES, STEPS
 
-Ask = Callable[[Any], str]
+Requirement = Callable[[Any], str]
 
 
 def value_at(config: Any, key: str) -> Any:
@@ -25,15 +25,15 @@ def value_at(config: Any, key: str) -> Any:
     return config
 
 
-def contained(*keys: str, within: str) -> Ask:
+def contained(*keys: str, within: str) -> Requirement:
     """Require of the whole configuration that everything at some keys is also at another."""
 
-    def ask(config: dict) -> str:
+    def check(config: dict) -> str:
         there = value_at(config, within)
         missing = [(key, one) for key in keys for one in value_at(config, key) if one not in there]
         return "{1} lacks {0[1]!r}, which {0[0]} has".format(missing[0], within) if missing else ""
 
-    return ask
+    return check
 
 
 def rising(values: list[float]) -> str:
@@ -46,27 +46,27 @@ def fourfold(values: list[float]) -> str:
     return "" if 4 * values[0] in values else f"lacks {4 * values[0]}, four times the first"
 
 
-def spans(*values: float) -> Ask:
+def spans(*values: float) -> Requirement:
     """Require that a range from ``first`` to ``last`` includes some values."""
 
-    def ask(span: dict) -> str:
+    def check(span: dict) -> str:
         left_out = [value for value in values if not span["first"] <= value <= span["last"]]
         return f"leaves out {left_out[0]:g}, which the manuscript explains" if left_out else ""
 
-    return ask
+    return check
 
 
-def as_many(number: int) -> Ask:
+def as_many(number: int) -> Requirement:
     """Require a number of entries of a list, for which the text or a figure has room."""
     return lambda values: "" if len(values) == number else f"must have {number} entries, not {len(values)}"
 
 
-def one_of(known: Sequence[str]) -> Ask:
+def one_of(known: Sequence[str]) -> Requirement:
     """Require one of some values."""
     return lambda value: "" if value in known else f"must be one of {', '.join(known)}, not {value!r}"
 
 
-def steps_of_portrait(least: int) -> Ask:
+def steps_of_portrait(least: int) -> Requirement:
     """Require a number of steps of a phase portrait."""
     return lambda portrait: (
         f"has a duration of less than {least} steps, which a figure and the ledger need"
@@ -75,14 +75,14 @@ def steps_of_portrait(least: int) -> Ask:
     )
 
 
-def samples_of_history(least: int) -> Ask:
+def samples_of_history(least: int) -> Requirement:
     """Require a number of samples of a history after its start."""
 
-    def ask(history: dict) -> str:
+    def check(history: dict) -> str:
         samples = round(history["periods"] * history["steps_per_period"]) // history["every"]
         return f"has {samples} samples after the start; its products need {least}" if samples < least else ""
 
-    return ask
+    return check
 
 
 #: What Tables 1 and 2 of the paper have.
