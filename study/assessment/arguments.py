@@ -6,7 +6,7 @@ import numpy as np
 
 from study.marching.arguments import resolve
 from study.scheme.base import Scheme
-from study.scheme.contract import check_told
+from study.scheme.contract import check_attributes
 from study.scheme.named import schemes as schemes_by_name
 
 #: Schemes that are assessed if none are named: the ones that codes offer, and the best of each family.
@@ -29,7 +29,7 @@ LEAST_ERROR = 1e-10
 
 def _checked(one: str | Scheme) -> Scheme:
     scheme = resolve(one, schemes_by_name, Scheme)  # type: ignore[type-abstract]
-    check_told(scheme)
+    check_attributes(scheme)
     return scheme
 
 

@@ -224,7 +224,7 @@ def assess(
         "reference": reference.route.name,
         "witness": reference.witness.name,
         "reference_tolerance": reference.rtol,
-        "starts": search.told_of_starts(cases),
+        "starts": search.sentence_on_starts(cases),
         "duration": length,
         "duration_asked_for": asked_for,
         "problem": equation.title,

@@ -14,7 +14,7 @@ from study.assessment.style import STYLE
 from study.io import processor
 from study.marching.arguments import resolve
 from study.scheme.base import Scheme
-from study.scheme.contract import check_told
+from study.scheme.contract import check_attributes
 from study.scheme.named import schemes
 from study.words import document
 
@@ -97,7 +97,7 @@ def assess_scheme(
         As :func:`study.assess`; a scheme that breaks the contract of a step gets one sentence.
     """
     own = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
-    check_told(own)
+    check_attributes(own)
     name = schemes.resolve(scheme) if isinstance(scheme, str) else own.title
     others = [beside] if isinstance(beside, str) else beside
     chosen = {name: own} | {other: schemes[other] for other in others if schemes[other] is not own}

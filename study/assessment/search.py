@@ -96,7 +96,7 @@ class Case:
         return [*errors.observers(list(self.targets.values())), "newton_iterations", *of_energy, *of_oscillation]
 
 
-def told_of_starts(cases: dict[float, Case]) -> str:
+def sentence_on_starts(cases: dict[float, Case]) -> str:
     """A sentence on the starts next to that of the problem; a multiple of zero is no other start."""
     own = cases[1.0].problem
     others = [case.problem for factor, case in cases.items() if factor != 1.0]

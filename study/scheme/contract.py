@@ -10,10 +10,10 @@ from study.mechanics.function_checks import NOT_TRACEABLE
 from study.mechanics.state import Effort
 
 #: Integer attributes of a scheme, and their minima.
-_TOLD = {"order": 1, "order_with_damping": 1, "forces_per_step": 0, "forces_per_iteration": 0}
+_MINIMA = {"order": 1, "order_with_damping": 1, "forces_per_step": 0, "forces_per_iteration": 0}
 
 
-def check_told(scheme: Any) -> None:
+def check_attributes(scheme: Any) -> None:
     """Refuse a scheme whose title is not a string, or whose orders, stability limit or numbers of forces are unfit.
 
     Raises
@@ -24,7 +24,7 @@ def check_told(scheme: Any) -> None:
     of = type(scheme).__name__
     if not isinstance(scheme.title, str) or not scheme.title.strip():
         raise TypeError(f"title of {of} must be a text, not {scheme.title!r}.")
-    for name, least in _TOLD.items():
+    for name, least in _MINIMA.items():
         try:
             value = getattr(scheme, name)
         except Exception as error:  # whatever a property of somebody else's scheme raises

@@ -7,7 +7,7 @@ A scheme is named by a variable of a module of this package: ``bdf2 = BackwardDi
 from study import scheme
 from study.registry import Registry, variables_of_modules
 from study.scheme.base import Scheme
-from study.scheme.contract import check_told
+from study.scheme.contract import check_attributes
 
 
 def _of_families(found: dict[str, Scheme]) -> dict[str, Scheme]:
@@ -73,6 +73,6 @@ def register_scheme(name: str, scheme: Scheme) -> None:
     """
     if not isinstance(scheme, Scheme):
         raise TypeError(f"{scheme!r} is no scheme: give an instance of a study.Scheme.")
-    check_told(scheme)
+    check_attributes(scheme)
     _of_families({name: scheme})
     schemes.add(name, scheme)
