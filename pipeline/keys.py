@@ -50,7 +50,7 @@ def page() -> str:
     declared = tuple(discover())
     schema = model_of(declared).model_json_schema()
     parts = [_HEAD]
-    for section, kind in schema["properties"].items():
+    for section, kind in sorted(schema["properties"].items()):
         makers = [one for one in declared if isinstance(one, Experiment) and one.section.split(".")[0] == section]
         said = dict.fromkeys(str(one.function.__doc__).splitlines()[0] for one in makers)
         rows = [f"| `{key}` | {value} | {left} |" for key, value, left in _rows(section, kind, True, schema)]

@@ -11,7 +11,8 @@ function edgesOf(values) {
 function frameOf(width, choice) {
   const [left, right] = edgesOf(meta.steps), [low, high] = edgesOf(amplitudesOf(choice))
   const height = Math.round(Math.min(Math.max(0.6 * width, 240), 430))
-  const inner = {width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom}
+  // a page that is not on a screen has no width
+  const inner = {width: Math.max(width - MARGIN.left - MARGIN.right, 1), height: height - MARGIN.top - MARGIN.bottom}
   const at = (part, {length}) => within([0, length - 1], Math.floor(part * length))
   return {
     width, height, inner, low, high,
