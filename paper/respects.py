@@ -25,7 +25,7 @@ def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:
 
 
 def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
-    """Numbers of which less is better, (respect, scheme): costs, then what linear theory tells without damping.
+    """Numbers of which less is better, (respect, scheme): costs, then properties of linear theory without damping.
 
     They are the spectral radius at infinite frequency, the damping of a resolved oscillation, the inverse of the
     stability limit, and the largest power of the step with which a long first step grows. A scheme with a stability

@@ -41,6 +41,12 @@ def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray
     return controlled, forces_needed(control_cost.equal_error, control_cost.equal_forces, allowed, "steps_per_sample")
 
 
+def ratio_of_forces(control_cost: xr.Dataset, allowed: float) -> xr.DataArray:
+    """Fewest forces for an error with controlled steps over those with equal ones, of shape (problem, scheme)."""
+    controlled, equal = with_control(control_cost, allowed)
+    return controlled / equal
+
+
 def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> xr.DataArray:
     """Energy error with controlled steps over that with equal ones, at equal numbers of steps."""
     controlled = controlled_1996.max_energy_error.isel(controller=0)
@@ -109,8 +115,7 @@ def of_step_control(
 @numbers(requires={"control_cost.problems": STIFF, "control_cost.schemes": [SCHEME]})
 def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> dict:
     """Where controlled steps save forces, and the automatic steps of codes."""
-    controlled, equal = with_control(control_cost, ALLOWED)
-    ratio = controlled / equal
+    ratio = ratio_of_forces(control_cost, ALLOWED)
     known = ratio.stack(case=ratio.dims).dropna("case")
     pairs = [(known.sel(case=case).item(), case) for case in known.case.values]
     titles = {

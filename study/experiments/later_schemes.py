@@ -33,7 +33,7 @@ WITH_MODEL: dict[str, Scheme] = {
 #: Ratios of the tangent to the model that are tried, and the excess of a spectral radius that counts as round-off.
 RATIOS, GROWTH = np.geomspace(1.0001, 1e4, 20_000), 1e-7
 
-#: Schemes of a wave, those of a cost, and schemes beside the auxiliary variable.
+#: Schemes of a wave, those of a cost, and schemes to compare with the auxiliary variable.
 OF_WAVES = ("rho_bathe", "beta_bathe", "average_acceleration", "noh_bathe", "central_difference")
 OF_FOURTH_ORDER = ("blanes_moan4", "mclachlan4", "yoshida4", "nystrom4")
 
@@ -204,7 +204,7 @@ def later_schemes(
             "steps": ("steps", list(steps), {"long_name": "number of steps", "units": "1"}),
             "wave_scheme": ("wave_scheme", list(OF_WAVES), {"long_name": "scheme of a wave"}),
             "courant": ("courant", list(courant), {"long_name": "Courant number", "units": "1"}),
-            "auxiliary": ("auxiliary", list(auxiliary), {"long_name": "scheme beside the auxiliary variable"}),
+            "auxiliary": ("auxiliary", list(auxiliary), {"long_name": "scheme to compare with the auxiliary variable"}),
             "long_step": ("long_step", list(long_steps), {"long_name": "step", "units": "s"}),
             "of_fourth_order": ("of_fourth_order", list(OF_FOURTH_ORDER), {"long_name": "scheme of fourth order"}),
             "forces": ("forces", list(forces), {"long_name": "forces evaluated", "units": "1"}),

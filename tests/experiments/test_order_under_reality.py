@@ -1,4 +1,4 @@
-"""The order of schemes under the circumstances of real problems, where theory tells it."""
+"""The order of schemes under the circumstances of real problems, where theory predicts it."""
 
 import numpy as np
 import pytest
