@@ -13,7 +13,8 @@ from docs.scheme_results import not_run
 from docs.text import definitions, table
 from docs.theory import ROUND_OFF, STEPS
 from paper.data import ASSESSED
-from paper.tables.decision import AT_MOST, COARSEST, ERRORS, LEVEL, SPRING, TIED, fewest_forces, marked, needs_of_spring
+from paper.picks import AT_MOST, COARSEST, ERRORS, LEVEL, TIED, fewest_forces, marked, needs_of_spring
+from paper.tables.decision import SPRING
 from study.words import listed, number, percent
 
 if TYPE_CHECKING:

@@ -4,9 +4,9 @@ import pandas as pd
 import xarray as xr
 
 from paper.data import ASSESSED, fastest, steps_of_period
+from paper.picks import AT_MOST, COARSEST, sentence
 from paper.products import table
 from paper.requirements import OF_THE_ASSESSMENTS
-from paper.tables.decision import AT_MOST, COARSEST, sentence
 from study.analysis.recommendation import recommend
 
 

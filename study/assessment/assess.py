@@ -78,9 +78,10 @@ def assess(
     duration
         Time of the runs in seconds. A free oscillator of one unknown runs ten of its periods by default.
     quantities
-        What must be right: a mapping from names to :class:`study.Quantity`. By default the displacement and velocity
-        along time, the balance of energies if the problem has a potential and its force cannot dissipate, and period,
-        phase and amplitude of a free oscillator of one unknown.
+        What must be right: a mapping from names to :class:`study.Quantity`. By default displacement, velocity and
+        acceleration along time, the last unless an unknown has no mass or the force a history, the balance of energies
+        if the problem has a potential and its force cannot dissipate, and period, phase and amplitude of a free
+        oscillator of one unknown.
     errors
         Errors that may be allowed, as fractions of the largest value of each quantity.
     maps
@@ -134,17 +135,12 @@ def assess(
     # as a multiple of itself it shares what is compiled with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
-    asked = _asked_for(quantities)
+    asked = _asked_for(quantities, equation)
     of_energy = quantities is None and equation.potential is not None and not equation.dissipative
     length = asked_for = length_of(equation, duration)
     for name, quantity in asked.items():
-        if reason := replace(quantity, name=name).refusal(equation):
+        if reason := _refusal(replace(quantity, name=name), equation):
             raise ValueError(reason)
-        if quantity.needs_acceleration and equation.history is not None:
-            raise ValueError(
-                f"the quantity '{name}' takes ü, which does not follow from u and u̇ where the force of "
-                f"'{equation.title}' has a history; leave it out."
-            )
     control = None if controller is None else resolve(controller, controllers, Controller)  # type: ignore[type-abstract]
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
@@ -252,7 +248,19 @@ def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
     )
 
 
-def _asked_for(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:
+def _refusal(quantity: Quantity, problem: Problem) -> str | None:
+    """Why a quantity cannot be assessed, in one sentence; None if it can."""
+    if quantity.needs_acceleration and problem.history is not None:
+        return (
+            f"the quantity '{quantity.name}' takes ü, which does not follow from u and u̇ where the force of "
+            f"'{problem.title}' has a history; leave it out."
+        )
+    return quantity.refusal(problem)
+
+
+def _asked_for(quantities: Mapping[str, Quantity] | None, problem: Problem) -> dict[str, Quantity]:
+    if quantities is None:
+        quantities = {name: one for name, one in DEFAULT.items() if not _refusal(one, problem)}
     asked = errors.named(quantities)
     if ENERGY in asked:
         raise ValueError(f"the name '{ENERGY}' is that of the balance of energies; give the quantity another.")

@@ -42,19 +42,18 @@ PREFIX = "quantity "
 DEFAULT = {
     "displacement": Quantity(lambda u: u, long_name="displacement along time", units="1"),
     "velocity": Quantity(lambda v: v, long_name="velocity along time", units="s-1"),
+    "acceleration": Quantity(lambda a: a, long_name="acceleration along time", units="s-2"),
 }
 
 
-def named(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:
-    """The quantities with the names under which they are given, or those by default.
+def named(quantities: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """The quantities with the names under which they are given.
 
     Raises
     ------
     TypeError
         If they are no mapping from names to quantities.
     """
-    if quantities is None:
-        quantities = DEFAULT
     if not isinstance(quantities, Mapping) or not quantities:
         raise TypeError(f"quantities must be a mapping from names to study.Quantity, not {quantities!r}.")
     for name, quantity in quantities.items():

@@ -104,7 +104,7 @@ def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
     ],
 )
 def test_errors_between_the_points_of_a_reference_are_part_of_its_uncertainty(problem, duration):
-    quantities = errors.named(None)
+    quantities = errors.named(errors.DEFAULT)
     found = certified(problem, duration, quantities, tightest=0.001, coarsest=1.0, periodic=False)
     steps = 200_000
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, every=100)
@@ -159,7 +159,7 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     problem, steps = study.problems["hardening"], 20 * 32
     exact = float(taylor.period(problem, 0.15))
     duration = 20 * exact
-    quantities = errors.named(None)
+    quantities = errors.named(errors.DEFAULT)
     reference = Reference(problem, duration)
     exactly = reference.solution(reference.routes[0], reference.grid(exact / 4), 1e-12)
     targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}

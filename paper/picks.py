@@ -1,0 +1,127 @@
+"""Which scheme keeps an error with the fewest forces, with its step, and how a cell of a table says it."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from paper.data import steps_of_period
+from study.analysis.recommendation import recommend
+from study.words import number
+
+#: Errors of the columns.
+ERRORS = (0.1, 0.01, 0.001)
+#: Part by which an energy may be off.
+LEVEL = 0.1
+#: How the search for a step ends at the coarsest one.
+COARSEST = "already the coarsest step"
+#: Errors of a structure's motion, over its size, beyond which a step is not named. Leaving out an oscillation that the
+#: step does not resolve costs half of a velocity and all of an acceleration; a sawtooth in its place costs more.
+RIGHT = {"displacement_error": LEVEL, "velocity_error": 0.75, "acceleration_error": 1.25}
+#: Numbers of evaluations of the force up to this multiple of the fewest tie.
+TIED = 1.1
+
+NO_BREAK = "\u00a0"
+#: Before the coarsest step that was tried.
+AT_MOST = f"≤{NO_BREAK}"
+
+
+class Pick(NamedTuple):
+    """A scheme with its step, as a cell shows it.
+
+    ``step`` and ``forces`` are texts: the step or the number of steps, and the evaluations of the force in a time.
+    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` that of the linear theory.
+    ``acceleration_error`` is the error of the acceleration of a structure at the step.
+    """
+
+    title: str
+    step: str
+    forces: str
+    omega_step: float
+    limit: float
+    acceleration_error: float = np.nan
+
+
+def cell(picks: list[Pick]) -> str:
+    """The first of the schemes that tie, and ``…`` if there are others; a dash of none."""
+    if not picks:
+        return "–"
+    one = picks[0]
+    below = f" < {one.limit:.3g}" if np.isfinite(one.limit) else ""
+    work, condition = (part.replace(" ", NO_BREAK) for part in (one.forces, f"ωΔt {number(one.omega_step, 2)}{below}"))
+    return f"{one.title}: {one.step} ({work}, {condition})" + ("; …" if len(picks) > 1 else "")
+
+
+def first_of(titles: list[str]) -> str:
+    """The first of some schemes, and ``…`` if there are others."""
+    return titles[0] + ("; …" if len(titles) > 1 else "")
+
+
+def tied(forces: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Places of the fewest forces and of those that tie with them, by their errors; NaN is no number of forces."""
+    places = np.flatnonzero(forces <= TIED * np.fmin.reduce(forces, initial=np.inf))
+    return places[np.argsort(error[places], kind="stable")]
+
+
+def sentence(title: str) -> str:
+    """A title as the beginning of a sentence."""
+    return title[0].upper() + title[1:]
+
+
+def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataFrame:
+    """Rows of ``study.recommend``, each for the finest step that a scheme needs for a quantity, energy and phase.
+
+    Schemes that keep one of the errors at no step have no row. ``steps`` are those in a period, ``forces`` the
+    evaluations in it, and ``made`` is the error of the quantity.
+    """
+    wanted = {(error, quantity), (LEVEL, "energy"), (LEVEL, "phase")}
+    needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
+    needs = needs.sort_values("step_size")
+    kept = needs[needs.step_size.groupby(level="scheme").transform("count") == len(wanted)]
+    finer = kept[~kept.index.duplicated()]
+    made = [spring.error.sel(scheme=name, dt=dt, quantity=quantity).item() for name, dt in finer.step_size.items()]
+    steps = [steps_of_period(spring, dt) for dt in finer.step_size]
+    forces = [row.force_evaluations / row.number_of_steps * n for row, n in zip(finer.itertuples(), steps, strict=True)]
+    return finer.assign(steps=steps, forces=forces, made=made)
+
+
+def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tuple[np.ndarray, np.ndarray]:
+    """Fewest forces in a period with which each scheme keeps an error, as all its finer steps do, and the step's place.
+
+    A run does not count if its balance of energies is off by more than ``LEVEL``, or if one of the errors in ``RIGHT``
+    that the dataset has is larger than it says. The number is NaN where no step keeps the error.
+    """
+    sound = runs.max_energy_imbalance <= LEVEL
+    for name, level in RIGHT.items():
+        if name in runs:
+            sound &= runs[name] <= level
+    dims, steps = ("scheme", "steps_per_period"), runs.steps_per_period.values
+    kept = ((error <= allowed) & sound).transpose(*dims).values
+    keeps = np.logical_and.accumulate(kept[:, ::-1], axis=1)[:, ::-1]
+    per_step = (runs.forces_per_step + runs.forces_per_iteration * runs.iterations_per_step).transpose(*dims).values
+    forces = np.where(keeps, per_step * steps, np.inf)
+    best = forces.argmin(axis=1)
+    return np.where(keeps.any(axis=1), forces[np.arange(len(best)), best], np.nan), best
+
+
+def marked(steps: np.ndarray, place: int) -> str:
+    """A number of steps; ``≤`` marks the coarsest step that was tried, and ``†`` the finest."""
+    return f"{AT_MOST if place == 0 else ''}{steps[place]:,}{' †' if place == len(steps) - 1 else ''}"
+
+
+def picks_of(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapping[str, float]) -> list[Pick]:
+    """The schemes that keep an error with the fewest forces in a period, with their steps."""
+    dims = ("scheme", "steps_per_period")
+    runs, error = runs.transpose(*dims, ...), error.transpose(*dims)
+    fewest, best = fewest_forces(runs, error, allowed)
+    steps = runs.steps_per_period.values
+    picks = []
+    for k in tied(fewest, error.values[np.arange(len(best)), best]):
+        per_period = steps[best[k]]
+        step, work = marked(steps, best[k]), f"{fewest[k]:,.0f} forces"
+        omega_step = runs.highest_frequency.item() * runs.period.item() / per_period
+        off = runs.acceleration_error.values[k, best[k]] if "acceleration_error" in runs else np.nan
+        picks.append(Pick(runs.scheme_title.values[k], step, work, omega_step, limits[runs.scheme.values[k]], off))
+    return picks
