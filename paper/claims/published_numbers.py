@@ -24,8 +24,8 @@ FASTEST = 1e-6
 def exact_on_a_bar(published_numbers):
     bar = published_numbers.sel(problem="loaded_bar")
     error = bar.error.sel(scheme="central_difference")
-    steps = bar.steps[error.argmin()].item()
-    return Finding(f"{number(error.min().item(), '.0e')} at {steps}", float(error.min()) <= ROUND_OFF)
+    steps = bar.steps[error.fillna(np.inf).argmin("refinement")].item()
+    return Finding(f"{number(error.min().item(), '.0g')} at {steps}", float(error.min()) <= ROUND_OFF)
 
 
 def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:
@@ -50,7 +50,7 @@ def beyond_the_fastest_time(published_numbers):
     steps = largest_step(published_numbers)
     most = np.nanmax([0.0, *steps.values()])
     reason = when(most <= GREATLY, "its jumps last about ε, and equal steps must resolve them")
-    return Finding(number(most, ".2g", "none"), most > GREATLY, reason)
+    return Finding(number(most, ".2g", "none"), bool(most > GREATLY), reason)
 
 
 def fewest_steps(ueda: xr.Dataset) -> dict[str, float]:

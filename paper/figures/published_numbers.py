@@ -21,13 +21,15 @@ SHOWN = [
 COLUMNS = 5
 #: Errors beyond this say no more than that the motion is another one.
 BEYOND = 3.0
+#: Error that is drawn in place of a smaller one, which has no logarithm if it is zero.
+SMALLEST = 1e-16
 
 
 def _errors(ax: Axes, one: xr.Dataset, styles: dict) -> None:
     """Error of each scheme over the number of steps."""
     for name, look in styles.items():
         error = one.error.sel(scheme=name)
-        ax.plot(one.steps, error.where(error < BEYOND), label=error.scheme_title.item(), **look)
+        ax.plot(one.steps, error.where(error < BEYOND).clip(min=SMALLEST), label=error.scheme_title.item(), **look)
     ax.set(xscale="log", yscale="log")
     ends = one.steps.values[[0, -1]]
     ax.set_xticks(ends, [f"{n:,}" for n in ends])
@@ -49,7 +51,7 @@ def _exponents(ax: Axes, ueda: xr.Dataset, styles: dict) -> None:
 @figure(
     "Error of the displacement against the number of steps at displacements that sources print or that are exact, and "
     "the largest Lyapunov exponent of Ueda's oscillator; grey: as printed. A point is missing where a run failed or "
-    "its error exceeds 3.",
+    "its error exceeds 3; an error of zero stands at 1e-16.",
 )
 def draw(published_numbers: xr.Dataset, ueda: xr.Dataset) -> Figure:
     """One panel per problem, the last one for the exponent."""

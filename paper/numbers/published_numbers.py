@@ -5,6 +5,7 @@ import xarray as xr
 
 from paper.claims.ledger import by_name
 from paper.claims.published_numbers import fewest_steps, largest_step
+from paper.claims.terms import ROUND_OFF
 from paper.products import numbers
 from paper.tables.decision import sentence
 from study.words import span
@@ -33,8 +34,8 @@ def of_published_numbers(published_numbers: xr.Dataset, ueda: xr.Dataset) -> dic
     return {
         "known_titles": "; ".join(map(sentence, [*published_numbers.problem_title.values, "Ueda's oscillator"])),
         **{f"orbit_{name}": f"{steps:,.0f}" if np.isfinite(steps) else None for name, steps in by_name(closed).items()},
-        "bar_exact_steps": f"{bar.steps[bar.error.argmin()].item():,}",
-        "bar_exact_error": f"{bar.error.min().item():.0e}",
+        "bar_exact_steps": f"{bar.steps[bar.error.fillna(np.inf).argmin('refinement')].item():,}",
+        "bar_is_exact": bool(bar.error.min() <= ROUND_OFF),
         "bar_fine_error": f"{100 * bar.error[-1].item():.2g}",
         "stiff_largest_step": f"{np.nanmax(stiff):.2g}" if np.isfinite(stiff).any() else None,
         "plate_differs": plate,

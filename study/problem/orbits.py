@@ -64,7 +64,7 @@ def henon_heiles() -> Problem:
 
     u = (x, y). Below the energy 1/6 the motion stays in a triangle. The distance r along the line through the origin at
     an angle of 210° obeys r̈ = −r + r². From r = 1/2 at rest, with the energy 1/12, r moves between 1/2 and (1 − √3)/2
-    with the period :math:`4\sqrt{3/2}\,3^{-1/4} K = 6.9018`, where K is the complete elliptic integral of the first
+    with the period :math:`4\sqrt{3/2}\,3^{-1/4} K = 6.9016`, where K is the complete elliptic integral of the first
     kind of the parameter 1/2.
 
     References
