@@ -8,7 +8,7 @@ from study.mechanics.definition import Problem
 from study.problem.naming import Known, named
 
 #: Mass of the moon over that of earth and moon, and the period of the orbit, as printed.
-MOON, PERIOD = 0.012277471, 17.0652165601579625588917206249
+MOON, PERIOD = 0.012277471, 17.0652165601579626
 _START = np.array([0.994, 0.0])
 
 
@@ -40,7 +40,7 @@ def arenstorf() -> Problem:
     return Problem(
         potential=potential,
         u0=_START,
-        v0=[0.0, -2.00158510637908252240537862224],
+        v0=[0.0, -2.00158510637908252],
         damping=np.array([[0.0, -2.0], [2.0, 0.0]]),
         title="Arenstorf's orbit",
     )
