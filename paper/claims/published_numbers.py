@@ -3,12 +3,14 @@
 import numpy as np
 import xarray as xr
 
-from paper.claims.ledger import PRACTICE, Finding, claim, when
+from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.claims.terms import GREATLY, REASONABLE, ROUND_OFF, RULE
 from paper.claims.wording import listed, number
 
 #: The small parameter of van der Pol's oscillator, its fastest time.
 FASTEST = 1e-6
+#: Error of an orbit that is closed.
+CLOSED = 0.01
 
 
 @claim(
@@ -26,6 +28,31 @@ def exact_on_a_bar(published_numbers):
     error = bar.error.sel(scheme="central_difference")
     steps = bar.steps[error.fillna(np.inf).argmin("refinement")].item()
     return Finding(f"{number(error.min().item(), '.0g')} at {steps}", float(error.min()) <= ROUND_OFF)
+
+
+def steps_of_orbit(published_numbers: xr.Dataset) -> dict[str, dict[str, float]]:
+    """Fewest equal and controlled steps that close Arenstorf's orbit within one percent, by scheme; NaN for none."""
+    orbit = published_numbers.sel(problem="arenstorf")
+    equal = orbit.steps.where(orbit.error <= CLOSED).min("refinement")
+    controlled = orbit.controlled_steps.where(orbit.controlled_error <= CLOSED).min("tolerance")
+    return {"equal": by_name(equal), "controlled": by_name(controlled)}
+
+
+@claim(
+    "adaptive",
+    "Step control closes Arenstorf's orbit with far fewer steps.",
+    "fewest equal steps of the Runge-Kutta method that close it within one percent, over fewest controlled ones",
+    whose="Hairer et al. (1993)",
+    requires={
+        "published_numbers.coarsest.problem": ["arenstorf"],
+        "published_numbers.controlled": ["arenstorf"],
+        "published_numbers.schemes": ["rk4"],
+    },
+)
+def fewer_controlled_steps(published_numbers):
+    steps = steps_of_orbit(published_numbers)
+    ratio = steps["equal"]["rk4"] / steps["controlled"]["rk4"]
+    return Finding(number(ratio, ".0f"), ratio >= GREATLY)
 
 
 def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:

@@ -7,11 +7,13 @@ from study.experiments.published_numbers import published_numbers
 from study.experiments.ueda import ueda
 from study.problem.oscillators import UEDA_EXPONENT
 
+SCHEMES = ["average_acceleration", "central_difference", "rk4", "energy_momentum"]
+
 
 @pytest.fixture(scope="module")
 def found():
     coarsest = [{"problem": "double_pendulum", "steps": 256}, {"problem": "loaded_bar", "steps": 32}]
-    return published_numbers(coarsest, 3, ["average_acceleration", "central_difference", "rk4", "energy_momentum"])
+    return published_numbers(coarsest, 3, SCHEMES, ["double_pendulum"], [1e-4, 1e-6])
 
 
 def test_errors_fall_with_the_order_of_the_scheme(found):
@@ -33,6 +35,13 @@ def test_what_a_scheme_refuses_has_no_error(found):
     assert (
         refused.error.isnull().all() and found.error.sel(problem="loaded_bar", scheme="energy_momentum").notnull().all()
     )
+
+
+def test_a_finer_tolerance_makes_more_steps_and_less_error(found):
+    pendulum = found.sel(problem="double_pendulum", scheme=["average_acceleration", "rk4"])
+    assert (pendulum.controlled_steps[:, 1] > 2 * pendulum.controlled_steps[:, 0]).all()
+    assert (pendulum.controlled_error[:, 1] < pendulum.controlled_error[:, 0] / 2).all()
+    assert found.controlled_error.sel(problem="loaded_bar").isnull().all()
 
 
 def test_a_fine_step_keeps_the_exponent_and_a_long_one_makes_the_motion_regular():

@@ -26,6 +26,18 @@ def test_central_difference_is_exact_or_not():
     assert not claims.exact_on_a_bar(_errors(np.nan)).holds
 
 
+def test_control_needs_fewer_steps_or_not():
+    data = _errors([1.0, 1e-3, 1e-4]).assign_coords(problem=["arenstorf", "other"], scheme=["rk4", "bathe"])
+    along = {"problem": data.problem.values, "scheme": data.scheme.values, "tolerance": [1e-3, 1e-5]}
+    data["controlled_error"], data["controlled_steps"] = filled(1e-3, **along), filled(100.0, **along)
+    assert claims.fewer_controlled_steps(data).ours == "2000"
+    assert claims.fewer_controlled_steps(data).holds
+    data["controlled_steps"][:] = 1e5
+    assert not claims.fewer_controlled_steps(data).holds
+    data["controlled_error"][:] = np.nan
+    assert not claims.fewer_controlled_steps(data).holds
+
+
 def test_the_step_of_an_implicit_scheme_is_bound_or_not():
     found = claims.beyond_the_fastest_time(_errors([np.nan, 1.0, 1e-3]))
     assert not found.holds and found.ours == "1" and found.qualification
