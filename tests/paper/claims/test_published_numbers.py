@@ -22,7 +22,8 @@ def _errors(error):
 def test_central_difference_is_exact_or_not():
     found = claims.exact_on_a_bar(_errors([np.nan, 0.0, 1e-3]))
     assert found.holds and found.ours == "0 at 128"
-    assert not claims.exact_on_a_bar(_errors([np.nan, 1e-3, 1e-4])).holds
+    missed = claims.exact_on_a_bar(_errors([np.nan, 1e-3, 1e-4]))
+    assert not missed.holds and missed.qualification
     assert not claims.exact_on_a_bar(_errors(np.nan)).holds
 
 
@@ -32,10 +33,14 @@ def test_control_needs_fewer_steps_or_not():
     data["controlled_error"], data["controlled_steps"] = filled(1e-3, **along), filled(100.0, **along)
     assert claims.fewer_controlled_steps(data).ours == "2000"
     assert claims.fewer_controlled_steps(data).holds
+    never = data.assign(error=data.error + 1)
+    assert claims.fewer_controlled_steps(never).holds and claims.fewer_controlled_steps(never).qualification
     data["controlled_steps"][:] = 1e5
-    assert not claims.fewer_controlled_steps(data).holds
+    late = claims.fewer_controlled_steps(data)
+    assert not late.holds and late.qualification
     data["controlled_error"][:] = np.nan
-    assert not claims.fewer_controlled_steps(data).holds
+    without = claims.fewer_controlled_steps(data)
+    assert not without.holds and without.qualification
 
 
 def test_the_step_of_an_implicit_scheme_is_bound_or_not():
