@@ -17,7 +17,7 @@ except ImportError as error:
 from study.control.named import controllers, estimators
 from study.declaration.experiment import Experiment, Merged, arguments_of, discover
 from study.declaration.options import OwnSchemes
-from study.problem.named import approximate_periods, problems, time_scales
+from study.problem.named import approximate_periods, known, problems, time_scales
 from study.registry import Registry, did_you_mean
 from study.scheme.base import OneStep, Scheme
 from study.scheme.named import register_scheme, schemes
@@ -35,6 +35,9 @@ def _registries() -> dict[str, Registry]:
     return {
         "spring": Registry("spring", {name: problems.resolve(name) for name in approximate_periods}),
         "structure": Registry("structure", {name: problems.resolve(name) for name in time_scales}),
+        "problem with a known displacement": Registry(
+            "problem with a known displacement", {name: problems.resolve(name) for name in known}
+        ),
         "problem": problems,
         "scheme": schemes,
         "estimator": estimators,

@@ -6,6 +6,7 @@ import xarray as xr
 from paper.claims.ledger import PRACTICE, STUDY, Finding, claim, most, when
 from paper.claims.terms import ALMOST, GREATLY, ROUND_OFF, SECOND_ORDER, SIGNIFICANTLY, THIRD_ORDER
 from paper.claims.wording import listed, number
+from paper.tables.order_under_reality import LOST
 
 _REALITY = "order_under_reality.schemes"
 #: Least order found of a scheme of fourth order.
@@ -159,6 +160,21 @@ def second_order_of_generalized_alpha(order_under_reality):
     )
     reason = when(acceleration < SECOND_ORDER, "its acceleration, which belongs to a time within the step, is of first")
     return Finding(f"{number(motion)}; {number(acceleration)}", motion > SECOND_ORDER, reason)
+
+
+@claim(
+    "schemes",
+    "Newton's iteration must end near round-off for a scheme to have its order.",
+    "most of the order of displacement that a scheme loses by iterations that end early",
+    whose=PRACTICE,
+    requires={_REALITY: ["average_acceleration"]},
+)
+def order_with_loose_tolerances(order_under_reality):
+    orders = order_under_reality.observed_order.sel(quantity="displacement")
+    loose = orders.isel(circumstance=orders.circumstance.str.startswith("tolerance_"))
+    loss = (orders.sel(circumstance="plain") - loose).max().item()
+    reason = when(loss < LOST, "the last correction leaves the square of its size")
+    return Finding(number(max(0.0, loss), ".2f"), loss >= LOST, reason)
 
 
 def _slope(error: xr.DataArray, steps: str) -> float:

@@ -140,10 +140,12 @@ PlainNames = Annotated[list[Name], _FEW, _DISTINCT]
 #: Something in a file, FILE.py:NAME, or a problem by name or in a file.
 Place = Annotated[str, Len(1, 1000)]
 ProblemPlace = Annotated[str, Len(1, 1000), Names("problem")]
-#: Any problem, a free oscillator of Xie (1996), a structure with a time scale, and a scheme, each by name.
+#: Any problem, a free oscillator of Xie (1996), a structure with a time scale, a problem with a known displacement, and
+#: a scheme, each by name.
 ProblemName = Annotated[str, _listed("problem"), Names("problem")]
 Spring = Annotated[str, _listed("spring"), Names("problem")]
 Structure = Annotated[str, _listed("structure"), Names("problem")]
+KnownProblem = Annotated[str, _listed("problem with a known displacement"), Names("problem")]
 SchemeName = Annotated[str, _listed("scheme"), Names("scheme")]
 #: A scheme whose displacement and velocity are sums, which can be compensated.
 OneStepName = Annotated[SchemeName, _listed("one-step scheme")]

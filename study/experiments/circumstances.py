@@ -1,6 +1,6 @@
 """Problems with exact motions on which schemes show their order, and how runs of them end."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -16,6 +16,7 @@ from study.materials import elastoplastic
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.loads import HarmonicLoad
+from study.mechanics.newton import ending_at
 from study.mechanics.terms import StrainEnergy
 from study.observer.base import Reduction
 from study.scheme.base import Scheme, Wrapper
@@ -87,6 +88,33 @@ class FromNoAcceleration(Wrapper):
         return self.scheme.step(problem, state, t, dt)
 
 
+class LooselyBalanced(Wrapper):
+    """Another scheme whose Newton iterations end at a tolerance of practice.
+
+    References
+    ----------
+    M. A. Crisfield, Non-linear finite element analysis of solids and structures, vol. 1, Wiley, 1991.
+    """
+
+    scheme: Scheme
+    tolerance: float = eqx.field(static=True)
+    title: str = eqx.field(default="Loosely balanced", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Loosely balanced"
+    source: ClassVar[str] = "Crisfield (1991)"
+    doi: ClassVar[str] = ""
+
+    def start(self, problem, u0, v0, dt):
+        """State of the other scheme at t = 0."""
+        with ending_at(self.tolerance):
+            return self.scheme.start(problem, u0, v0, dt)
+
+    def step(self, problem, state, t, dt):
+        """A step of the other scheme."""
+        with ending_at(self.tolerance):
+            return self.scheme.step(problem, state, t, dt)
+
+
 @dataclass(frozen=True)
 class Circumstance:
     """A problem, the initial motions of its runs, and its exact motions.
@@ -103,6 +131,8 @@ class Circumstance:
         Displacement, velocity and acceleration at the end, each of the shape of ``u0``.
     unequal, inconsistent
         Whether steps have two sizes in turn, and whether the first acceleration is zero.
+    tolerance
+        At which Newton's iteration ends; round-off if None.
     """
 
     title: str
@@ -112,12 +142,15 @@ class Circumstance:
     exact: Mapping[str, np.ndarray]
     unequal: bool = False
     inconsistent: bool = False
+    tolerance: float | None = None
 
     def final(self, scheme: Scheme, counts: list[int]) -> tuple[xr.Dataset, np.ndarray]:
         """Motions at the end with each number of steps, and whether the runs were completed, (steps, runs)."""
         runs, most = len(self.u0), len(counts)
         if self.inconsistent:
             scheme = FromNoAcceleration(scheme)
+        if self.tolerance is not None:
+            scheme = LooselyBalanced(scheme, self.tolerance)
         shared: dict[str, Any] = {"observe": [AtTheEnd()], "on_failure": "ignore"}
         if self.unequal:
             each = [
@@ -180,7 +213,7 @@ def _densities(stiffness, stretches):
     return stiffness * stretches**2 / 2
 
 
-def _smooth(title: str, damping: float = 0.0, amplitude: float = 0.0, **more: bool) -> Circumstance:
+def _smooth(title: str, damping: float = 0.0, amplitude: float = 0.0, **more: Any) -> Circumstance:
     """The oscillator ü + c u̇ + u + u³ = f cos(1.5t − 0.7) from u₀ = 1."""
     u0, v0, load = np.ones(len(SPEEDS)), SPEEDS, HarmonicLoad(amplitude, frequency=1.5, phase=0.7)
 
@@ -255,7 +288,7 @@ def _support(ratio: float) -> Circumstance:
     return Circumstance(f"support {printed(f'{ratio:.0e}')}", problem, motion(0.0, 0), motion(0.0, 1), exact)
 
 
-def circumstances_with(ratios: list[float]) -> dict[str, Circumstance]:
+def circumstances_with(ratios: list[float], tolerances: Sequence[float] = ()) -> dict[str, Circumstance]:
     """All circumstances, by name."""
     return {
         "plain": _smooth("plain"),
@@ -266,4 +299,8 @@ def circumstances_with(ratios: list[float]) -> dict[str, Circumstance]:
         "contact": _contact(),
         "inconsistent_start": _smooth("inconsistent start", inconsistent=True),
         "unequal_steps": _smooth("unequal steps", unequal=True),
+        **{
+            f"tolerance_{i}": _smooth(f"Newton {printed(f'{tolerance:.0e}')}", tolerance=tolerance)
+            for i, tolerance in enumerate(tolerances)
+        },
     }

@@ -41,7 +41,6 @@ from study.algebra.sparse import Sparse
 from study.mechanics.definition import Problem
 from study.mechanics.newton import (
     MAX_SAFEGUARDED,
-    TOLERANCES,
     backtracked,
     iterated,
     narrowed,
@@ -49,6 +48,7 @@ from study.mechanics.newton import (
     opened_closure,
     root,
     shortened,
+    tolerances_of,
 )
 from study.mechanics.state import Effort
 from study.mechanics.tangent import FormOfTangent, force_and_tangent
@@ -200,7 +200,7 @@ def balance(
         acceleration.
     """
     force, whole = (problem.varying_force, problem.internal_force) if force is None else (force, force)
-    n, tolerances = u.size, TOLERANCES[u.dtype]
+    n, tolerances = u.size, tolerances_of(u.dtype)
     tolerance = tolerances.displacement if tolerance is None else tolerance
     inertia = _inertia(problem, c_v, n)
     rhs = _less_damping(problem, rhs, v)
@@ -282,7 +282,7 @@ def balance(
     opened, given = opened_closure(iterates, first, nothing)
     given = lax.stop_gradient(given)
     found, unfinished, iterations = first, jnp.ones((), bool), jnp.zeros((), int)
-    if not jnp.ndim(first):
+    if not jnp.ndim(first) and tolerances.near > 0:
         # most steps need two iterations, one to correct and one to confirm: these two are written out before the loop,
         # which for several unknowns would double what is compiled and save little
         once, _, moved = opened((first, nothing), given)

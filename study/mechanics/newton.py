@@ -1,6 +1,8 @@
 """The Newton-Raphson iteration."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import partial
 from typing import NamedTuple
 
@@ -42,6 +44,25 @@ TOLERANCES = {
     np.dtype("float64"): Tolerances(1e-12, near=1e-8, predicted=1e-17, force=1e-8, round_off=1e-14),
     np.dtype("float32"): Tolerances(5e-6, near=1e-4, predicted=5e-9, force=1e-4, round_off=5e-6),
 }
+
+_LOOSE: ContextVar[float | None] = ContextVar("loose", default=None)
+
+
+@contextmanager
+def ending_at(tolerance: float) -> Iterator[None]:
+    """End the iterations that are traced meanwhile as codes do, at this part of displacement and forces."""
+    token = _LOOSE.set(tolerance)
+    try:
+        yield
+    finally:
+        _LOOSE.reset(token)
+
+
+def tolerances_of(dtype: np.dtype) -> Tolerances:
+    """Tolerances of one precision, or those of :func:`ending_at`, which predict no correction."""
+    loose = _LOOSE.get()
+    return TOLERANCES[dtype] if loose is None else Tolerances(loose, 0.0, 0.0, loose, loose)
+
 
 #: Iterations after which Newton's iteration has failed, and after which one with a safeguard has.
 MAX_ITERATIONS, MAX_SAFEGUARDED = 50, 1000

@@ -107,6 +107,14 @@ def test_orders_of_motion_and_acceleration(check, scheme):
     assert not check(_reality(scheme, load=np.nan)).holds
 
 
+@pytest.mark.parametrize("order, holds", [(4.0, False), (2.0, True)])
+def test_loose_tolerances_cost_the_order_or_not(order, holds):
+    plain = _reality("average_acceleration")
+    early = (plain * 0 + order).isel(circumstance=[0]).assign_coords(circumstance=["tolerance_0"])
+    finding = claims.order_with_loose_tolerances(xr.concat([plain, early], "circumstance"))
+    assert finding.holds == holds and bool(finding.qualification) != holds
+
+
 def test_reduction_by_a_load_and_by_a_support():
     for orders, holds, qualified in (
         ({}, True, False),
