@@ -15,7 +15,7 @@ from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
 from study.assessment.assurance import limits_of_reference
 from study.assessment.report import answer, report
-from study.assessment.scheme import BESIDE, ON, assess_scheme, scheme_page
+from study.assessment.scheme import COMPARED, ON, assess_scheme, scheme_page
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.named import observers
@@ -76,7 +76,7 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("assess-scheme", help="compare your own scheme with those of the study")
     command.set_defaults(function=_assess_scheme)
     command.add_argument("scheme", metavar="FILE.py:NAME", help="a study.Scheme in a file, or the name of a scheme")
-    command.add_argument("--beside", nargs="+", metavar="NAME", default=BESIDE, help="schemes to compare with")
+    command.add_argument("--compare-with", nargs="+", metavar="NAME", default=COMPARED, help="schemes to compare with")
     command.add_argument("--problems", nargs="+", metavar="NAME", help="springs to run; default: also stiff systems")
     command.add_argument("--output", type=Path, required=True, metavar="FILE.html", help="page to write")
 
@@ -183,7 +183,7 @@ def _program(arguments: argparse.Namespace) -> Program:
 def _assess_scheme(arguments: argparse.Namespace) -> None:
     output = io.check_writable(arguments.output)
     scheme = _given(arguments.scheme, Scheme)
-    assessed = assess_scheme(scheme, beside=arguments.beside, problems=arguments.problems or ON)
+    assessed = assess_scheme(scheme, compare_with=arguments.compare_with, problems=arguments.problems or ON)
     assessed.linear.attrs["command"] = shlex.join(["study", *arguments.words])
     io.write(scheme_page(assessed), output)
     print(f"written: {output}")

@@ -20,7 +20,7 @@ from study.words import document
 
 #: Schemes with which one is compared, and problems on which all of them run, with the time in seconds if it is needed.
 #: The reference takes steps of the stiffest mode, so that the stiff problems are short.
-BESIDE = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
+COMPARED = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
 ON = {"hardening": None, "softening": None, "double_well": None, "stiff_soft_sine": 5.0, "fpu_chain": 12.6}
 
 #: Steps over period at which linear theory is drawn.
@@ -69,7 +69,7 @@ def _linear(chosen: dict[str, Scheme]) -> xr.Dataset:
 def assess_scheme(
     scheme: str | Scheme,
     *,
-    beside: str | Sequence[str] = BESIDE,
+    compare_with: str | Sequence[str] = COMPARED,
     problems: Sequence[str] | Mapping[str, float | None] = ON,  # type: ignore[assignment]
     errors: Sequence[float] = (0.1, 0.01),
 ) -> SchemeAssessment:
@@ -79,7 +79,7 @@ def assess_scheme(
     ----------
     scheme
         Your own :class:`study.Scheme`, or a name.
-    beside
+    compare_with
         Names of schemes to compare with.
     problems
         Names of problems, or a mapping from them to the time to run, which is None for ten periods.
@@ -99,7 +99,7 @@ def assess_scheme(
     own = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     check_attributes(own)
     name = schemes.resolve(scheme) if isinstance(scheme, str) else own.title
-    others = [beside] if isinstance(beside, str) else beside
+    others = [compare_with] if isinstance(compare_with, str) else compare_with
     chosen = {name: own} | {other: schemes[other] for other in others if schemes[other] is not own}
     durations = problems if isinstance(problems, Mapping) else dict.fromkeys(problems)
     linear = _linear(chosen)

@@ -183,7 +183,8 @@ def test_a_name_of_an_earlier_version_is_answered_by_its_name_today():
 
 def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys):
     page = tmp_path / "heun.html"
-    main(["assess-scheme", f"{EXAMPLE}:heun", "--beside", "rk4", "--problems", "hardening", "--output", str(page)])
+    words = ["--compare-with", "rk4", "--problems", "hardening", "--output", str(page)]
+    main(["assess-scheme", f"{EXAMPLE}:heun", *words])
     assert f"written: {page}" in capsys.readouterr().out
     text = page.read_text()
     assert "<td>Heun</td><td>2</td><td>2.00</td>" in text and "For 10 % of displacement: " in text
