@@ -1,4 +1,4 @@
-"""``study.assess``: the whole way from a problem to the scheme and the step that it needs."""
+"""``study.assess``: the scheme and the step that a problem needs for an error."""
 
 import math
 import time
@@ -35,7 +35,7 @@ from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.settings import cores
 
-#: Least energy at the start, over the largest kinetic energy, to which errors of its balance can be related.
+#: Least energy at the start, over the largest kinetic energy, for which errors of the balance of energies are given.
 LEAST_ENERGY = 0.01
 
 
@@ -54,45 +54,45 @@ def assess(
 
     Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave
     from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the smallest error:
-    up to 128 runs an octave and 500 in that below a recommended step, fewer where they have many steps. ``largest_dt``
-    is the largest step tried that keeps an error, as all finer steps that were tried do, with room for the scatter of
-    their errors. The recommended step is the largest below it that has two digits, or under a record is a whole part or
-    multiple of the spacing of its samples. It was run too, also from two starts one percent apart from the given one.
+    up to 128 runs an octave and 500 in the octave below a recommended step, fewer if they have many steps.
+    ``largest_dt`` is the largest step that keeps an error together with all finer steps tried, with room for scatter
+    of their errors. The recommended step is the largest one below it with two digits; under a record it is a whole part
+    or multiple of the spacing of the samples. It was run too, also from two starts one percent from the given one.
     If none of n random finer steps exceeds the error, at most 3/n of such steps do, with 95 % confidence. No number is
     interpolated.
 
     A run ends with the last step that fits into the duration and is compared up to there, along time at every step.
 
-    A problem of more than 1,000 unknowns is assessed as a :class:`study.Program` is: the reference is what two schemes
-    agree on as their steps are halved, among the named ones, ``rk4`` and ``nystrom4``, and their difference is its
-    uncertainty. Few random finer steps confirm a step.
+    A problem of more than 1,000 unknowns is assessed like a :class:`study.Program`: two schemes, among the named ones,
+    ``rk4`` and ``nystrom4``, run with halved steps until they agree. Their common result is the reference, and their
+    difference is its uncertainty. Few random finer steps confirm a step.
 
     Parameters
     ----------
     problem
-        Name in ``study.problems``, your own :class:`study.Problem`, or a :class:`study.Program`, which has its schemes,
-        duration and quantities itself.
+        Name in ``study.problems``, your own :class:`study.Problem`, or a :class:`study.Program`, which defines its own
+        schemes, duration and quantities.
     schemes
-        Names in ``study.schemes``, your own :class:`study.Scheme`, or a mapping from names to schemes; ten usual ones
-        by default.
+        Names in ``study.schemes``, your own :class:`study.Scheme`, or a mapping from names to schemes; ten common
+        schemes by default.
     duration
         Time of the runs in seconds. A free oscillator of one unknown runs ten of its periods by default.
     quantities
-        What must be right: a mapping from names to :class:`study.Quantity`. By default the displacement and velocity
-        along time, the balance of energies if the problem has a potential and its force cannot dissipate, and period,
+        Quantities whose errors are measured: a mapping from names to :class:`study.Quantity`. By default displacement
+        and velocity along time, the balance of energies if the problem has a potential and its force cannot dissipate, and period,
         phase and amplitude of a free oscillator of one unknown.
     errors
-        Errors that may be allowed, as fractions of the largest value of each quantity.
+        Allowed errors, as fractions of the largest value of each quantity.
     maps
         Whether to map over step size and excitation how each scheme fails, for up to 1,000 unknowns.
     controller
-        Name in ``study.controllers``, or your own :class:`study.Controller`: each one-step scheme also runs with steps
-        that it controls, at random tolerances, so that the tolerance that keeps each error is known, and its cost. For
-        up to 1,000 unknowns.
+        Name in ``study.controllers``, or your own :class:`study.Controller`. Each one-step scheme then also runs with
+        controlled steps at random tolerances; the result has the tolerance that keeps each error, and its cost. For up
+        to 1,000 unknowns.
     seconds
-        Wall time after which no run begins that would end later. What is known then is returned, and the verdict on the
-        rest is ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case;
-        there is no map then.
+        Wall time: no run begins that would end later. The results so far are returned, and the verdict on the rest is
+        ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case; there is
+        no map then.
 
     Returns
     -------
@@ -101,11 +101,11 @@ def assess(
         NaN where a step was not tried. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt`` and the
         error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
         the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
-        ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is that of small
-        motions about points of the reference's motion. With a controller, ``tolerance``, the largest of 1, 2 and 5
-        times a power of ten below which all that were tried, down to a hundredth of it, keep the error,
-        ``tolerance_error``, ``controlled_steps`` and ``controlled_force_evaluations``. Of a program also ``reason``,
-        ``run_time`` and ``repeated``, and ``remarks`` among the attributes; what it does not report is NaN.
+        ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is the highest one of
+        small motions about points of the reference's motion. With a controller: ``tolerance``, the largest of 1, 2 and
+        5 times a power of ten that keeps the error together with all smaller ones tried, down to a hundredth of it;
+        ``tolerance_error``, ``controlled_steps`` and ``controlled_force_evaluations``. For a program also ``reason``,
+        ``run_time`` and ``repeated``, and ``remarks`` among the attributes; quantities that it does not report are NaN.
         Attributes name the routes of the reference, the time up to which it holds, versions and processor.
         :func:`study.recommend` and :func:`study.report` take it.
 
@@ -114,7 +114,7 @@ def assess(
     KeyError
         If there is no such problem or scheme.
     TypeError, ValueError
-        If an argument is unfit, the problem does not move, or no reference is accurate enough; in one sentence.
+        If an argument is invalid, the problem does not move, or no reference is accurate enough; in one sentence.
 
     Examples
     --------
@@ -171,8 +171,8 @@ def assess(
     length = reference.horizon
     if length < asked_for:
         warnings.warn(
-            f"the references of '{equation.title}' agree up to t = {length:.4g} of {asked_for:g} s: nothing is said "
-            "beyond.",
+            f"the references of '{equation.title}' agree up to t = {length:.4g} of {asked_for:g} s: errors are "
+            "measured up to there only.",
             RuntimeWarning,
             stacklevel=2,
         )
@@ -255,12 +255,12 @@ def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
 def _asked_for(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:
     asked = errors.named(quantities)
     if ENERGY in asked:
-        raise ValueError(f"the name '{ENERGY}' is that of the balance of energies; give the quantity another.")
+        raise ValueError(f"the name '{ENERGY}' belongs to the balance of energies; give the quantity another name.")
     return asked
 
 
 def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: Progress) -> dict[str, Assessed]:
-    """What was found out about each scheme; after Ctrl-C, about those that are done."""
+    """Results of each scheme; after Ctrl-C, of the finished ones."""
     with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
         waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}
         try:

@@ -18,12 +18,12 @@ from study.scheme.contract import check_attributes
 from study.scheme.named import schemes
 from study.words import document
 
-#: Schemes with which one is compared, and problems on which all of them run, with the time in seconds if it is needed.
-#: The reference takes steps of the stiffest mode, so that the stiff problems are short.
+#: Default schemes for comparison, and problems on which all schemes run, with the time in seconds for stiff problems,
+#: which are short because the reference takes steps of the stiffest mode.
 COMPARED = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
 ON = {"hardening": None, "softening": None, "double_well": None, "stiff_soft_sine": 5.0, "fpu_chain": 12.6}
 
-#: Steps over period at which linear theory is drawn.
+#: Ratios of step to period at which linear theory is drawn.
 PARTS = np.logspace(-2, 1, 121)
 
 
@@ -73,7 +73,7 @@ def assess_scheme(
     problems: Sequence[str] | Mapping[str, float | None] = ON,  # type: ignore[assignment]
     errors: Sequence[float] = (0.1, 0.01),
 ) -> SchemeAssessment:
-    """Put a scheme through linear theory, the springs and stiff systems, compared with schemes of the study.
+    """Compare a scheme with schemes of the study, in linear theory, on the springs and on stiff systems.
 
     Parameters
     ----------
@@ -82,9 +82,9 @@ def assess_scheme(
     compare_with
         Names of schemes to compare with.
     problems
-        Names of problems, or a mapping from them to the time to run, which is None for ten periods.
+        Names of problems, or a mapping from names to durations; None means ten periods.
     errors
-        Errors that may be allowed.
+        Allowed errors.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def assess_scheme(
     Raises
     ------
     KeyError, TypeError, ValueError
-        As :func:`study.assess`; a scheme that breaks the contract of a step gets one sentence.
+        As :func:`study.assess`; also if the scheme breaks the contract of a step.
     """
     own = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     check_attributes(own)
