@@ -79,8 +79,8 @@ def assess(
         Time of the runs in seconds. A free oscillator of one unknown runs ten of its periods by default.
     quantities
         Quantities whose errors are measured: a mapping from names to :class:`study.Quantity`. By default displacement
-        and velocity along time, the balance of energies if the problem has a potential and its force cannot dissipate, and period,
-        phase and amplitude of a free oscillator of one unknown.
+        and velocity along time, the balance of energies if the problem has a potential and its force cannot dissipate,
+        and period, phase and amplitude of a free oscillator of one unknown.
     errors
         Allowed errors, as fractions of the largest value of each quantity.
     maps

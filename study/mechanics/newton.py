@@ -43,17 +43,17 @@ TOLERANCES = {
     np.dtype("float32"): Tolerances(5e-6, near=1e-4, predicted=5e-9, force=1e-4, round_off=5e-6),
 }
 
-#: Iterations after which Newton's iteration has failed, and after which one with a safeguard has.
+#: Largest numbers of Newton iterations, without and with a safeguard.
 MAX_ITERATIONS, MAX_SAFEGUARDED = 50, 1000
 
-#: A correction is short enough if the residual along it keeps its sign, or at most this part of its size.
+#: Largest part of the residual that may remain along a correction if the residual changes its sign.
 OVERSHOOT = 0.1
 
-#: Most halvings of a correction.
+#: Largest number of halvings of a correction.
 HALVINGS = 20
 
-#: Most residuals that are taken to shorten a correction: every second one halves the bracket, and the slopes of a force
-#: may differ by as many powers of two.
+#: Largest number of residuals evaluated to shorten a correction. Every second one halves the bracket, so the slopes of
+#: a force may differ by half as many powers of two.
 MOST_LOOKS = 100
 
 
@@ -116,10 +116,10 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
 def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
     """The next acceleration of one unknown: Newton's, or by bisection where that leaves the bracket or crawls.
 
-    Until the signs of the residuals differ, a correction that is not half of the last one is replaced by twice the last
-    one against the sign of the residual, which far from the root is that of the inertia.
+    Until the signs of the residuals differ, a correction longer than half of the last one is replaced by twice the last
+    one, against the sign of the residual. Far from the root the inertia sets this sign.
 
-    ``bracket`` (4,) holds the acceleration, those with a negative and with a positive residual, and the last change.
+    ``bracket`` (4,) holds the acceleration, the ones with negative and positive residual, and the last change.
     """
     a, negative, positive, last = bracket
     negative, positive = jnp.where(residual < 0, a, negative), jnp.where(residual < 0, positive, a)
@@ -155,9 +155,9 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
 def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
     """A Newton correction of several unknowns, shortened to where the residual along it is nearly zero.
 
-    Where the tangent is symmetric and positive, that is the least energy along the correction, and the iteration comes
-    nearer with every correction. The place is found by secants, where the value at an end that stays is halved
-    (Illinois), and by bisection in turn.
+    If the tangent is symmetric and positive definite, this is the least energy along the correction, and every
+    correction reduces the distance to the solution. Secants (Illinois: the value at a fixed end is halved) and
+    bisection alternate to find the place.
     """
 
     def along(part):
