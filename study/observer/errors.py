@@ -34,9 +34,9 @@ def _root(coefficients):
 
 
 def _chosen(condition, value, other):
-    """One of two steps, to be looked at again at the end: in a step of an ensemble some lane always has a root.
+    """One of two steps, kept for evaluation at the end, because in every step of an ensemble some lane has a root.
 
-    A step is chosen in the one after it. XLA would compute a force again for every choice that takes it.
+    A step is chosen in the next one; otherwise XLA would compute its force once more for every choice.
     """
     return jax.tree.map(partial(jnp.where, condition), value, other)
 

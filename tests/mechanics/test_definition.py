@@ -183,7 +183,7 @@ def test_a_narrow_mass_is_held_as_a_band():
 def test_schemes_with_a_limit_of_stability_need_a_mass_everywhere(scheme):
     with pytest.raises(ValueError) as caught:
         study.run(_problem(mass=[1.0, 1.0, 0.0, 1.0, 1.0]), scheme, dt=0.1, steps=1)
-    assert "needs a mass at every unknown, and that of 'tried' is singular: take an implicit scheme" in str(
+    assert "needs a mass at every unknown, and the mass of 'tried' is singular: take an implicit scheme" in str(
         caught.value
     )
 
