@@ -35,7 +35,7 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
         if name == "radius":
             axes.axhline(1.0, color=INK, lw=0.6)
         if name == "damping" and np.nanmin(values, initial=0.0) < vertical[0]:
-            vertical = (-vertical[1], vertical[1])  # a scheme that feeds energy
+            vertical = (-vertical[1], vertical[1])  # a scheme that adds energy
         axes.set(xlim=horizontal, ylim=vertical, xlabel="step size over period", ylabel=label)
         panels.append(svg(figure, f"{label} of {subject.scheme.title} over the step size"))
     caption = (

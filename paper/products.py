@@ -45,7 +45,7 @@ class Product:
         The dataset that each argument takes, by its name in the results, or a list of names. A name with a suffix is
         another file of the results.
     caption
-        Sentence for the report of the pipeline.
+        Sentence for the report of the pipeline; of a table its title.
     requires
         Requirements on the configuration.
     """
@@ -67,6 +67,11 @@ class Product:
     def files(self) -> list[str]:
         """The files below the results that the product reads."""
         return [name if Path(name).suffix else f"{name}.nc" for name in self.datasets]
+
+    @property
+    def title(self) -> str:
+        """The title of a table: its caption, or its name in words."""
+        return self.caption or self.name.replace("_", " ").capitalize()
 
     @property
     def label(self) -> str:
@@ -124,9 +129,11 @@ def figure(
     return _declared("figure", name, caption, requires, reads)
 
 
-def table(*, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]) -> Callable:
+def table(
+    title: str = "", *, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]
+) -> Callable:
     """Declare a table, named as its module unless ``name`` is given: a function of datasets that returns a frame."""
-    return _declared("table", name, "", requires, reads)
+    return _declared("table", name, title, requires, reads)
 
 
 def page(

@@ -119,7 +119,7 @@ def trajectory(problem: Problem, t: Sequence) -> ExactSolution:
     for values in (u, v):
         if not _spread(values) <= CERTIFIED * float(np.max(np.abs(values[0]))):
             raise RouteFailed(
-                f"the exact solution of '{problem.title}' up to t = {float(t[-1]):g} is certain to {_spread(values):.0e} "
+                f"the exact solution of '{problem.title}' up to t = {float(t[-1]):g} is known to {_spread(values):.0e} "
                 "only, because its integrations separate; ask for shorter times."
             )
     return ExactSolution(_doubles(u[0]), _doubles(v[0]), _spread(u), _spread(v))

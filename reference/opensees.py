@@ -2,9 +2,9 @@
 
 OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except two agree to round-off. OpenSees
 starts Houbolt's method by two steps of average acceleration. Its α-method evaluates one internal force at the weighted
-displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called TRBDF2, and
-each of its two sub-steps counts as a step. OpenSees' generalized-α method with α_m other than zero is left out: at a
-twentieth of the period its motion of this spring grows to a hundred times the amplitude within five periods.
+displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called TRBDF2,
+and each of its two sub-steps counts as a step. OpenSees' generalized-α method with α_m other than zero is left out: at
+a twentieth of the period its motion of this spring grows to a hundred times the amplitude within five periods.
 """
 
 import importlib

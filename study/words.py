@@ -37,10 +37,10 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def percent(fraction: float, digits: int = 2) -> str:
-    """A fraction in percent, zero if it is zero to round-off."""
+    """A fraction in percent with a no-break space, zero if it is zero to round-off."""
     if math.isnan(fraction):
         return "–"
-    return f"{number(100 * fraction, digits)} %" if abs(fraction) > _ZERO else "0 %"
+    return f"{number(100 * fraction, digits)}\u00a0%" if abs(fraction) > _ZERO else "0\u00a0%"
 
 
 def span(values: Any, form: str = ".2f") -> str:

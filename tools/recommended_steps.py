@@ -2,7 +2,7 @@
 
     python tools/recommended_steps.py [NAME ...]
 
-Of 1,000 random steps between a twentieth of a recommended step and the step itself, drawn with another seed, it
+It draws 1,000 random steps between a twentieth of a recommended step and the step itself, with another seed, and
 prints how many exceed the error, and the largest error over the allowed one.
 """
 

@@ -15,7 +15,7 @@ MEASURES = {
     "max_energy_error": "energy (%)",
 }
 PROBLEMS = ("hardening", "softening")
-#: Periods of the runs, and of shorter ones that tell whether a loss of amplitude is steady.
+#: Periods of the runs, and of shorter ones that show whether a loss of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 
 

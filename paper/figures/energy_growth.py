@@ -14,7 +14,7 @@ FLOOR = 1e-13
 
 
 @figure(
-    "Energy error along time of structures that turn, with so many steps in their time scale that stiff modes are "
+    "Energy error along time of structures that turn, at steps in their time scale at which stiff modes are "
     "not resolved. A cross marks the end of a run that fails; errors below 10⁻¹³ % are drawn there.",
     histories=["structure_history/stiff_bar", "structure_history/stiff_truss"],
     requires={

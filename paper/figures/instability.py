@@ -1,4 +1,4 @@
-"""The α-method growing without bound on a softening spring (Figure 3 of the paper), beside the other schemes."""
+"""The α-method growing without bound on a softening spring (Figure 3 of the paper), with the other schemes."""
 
 import xarray as xr
 from matplotlib.figure import Figure

@@ -1,4 +1,4 @@
-"""General solvers at a ladder of tolerances beside two schemes at fixed steps."""
+"""General solvers at a ladder of tolerances, and two schemes at fixed steps."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -20,7 +20,7 @@ _COSTS = {
 
 @figure(
     "Error of the displacement over 100 periods against time (above) and evaluations of the force (below): "
-    "general solvers, a point for each tolerance, beside two schemes at fixed steps (grey).",
+    "general solvers, a point for each tolerance, and two schemes at fixed steps (grey).",
     data="work_precision",
     requires={"work_precision.schemes.schemes": list(SCHEMES), "work_precision.solvers.periods": [100]},
 )

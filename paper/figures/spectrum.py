@@ -9,7 +9,7 @@ from paper.figures.style import PAGE, legend_below, letter, looks, panels, thinn
 from paper.numbers.spectrum import LONG, share_beyond
 from paper.products import figure
 
-#: Two implicit schemes, of which one damps, and two explicit ones.
+#: Two implicit schemes, one with damping, and two explicit ones.
 SHOWN = ["average_acceleration", "central_difference", "rho_bathe", "rk4"]
 #: Titles of the panels of sufficient steps, by the steps that were tried.
 TRIED = {"commensurate": "commensurate steps", "all": "all steps"}

@@ -32,7 +32,7 @@ COLUMN, PAGE = 8.4, 17.4
 _CM = 1 / 2.54
 
 #: Label and colour of each outcome of a run, by its name in the maps of stability. Worse outcomes are darker, in steps
-#: that can be told apart in greyscale.
+#: that differ in greyscale.
 OUTCOME_STYLES = {
     "accurate": ("accurate", "#ffffff"),
     "bounded": ("bounded", "#cbdff2"),
@@ -99,17 +99,17 @@ def thinned(widest: float, by: float, index: int) -> float:
 
 
 def panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Figure, np.ndarray]:
-    """A figure of so many cm, and its panels by row and column."""
+    """A figure of a size in cm, and its panels by row and column."""
     return plt.subplots(rows, columns, figsize=(width * _CM, height * _CM), squeeze=False, **options)
 
 
 def empty(width: float, height: float) -> Figure:
-    """A figure of so many cm without panels."""
+    """A figure of a size in cm without panels."""
     return plt.figure(figsize=(width * _CM, height * _CM))
 
 
 def wrapped(title: str, width: int) -> str:
-    """A title in lines of so many characters; an equation and an order stay in one line."""
+    """A title in lines of limited length; an equation and an order stay in one line."""
     kept = title.replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}").replace("order ", "order\N{NO-BREAK SPACE}")
     return textwrap.fill(kept, width)
 
@@ -161,9 +161,9 @@ def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, 
     for index, (name, part) in enumerate(parts.items()):
         axes: list[Axes] = []
         for row in range(rows):
-            beside = columns[0][1][row] if columns else None
-            axes.append(figure.add_subplot(grid[row, index], sharex=axes[0] if axes else beside, sharey=beside))
-            axes[-1].tick_params(labelleft=beside is None, labelbottom=row == rows - 1)
+            first = columns[0][1][row] if columns else None
+            axes.append(figure.add_subplot(grid[row, index], sharex=axes[0] if axes else first, sharey=first))
+            axes[-1].tick_params(labelleft=first is None, labelbottom=row == rows - 1)
         below = figure.add_subplot(grid[rows, index])
         below.axis("off")
         letter(axes[0], index, wrapped(name, 14))

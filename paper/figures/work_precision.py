@@ -8,7 +8,7 @@ from paper.figures.style import PAGE, legend_below, letter, looks, panels
 from paper.products import figure
 from paper.published import SCHEMES
 
-#: Periods of the runs, and of shorter ones that tell whether a loss of amplitude is steady.
+#: Periods of the runs, and of shorter ones that show whether a loss of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 MEASURES = {
     "max_trajectory_error": "displacement",

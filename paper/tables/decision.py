@@ -1,4 +1,4 @@
-"""Which explicit and which implicit scheme, and which step, by kind of problem, what must be right, and error."""
+"""Which explicit and which implicit scheme, and which step, by kind of problem, quantity and error."""
 
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
@@ -17,16 +17,16 @@ from study.words import number
 
 #: Errors of the columns.
 ERRORS = (0.1, 0.01, 0.001)
-#: What must be right of a spring.
+#: Quantities of a spring whose error is bounded.
 QUANTITIES = ("displacement", "velocity", "phase", "energy")
 #: Spring that the dataset of kinks holds for comparison.
 SPRING = "hardening"
-#: Part by which an energy may be off.
+#: Largest relative error of an energy.
 LEVEL = 0.1
-#: How the search for a step ends at the coarsest one.
+#: Verdict of a search that ends at the coarsest step.
 COARSEST = "already the coarsest step"
-#: Part of its largest size by which a velocity may be off: half of it is lost where an oscillation that the step
-#: does not resolve is left out, and all of it where it turns into a sawtooth.
+#: Largest error of a velocity over its largest size: an unresolved oscillation that is left out costs half of the size,
+#: and a sawtooth all of it.
 VELOCITY = 0.75
 #: Numbers of evaluations of the force up to this multiple of the fewest tie.
 TIED = 1.1
@@ -40,15 +40,15 @@ SCHEMES_OF_THE_ROWS = (
 )
 
 NO_BREAK = "\u00a0"
-#: Before the coarsest step that was tried.
+#: Mark of the coarsest step that was tried.
 AT_MOST = f"≤{NO_BREAK}"
 
 
 class Pick(NamedTuple):
-    """A scheme with its step, as a cell shows it.
+    """A scheme with its step, in the form of a cell.
 
     ``step`` and ``forces`` are texts: the step or the number of steps, and the evaluations of the force in a time.
-    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` that of the linear theory.
+    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` its limit in linear theory.
     """
 
     title: str
@@ -74,7 +74,7 @@ def _first(titles: list[str]) -> str:
 
 
 def _tied(forces: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Places of the fewest forces and of those that tie with them, by their errors; NaN is no number of forces."""
+    """Places of the fewest forces and of those that tie with them, ordered by their errors; NaN does not count."""
     tied = np.flatnonzero(forces <= TIED * np.fmin.reduce(forces, initial=np.inf))
     return tied[np.argsort(error[tied], kind="stable")]
 
@@ -159,11 +159,11 @@ def _springs(springs: list[xr.Dataset], robustness: xr.Dataset, limits: Mapping[
 
 
 def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Fewest forces in a period with which each scheme keeps an error, as all its finer steps do, and the step's place.
+    """Fewest forces in a period with which each scheme and all its finer steps keep an error, and the step's place.
 
-    A run does not count if its balance of energies is off by more than ``LEVEL``, or, where the dataset has
+    A run does not count if its balance of energies is wrong by more than ``LEVEL``, or, if the dataset has
     these errors, its displacement by more than that, or its velocity by more than ``VELOCITY``. The number is NaN
-    where no step keeps the error.
+    if no step keeps the error.
     """
     sound = runs.max_energy_imbalance <= LEVEL
     for name, level in (("displacement_error", LEVEL), ("velocity_error", VELOCITY)):
@@ -232,7 +232,7 @@ def _losing(one: xr.Dataset) -> str:
 
 
 def _set_by_velocity(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str, float]) -> str:
-    """Says so if a coarser step would do were it not for the velocity."""
+    """A remark if a coarser step would suffice without the condition on the velocity."""
     without = runs.drop_vars("velocity_error")
     differs = any(_fewest_forces(runs, error, e, limits) != _fewest_forces(without, error, e, limits) for e in ERRORS)
     return "the velocity sets the step" if differs else ""
@@ -285,6 +285,7 @@ def _record(spectrum: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]
 
 
 @table(
+    "Recommended schemes and steps",
     springs=ASSESSED,
     robustness="stability/robustness",
     requires={
@@ -301,10 +302,10 @@ def tabulate(
     spectrum: xr.Dataset,
     structures: xr.Dataset,
 ) -> pd.DataFrame:
-    """One row per kind of problem and what must be right; a dash where no scheme keeps the error.
+    """One row per kind of problem and quantity; a dash where no scheme keeps the error.
 
     Explicit and implicit schemes have a row each. A cell names the scheme of its class with the fewest evaluations of
-    the force; numbers within a tenth tie, and of these the smallest error is named. Energy and phase of a spring
+    the force; numbers within a tenth tie, and then the smallest error decides. Energy and phase of a spring
     must be right to ``LEVEL`` too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
     highest ω of the motion, below the stability limit of the linear theory if there is one.
     """

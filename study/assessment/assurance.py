@@ -7,7 +7,7 @@ from study.words import number
 
 def percent(fraction: float) -> str:
     """A fraction in percent, as on pages of an assessment."""
-    return f"{number(100 * fraction)} %"
+    return f"{number(100 * fraction)}\u00a0%"
 
 
 def confirmation(assessed: xr.Dataset) -> str:

@@ -187,5 +187,5 @@ def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys):
     main(["assess-scheme", f"{EXAMPLE}:heun", *words])
     assert f"written: {page}" in capsys.readouterr().out
     text = page.read_text()
-    assert "<td>Heun</td><td>2</td><td>2.00</td>" in text and "For 10 % of displacement: " in text
+    assert "<td>Heun</td><td>2</td><td>2.00</td>" in text and "For 10\u00a0% of displacement: " in text
     assert "study assess-scheme" in text
