@@ -108,12 +108,12 @@ def _times_of_1996(scheme: str, titles: dict[str, str]) -> str:
     """The seconds printed in 1996, and their ratio to average acceleration."""
     seconds = printed_cpu_times().sel(problem=list(titles))
     ratio = seconds / seconds.sel(scheme="average_acceleration")
-    told = [
+    times = [
         f"{number(seconds.sel(problem=name, scheme=scheme).item())} s on the {title} "
         f"({number(ratio.sel(problem=name, scheme=scheme).item())} times average acceleration)"
         for name, title in titles.items()
     ]
-    return f"In 1996, 100,000 steps took {listed(told)} on a Pentium of 90 MHz."
+    return f"In 1996, 100,000 steps took {listed(times)} on a Pentium of 90 MHz."
 
 
 def maps(subject: "Subject", data: Mapping[str, Any]) -> str:

@@ -169,22 +169,22 @@ def check(products: Iterable[Product], config: dict) -> None:
         If a requirement is not met. The message is one sentence that names the key and the product.
     """
     for product in products:
-        for key, asked in product.requires.items():
+        for key, wanted in product.requires.items():
             try:
                 value = value_at(config, key)
             except (KeyError, TypeError):
                 raise ValueError(f"{key} is missing, and {product.label} needs it.") from None
-            if callable(asked):
-                if wrong := asked(value):
+            if callable(wanted):
+                if wrong := wanted(value):
                     raise ValueError(f"{key} {wrong}.".lstrip())
-            elif isinstance(asked, list) and not isinstance(value, list):
+            elif isinstance(wanted, list) and not isinstance(value, list):
                 raise ValueError(f"{key} must be a list for {product.label}, not {value!r}.")
-            elif isinstance(asked, list):
-                missing = [one for one in asked if one not in value]
+            elif isinstance(wanted, list):
+                missing = [one for one in wanted if one not in value]
                 if missing:
                     raise ValueError(f"{key} lacks {missing[0]!r}, which {product.label} needs.")
-            elif value != asked:
-                raise ValueError(f"{key} must be {asked!r} for {product.label}, not {value!r}.")
+            elif value != wanted:
+                raise ValueError(f"{key} must be {wanted!r} for {product.label}, not {value!r}.")
 
 
 def reader(results: Path) -> Callable[[str], Any]:

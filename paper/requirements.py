@@ -94,9 +94,9 @@ OF_THE_TABLES: dict[str, Any] = {
 }
 #: Requirements on the assessments of these problems, over any number of periods.
 OF_THE_ASSESSMENTS: dict[str, Any] = {
-    f"assess.{problem}.{key}": asked
+    f"assess.{problem}.{key}": wanted
     for problem in PROBLEMS
-    for key, asked in (
+    for key, wanted in (
         ("schemes", ["average_acceleration", "central_difference", "rk4"]),
         ("errors", [0.1, 0.01, 0.001]),
         ("periods", lambda periods: ""),

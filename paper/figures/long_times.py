@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, legend_below, letter, looks, panels
+from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 
 #: Units of each quantity, and the exponents of its round-off by Brouwer's law and with a drift.
@@ -36,7 +36,7 @@ def draw(long_times: xr.Dataset) -> Figure:
     single = long_times.sel(arithmetic="float32", step="any")
     steady = long_times.sel(arithmetic="float32_compensated", step="short")
     errors = {"energy": double.max_energy_error, "phase": abs(double.phase_error)}
-    for name, look in looks(long_times.scheme).items():
+    for name, look in curve_styles(long_times.scheme).items():
         hollow = look | {"markerfacecolor": "white"}
         for (kind, error), (above, below) in zip(errors.items(), axes.T, strict=True):
             round_off = f"{kind}_round_off"

@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import SOLVERS
-from paper.figures.style import PAGE, legend_below, letter, looks_in_order, panels, wrapped
+from paper.figures.style import PAGE, curve_styles_in_order, legend_below, letter, panels, wrapped
 from paper.products import figure
 
 #: Largest error drawn; at larger ones the solution is lost.
@@ -36,7 +36,7 @@ def draw(data: xr.Dataset) -> Figure:
                 run = one.sel(scheme=scheme)
                 error = run.max_trajectory_error.where(run.max_trajectory_error < TOP)
                 ax.plot(run[of_schemes], error, color=grey, linestyle="-", linewidth=2.5, label=run.scheme_title.item())
-            for solver, look in looks_in_order(SOLVERS).items():
+            for solver, look in curve_styles_in_order(SOLVERS).items():
                 run = one.sel(solver=solver)
                 error = run.solver_max_trajectory_error.where(run.solver_max_trajectory_error < TOP)
                 ax.plot(run[of_solvers], error, label=SOLVERS[solver], **look)

@@ -1,4 +1,4 @@
-"""Common style of the figures: widths, panels, one look for each scheme everywhere, and how figures are saved."""
+"""Common style of the figures: widths, panels, one style for each scheme everywhere, and how figures are saved."""
 
 import os
 import textwrap
@@ -54,8 +54,8 @@ _COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#
 _LINES = ["-", "--", "-.", ":", (0, (7, 1.5)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 0.6))]
 _MARKERS = ["o", "s", "v", "^", "D", "P", "X", "<"]
 
-#: Numbers of the looks of a family, by the place of a scheme in it: one for each colour.
-_LOOKS = {
+#: Numbers of the curve styles of a family, by the place of a scheme in it: one for each colour.
+_STYLE_NUMBERS = {
     "Newmark and Wilson": (0, 1, 2, 3, 21, 23, 36, 38),
     "Multi-step and composite": (4, 8, 9, 10, 11, 14, 37, 39),
     "α-methods": (5, 17, 16, 15, 34, 35, 44, 46),
@@ -65,26 +65,26 @@ _LOOKS = {
 }
 
 
-def looks(schemes: xr.DataArray) -> dict[str, dict[str, Any]]:
-    """One look (colour, line style, marker) for each scheme of a dataset, the same in every figure.
+def curve_styles(schemes: xr.DataArray) -> dict[str, dict[str, Any]]:
+    """One style (colour, line style, marker) for each scheme of a dataset, the same in every figure.
 
     It follows from the family of a scheme and its place among all schemes of the family.
     """
     of = zip(*(schemes[name].values.tolist() for name in ("scheme", "family", "place_in_family")), strict=True)
-    return {name: _look(_number(family, place)) for name, family, place in of}
+    return {name: _curve_style(_number(family, place)) for name, family, place in of}
 
 
-def looks_in_order(names: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """One look for each of some curves that are no schemes."""
-    return {name: _look(index) for index, name in enumerate(names)}
+def curve_styles_in_order(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """One style for each of some curves that are not schemes."""
+    return {name: _curve_style(index) for index, name in enumerate(names)}
 
 
 def _number(family: str, place: int) -> int:
-    known = _LOOKS.get(family, ())
+    known = _STYLE_NUMBERS.get(family, ())
     return known[place] if place < len(known) else 48 + 8 * (crc32(family.encode()) % 50) + place
 
 
-def _look(number: int) -> dict[str, Any]:
+def _curve_style(number: int) -> dict[str, Any]:
     turn, place = divmod(number, len(_COLOURS))
     return {
         "color": _COLOURS[place],

@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import SOLVERS
-from paper.figures.style import COLUMN, legend_below, letter, looks_in_order, panels
+from paper.figures.style import COLUMN, curve_styles_in_order, legend_below, letter, panels
 from paper.products import figure
 
 #: Titles of the problems, whose dataset has none.
@@ -23,7 +23,7 @@ def draw(agreement: xr.Dataset) -> Figure:
     periods = agreement.periods.max()
     for index, (ax, problem) in enumerate(zip(axes.flat, agreement.problem.values, strict=False)):
         ax.plot(agreement.tolerance, agreement.tolerance, color="0.8", linewidth=2.5, label="error = tolerance")
-        for route, look in looks_in_order(agreement.route.values).items():
+        for route, look in curve_styles_in_order(agreement.route.values).items():
             error = agreement.u_error.sel(problem=problem, route=route, periods=periods)
             ax.plot(agreement.tolerance, error, label=SOLVERS[route], **look)
         ax.set(xscale="log", yscale="log")

@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import loss_of_amplitude, of_the_paper
-from paper.figures.style import PAGE, legend_below, letter, looks, panels
+from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.published import SCHEMES
 
@@ -41,7 +41,7 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
                 ax.plot(peer.solver_time_per_run, reached, "-*", color="0.6", label="heyoka")
             sizes = losses.sel(problem=problem) if measure == "amplitude_decay" else abs(one[measure])
             known = sizes.where((one.flagged.sel(measure=measure) == 0) & (sizes > FLOOR))
-            for name, look in looks(one.scheme).items():
+            for name, look in curve_styles(one.scheme).items():
                 run = one.sel(scheme=name)
                 ax.plot(run[cost], known.sel(scheme=name), label=run.scheme_title.item(), markevery=3, **look)
             ax.set(xscale="log", yscale="log")

@@ -160,7 +160,7 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         coords={
             "problem": ((), problem, {"long_name": "problem"}),
             "route": ("route", list(ROUTES), {"long_name": "solver of the trajectory"}),
-            "tolerance": ("tolerance", list(tolerances), {"long_name": "relative tolerance asked for", "units": "1"}),
+            "tolerance": ("tolerance", list(tolerances), {"long_name": "prescribed relative tolerance", "units": "1"}),
             "periods": (
                 "periods",
                 list(WINDOWS),

@@ -134,10 +134,10 @@ def assess(
     # as a multiple of itself it shares what is compiled with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
-    asked = _asked_for(quantities)
+    wanted = _wanted(quantities)
     of_energy = quantities is None and equation.potential is not None and not equation.dissipative
-    length = asked_for = length_of(equation, duration)
-    for name, quantity in asked.items():
+    length = requested = length_of(equation, duration)
+    for name, quantity in wanted.items():
         if reason := replace(quantity, name=name).refusal(equation):
             raise ValueError(reason)
         if quantity.needs_acceleration and equation.history is not None:
@@ -167,21 +167,21 @@ def assess(
         )
     progress, end = Progress(len(fit)), time.monotonic() + seconds
     progress.tell(f"solving for a reference of '{equation.title}'")
-    reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
+    reference = certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
-    if length < asked_for:
+    if length < requested:
         warnings.warn(
-            f"the references of '{equation.title}' agree up to t = {length:.4g} of {asked_for:g} s: errors are "
+            f"the references of '{equation.title}' agree up to t = {length:.4g} of {requested:g} s: errors are "
             "measured up to there only.",
             RuntimeWarning,
             stacklevel=2,
         )
-    cases = cases_of(equation, reference, asked, allowed[-1])
+    cases = cases_of(equation, reference, wanted, allowed[-1])
     if of_energy and (lacking := _lack_of_energy(equation, reference.solution)):
         warnings.warn(lacking, RuntimeWarning, stacklevel=2)
         of_energy = False
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
-    names = [*asked, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
+    names = [*wanted, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
     highest = highest_frequency_along(equation, reference.solution)
     finest = search.finest_step(length, slowest, highest, np.size(equation.u0))
     limits = [(name, error) for name in names for error in allowed if error >= search.CERTAIN * uncertainty[name]]
@@ -226,9 +226,9 @@ def assess(
         "reference_tolerance": reference.rtol,
         "starts": search.sentence_on_starts(cases),
         "duration": length,
-        "duration_asked_for": asked_for,
+        "duration_requested": requested,
         "problem": equation.title,
-        "command": f"study.assess(problem, {list(chosen)}, duration={asked_for:.17g}, errors={allowed}, maps={maps}"
+        "command": f"study.assess(problem, {list(chosen)}, duration={requested:.17g}, errors={allowed}, maps={maps}"
         + (", quantities=quantities)" if quantities else ")"),
         "processor": processor(),
         "not_fit": "; ".join(str(chosen[name].refusal(equation)) for name in chosen if name not in fit),
@@ -252,11 +252,11 @@ def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
     )
 
 
-def _asked_for(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:
-    asked = errors.named(quantities)
-    if ENERGY in asked:
+def _wanted(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:
+    wanted = errors.named(quantities)
+    if ENERGY in wanted:
         raise ValueError(f"the name '{ENERGY}' belongs to the balance of energies; give the quantity another name.")
-    return asked
+    return wanted
 
 
 def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: Progress) -> dict[str, Assessed]:

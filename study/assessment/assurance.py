@@ -39,11 +39,11 @@ def limits_of_reference(assessed: xr.Dataset) -> str:
     """A sentence on a reference that holds for a part of the time only, or on a program; empty if there is none."""
     if assessed.attrs.get("remarks"):
         return f"{assessed.attrs['remarks']}."
-    held, asked = assessed.attrs["duration"], assessed.attrs["duration_asked_for"]
-    if held >= asked:
+    held, requested = assessed.attrs["duration"], assessed.attrs["duration_requested"]
+    if held >= requested:
         return ""
     return (
-        f"Beyond t = {held:.4g} s of the requested {asked:.4g} s, {assessed.attrs['reference']} and "
+        f"Beyond t = {held:.4g} s of the requested {requested:.4g} s, {assessed.attrs['reference']} and "
         f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do where neighbouring "
         "motions part; all errors are measured up to there."
     )

@@ -24,7 +24,7 @@ from study.observer.motion import Quantity
 FINER = 8
 
 #: Number of samples of a refinement of a peak, between its neighbours, and number of refinements.
-CLOSER, LOOKS = 65, 2
+CLOSER, REFINEMENTS = 65, 2
 
 #: Number of times at which a quantity is evaluated at once.
 AT_ONCE = 4096
@@ -92,7 +92,7 @@ def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: 
         component = np.arange(first, min(first + together, len(peak)))
         top = np.abs(values[:, component]).argmax(axis=0)
         near, place = np.broadcast_to(times[:, None], (len(times), len(component))), np.arange(len(component))
-        for _ in range(LOOKS):
+        for _ in range(REFINEMENTS):
             near = np.linspace(
                 near[np.maximum(top - 1, 0), place], near[np.minimum(top + 1, len(near) - 1), place], CLOSER
             )

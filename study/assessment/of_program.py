@@ -84,7 +84,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
         "interpolation": INTERPOLATION,
         "starts": "No other start was tried.",
         "duration": program.duration,
-        "duration_asked_for": program.duration,
+        "duration_requested": program.duration,
         "problem": program.title,
         "command": f"study.assess(program, {list(program.schemes)}, errors={allowed})",
         "processor": processor(),

@@ -43,7 +43,7 @@ RESERVED = (
 OF_START, OF_LOAD = 1e9, 1e5
 
 #: Sampling of the load before a run: maximum, minimum, cap on samples × unknowns.
-MOST_LOOKS, FEWEST_LOOKS, LOOKED_AT = 1001, 65, 10_000_000
+MOST_SAMPLES, FEWEST_SAMPLES, SAMPLED = 1001, 65, 10_000_000
 
 
 def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
@@ -154,8 +154,8 @@ def checked_bound(
 
 
 def _largest_load(problem: Problem, duration: float) -> float:
-    looks = int(np.clip(LOOKED_AT // np.size(problem.u0), FEWEST_LOOKS, MOST_LOOKS))
-    times = np.linspace(0.0, duration, looks)
+    count = int(np.clip(SAMPLED // np.size(problem.u0), FEWEST_SAMPLES, MOST_SAMPLES))
+    times = np.linspace(0.0, duration, count)
     sizes = np.asarray(_sizes(problem.load, times))
     if not np.isfinite(sizes).all():
         raise ValueError(

@@ -54,7 +54,7 @@ HALVINGS = 20
 
 #: Largest number of residuals evaluated to shorten a correction. Every second one halves the bracket, so the slopes of
 #: a force may differ by half as many powers of two.
-MOST_LOOKS = 100
+MOST_RESIDUALS = 100
 
 
 def norm(x: Vector | float) -> Scalar:
@@ -164,23 +164,23 @@ def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance:
         return jnp.vdot(correction, residual(a - part * correction))
 
     def searches(carry):
-        *_, found, looks = carry
-        return ~found & (looks < MOST_LOOKS)
+        *_, found, evaluations = carry
+        return ~found & (evaluations < MOST_RESIDUALS)
 
-    def look(carry):
-        low, at_low, high, at_high, _, looks = carry
+    def evaluate(carry):
+        low, at_low, high, at_high, _, evaluations = carry
         secant = (low * at_high - high * at_low) / (at_high - at_low)
-        part = jnp.where(looks % 2 == 0, jnp.clip(secant, 0.99 * low + 0.01 * high, high), (low + high) / 2)
+        part = jnp.where(evaluations % 2 == 0, jnp.clip(secant, 0.99 * low + 0.01 * high, high), (low + high) / 2)
         value = along(part)
         beyond, found = value * before < 0, jnp.abs(value) <= OVERSHOOT * jnp.abs(before)
         low, at_low = jnp.where(beyond, low, part), jnp.where(beyond, at_low / 2, value)
         high, at_high = jnp.where(beyond | found, part, high), jnp.where(beyond, value, at_high / 2)
-        return low, at_low, high, at_high, found, looks + 1
+        return low, at_low, high, at_high, found, evaluations + 1
 
     before, whole = jnp.vdot(correction, out_of_balance), along(jnp.ones((), a.dtype))
     found = ~((whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before)))
     ends = jnp.zeros((), a.dtype), before, jnp.ones((), a.dtype), whole
-    _, _, part, *_ = lax.while_loop(searches, look, (*ends, found, jnp.zeros((), int)))
+    _, _, part, *_ = lax.while_loop(searches, evaluate, (*ends, found, jnp.zeros((), int)))
     return part * correction
 
 

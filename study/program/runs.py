@@ -65,7 +65,7 @@ class Runs:
         Whether Ctrl-C has ended the runs.
     """
 
-    def __init__(self, program: Program, seconds: float = math.inf, report: Callable[..., None] = lambda *told: None):
+    def __init__(self, program: Program, seconds: float = math.inf, report: Callable[..., None] = lambda *words: None):
         self.program, self.made, self._report = program, dict[Job, Run](), report
         self._workers = program.workers or cores()
         self._identity, self._pool = program.identity(), self._start()

@@ -67,8 +67,8 @@ def test_a_recommended_step_keeps_its_error_against_another_solver(driven, asses
 @pytest.mark.parametrize("reduce", ["peak", "final", "rms"])
 def test_a_reduced_quantity_is_compared_up_to_the_end_of_the_run(driven, reduce):
     """A run ends with the last step that fits; the reference is reduced up to there."""
-    asked = errors.named({"x": study.Quantity(lambda u, v: jnp.stack([u, v]), reduce=reduce)})
-    found = certified(driven, DURATION, asked, tightest=1e-4, coarsest=1.0, periodic=False)
+    wanted = errors.named({"x": study.Quantity(lambda u, v: jnp.stack([u, v]), reduce=reduce)})
+    found = certified(driven, DURATION, wanted, tightest=1e-4, coarsest=1.0, periodic=False)
     search = Search(study.schemes["newmark"], {1.0: Case(driven, found.targets, None)}, DURATION, 0.1, 0.01, False)
     search.run(np.array([0.0123, 0.0237]))
     for dt, steps, error in search.runs[["dt", "steps", "x"]].itertuples(index=False):
@@ -97,9 +97,9 @@ def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
 @pytest.mark.parametrize(
     "problem, duration",
     [
-        # the start tells nothing of the frequency of the motion
+        # the start does not show the frequency of the motion
         (study.Problem(lambda u: 1e3 * u**3, 0.0, 10.0, damping=0.01, title="far out"), 5.0),
-        # nor do small motions of that of the load
+        # nor do small motions show the frequency of the load
         (study.Problem(lambda u: u + u**3, 0.0, load=lambda t: 50 * jnp.cos(60 * t), title="driven fast"), 5.0),
     ],
 )
@@ -155,7 +155,7 @@ def test_no_recommended_step_contradicts_the_largest_safe_one(assessed):
 
 
 def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
-    """Displacement and energy over 20 periods, beside the observers by which the study compares with exact motions."""
+    """Displacement and energy over 20 periods, against the observers that compare with exact motions."""
     problem, steps = study.problems["hardening"], 20 * 32
     exact = float(taylor.period(problem, 0.15))
     duration = 20 * exact
@@ -187,7 +187,7 @@ def test_chaos_ends_what_a_reference_can_say():
     with_chaos = study.problems["duffing_chaotic"]
     with pytest.warns(RuntimeWarning, match=r"the references of 'Duffing, chaotic' agree up to t = .* of 200 s"):
         ds = study.assess(with_chaos, "rk4", duration=200.0, errors=(0.05,), maps=False)
-    assert 20 < ds.attrs["duration"] < 150 and ds.attrs["duration_asked_for"] == 200.0
+    assert 20 < ds.attrs["duration"] < 150 and ds.attrs["duration_requested"] == 200.0
     assert "Beyond t = " in page(ds)
 
 

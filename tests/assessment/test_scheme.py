@@ -1,4 +1,4 @@
-"""A scheme of one's own: its name, its contract, and its page."""
+"""Your own scheme: its name, its contract, and its page."""
 
 from pathlib import Path
 

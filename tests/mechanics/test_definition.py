@@ -1,4 +1,4 @@
-"""What a problem with several unknowns is told, what it finds by itself, and what it refuses with a sentence."""
+"""Arguments of a problem with several unknowns, their detection, and the errors for invalid ones."""
 
 import equinox as eqx
 import jax
@@ -17,7 +17,7 @@ ZERO = np.zeros(N)
 
 
 def _chain(u):
-    """Springs r + r³ in a row, the first of which hangs on a wall."""
+    """Springs r + r³ in a row; the first one is fixed to a wall."""
     stretch = jnp.concatenate([u[:1], jnp.diff(u)])
     pull = stretch + stretch**3
     return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])

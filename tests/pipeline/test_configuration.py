@@ -26,7 +26,7 @@ PRODUCTS = products.discover()
 
 
 def _shipped(name: str) -> dict:
-    """A configuration laid over that of the study, as Snakemake does."""
+    """A configuration that overrides the study's, as in Snakemake."""
     settings = yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())
     update_config(settings, yaml.safe_load((PROJECT / "config" / name).read_text()))
     return settings

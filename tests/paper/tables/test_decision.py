@@ -173,13 +173,13 @@ def test_the_energy_must_be_right_too(rows):
 
 
 def test_what_other_amplitudes_take_is_told(rows):
-    def told(*needed):
+    def stated(*needed):
         return rows(needed=needed)[0]["Beware of"]
 
     assert _steps(rows()[0])[0] == "Cheap: ≤ 8"
-    assert told(32.0, 64.0) == "at all amplitudes: 32"
-    assert told(8.0, 64.0) == ""
-    assert told(np.nan, 64.0) == "at all amplitudes: more than 128"
+    assert stated(32.0, 64.0) == "at all amplitudes: 32"
+    assert stated(8.0, 64.0) == ""
+    assert stated(np.nan, 64.0) == "at all amplitudes: more than 128"
 
 
 def test_elsewhere_the_fewest_forces_decide(rows):
