@@ -1,4 +1,4 @@
-"""What the texts, article and supplement, use, and what they say of the study by themselves."""
+"""The numbers, figures and tables that article and supplement use, and the facts that they state without them."""
 
 import json
 import re
@@ -7,12 +7,12 @@ from pathlib import Path
 from paper.products import Product, enter
 from paper.requirements import as_many
 
-#: What the texts share, and the texts, each of which becomes a PDF of its name.
+#: Common part of the texts, and the texts; each text becomes a PDF of its name.
 LAYOUT = Path(__file__).parent / "text" / "layout.typ"
 TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ")]
 
 _COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
-#: Kind of what the text uses: how the text names it.
+#: Patterns by which the text names a number, figure or table, by kind.
 _USES = {
     "number": re.compile(r'(?<![\w."])n\.(?:at\("([^"]+)"\)|(?!at\()([A-Za-z_]\w*))'),
     "figure": re.compile(r'\bpicture\("([^"]+)"'),
@@ -32,7 +32,7 @@ def uses(text: str) -> dict[str, dict[str, int]]:
 
 
 def check_uses(text: Path, results: Path) -> None:
-    """Refuse a text that uses what a folder of results lacks.
+    """Refuse a text that uses a product that a folder of results lacks.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def check_uses(text: Path, results: Path) -> None:
                 raise SystemExit(f"{text.name}, line {line}: there is no {kind} '{name}' in the results.")
 
 
-#: What the text says without a number from the datasets.
+#: Requirements of statements that the text makes without a number from the datasets.
 _ASKS = {
     "large_steps.problems": ["hardening", "softening", "softening_large", "double_well"],
     "sensitivity.problem": "double_well",

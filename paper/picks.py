@@ -1,4 +1,4 @@
-"""Which scheme keeps an error with the fewest forces, with its step, and how a cell of a table says it."""
+"""The scheme that keeps an error with the fewest forces, its step, and their cell in a table."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -13,26 +13,26 @@ from study.words import number
 
 #: Errors of the columns.
 ERRORS = (0.1, 0.01, 0.001)
-#: Part by which an energy may be off.
+#: Largest relative error of an energy.
 LEVEL = 0.1
-#: How the search for a step ends at the coarsest one.
+#: Verdict of a search that ends at the coarsest step.
 COARSEST = "already the coarsest step"
-#: Errors of a structure's motion, over its size, beyond which a step is not named. Leaving out an oscillation that the
-#: step does not resolve costs half of a velocity and all of an acceleration; a sawtooth in its place costs more.
-RIGHT = {"displacement_error": LEVEL, "velocity_error": 0.75, "acceleration_error": 1.25}
+#: Largest errors of a structure's motion over its size. An unresolved oscillation that is left out costs half of a
+#: velocity and all of an acceleration; a sawtooth costs more.
+BOUNDS = {"displacement_error": LEVEL, "velocity_error": 0.75, "acceleration_error": 1.25}
 #: Numbers of evaluations of the force up to this multiple of the fewest tie.
 TIED = 1.1
 
 NO_BREAK = "\u00a0"
-#: Before the coarsest step that was tried.
+#: Mark of the coarsest step that was tried.
 AT_MOST = f"≤{NO_BREAK}"
 
 
 class Pick(NamedTuple):
-    """A scheme with its step, as a cell shows it.
+    """A scheme with its step, in the form of a cell.
 
     ``step`` and ``forces`` are texts: the step or the number of steps, and the evaluations of the force in a time.
-    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` that of the linear theory.
+    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` its limit in linear theory.
     ``acceleration_error`` is the error of the acceleration of a structure at the step.
     """
 
@@ -60,7 +60,7 @@ def first_of(titles: list[str]) -> str:
 
 
 def tied(forces: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Places of the fewest forces and of those that tie with them, by their errors; NaN is no number of forces."""
+    """Places of the fewest forces and of those that tie with them, ordered by their errors; NaN does not count."""
     places = np.flatnonzero(forces <= TIED * np.fmin.reduce(forces, initial=np.inf))
     return places[np.argsort(error[places], kind="stable")]
 
@@ -88,13 +88,13 @@ def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataF
 
 
 def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Fewest forces in a period with which each scheme keeps an error, as all its finer steps do, and the step's place.
+    """Fewest forces in a period with which each scheme and all its finer steps keep an error, and the step's place.
 
-    A run does not count if its balance of energies is off by more than ``LEVEL``, or if one of the errors in ``RIGHT``
-    that the dataset has is larger than it says. The number is NaN where no step keeps the error.
+    A run does not count if its balance of energies is wrong by more than ``LEVEL``, or if one of its errors exceeds its
+    bound in ``BOUNDS``. The number is NaN if no step keeps the error.
     """
     sound = runs.max_energy_imbalance <= LEVEL
-    for name, level in RIGHT.items():
+    for name, level in BOUNDS.items():
         if name in runs:
             sound &= runs[name] <= level
     dims, steps = ("scheme", "steps_per_period"), runs.steps_per_period.values

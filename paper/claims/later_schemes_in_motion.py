@@ -185,7 +185,7 @@ def _slope(error: xr.DataArray, steps: str) -> float:
 @claim(
     "schemes",
     "With a scalar auxiliary variable BDF2 is bounded at every step without iteration.",
-    "largest displacement in a thousand steps, over all steps; error over that of average acceleration",
+    "largest displacement in a thousand steps, over all steps; error over average acceleration's",
     whose="Shen et al. (2018)",
 )
 def bounded_by_an_auxiliary_variable(later_schemes):
@@ -253,7 +253,7 @@ def resonances_of_impulse(later_schemes):
 @claim(
     "schemes",
     "β₁/β₂-Bathe with β₂ = 2β₁ is better for waves than ρ∞-Bathe.",
-    "error of the velocity along a bar, least over Courant numbers, over that of ρ∞-Bathe",
+    "error of the velocity along a bar, least over Courant numbers, over the error of ρ∞-Bathe",
     whose="Malakiyeh et al. (2019)",
 )
 def better_for_waves(later_schemes):
@@ -267,7 +267,7 @@ def better_for_waves(later_schemes):
 @claim(
     "schemes",
     "Noh and Bathe's explicit method is better for waves than central difference.",
-    "error of the velocity along a bar, over that of central difference with the same forces",
+    "error of the velocity along a bar, over the error of central difference with the same forces",
     whose="Noh and Bathe (2013)",
     requires={"later_schemes.courant": [0.5, 1.0]},
 )

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from paper.data import of_kinds
-from paper.figures.style import PAGE, legend_in_gap, letter, looks, panels, wrapped
+from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
 #: Schemes of every kind.
@@ -27,9 +27,9 @@ SMALLEST = 1e-16
 
 def _errors(ax: Axes, one: xr.Dataset, styles: dict) -> None:
     """Error of each scheme over the number of steps."""
-    for name, look in styles.items():
+    for name, style in styles.items():
         error = one.error.sel(scheme=name)
-        ax.plot(one.steps, error.where(error < BEYOND).clip(min=SMALLEST), label=error.scheme_title.item(), **look)
+        ax.plot(one.steps, error.where(error < BEYOND).clip(min=SMALLEST), label=error.scheme_title.item(), **style)
     ax.set(xscale="log", yscale="log")
     ends = one.steps.values[[0, -1]]
     ax.set_xticks(ends, [f"{n:,}" for n in ends])
@@ -38,9 +38,9 @@ def _errors(ax: Axes, one: xr.Dataset, styles: dict) -> None:
 
 def _exponents(ax: Axes, ueda: xr.Dataset, styles: dict) -> None:
     """Exponent of each scheme over the steps in a period of the load, and the printed one."""
-    for name, look in styles.items():
+    for name, style in styles.items():
         if name in ueda.scheme.values:
-            ax.plot(ueda.steps_per_period, ueda.exponent.sel(scheme=name), **look)
+            ax.plot(ueda.steps_per_period, ueda.exponent.sel(scheme=name), **style)
     ax.axhline(ueda.printed_exponent.item(), color="0.7", linewidth=1.5, zorder=0)
     ends = ueda.steps_per_period.values[[0, -1]]
     ax.set(xscale="log", xlabel="steps per period", ylim=(-1.5 * ueda.printed_exponent, 1.5 * ueda.printed_exponent))
@@ -60,7 +60,7 @@ def draw(published_numbers: xr.Dataset, ueda: xr.Dataset) -> Figure:
     columns = min(number, COLUMNS)
     rows = -(-number // columns)
     figure, axes = panels(rows, columns, PAGE, 4.0 * rows + 1.2)
-    styles = looks(shown.scheme)
+    styles = curve_styles(shown.scheme)
     for index, (ax, problem) in enumerate(zip(axes.flat, shown.problem.values, strict=False)):
         one = shown.sel(problem=problem)
         _errors(ax, one, styles)

@@ -10,13 +10,13 @@ from study.words import printed, span
 
 #: Circumstances with kinks of the force, and those in which all is smooth.
 KINKED, SMOOTH = ["hysteresis", "contact"], ["plain", "damping", "load"]
-#: Orders that are no more than one and two, up to what the fit leaves.
+#: Largest observed orders that count as one and as two.
 ONE, TWO = 1.6, 2.5
 
 
 @numbers(orders="order_under_reality", requires={"order_under_reality.schemes": ["generalized_alpha"]})
 def of_order_under_reality(orders: xr.Dataset) -> dict:
-    """What is left of the order, and where nothing is."""
+    """The remaining orders, and the circumstances without convergence."""
     observed, data = orders.observed_order, {"orders": orders}
     displacement = observed.sel(quantity="displacement")
     kinked = displacement.sel(circumstance=KINKED)

@@ -5,8 +5,8 @@ import xarray as xr
 
 from paper.claims.published_numbers import fewest_steps, largest_step, steps_of_orbit
 from paper.claims.terms import ROUND_OFF
+from paper.picks import sentence
 from paper.products import numbers
-from paper.tables.decision import sentence
 from study.words import span
 
 _NEEDED = ["arenstorf", "van_der_pol", "loaded_bar"]

@@ -1,4 +1,4 @@
-"""Which explicit and which implicit scheme, and which step, by kind of problem, what must be right, and error."""
+"""Which explicit and which implicit scheme, and which step, by kind of problem, quantity and error."""
 
 from collections.abc import Iterable, Iterator, Mapping
 
@@ -26,7 +26,7 @@ from paper.published import PROBLEMS
 from paper.requirements import OF_THE_ASSESSMENTS, contained
 from study.words import span
 
-#: What must be right of a spring.
+#: Quantities of a spring whose error is bounded.
 QUANTITIES = ("displacement", "velocity", "acceleration", "phase", "energy")
 #: Spring that the dataset of kinks holds for comparison.
 SPRING = "hardening"
@@ -140,9 +140,9 @@ def _set_by_sawtooth(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str,
 
 
 def _off_in_acceleration(choices: Iterable[list[Pick]]) -> str:
-    """By how much the acceleration is off at the steps of the schemes that are named, where it is wrong by more."""
+    """A remark on the errors of the acceleration at the steps of the first schemes, where they exceed ``LEVEL``."""
     off = [picks[0].acceleration_error for picks in choices if picks and picks[0].acceleration_error > LEVEL]
-    return f"acceleration off by {span(100 * np.array(off), '.0f')} %" if off else ""
+    return f"acceleration wrong by {span(100 * np.array(off), '.0f')} %" if off else ""
 
 
 def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]:
@@ -197,6 +197,7 @@ def _record(spectrum: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]
 
 
 @table(
+    "Recommended schemes and steps",
     springs=ASSESSED,
     robustness="stability/robustness",
     requires={
@@ -213,10 +214,10 @@ def tabulate(
     spectrum: xr.Dataset,
     structures: xr.Dataset,
 ) -> pd.DataFrame:
-    """One row per kind of problem and what must be right; a dash where no scheme keeps the error.
+    """One row per kind of problem and quantity; a dash where no scheme keeps the error.
 
     Explicit and implicit schemes have a row each. A cell names the scheme of its class with the fewest evaluations of
-    the force; numbers within a tenth tie, and of these the smallest error is named. Energy and phase of a spring
+    the force; numbers within a tenth tie, and then the smallest error decides. Energy and phase of a spring
     must be right to ``LEVEL`` too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
     highest ω of the motion, below the stability limit of the linear theory if there is one.
     """

@@ -24,7 +24,7 @@ def _cell(run: xr.Dataset) -> str:
     return f"{_percent(100 * run.displacement_error.item())}, {_percent(100 * run.max_energy_imbalance.item())}"
 
 
-@table(requires={"structures.steps_per_period": [STEPS_PER_PERIOD]})
+@table("Errors on structures", requires={"structures.steps_per_period": [STEPS_PER_PERIOD]})
 def tabulate(structures: xr.Dataset) -> pd.DataFrame:
     """One row per structure, one column per scheme."""
     at = structures.sel(steps_per_period=STEPS_PER_PERIOD)

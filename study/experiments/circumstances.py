@@ -22,13 +22,13 @@ from study.observer.base import Reduction
 from study.scheme.base import Scheme, Wrapper
 from study.words import printed
 
-#: What is compared.
+#: Quantities that are compared.
 QUANTITIES = ("displacement", "velocity", "acceleration")
 
-#: Duration of a run, and the initial velocities of the runs of which each error is the root mean square.
+#: Duration of a run, and the initial velocities of the runs; an error is the root mean square over these runs.
 DURATION, SPEEDS = 6.0, np.linspace(0.6, 1.4, 12)
 
-#: Part of the mean step by which every second step is larger, and every other one smaller.
+#: Part of the mean step by which steps are larger and smaller in turn.
 UNEQUAL = 1 / 3
 
 #: Relative and absolute tolerance of the references, by the method of Dormand and Prince of eighth order.
@@ -36,12 +36,12 @@ TOLERANCES = {"rtol": 1e-13, "atol": 1e-14}
 
 
 def carries(state: Any) -> bool:
-    """Whether a state has one acceleration; some schemes have those of their stages."""
+    """Whether a state has one acceleration; some schemes carry the accelerations of their stages."""
     return hasattr(state, "a") and state.a.shape == state.u.shape
 
 
 class AtTheEnd(Reduction):
-    """Displacement, velocity and acceleration at the end: the carried one, or that of the equation of motion."""
+    """Displacement, velocity and acceleration at the end; the acceleration is carried or follows from the equation."""
 
     variables: ClassVar = {name: {"long_name": name, "units": "1"} for name in QUANTITIES}
 
@@ -63,7 +63,7 @@ class AtTheEnd(Reduction):
 
 
 class FromNoAcceleration(Wrapper):
-    """Another scheme that starts with no acceleration in place of that of the equation of motion.
+    """Another scheme whose first acceleration is zero instead of following from the equation of motion.
 
     References
     ----------
@@ -122,7 +122,7 @@ class Circumstance:
     Attributes
     ----------
     title
-        What it is called in figures.
+        Its name in figures.
     problem
         The problem, whose initial displacement and velocity the runs replace.
     u0, v0
@@ -194,7 +194,7 @@ def _by_adaptive_steps(rates: Callable, u0: np.ndarray, v0: np.ndarray, *interna
     return dict(zip(QUANTITIES, np.array(ends).T, strict=True))
 
 
-# The functions have names, because problems that differ in numbers alone share what is compiled.
+# The functions have names, because problems that differ only in numbers share the compiled program.
 
 
 def _hardening(u):

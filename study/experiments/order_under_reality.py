@@ -18,11 +18,10 @@ from study.io import flags
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 
-#: How an order can be missing.
+#: Reasons why an order is missing.
 STATUSES = ("measured", "does_not_apply", "failed", "exact")
 
-#: Errors between these parts of the motion count towards an order, which takes the finest ones, at most and at least so
-#: many.
+#: Fit of an order: bounds of the errors as parts of the motion, and largest and smallest number of the finest errors.
 SMALLEST, LARGEST, MOST, LEAST = 1e-11, 1.0, 4, 3
 
 
@@ -61,15 +60,15 @@ def order_under_reality(
 ) -> xr.Dataset:
     """Measure the order of displacement, velocity and acceleration of schemes under the circumstances of real problems.
 
-    The error is that at the end of a run of six units of time, as the root mean square over twelve motions and all
-    unknowns, over that of the exact motion; the order is its slope over the step. References are exact, or by a
-    Runge-Kutta method of eighth order with adaptive steps. The acceleration is the one that a scheme carries, at the
-    end of the step, or that of the equation of motion if it carries none.
+    The error is measured at the end of a run of six units of time: its root mean square over twelve motions and all
+    unknowns, relative to the root mean square of the exact motion. The order is its slope over the step. References are
+    exact, or computed by a Runge-Kutta method of eighth order with adaptive steps. The acceleration is the one that a
+    scheme carries, at the end of the step, or follows from the equation of motion if it carries none.
 
     - ``plain``, ``damping``, ``load``: ü + c u̇ + u + u³ = f cos(1.5t − 0.7), free, with c = 0.2 and with f = 1;
     - ``support_0``, ...: two masses on a moving support, held by a spring of each of the ``stiffness_ratios``;
     - ``hysteresis``, ``contact``: an elastoplastic spring, and a mass that meets a stop of twenty times its stiffness;
-    - ``inconsistent_start``: the free oscillator, from no acceleration in place of that of the equation of motion;
+    - ``inconsistent_start``: the free oscillator, with a first acceleration of zero against the equation of motion;
     - ``unequal_steps``: the free oscillator, with steps of 4/3 and 2/3 of their mean in turn;
     - ``tolerance_0``, ...: the free oscillator, with Newton iterations that end at each of the ``tolerances``.
 

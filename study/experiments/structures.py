@@ -138,7 +138,7 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
     """Measure the errors, balances and effort of every scheme on a structure, by steps per period.
 
     The error of the displacement is max |u − u_ref| / max |u_ref| over the samples of ``reference/PROBLEM``, with
-    Euclidean norms over the unknowns; that of the velocity is defined likewise. The step size is the time scale of the
+    Euclidean norms over the unknowns; the velocity's error is defined likewise. The step size is the time scale of the
     structure over ``steps_per_period``. Variables have the shape (problem, scheme, steps_per_period) or (problem,).
 
     Raises

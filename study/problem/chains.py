@@ -26,8 +26,8 @@ def fpu_chain(separate: bool = False) -> Problem:
     u = (x₀₁, x₀₂, x₀₃, x₁₁, x₁₂, x₁₃), where x₁ᵢ are elongations of the stiff springs, and ω = 50. The motion starts
     with x₀₁ = 1, ẋ₀₁ = 1, x₁₁ = 1/ω, ẋ₁₁ = 1 and zero elsewhere. The stiff springs exchange their oscillatory energies
     :math:`I_i = (\dot x_{1,i}^2 + \omega^2 x_{1,i}^2)/2` over times of order ω. The sum I of these energies is nearly
-    constant over very long times. With ``separate`` the stiff springs are the stiffness of the problem, beside the
-    force of the soft ones.
+    constant over very long times. With ``separate`` the stiff springs are the stiffness of the problem, and the soft
+    ones its force.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""How a problem is named."""
+"""The decorator that names a problem."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class Known(NamedTuple):
 
 @dataclass(frozen=True)
 class NamedProblem:
-    """A function that makes a problem, with the facts that the study knows about it.
+    """A function that makes a problem, with its properties.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ from study.problem.naming import Known, named
 def pendulum() -> Problem:
     """The plane pendulum ü + sin u = 0 that almost reaches its upper equilibrium: u₀ = 0, u̇₀ = 1.999999238456499.
 
-    Its period 4K(u̇₀/2) = 33.7210 is five times that of small oscillations.
+    Its period 4K(u̇₀/2) = 33.7210 is five times the period of small oscillations.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""What the reference says about a quantity."""
+"""The reference of a quantity."""
 
 import numpy as np
 import pytest

@@ -180,13 +180,13 @@ def test_the_energy_must_be_right_too(rows):
 
 
 def test_what_other_amplitudes_take_is_told(rows):
-    def told(*needed):
+    def stated(*needed):
         return rows(needed=needed)[0]["Beware of"]
 
     assert _steps(rows()[0])[0] == "Cheap: ≤ 8"
-    assert told(32.0, 64.0) == "at all amplitudes: 32"
-    assert told(8.0, 64.0) == ""
-    assert told(np.nan, 64.0) == "at all amplitudes: more than 128"
+    assert stated(32.0, 64.0) == "at all amplitudes: 32"
+    assert stated(8.0, 64.0) == ""
+    assert stated(np.nan, 64.0) == "at all amplitudes: more than 128"
 
 
 def test_elsewhere_the_fewest_forces_decide(rows):
@@ -220,5 +220,5 @@ def test_a_scheme_whose_velocity_or_acceleration_is_wrong_is_not_recommended(row
 
 def test_an_acceleration_that_is_wrong_at_the_steps_named_is_a_warning(rows):
     # the cells of 10 and 1 % name the coarse and the fine step
-    assert rows(acceleration=0.4)[ROWS + 1]["Beware of"] == "lost by Fails; acceleration off by 40 to 80 %"
+    assert rows(acceleration=0.4)[ROWS + 1]["Beware of"] == "lost by Fails; acceleration wrong by 40 to 80 %"
     assert rows(acceleration=0.05)[ROWS + 1]["Beware of"] == "lost by Fails"
