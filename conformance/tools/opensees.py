@@ -32,7 +32,7 @@ INTEGRATORS: dict[str, Callable[..., tuple]] = {
 }
 
 
-#: Other integrators that stand for the same families.
+#: Other integrators of the same families.
 OTHERS: dict[str, Callable[..., tuple]] = {
     "newmark": lambda beta, gamma: ("Newmark", gamma, beta, "-form", "A"),
     "generalized_alpha": lambda alpha_m, alpha_f, beta, gamma: (

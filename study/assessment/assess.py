@@ -162,8 +162,8 @@ def assess(
     coarsest = slowest / search.COARSEST
     if length / coarsest > search.MOST_STEPS:
         raise ValueError(
-            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps of which "
-            f"{search.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
+            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps at "
+            f"{search.COARSEST} in a period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
     progress, end = Progress(len(fit)), time.monotonic() + seconds
     progress.tell(f"solving for a reference of '{equation.title}'")

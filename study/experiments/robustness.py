@@ -30,7 +30,7 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
         for k, length in enumerate(lengths):
             if not open_still[:, k].any():
                 continue
-            # each length has a run of its own, because a run that fails has no errors of its earlier steps
+            # each length has a separate run, because a run that fails has no errors of its earlier steps
             runs = run(
                 definition,
                 scheme,

@@ -18,7 +18,7 @@ class Observer(eqx.Module):
     needs_energy: ClassVar[bool] = False
     #: Whether the problem must have positions.
     needs_positions: ClassVar[bool] = False
-    #: Whether the problem must stand on moving ground.
+    #: Whether the problem must have moving ground.
     needs_ground: ClassVar[bool] = False
     #: Whether all steps must have one size.
     needs_equal_steps: ClassVar[bool] = False

@@ -44,7 +44,7 @@ def _picklable(program: Program) -> bool:
 
 
 class Runs:
-    """Runs of a program, each of which is made once.
+    """Runs of a program; each run is made once.
 
     Parameters
     ----------
