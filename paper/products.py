@@ -161,7 +161,7 @@ def discover(places: Iterable[str] = PLACES) -> list[Product]:
 
 
 def check(products: Iterable[Product], config: dict) -> None:
-    """Refuse a configuration that lacks what a product requires.
+    """Refuse a configuration that lacks a requirement of a product.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def reader(results: Path) -> Callable[[str], Any]:
 
 
 def made(product: Product, read: Callable[[str], Any]) -> Any:
-    """What the function of a product returns for its datasets."""
+    """The result of the function of a product for its datasets."""
     return product.function(
         **{
             argument: read(name) if isinstance(name, str) else [read(one) for one in name]

@@ -31,7 +31,7 @@ _STRICT = ConfigDict(extra="forbid", strict=True)
 
 
 def _registries() -> dict[str, Registry]:
-    """What a configuration can name, by kind."""
+    """Names that a configuration may use, by kind."""
     return {
         "spring": Registry("spring", {name: problems.resolve(name) for name in approximate_periods}),
         "structure": Registry("structure", {name: problems.resolve(name) for name in time_scales}),
@@ -89,7 +89,7 @@ def _nested(name: str, tree: dict[str, Any]) -> type[BaseModel]:
     return create_model(name, __config__=_STRICT, **fields)
 
 
-#: What pydantic calls a type, and what a reader does.
+#: Plain names of pydantic's types.
 _TYPES = {
     "int_type": "a whole number",
     "float_type": "a number",

@@ -131,7 +131,7 @@ def assess(
             )
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
         return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).tell)
-    # as a multiple of itself it shares what is compiled with its neighbours
+    # as a multiple of itself it shares the compiled program with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
     wanted = _wanted(quantities)

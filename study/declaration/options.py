@@ -193,7 +193,7 @@ PowersOfTen = Annotated[_PowersOfTen, IN_ORDER]
 
 @section
 class StructureLength(TypedDict):
-    """How long a structure is run, in its time scale."""
+    """Duration of a run of a structure, in its time scale."""
 
     problem: Structure
     periods: Annotated[float, Gt(0), Le(10_000)]
