@@ -1,6 +1,6 @@
 """Input files from the same cases, for codes that read no JSON: of OpenSees here, of others in ``chains``.
 
-The files of OpenSees are linear and cubic oscillators without a moving ground. Each file writes its motion as ``NAME.csv``
+The files of OpenSees are linear and cubic oscillators without moving ground. Each file writes its motion as ``NAME.csv``
 into the folder where it runs; a case without a file is skipped, as it has no result.
 """
 
