@@ -16,7 +16,7 @@ from typing_extensions import TypedDict
 
 
 def section(kind: type) -> type:
-    """A section of the configuration, a TypedDict: it accepts only its own keys, and only numbers of the declared type."""
+    """A section of the configuration, a TypedDict: it accepts only its own keys, and numbers of the declared types."""
     kind.__pydantic_config__ = {"extra": "forbid", "strict": True}  # type: ignore[attr-defined]
     return kind
 
