@@ -32,7 +32,7 @@ PLACES = ("claims", "explorer", "figures", "manuscript", "numbers", "pages", "ta
 
 @dataclass(frozen=True)
 class Product:
-    """A figure, table, page, set of numbers or claim; or the text of the manuscript, which only requires.
+    """A figure, table, page, set of numbers or claim; or the text of the manuscript, which only has requirements.
 
     Attributes
     ----------

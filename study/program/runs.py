@@ -180,7 +180,7 @@ class Runs:
         return self._pool.submit(attempt, self.program.run, *job, self.program.duration)
 
     def _alone(self, job: Job) -> Run:
-        """A run while no other is made; one that ends its process is recorded."""
+        """Make a run alone, and record it as failed if it ends its process."""
         with suppress(BrokenProcessPool):
             return self._submit(job).result()
         self._pool = self._start()
