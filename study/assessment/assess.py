@@ -132,7 +132,7 @@ def assess(
             )
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
         return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).tell)
-    # as a multiple of itself it shares what is compiled with its neighbours
+    # as a multiple of itself it shares the compiled program with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
     wanted = _wanted(quantities, equation)
@@ -158,8 +158,8 @@ def assess(
     coarsest = slowest / search.COARSEST
     if length / coarsest > search.MOST_STEPS:
         raise ValueError(
-            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps of which "
-            f"{search.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
+            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps at "
+            f"{search.COARSEST} in a period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
     progress, end = Progress(len(fit)), time.monotonic() + seconds
     progress.tell(f"solving for a reference of '{equation.title}'")

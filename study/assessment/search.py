@@ -213,7 +213,7 @@ class Search:
         self.run(self._drawn(bottom, top, count))
 
     def _drawn(self, bottom: float, top: float, count: int) -> np.ndarray:
-        """Random steps, one in each of as many equal parts between two steps on a logarithmic scale."""
+        """A number of random steps: one in each of equal parts between two steps on a logarithmic scale."""
         return top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count)
 
     def _unconfirmed(self, steps: Iterable[float]) -> np.ndarray:

@@ -22,7 +22,7 @@ def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "
         \ddot u_3 + k_2 (u_3 - u_2) &= 0, \quad u_1 = \sin(1.2 t)
 
     with u = (u₂, u₃) from rest, k₁ = 10⁷ and k₂ = 1. The motion u₁ of the support enters as the load k₁ u₁. The first
-    mass follows the support. Its own mode on the stiff spring, of period 0.002, stands for the rigid links of a
+    mass follows the support. Its own mode on the stiff spring, of period 0.002, represents the rigid links of a
     structure.
 
     References
