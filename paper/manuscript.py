@@ -1,4 +1,4 @@
-"""What the texts, article and supplement, use, and what they say of the study by themselves."""
+"""What the texts, article, supplement and replication, use, and what they say of the study by themselves."""
 
 import json
 import re
@@ -7,9 +7,11 @@ from pathlib import Path
 from paper.products import Product, enter
 from paper.requirements import as_many
 
-#: What the texts share, and the texts, each of which becomes a PDF of its name.
+#: Layout of the texts, and the texts, each of which becomes a PDF of its name.
 LAYOUT = Path(__file__).parent / "text" / "layout.typ"
-TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ")]
+TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ", "replication.typ")]
+#: What else they include.
+SHARED = [LAYOUT, *(LAYOUT.with_name(name) for name in ("energy_errors.typ", "metadata.yaml"))]
 
 _COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
 #: Kind of what the text uses: how the text names it.
