@@ -16,7 +16,7 @@ from typing import Any
 from sphinx.cmd.build import build_main
 
 import study
-from docs import decisions, gallery
+from docs import accessible, decisions, gallery
 from docs.conformance_page import conformance_page
 from docs.docstrings import parsed
 from docs.plan import OF_SCHEMES, PAGES, PRODUCTS
@@ -98,6 +98,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
             options = ["-q", "-W", "--keep-going", "-b", "html", "-c", str(Path(__file__).parent)]
             if build_main([*options, "-d", str(Path(folder, "trees")), str(sources), str(unfinished)]):
                 raise SystemExit("the site is not built: the lines above say what Sphinx warns of.")
+        accessible.complete(unfinished)
         (unfinished / ".buildinfo").unlink()  # a checksum with paths of this machine, for incremental builds
         for name in PRODUCTS:
             (unfinished / name).parent.mkdir(exist_ok=True)

@@ -47,11 +47,11 @@ html_theme = "furo"
 html_math_renderer = "mathml"
 html_static_path = [str(Path(__file__).parent / "static")]
 html_css_files = ["site.css"]
-html_js_files = [("table.js", {"defer": "defer"})]
+html_js_files = [(name, {"defer": "defer"}) for name in ("table.js", "scroll.js")]
 html_copy_source = html_show_sourcelink = False
 # the same pages on any day
 html_last_updated_fmt = None
-pygments_style, pygments_dark_style = "friendly", "monokai"
+pygments_style, pygments_dark_style = "a11y-high-contrast-light", "a11y-high-contrast-dark"
 
 
 def _docstring(app, what, name, documented, options, lines):

@@ -57,7 +57,7 @@ def _causes(code: Mapping[str, Any]) -> str:
     ]
     if not rows:
         return ""
-    head = ["verdict", "alternative or likely cause", "cases", ""]
+    head = ["verdict", "alternative or likely cause", "cases", "examples"]
     return "\n\n".join([f"### {_named(code)}", code["note"], table(head, rows, 4)])
 
 

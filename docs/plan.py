@@ -26,7 +26,7 @@ NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
 #: All tables of the study, and the table of claims.
 TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table"), "claims"
 #: Files of the results that are part of the site.
-PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "assessment/hardening.html")
+PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "replication.pdf", "assessment/hardening.html")
 
 #: Folders and files of the project from which the site is made.
 _FOLDERS = ("study", "docs", "paper/figures", "paper/published", "paper/tables", "examples", "conformance/verdicts")

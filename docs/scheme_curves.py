@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from docs.drawing import ACCENT, INK, OTHER, figure_of, lines_legend, panel, svg
-from docs.theory import PARTS
+from docs.theory import PARTS, ROUND_OFF
 
 if TYPE_CHECKING:
     from docs.scheme_page import Library, Subject
@@ -21,8 +21,9 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
         ("elongation", "relative elongation of the period", (0.0, 0.4), (-0.4, 0.6), ""),
         ("damping", "numerical damping ratio", (0.0, 0.4), (-0.02, 0.25), ""),
     ]
+    undamped = np.nanmax(np.abs(subject.theory.damping), initial=0.0) < ROUND_OFF
     panels = []
-    for name, label, horizontal, vertical, logarithmic in drawn:
+    for name, label, horizontal, vertical, logarithmic in drawn[:-1] if undamped else drawn:
         figure, axes = panel(logarithmic)
         shown = (PARTS >= max(horizontal[0], 5e-3)) & (PARTS <= horizontal[1])
         for other, line in COMPARED.items():
@@ -41,6 +42,7 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
     caption = (
         "Linear theory, from the derivative of a step of the code. Above a spectral radius of one a run grows without "
         "bound; curves end where the roots become real and nothing oscillates."
+        + (" The scheme has no numerical damping." if undamped else "")
     )
     lines = {COMPARED[name]: name for name in COMPARED if name != subject.name and name in library.schemes}
     legend = [("-", subject.scheme.title), *((line, library.schemes[name].title) for line, name in lines.items())]

@@ -1,4 +1,4 @@
-"""Compile the texts: ``python -m paper.compile RESULTS FOLDER`` writes manuscript.pdf and supplement.pdf."""
+"""Compile the texts: ``python -m paper.compile RESULTS FOLDER`` writes the PDF of each."""
 
 import sys
 from pathlib import Path
@@ -11,7 +11,7 @@ from study.io import one_sentence, read, write
 
 @one_sentence()
 def main(results: Path, folder: Path) -> None:
-    """Compile article and supplement with the numbers, tables and figures of a folder of results.
+    """Compile article, supplement and replication with the numbers, tables and figures of a folder of results.
 
     Typst reads only below its root. Results may lie anywhere, so the root is the root of the file system. With the
     fixed time stamp the same inputs give the same bytes. Facts of the text that the data contradict are printed; their

@@ -1,4 +1,4 @@
-"""The numbers, figures and tables that article and supplement use, and the facts that they state without them."""
+"""The numbers, figures and tables that the texts use, and the facts that they state without them."""
 
 import json
 import re
@@ -9,7 +9,9 @@ from paper.requirements import as_many
 
 #: Common part of the texts, and the texts; each text becomes a PDF of its name.
 LAYOUT = Path(__file__).parent / "text" / "layout.typ"
-TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ")]
+TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ", "replication.typ")]
+#: Files that they include.
+SHARED = [LAYOUT, *(LAYOUT.with_name(name) for name in ("energy_errors.typ", "metadata.yaml"))]
 
 _COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
 #: Patterns by which the text names a number, figure or table, by kind.

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from paper.manuscript import LAYOUT, TEXTS
+from paper.manuscript import SHARED, TEXTS
 from paper.products import Product
 from pipeline.sources import Sources
 from pipeline.step import Step, job
@@ -65,12 +65,15 @@ def steps_of(products: list[Product], root: Path, sources: Sources) -> list[Step
     steps = [_of_each(kind, of_kind[kind], sources) for kind in _FILES]
     steps += [_of_all(kind, of_kind[kind], sources) for kind in _WHOLES]
     included = [file for step in steps for file in step.products if file.endswith(_INCLUDED)]
-    names = ["paper/references.bib", "CITATION.cff", *(f"paper/text/{path.name}" for path in (*TEXTS, LAYOUT))]
+    names = ["paper/references.bib", "CITATION.cff", *(f"paper/text/{path.name}" for path in (*TEXTS, *SHARED))]
     texts = [root / name for name in names]
     one = job(["paper.compile", "results", "results"], [*included, *texts, *sources.of(["paper.compile"])])
     outputs = tuple(f"results/{path.stem}.pdf" for path in TEXTS)
     listed = {file: {"": ("Article", Path(file).stem)} for file in outputs}
-    return [*steps, Step("manuscript", "Article and supplement", outputs, {"": one}, quick=True, report=listed)]
+    return [
+        *steps,
+        Step("manuscript", "Article, supplement and replication", outputs, {"": one}, quick=True, report=listed),
+    ]
 
 
 def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) -> None:

@@ -1,4 +1,4 @@
-"""``python -m paper.latex RESULTS FOLDER`` writes article and supplement as LaTeX sources with all that they include.
+"""``python -m paper.latex RESULTS FOLDER`` writes the texts as LaTeX sources with all that they include.
 
 Pandoc reads the texts with a special layout, and a filter adds the parts that it omits. pdfLaTeX compiles them.
 """

@@ -24,6 +24,7 @@ TIMED = {
     "tables",
     "manuscript",
     "supplement",
+    "replication",
 }
 
 

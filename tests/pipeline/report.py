@@ -20,7 +20,8 @@ def check_contents(report: Path, results: Path) -> None:
     assert headings == {"Article", "Assessments", "Explorer", "Figures", "Ledger of claims", "Tables"}
     assert all(heading in stated["workflow_desc"] for heading in headings)
     listed = {Path(path).relative_to("results").as_posix() for path in stated["results"]}
-    assert {"manuscript.pdf", "supplement.pdf", "explorer.html", "tables.html", "claims.html", "claims.csv"} <= listed
+    assert {f"{name}.pdf" for name in ("manuscript", "supplement", "replication")} <= listed
+    assert {"explorer.html", "tables.html", "claims.html", "claims.csv"} <= listed
     made = {*results.glob("figures/*.svg"), *results.glob("tables/*.csv")}
     assert {path.relative_to(results).as_posix() for path in made} <= listed
     labels = [result["labels"]["content"] for result in stated["results"].values()]
