@@ -150,7 +150,7 @@ OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
 Springs = Annotated[list[Spring], _FEW, _DISTINCT]
 Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
 #: Problems whose force or load has kinks or remembers, and a smooth one to compare with.
-KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken"], Names("problem")]
+KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken", "pulse"], Names("problem")]
 Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
 #: Problems whose exact motion has samples: those of the section ``kinks``, and structures.
 Sampled = Annotated[list[KinkedName | Structure], _FEW, _DISTINCT]
