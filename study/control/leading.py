@@ -58,6 +58,7 @@ def linear_ratio(scheme: Scheme, estimator: str, part: np.ndarray, steps: float)
     of_u, of_v = abs(beta - 1 / 6 + s / 2) * sine, abs(1 / 12 - s**2 / 2 + c) * cosine
     estimates = {
         "zienkiewicz_xie": of_u,
+        "zienkiewicz_xie_balance": of_u,
         # the parabola takes the carried acceleration for the exact one at its time
         "three_point": np.maximum(of_u, abs(1 / 12 - s**2 / 2) * cosine),
         "half_step_residual": abs(1 / 8 - s**2 / 2 + c) * cosine / angle,

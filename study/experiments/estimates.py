@@ -152,12 +152,13 @@ def true_errors(problem: Problem, ds: xr.Dataset, steps: int = FINE_STEPS) -> tu
     u, v, h = ds.u.values, ds.v.values, ds.step_size.values[1:]
     scheme = UNDAMPED if problem.damping is None else DAMPED
     fine: dict[str, Any] = {"dt": h / steps, "steps": steps, "every": steps}
-    if problem.load is None:
+    load = problem.load
+    if load is None:
         true = run(problem, scheme, u0=u[:-1], v0=v[:-1], **fine)
     else:
 
         def restarted(now, here, speed):
-            later = _Later(problem.load, now)
+            later = _Later(load, now)
             return eqx.tree_at(lambda p: (p.u0, p.v0, p.load), problem, (here, speed, later))
 
         true = run(restarted, scheme, over={"now": ds.t.values[:-1], "here": u[:-1], "speed": v[:-1]}, **fine)

@@ -8,7 +8,7 @@ from study.control.leading import linear_ratio
 from study.experiments.estimates import true_errors
 
 OSCILLATOR = study.Problem(lambda u: u, u0=1.0)
-ESTIMATORS = ["zienkiewicz_xie", "three_point", "half_step_residual"]
+ESTIMATORS = ["zienkiewicz_xie", "zienkiewicz_xie_balance", "three_point", "half_step_residual"]
 DOUBLED = ["average_acceleration", "central_difference", "bathe", "rk4"]
 CARRIED = ["average_acceleration", "central_difference", "hht_alpha", "wbz_alpha", "generalized_alpha"]
 CASES = [(scheme, estimator) for scheme in CARRIED for estimator in ESTIMATORS]
