@@ -152,7 +152,7 @@ OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
 Springs = Annotated[list[Spring], _FEW, _DISTINCT]
 Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
 #: Problems whose force has kinks or memory or whose load has kinks, and a smooth one for comparison.
-KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken"], Names("problem")]
+KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken", "pulse"], Names("problem")]
 Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
 #: Problems whose exact motion has samples: those of the section ``kinks``, and structures.
 Sampled = Annotated[list[KinkedName | Structure], _FEW, _DISTINCT]

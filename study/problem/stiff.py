@@ -14,7 +14,9 @@ SUPPORT_PERIOD = 2 * np.pi / 1.2
 
 @named(time_scale=SUPPORT_PERIOD)
 def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "stiff and soft springs") -> Problem:
-    r"""Two masses in a row on a moving support: a stiff spring holds the first mass, a soft one the second.
+    r"""The problem of Bathe and Noh with three degrees of freedom: two masses in a row on a moving support.
+
+    A stiff spring holds the first mass, a soft one the second.
 
     .. math::
 
