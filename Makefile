@@ -10,7 +10,7 @@ BIN := .venv/bin
 # `make CLUSTER=slurm` sends the jobs to the cluster that profiles/slurm describes
 CLUSTER ?=
 OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER) $(WITHOUT_ACCOUNTING))
-# where Slurm keeps no account of jobs, their state is that in its queue
+# without accounts of jobs in Slurm, their state is read from its queue
 WITHOUT_ACCOUNTING = $(shell sacct > /dev/null 2>&1 || echo --slurm-status-command squeue --slurm-no-account)
 
 KILLS ?= 100
@@ -18,14 +18,14 @@ CONFORMANCE ?= results/conformance.zip
 
 .PHONY: study site test coverage benchmark check lock torture cluster archive latex conformance citation clean
 
-# the pages of the site, results/site/index.html, are made on request, with what is missing of the study
+# the pages of the site, results/site/index.html, are made on request, with missing parts of the study
 study site: .venv/ready
 	$(BIN)/snakemake $(OPTIONS) $(filter site,$@) --configfile $(CONFIG)
 
 test: .venv/ready
 	$(BIN)/pytest -n auto
 
-# the tests with the lines that they run, of which pyproject.toml states the least share
+# the tests with the lines that they run; pyproject.toml states the least coverage
 coverage: .venv/ready
 	$(BIN)/pytest -n auto --cov=study --cov=reference --cov-report=term
 

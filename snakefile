@@ -45,7 +45,7 @@ except Refused as error:
 
 
 onstart:
-    global run  # what it holds ends with this process, however that ends
+    global run  # its handles close with this process, however that ends
     try:
         run = begun(config, workflow.local_exec)
     except Refused as error:
@@ -101,7 +101,7 @@ for step in plan["steps"]:
         localrule: step["quick"]  # on a cluster it stays where Snakemake is
         conda:
             "config/environment.yaml"  # for --sdm conda only
-        # what measures times has the machine alone: all cores of this one, or a node of a cluster
+        # jobs that measure times run alone: on all cores of this machine, or on a node of a cluster
         threads:
             lambda wildcards, alone=step["alone"]: (
                 workflow.cores if alone and workflow.local_exec else 1

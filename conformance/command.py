@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--command", metavar="TEXT", help="a command with {case} and {out}, which writes a CSV file")
     parser.add_argument("--collect", type=Path, metavar="FOLDER", help="a folder of CSV files that exist already")
     parser.add_argument("--skip", nargs="+", default=[], metavar="TAG", help="tags of cases to leave out")
-    parser.add_argument("--only", nargs="+", default=[], metavar="TAG", help="tags, all of which a case must have")
+    parser.add_argument("--only", nargs="+", default=[], metavar="TAG", help="tags that a case must have")
     parser.add_argument("--tool", default="a code", help="name of the code")
     parser.add_argument("--tool-version", default="", metavar="VERSION", help="version of the code")
     parser.add_argument("--note", default="", metavar="TEXT", help="a sentence on how the code is run")

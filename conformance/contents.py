@@ -48,7 +48,7 @@ STABLE = ("AVG", "DIS", "WIL", "HOU", "HHT", "H96", "WBZ", "GEN", "BAT", "RBA", 
 
 
 class Entry(NamedTuple):
-    """A problem with its step, of which every scheme makes a case.
+    """A problem with its step, which makes a case with every scheme.
 
     Attributes
     ----------

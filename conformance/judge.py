@@ -100,7 +100,7 @@ def _bound(case: Mapping[str, Any], motion: Motion) -> Verdict:
     largest = float(max(energies) / energies[0])
     if largest <= float(expected["limit"]):
         return Verdict(case["name"], "pass")
-    cause = f"the energy grows to {largest:.3g} times that of the start; {expected['limit']} is the limit"
+    cause = f"the energy grows to {largest:.3g} times its value at the start; {expected['limit']} is the limit"
     return Verdict(case["name"], "fail", cause=cause)
 
 

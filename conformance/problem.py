@@ -62,7 +62,7 @@ class Problem:
         return np.minimum(np.maximum(u - self._plastic, -bound), bound)
 
     def force(self, u: np.ndarray) -> np.ndarray:
-        """p(u), shape (n,); that of an elastoplastic spring is for the motion from the last ``commit``."""
+        """p(u), shape (n,); for an elastoplastic spring after the motion from the last ``commit``."""
         form, p = self.text["form"], self._parameters
         if form == "linear":
             return p["stiffness"] @ u
@@ -110,7 +110,7 @@ class Problem:
         return (v @ self.mass @ v + p["S1"] * u @ u * (1 + p["S2"] * u @ u / 2)) / 2
 
     def commit(self, u: np.ndarray) -> None:
-        """Make u, the displacement at the end of a step, the point from which a spring with a memory goes on."""
+        """Commit u, the displacement at the end of a step, from which a spring with a memory continues."""
         if self.text["form"] == "elastoplastic":
             self._plastic = u - self._elastic(u)
 

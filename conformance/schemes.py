@@ -1,7 +1,7 @@
 """Schemes by their formulas, for arrays of any numbers: the arithmetic behind the cases.
 
 The schemes solve for the displacement, as textbooks on finite elements do, and share nothing with a code that is
-judged. Words change a scheme: into one that a code may have with good reason, or into one with a mistake.
+judged. Words change a scheme: into a legitimate alternative, or into one with a mistake.
 """
 
 from collections.abc import Collection, Mapping
@@ -16,7 +16,7 @@ ITERATIONS = 60
 
 
 class March:
-    """State of a run: t, u, v and the carried acceleration a, with what all schemes use."""
+    """State of a run: t, u, v and the carried acceleration a, with common parts of all schemes."""
 
     def __init__(self, problem: Problem, scheme: Mapping[str, Any], dt: Any, words: Collection[str]):
         self.problem, self.dt, self.words = problem, dt, words
@@ -51,7 +51,7 @@ class March:
         self.dt, self.before = size, self.a
 
     def signed(self, load: np.ndarray) -> np.ndarray:
-        """A load, or what a mistake in all of the run makes of it."""
+        """A load, or its wrong form by a mistake in the whole run."""
         return load * (0 if "no load" in self.words else -1 if "sign of load" in self.words else 1)
 
     def load(self, part: Any) -> np.ndarray:
@@ -158,7 +158,7 @@ class March:
         self.generalized_alpha(0, -alpha, beta, gamma)
 
     def hht_1996(self, alpha: Any, beta: Any, gamma: Any) -> None:
-        """The same with two weighted forces, of which neither damping nor load is weighted."""
+        """The same with two weighted forces, and with neither damping nor load weighted."""
         self.words = {*self.words, "two forces", "damping at end", "load at end"}
         self.hht(alpha, beta, gamma)
 
@@ -302,7 +302,7 @@ def run(
     dt
         Size of all steps, or the sizes of each.
     words
-        Changes of the scheme, of which ``generate.py`` has the list.
+        Changes of the scheme, listed in ``generate.py``.
     """
     sizes = [dt] * steps if np.ndim(dt) == 0 else [*dt]
     if "late sizes" in words:

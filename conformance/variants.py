@@ -1,4 +1,4 @@
-"""What a code may do with good reason, and mistakes that codes make: words and numbers that change a scheme."""
+"""Legitimate alternatives and common mistakes of codes: words and numbers that change a scheme."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -23,7 +23,7 @@ class Variant(NamedTuple):
     verdict
         ``differs`` for an alternative, ``fail`` for a mistake.
     text
-        What a code does that has the values of this variant.
+        Description of a code with the values of this variant.
     families
         Families of schemes that it changes.
     words
@@ -56,7 +56,7 @@ def _complement(value: str) -> str:
     return str(1 - Fraction(value)) if "/" in value else f"{1 - float(value):.17g}"
 
 
-#: Alternatives first: of two variants with the same values in a case the first is named.
+#: Variants, alternatives first: if two variants have the same values in a case, the first one is named.
 VARIANTS = (
     _alternative("two internal forces are weighted", ("hht", "generalized_alpha", "kr_alpha"), "two forces"),
     _alternative("the loads of both ends of the step are weighted", (*ALPHA, "kr_alpha"), "mean of loads"),

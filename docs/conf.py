@@ -40,7 +40,7 @@ autodoc_default_options = {"members": True}
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 
-# what code prints has no button
+# the output of code has no button
 copybutton_selector = "div:not(.highlight-text) > div.highlight > pre"
 
 html_theme = "furo"
@@ -59,7 +59,7 @@ def _docstring(app, what, name, documented, options, lines):
 
 
 def _describe(app, pagename, templatename, context, doctree):
-    """A page that does not describe itself is described by its first paragraph, which searches show."""
+    """Describe a page without a description by its first paragraph, which searches show."""
     if doctree is not None and 'name="description"' not in context["metatags"]:
         said = next((paragraph.astext() for paragraph in doctree.findall(nodes.paragraph)), "")
         text = html.escape(textwrap.shorten(said, 160, placeholder=" …"))

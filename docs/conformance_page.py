@@ -1,4 +1,4 @@
-"""The page of the conformance kit: how to run it, and what it found in codes."""
+"""The page of the conformance kit: how to run it, and its results for codes."""
 
 import json
 from collections import Counter, defaultdict
@@ -10,13 +10,13 @@ from docs.text import described, table
 
 RESULTS = Path(__file__).parent.parent / "conformance" / "verdicts"
 
-#: Causes without the numbers, which differ from case to case.
+#: Causes without their numbers, which differ from case to case.
 _OF_KIND = {"ORDER": "the order is not that of the scheme", "BOUND": "the energy grows"}
 
 #: Columns of counts; all other cases are skipped.
 _SHOWN = ("pass", "differs", "fail")
 
-#: Names of cases that a row shows at most.
+#: Largest number of names of cases in a row.
 SHOWN = 4
 
 
@@ -62,7 +62,7 @@ def _causes(code: Mapping[str, Any]) -> str:
 
 
 def conformance_page() -> str:
-    """The page in Markdown; the guide is that of the kit."""
+    """The page in Markdown, with the guide of the kit."""
     codes = found()
     parts = [
         "```{include} /included/conformance.md\n```",

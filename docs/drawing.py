@@ -1,4 +1,4 @@
-"""Curves and maps as SVG that stands in a page: its text and lines take the colours of the page, light or dark."""
+"""Curves and maps as SVG elements of a page: text and lines take the colours of the page, light or dark."""
 
 import html
 import io
@@ -15,7 +15,7 @@ from matplotlib.ticker import NullFormatter
 from paper.figures.style import OUTCOME_STYLES  # whose settings hold for these figures too
 from study.words import RAISED
 
-#: Colours that a page replaces by its own, see ``static/site.css``: of text and lines, of what stands out, of others.
+#: Colours that a page replaces by its own, see ``static/site.css``: text and lines, highlighted curve, other curves.
 INK, ACCENT, OTHER = "#000000", "#0072b2", "#999999"
 _NAMES = {INK: "currentColor", ACCENT: "var(--curve)", OTHER: "var(--curve-other)"}
 
@@ -26,7 +26,7 @@ _SETTINGS: Any = {"font.family": ["DejaVu Sans", "sans-serif"], "font.size": 9, 
 
 
 def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
-    """A figure with one panel, which a page sets beside others where it has room.
+    """A figure with one panel, which a page places next to others if it is wide enough.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
         Axes that are logarithmic: "x", "y", "xy" or none.
     """
     with rc_context(_SETTINGS):
-        # margins that suit every panel; a layout that measures all texts takes most of the time
+        # margins for every panel; a layout that measures all texts would take most of the time
         figure = Figure(figsize=PANEL, facecolor="none")
         figure.set_layout_engine("none")
         axes = figure.add_axes((0.17, 0.18, 0.8, 0.72))
@@ -56,7 +56,7 @@ def svg(figure: Figure, label: str) -> str:
     Parameters
     ----------
     label
-        What it shows, for those who do not see it.
+        Description for screen readers.
     """
     with rc_context(_SETTINGS | {"svg.hashsalt": rcParams["svg.hashsalt"]}):
         written = io.StringIO()

@@ -1,4 +1,4 @@
-"""What the site is made of."""
+"""The inputs of the site."""
 
 import re
 from pathlib import Path
@@ -23,7 +23,7 @@ OF_SCHEMES = (
 NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
 #: The declaration of that table, which the table of recommendations makes again of fewer schemes.
 (RECOMMENDED,) = (one for one in discover(["tables"]) if one.name == "decision")
-#: All tables of the study, and that of the claims.
+#: All tables of the study, and the table of claims.
 TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table"), "claims"
 #: Files of the results that are part of the site.
 PRODUCTS = ("explorer.html", "manuscript.pdf", "supplement.pdf", "replication.pdf", "assessment/hardening.html")

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from docs.scheme_page import Library, Subject
 
 #: Schemes that every page shows for comparison, with their lines.
-BESIDE = {"average_acceleration": "--", "central_difference": ":"}
+COMPARED = {"average_acceleration": "--", "central_difference": ":"}
 
 
 def linear_theory(subject: "Subject", library: "Library") -> str:
@@ -26,17 +26,17 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
     for name, label, horizontal, vertical, logarithmic in drawn[:-1] if undamped else drawn:
         figure, axes = panel(logarithmic)
         shown = (PARTS >= max(horizontal[0], 5e-3)) & (PARTS <= horizontal[1])
-        for other, line in BESIDE.items():
+        for other, line in COMPARED.items():
             if other != subject.name and other in library.schemes:
-                beside = library.subject(other)
-                values = getattr(beside.theory, name)[shown]
+                compared = library.subject(other)
+                values = getattr(compared.theory, name)[shown]
                 axes.plot(PARTS[shown], np.clip(values, -9, 9), color=OTHER, ls=line, lw=1.2)
         values = getattr(subject.theory, name)[shown]
         axes.plot(PARTS[shown], np.clip(values, -9, 9), color=ACCENT, lw=2)
         if name == "radius":
             axes.axhline(1.0, color=INK, lw=0.6)
         if name == "damping" and np.nanmin(values, initial=0.0) < vertical[0]:
-            vertical = (-vertical[1], vertical[1])  # a scheme that feeds energy
+            vertical = (-vertical[1], vertical[1])  # a scheme that adds energy
         axes.set(xlim=horizontal, ylim=vertical, xlabel="step size over period", ylabel=label)
         panels.append(svg(figure, f"{label} of {subject.scheme.title} over the step size"))
     caption = (
@@ -44,6 +44,6 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
         "bound; curves end where the roots become real and nothing oscillates."
         + (" The scheme has no numerical damping." if undamped else "")
     )
-    lines = {BESIDE[name]: name for name in BESIDE if name != subject.name and name in library.schemes}
+    lines = {COMPARED[name]: name for name in COMPARED if name != subject.name and name in library.schemes}
     legend = [("-", subject.scheme.title), *((line, library.schemes[name].title) for line, name in lines.items())]
     return figure_of([*panels, lines_legend(legend)], caption)

@@ -1,4 +1,4 @@
-"""The page of a scheme: the same for a named one and for one of a user's own."""
+"""The page of a scheme: the same for a named scheme and for a user's scheme."""
 
 import dataclasses
 import html
@@ -20,7 +20,7 @@ from docs.text import definitions, described, found_by
 from docs.theory import PARTS, STEPS, Theory, theory_of
 from study.words import number
 
-#: Fields of a scheme that are labels and no parameters.
+#: Fields of a scheme that are labels, not parameters.
 _LABELS = {"title", "source", "doi", "stability_limit"}
 
 
@@ -87,7 +87,7 @@ def stability(theory: Theory) -> str:
 
 
 def high_frequencies(theory: Theory) -> str:
-    """What becomes of modes that the step does not resolve, in a phrase."""
+    """Damping of modes that the step does not resolve, in a phrase."""
     if theory.limit == 0:
         return "unstable"
     if math.isnan(theory.at_infinity):

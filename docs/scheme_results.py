@@ -1,4 +1,4 @@
-"""What the datasets hold on a scheme: orders, energy errors, maps, work and precision."""
+"""Results of a scheme in the datasets: orders, energy errors, maps, work and precision."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -19,14 +19,14 @@ from study.words import listed, number, percent
 if TYPE_CHECKING:
     from docs.scheme_page import Subject
 
-#: What each measure of error is called.
+#: Names of the measures of error.
 _MEASURES = {
     "max_trajectory_error": "displacement",
     "period_elongation": "period",
     "amplitude_decay": "amplitude",
     "max_energy_error": "energy",
 }
-#: What the ways to fail are called.
+#: Descriptions of failures.
 _FAILURES = {"no_solution_found": "no balance of forces is found", "unbounded": "the motion grows without bound"}
 #: Length in periods of the runs of work and precision.
 _LONG = 100
@@ -41,7 +41,7 @@ def _of(subject: "Subject", dataset: xr.Dataset) -> xr.Dataset | None:
 
 
 def not_run(subject: "Subject", what: str) -> str:
-    """A sentence on a kind of run that the study has not made of a scheme."""
+    """A sentence on a missing kind of run of a scheme."""
     missing = f"The study that made this page has no {what} of this scheme"
     if subject.name in study.schemes:
         return f"{missing}; the full study runs all schemes that have names."
@@ -65,14 +65,14 @@ def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
                 observed_order(one[measure].sel(problem=problem, periods=PERIODS[measure])) for measure in _MEASURES
             )
             rows.append([title, *(number(order, 2) for order in found)])
-        parts.append("Order in Δt that the errors show, fitted to the finest steps above round-off:")
+        parts.append("Observed order in Δt of the errors, fitted to the finest steps above round-off:")
         parts.append(table(["problem", *_MEASURES.values()], rows))
-        parts.append("A dash stands where the slope is not steady or the errors are round-off.")
+        parts.append("A dash means that the slope is not steady or the errors are round-off.")
     kinked = _of(subject, data["kinks"])
     if kinked is not None:
         found = kinked.observed_order
         rows = [[title, number(found.sel(problem=name).item(), 2)] for name, title in _titles(kinked).items()]
-        parts.append("Order of the displacement where the force yields, remembers or touches, and under a record:")
+        parts.append("Order of the displacement with yielding, memory or contact, and under a record:")
         parts.append(table(["problem", "order"], rows))
     return "\n\n".join(parts)
 
@@ -138,7 +138,7 @@ def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
         share = np.bincount(map_.outcome.values.ravel(), minlength=len(names)) / map_.outcome.size
         rows.append([title, *(_share(part) for part in share)])
     periods = int(atlas.periods)
-    caption = f"How runs of {periods} periods end over the step size and the amplitude, relative to that of 1996." + (
+    caption = f"How runs of {periods} periods end over the step size and the amplitude relative to 1996." + (
         _LIMIT if np.isfinite(subject.theory.limit) else ""
     )
     head = ["problem", *(OUTCOME_STYLES[name][0] for name in names)]

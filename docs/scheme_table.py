@@ -10,7 +10,7 @@ from docs.theory import ROUND_OFF, STEPS
 from study.scheme.codes import names_in_codes
 from study.words import number
 
-#: Heading of each column, and what it means where the heading alone does not say it.
+#: Heading of each column, and its meaning if the heading is not enough.
 COLUMNS = {
     "scheme": "",
     "family": "",

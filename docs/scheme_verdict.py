@@ -1,4 +1,4 @@
-"""The verdict on a scheme: what it is for, what it is not for, the steps that it needs, and what serves better."""
+"""The verdict on a scheme: suitable and unsuitable uses, the steps that it needs, and a better scheme."""
 
 import html
 import math
@@ -13,19 +13,20 @@ from docs.scheme_results import not_run
 from docs.text import definitions, table
 from docs.theory import ROUND_OFF, STEPS
 from paper.data import ASSESSED
-from paper.tables.decision import AT_MOST, COARSEST, ERRORS, LEVEL, SPRING, TIED, fewest_forces, marked, needs_of_spring
+from paper.picks import AT_MOST, COARSEST, ERRORS, LEVEL, TIED, fewest_forces, marked, needs_of_spring
+from paper.tables.decision import SPRING
 from study.words import listed, number, percent
 
 if TYPE_CHECKING:
     from docs.scheme_page import Library, Subject
 
-#: Error for which schemes are compared.
+#: Error at which schemes are compared.
 COMPARED = 0.01
 #: Loss of amplitude a period at the rule of thumb above which a scheme is said to damp.
 DAMPS = 0.01
 #: Spectral radius at infinite frequency below which unresolved modes are said to be damped.
 RADIUS = 0.9
-#: Part of an error to which another one must fall to be better.
+#: Largest ratio of errors at which a scheme counts as better.
 BETTER = 0.9
 
 

@@ -64,19 +64,13 @@ paper of 1996 stand in quotation marks. `results/claims.csv` has the same rows.
     return described(description, text, hide_toc=True)
 
 
-def _title(name: str) -> str:
-    words = name.replace("_", " ").replace("cpu", "CPU")
-    return words[0].upper() + words[1:]
-
-
-def _section(name: str, about: str, frame: pd.DataFrame) -> str:
-    # an empty first cell stands for that of a row above
+def _section(title: str, about: str, frame: pd.DataFrame) -> str:
+    # an empty first cell repeats the cell above
     known = frame.iloc[:, 0].replace("", pd.NA).ffill().fillna("")
     rows = "\n".join(
         f'<tr data-words="{html.escape(words)}">' + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>"
         for words, row in zip(known, frame.to_numpy(), strict=True)
     )
-    title = _title(name)
     table = narrowed(_head(frame.columns, buttons=False), rows, ("rows", f"table: {title}"), "scheme, problem, …")
     return f"## {title}\n\n{about}\n\n{table}"
 
@@ -85,10 +79,10 @@ def tables_page(results: Path) -> str:
     """The page of all tables but the ledger, each with a filter by words."""
     shown = [one for one in TABLES if one.name != LEDGER]
     sections = [
-        _section(one.name, (one.function.__doc__ or "").strip().splitlines()[0], _read(results, one.name))
+        _section(one.title, (one.function.__doc__ or "").strip().splitlines()[0], _read(results, one.name))
         for one in shown
     ]
-    links = ", ".join(f"[{_title(one.name)}](#{_title(one.name).lower().replace(' ', '-')})" for one in shown)
+    links = ", ".join(f"[{one.title}](#{one.title.lower().replace(' ', '-')})" for one in shown)
     first = "The tables of the article and its supplement. `results/tables/` has them as CSV and LaTeX."
     text = "\n\n".join(["# All tables", first, f"{links}.", *sections]) + "\n"
     return described("All tables of the study of time integration schemes, each with a filter.", text, hide_toc=True)

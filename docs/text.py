@@ -20,7 +20,7 @@ def narrowed(
     head, rows
         Rows of the table as HTML.
     what
-        What the form shows, and what the table is for those who do not see it.
+        Noun for the rows in the form, and label of the table for screen readers.
     placeholder
         Examples of words.
     choices
@@ -44,7 +44,7 @@ def definitions(facts: Mapping[str, str]) -> str:
 
 
 def described(description: str, body: str, hide_toc: bool = False) -> str:
-    """A page in Markdown with the sentence that search engines show, and without a list of its headings if asked."""
+    """A page in Markdown with a description for search engines, and optionally without a list of its headings."""
     sentence = description.replace('"', "'")
     hidden = "hide-toc: true\n" if hide_toc else ""
     return f'---\n{hidden}myst:\n  html_meta:\n    description: "{sentence}"\n---\n\n{body}'

@@ -33,11 +33,11 @@ class Theory(NamedTuple):
     at_infinity
         Spectral radius at infinite frequency; NaN for a scheme that is unstable there.
     growth
-        Exponents of ωΔt with which the first step grows, as :meth:`study.LinearTheory.growth` has them.
+        Exponents of ωΔt with which the first step grows, from :meth:`study.LinearTheory.growth`.
     overshoot
         Largest displacement and velocity of 64 steps from rest over their sizes, less one, over all stable step sizes.
     memory
-        Vectors of the size of u in the state that a step hands to the next.
+        Number of vectors of the size of u in the state that a step passes to the next.
     forces
         Forces that a step evaluates at :data:`STEPS` steps a period of the undamped linear oscillator.
     """
@@ -57,7 +57,7 @@ class Theory(NamedTuple):
     forces: float
 
 
-#: ρ∞ below this is zero: where roots at zero meet, round-off leaves the more of it the more of them there are.
+#: Largest ρ∞ that counts as zero: round-off grows with the number of roots that meet at zero.
 _NO_RADIUS = 5e-3
 
 

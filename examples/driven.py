@@ -1,4 +1,4 @@
-"""A driven Duffing oscillator: damped, loaded, and judged by what a designer reads off.
+"""A driven Duffing oscillator: damped, loaded, and judged by a designer's quantities.
 
     study assess examples/driven.py:driven --quantities examples/driven.py:quantities --duration 100 --output driven
 

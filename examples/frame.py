@@ -1,6 +1,6 @@
 """A frame of three storeys under the record of El Centro.
 
-Which scheme and which step does its drift need?
+The assessment finds the scheme and the step that its drift needs.
 
     study assess examples/frame.py:frame --quantities examples/frame.py:quantities --duration 31.2 --output frame
 

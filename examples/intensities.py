@@ -1,8 +1,8 @@
 """One record at many intensities, and many structures under one record.
 
 An incremental dynamic analysis follows the peak drift of a yielding oscillator while the record of El Centro grows. A
-fragility sample draws a thousand oscillators, and counts those that exceed a drift. Both are ensembles over what the
-problem is made of.
+fragility sample draws a thousand oscillators, and counts those that exceed a drift. Both are ensembles over arguments
+of the function that makes the problem.
 
     python examples/intensities.py
 """
@@ -19,7 +19,7 @@ RUN = {"dt": 0.005, "steps": 2400, "observe": [DRIFT]}
 
 
 def oscillator(intensity=1.0, period=0.5, strength=0.15):
-    """A unit mass of that period in s that yields at a part of its weight, the strength, under the record grown."""
+    """A unit mass with a period in s that yields at a part of its weight, the strength, under the scaled record."""
     stiffness = (2 * np.pi / period) ** 2
     spring = materials.elastoplastic(stiffness, strength * 9.81, hardening=0.02)
     damping = 2 * 0.05 * 2 * np.pi / period

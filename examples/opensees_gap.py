@@ -8,7 +8,7 @@ The ground moves as a sine. Forces are in kN, lengths in m.
 
 import math
 
-#: Mass of each floor, stiffness and damping of what carries it, gap between both, and stiffness in contact.
+#: Mass of each floor, stiffness and damping of its storey, gap between both, and stiffness in contact.
 MASSES, STIFFNESSES, DAMPINGS, GAP, CONTACT = (50.0, 30.0), (8.0e3, 2.0e4), (20.0, 20.0), 0.02, 2.0e5
 
 
@@ -22,7 +22,7 @@ def build(ops):
         ops.mass(floor, mass)
         ops.uniaxialMaterial("Elastic", floor, stiffness, damping)
         ops.element("zeroLength", floor, 1, floor, "-mat", floor, "-dir", 1)
-    # a spring that yields at no force, and acts once the gap has closed
+    # a spring that never yields, and acts once the gap has closed
     ops.uniaxialMaterial("ElasticPPGap", 1, CONTACT, -1e9, -GAP)
     ops.element("zeroLength", 1, 2, 3, "-mat", 1, "-dir", 1)
     ops.timeSeries("Trig", 1, 0.0, 100.0, 2 * math.pi / 12.0, "-factor", 3.0)

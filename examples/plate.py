@@ -34,7 +34,7 @@ def element():
 
 
 def cantilever(length, height, title="cantilever plate"):
-    """A plate of so many elements, clamped at its left end, whose right end starts upwards with 1 m/s."""
+    """A plate of elements, clamped at its left end, whose right end starts upwards with 1 m/s."""
     nodes = np.arange((length + 1) * (height + 1)).reshape(length + 1, height + 1)
     corners = np.stack([nodes[:-1, :-1], nodes[1:, :-1], nodes[1:, 1:], nodes[:-1, 1:]], axis=-1).reshape(-1, 4)
     unknowns = np.stack([2 * corners, 2 * corners + 1], axis=-1).reshape(-1, 8)

@@ -1,4 +1,4 @@
-"""A scheme of one's own, assessed beside those of the study.
+"""Your own scheme, compared with those of the study.
 
     study assess examples/driven.py:driven --schemes examples/scheme.py:heun rk4 --duration 100 --output heun
 

@@ -13,9 +13,9 @@ from study.io import one_sentence, read, write
 def main(results: Path, folder: Path) -> None:
     """Compile article, supplement and replication with the numbers, tables and figures of a folder of results.
 
-    Typst reads only below its root. Results may lie anywhere, so the root is that of the file system. The fixed time
-    stamp makes the same inputs give the same bytes. A fact of the text that the data contradict is told; its sentences
-    are left out.
+    Typst reads only below its root. Results may lie anywhere, so the root is the root of the file system. With the
+    fixed time stamp the same inputs give the same bytes. Facts of the text that the data contradict are printed; their
+    sentences are omitted.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def main(results: Path, folder: Path) -> None:
         check_uses(text, results)
     contradicted = [name for name, value in numbers.items() if value is False]
     if contradicted:
-        print(f"The text leaves out what these results do not bear: {', '.join(contradicted)}.")
+        print(f"The text omits statements that these results do not support: {', '.join(contradicted)}.")
     for text in TEXTS:
         pdf = typst.compile(
             str(text),

@@ -44,13 +44,13 @@ def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
 
 
 def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
-    """The part of a dataset with those of some schemes that it has, or with as many of its own if it has none."""
+    """The part of a dataset with the given schemes that it has, or with as many others if it has none of them."""
     there = [name for name in schemes if name in dataset.scheme.values]
     return dataset.sel(scheme=there or dataset.scheme.values[: len(schemes)])
 
 
 def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataArray:
-    """Size of the loss of amplitude per period of the longer runs, NaN where it is no loss.
+    """Size of the loss of amplitude per period of the longer runs, NaN where it is not a loss.
 
     Schemes that keep the amplitude have a ripple, which depends on where steps fall and does not grow with the length
     of the run. A loss per period is the same, within a factor of two, in runs of both lengths at five neighbouring step

@@ -1,4 +1,4 @@
-"""What the texts, article, supplement and replication, use, and what they say of the study by themselves."""
+"""The numbers, figures and tables that the texts use, and the facts that they state without them."""
 
 import json
 import re
@@ -14,7 +14,7 @@ TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ",
 SHARED = [LAYOUT, *(LAYOUT.with_name(name) for name in ("energy_errors.typ", "metadata.yaml"))]
 
 _COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
-#: Kind of what the text uses: how the text names it.
+#: Patterns by which the text names a number, figure or table, by kind.
 _USES = {
     "number": re.compile(r'(?<![\w."])n\.(?:at\("([^"]+)"\)|(?!at\()([A-Za-z_]\w*))'),
     "figure": re.compile(r'\bpicture\("([^"]+)"'),
@@ -34,7 +34,7 @@ def uses(text: str) -> dict[str, dict[str, int]]:
 
 
 def check_uses(text: Path, results: Path) -> None:
-    """Refuse a text that uses what a folder of results lacks.
+    """Refuse a text that uses a product that a folder of results lacks.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def check_uses(text: Path, results: Path) -> None:
                 raise SystemExit(f"{text.name}, line {line}: there is no {kind} '{name}' in the results.")
 
 
-#: What the text says without a number from the datasets.
+#: Requirements of statements that the text makes without a number from the datasets.
 _ASKS = {
     "large_steps.problems": ["hardening", "softening", "softening_large", "double_well"],
     "sensitivity.problem": "double_well",

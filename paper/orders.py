@@ -14,13 +14,13 @@ PERIODS = {
     "max_energy_error": 1,
     "energy_drift": 1,
 }
-#: Relative errors below this are near the round-off of such a run, which no order describes.
+#: Smallest relative error that counts; smaller ones are near the round-off of such a run.
 FLOOR = 1e-10
-#: Above this an error other than a delay cannot grow much further, and says nothing of the step.
+#: Largest error, other than a delay, that counts; larger ones are saturated.
 SATURATED = 0.5
 #: Neighbouring octaves of the step size in a fit, the finest above the floor.
 POINTS = 5
-#: How much the slope from one step size to the next may change within a fit.
+#: Largest change of the slope from one step size to the next within a fit.
 STEADY = 0.2
 
 

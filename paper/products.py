@@ -45,7 +45,7 @@ class Product:
         The dataset that each argument takes, by its name in the results, or a list of names. A name with a suffix is
         another file of the results.
     caption
-        Sentence for the report of the pipeline.
+        Sentence for the report of the pipeline; of a table its title.
     requires
         Requirements on the configuration.
     """
@@ -67,6 +67,11 @@ class Product:
     def files(self) -> list[str]:
         """The files below the results that the product reads."""
         return [name if Path(name).suffix else f"{name}.nc" for name in self.datasets]
+
+    @property
+    def title(self) -> str:
+        """The title of a table: its caption, or its name in words."""
+        return self.caption or self.name.replace("_", " ").capitalize()
 
     @property
     def label(self) -> str:
@@ -124,9 +129,11 @@ def figure(
     return _declared("figure", name, caption, requires, reads)
 
 
-def table(*, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]) -> Callable:
+def table(
+    title: str = "", *, name: str = "", requires: Requirements | None = None, **reads: str | Sequence[str]
+) -> Callable:
     """Declare a table, named as its module unless ``name`` is given: a function of datasets that returns a frame."""
-    return _declared("table", name, "", requires, reads)
+    return _declared("table", name, title, requires, reads)
 
 
 def page(
@@ -162,22 +169,22 @@ def check(products: Iterable[Product], config: dict) -> None:
         If a requirement is not met. The message is one sentence that names the key and the product.
     """
     for product in products:
-        for key, asked in product.requires.items():
+        for key, wanted in product.requires.items():
             try:
                 value = value_at(config, key)
             except (KeyError, TypeError):
                 raise ValueError(f"{key} is missing, and {product.label} needs it.") from None
-            if callable(asked):
-                if wrong := asked(value):
+            if callable(wanted):
+                if wrong := wanted(value):
                     raise ValueError(f"{key} {wrong}.".lstrip())
-            elif isinstance(asked, list) and not isinstance(value, list):
+            elif isinstance(wanted, list) and not isinstance(value, list):
                 raise ValueError(f"{key} must be a list for {product.label}, not {value!r}.")
-            elif isinstance(asked, list):
-                missing = [one for one in asked if one not in value]
+            elif isinstance(wanted, list):
+                missing = [one for one in wanted if one not in value]
                 if missing:
                     raise ValueError(f"{key} lacks {missing[0]!r}, which {product.label} needs.")
-            elif value != asked:
-                raise ValueError(f"{key} must be {asked!r} for {product.label}, not {value!r}.")
+            elif value != wanted:
+                raise ValueError(f"{key} must be {wanted!r} for {product.label}, not {value!r}.")
 
 
 def reader(results: Path) -> Callable[[str], Any]:

@@ -85,18 +85,18 @@ def samples_of_history(least: int) -> Requirement:
     return check
 
 
-#: What Tables 1 and 2 of the paper have.
+#: Requirements of Tables 1 and 2 of the paper.
 OF_THE_TABLES: dict[str, Any] = {
     "energy_error.schemes": SCHEMES,
     "energy_error.problems": PROBLEMS,
     "energy_error.steps_per_period": STEPS,
     "energy_error.periods": 100,
 }
-#: What products read of the assessments of these problems, over any number of periods.
+#: Requirements on the assessments of these problems, over any number of periods.
 OF_THE_ASSESSMENTS: dict[str, Any] = {
-    f"assess.{problem}.{key}": asked
+    f"assess.{problem}.{key}": wanted
     for problem in PROBLEMS
-    for key, asked in (
+    for key, wanted in (
         ("schemes", ["average_acceleration", "central_difference", "rk4"]),
         ("errors", [0.1, 0.01, 0.001]),
         ("periods", lambda periods: ""),

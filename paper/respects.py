@@ -1,4 +1,4 @@
-"""In which respects one scheme is better than another: cost at equal error, dissipation, stability and overshoot."""
+"""Respects in which schemes are compared: cost at equal error, dissipation, stability and overshoot."""
 
 import numpy as np
 import xarray as xr
@@ -25,7 +25,7 @@ def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:
 
 
 def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
-    """Numbers of which less is better, (respect, scheme): costs, then properties of linear theory without damping.
+    """Numbers to be small, (respect, scheme): costs, then properties of linear theory without damping.
 
     They are the spectral radius at infinite frequency, the damping of a resolved oscillation, the inverse of the
     stability limit, and the largest power of the step with which a long first step grows. A scheme with a stability

@@ -1,8 +1,8 @@
 """Pack a finished study for others: ``python -m pipeline.archive PROJECT OUTPUT``, where its results lie.
 
 The archive is a Workflow Run RO-Crate: the sources, the configuration that was used, with the files that it names, the
-results, and a description of the run in ``ro-crate-metadata.json``: what was made of what, by which versions, on which
-machine, and when. Datasets themselves stay free of clocks and machines. See https://w3id.org/ro/wfrun/workflow.
+results, and a description of the run in ``ro-crate-metadata.json``: inputs of each product, versions, machine and
+time. Datasets themselves contain neither. See https://w3id.org/ro/wfrun/workflow.
 """
 
 import io
@@ -29,14 +29,14 @@ PROFILES = {
     "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
 }
-#: The configuration of the last run that was no dry one.
+#: Configuration of the last run that was not a dry run.
 CONFIGURATION = RESULTS / "configuration.json"
 #: Folders of the project that hold no sources.
 _NO_SOURCES = {"results", "build", "__pycache__"}
 
 
 def sources(project: Path) -> list[Path]:
-    """The files of a checkout that Git tracks, and those that are new; without Git, all that are not hidden or made."""
+    """The tracked and the new files of a checkout; without Git, all files that are not hidden or products."""
     if tracked := _listed(project, "--cached"):
         new = [file for file in _listed(project, "--others", "--exclude-standard") if not _is_hidden(file)]
         return [*tracked, *new]
@@ -108,7 +108,7 @@ def _machine() -> str:
 
 def described(project: Path) -> ROCrate:
     """The description of a finished study: sources, results, and the run that made them."""
-    crate = ROCrate(version="1.1")  # that of the profiles
+    crate = ROCrate(version="1.1")  # the version of the profiles
     cited = yaml.safe_load((project / "CITATION.cff").read_text(encoding="utf-8"))
     crate.name, crate.license = cited["title"], f"https://spdx.org/licenses/{cited['license']}"
     crate.description = "Sources, configuration, datasets, figures, tables and manuscript of the study, with its run."

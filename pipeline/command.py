@@ -1,7 +1,7 @@
 """The command that runs an experiment.
 
 ``python -m pipeline.command [--scheme=FILE.py:NAME ...] [--steps=N] MODULE DATASET OUTPUT... 'JSON OPTIONS'`` makes the
-datasets of one job. Each ``--scheme`` is a user's own that the options name; N steps is what the experiment promises.
+datasets of one job. Each ``--scheme`` is a user's scheme that the options name; N is the declared number of steps.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from study.io import NotWritten, check_writable, provenance, write
 from study.marching.result import Work
 from study.registry import did_you_mean
 
-#: Number of steps of a job below which its promise is not checked.
+#: Number of steps of a job below which its declaration is not checked.
 FEW = 10_000
 
 
@@ -83,9 +83,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _check_steps(declared: Experiment, promised: float) -> None:
-    """Refuse an experiment that takes twice the steps that it promises, or half of them.
+    """Refuse an experiment that takes twice the declared number of steps, or half of it.
 
-    Timed experiments repeat their runs, and in small jobs whole numbers of steps make the difference.
+    Timed experiments repeat their runs, and small jobs round to whole numbers of steps; both are not checked.
     """
     progress(f"steps: {promised:.3g} promised, {Work.steps:.3g} taken")
     too_few = 0 < 2 * Work.steps < promised and not declared.stops_early

@@ -17,13 +17,13 @@ except ImportError as error:
 from study.control.named import controllers, estimators
 from study.declaration.experiment import Experiment, Merged, arguments_of, discover
 from study.declaration.options import OwnSchemes
-from study.problem.named import approximate_periods, problems, time_scales
+from study.problem.named import approximate_periods, known, problems, time_scales
 from study.registry import Registry, did_you_mean
 from study.scheme.base import OneStep, Scheme
 from study.scheme.named import register_scheme, schemes
 from study.user_files import load
 
-#: Largest number of steps of all runs together, ten times that of the full study.
+#: Largest number of steps of all runs together, ten times the number of the full study.
 MOST_STEPS = 1e13
 #: Largest number of values that a job holds at once: less than two gigabytes.
 MOST_VALUES = 2e8
@@ -35,6 +35,9 @@ def _registries() -> dict[str, Registry]:
     return {
         "spring": Registry("spring", {name: problems.resolve(name) for name in approximate_periods}),
         "structure": Registry("structure", {name: problems.resolve(name) for name in time_scales}),
+        "problem with a known displacement": Registry(
+            "problem with a known displacement", {name: problems.resolve(name) for name in known}
+        ),
         "problem": problems,
         "scheme": schemes,
         "estimator": estimators,
@@ -55,7 +58,7 @@ def complete(configuration: Any) -> Any:
 
 @cache
 def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
-    """The model of the whole configuration, in which every section is that of an experiment."""
+    """The model of the whole configuration, in which every section belongs to an experiment."""
     tree: dict[str, Any] = {}
     for one in experiments:
         if isinstance(one, Experiment) and (one.options is None or one.model is not None):
@@ -215,12 +218,12 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
             steps += one.steps(options, whole)
             if (values := one.values(options, whole)) > MOST_VALUES:
                 raise ValueError(
-                    f"{place} asks for {values:.1e} numbers at once, and more than {MOST_VALUES:.0e} take over "
+                    f"{place} needs {values:.1e} numbers at once, and more than {MOST_VALUES:.0e} take over "
                     "two gigabytes: ask for fewer or shorter runs."
                 )
     if steps > MOST_STEPS:
         raise ValueError(
-            f"the configuration asks for {steps:.1e} steps in all, and more than {MOST_STEPS:.0e} would take days: "
+            f"the configuration needs {steps:.1e} steps in all, and more than {MOST_STEPS:.0e} would take days: "
             "ask for fewer or shorter runs."
         )
     return whole

@@ -92,7 +92,7 @@ def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) ->
 
 
 def check_places(products: Iterable[Product]) -> None:
-    """Refuse a table, claim or number outside of the folder in which the module of its kind looks.
+    """Refuse a table, claim or number outside of the folder that the module of its kind reads.
 
     Raises
     ------

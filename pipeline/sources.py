@@ -1,15 +1,15 @@
-"""The files that a job depends on, so that a changed module makes again what used it and nothing else."""
+"""The files that a job depends on, so that only the users of a changed module are made again."""
 
 from collections.abc import Iterable
 from pathlib import Path
 
 import grimp
 
-#: Modules that declare options and do not touch results.
+#: Modules that declare options and do not affect results.
 _DECLARATIONS = ("study.declaration.experiment", "study.declaration.options", "study.declaration.checks")
 #: Modules of ``study`` that run before any other, which imports do not show.
 _FIRST = ("study.settings",)
-#: Files next to a module that it reads: printed numbers, styles, and what the explorer consists of.
+#: Files next to a module that it reads: printed numbers, styles, and parts of the explorer.
 _DATA = (".csv", ".js", ".css", ".html", ".mplstyle")
 
 

@@ -64,7 +64,7 @@ def begun(configuration: Any, local: bool) -> tuple:
     Returns
     -------
     tuple
-        What the process must keep until it ends. The kernel then lifts the lock, and the worker ends.
+        Handles that the process must keep until it ends. The kernel then lifts the lock, and the worker ends.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def _cancel_queued() -> None:
         command = ["squeue", "--me", "--noheader", "--format=%i|%k|%Z"]
         listed = subprocess.run(command, capture_output=True, text=True).stdout.splitlines()
         jobs = [line.split("|", 2) for line in listed]
-        # Snakemake comments its jobs so; other jobs of the folder, one of which may be this run, stay
+        # Snakemake comments its jobs so; other jobs of the folder, including this run, stay
         ours = [
             job for job, comment, place in jobs if comment.startswith(("rule_", "group_")) and place == str(Path.cwd())
         ]

@@ -1,4 +1,4 @@
-"""Steps of the pipeline, each of which becomes a rule, and the commands of their jobs."""
+"""Steps of the pipeline, which become rules, and the commands of their jobs."""
 
 import shlex
 from collections.abc import Iterable, Mapping

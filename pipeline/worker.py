@@ -2,7 +2,7 @@
 
 It imports the study, JAX, the solvers and matplotlib once, which takes each process two seconds. LISTENER is the number
 of a listening socket, and PIPE has the run of Snakemake at its other end. Worker and children end when that run ends,
-even if it is killed, and a child ends with the command that asked for it (:mod:`pipeline.job`).
+even if it is killed, and a child ends with the command that requested it (:mod:`pipeline.job`).
 """
 
 import gc
@@ -53,7 +53,7 @@ def _run(connection: socket.socket) -> None:
 def main(listener: socket.socket) -> None:
     """Fork a child for each connection until the run of Snakemake ends."""
     discover()
-    gc.freeze()  # what is imported stays: the children need not look for garbage in it
+    gc.freeze()  # imported objects stay: the children need not collect them as garbage
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     while True:
         ready, _, _ = select.select([listener, sys.stdin], [], [])

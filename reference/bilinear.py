@@ -21,10 +21,10 @@ Lanes = Float[np.ndarray, "lanes"]
 #: One row for each oscillator.
 Rows = Float[np.ndarray, "lanes samples"]
 
-#: Newton's correction that ends the search for the time of an event, in parts of the time searched.
+#: Newton correction that ends the search for the time of an event, as a part of the time searched.
 CONVERGED = 1e-9
 
-#: Most corrections of the time of an event.
+#: Largest number of corrections of the time of an event.
 MOST_CORRECTIONS = 60
 
 
@@ -74,11 +74,11 @@ def peaks(
     acceleration, dt
         Acceleration of the ground of each oscillator, linear between its samples, and the time between two of them.
     stiffness, damping, yield_force, hardening
-        Stiffness k, damping c, force at yield, and the stiffness after yield over k, at which the oscillator is still
-        underdamped.
+        Stiffness k, damping c, force at yield, and the stiffness after yield over k; the oscillator must stay
+        underdamped after yield.
     places
-        Times in every interval between two samples at which events are looked for. Two turns between two of them are
-        missed, so the difference of the peaks at two numbers of places estimates their uncertainty.
+        Number of times in every interval between two samples at which events are sought. Two turns between two of them
+        are missed, so the difference of the peaks at two numbers of places estimates their uncertainty.
     """
     bound, slope, spacing = yield_force / stiffness, np.diff(acceleration) / dt, dt / places
     # the side of the yield, zero while elastic; the time since the last place

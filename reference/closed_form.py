@@ -16,7 +16,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import HarmonicLoad
 from study.problem.springs import CubicSpring, TanhSpring
 
-#: Decimal digits that are carried; 30 digits of a period are exact.
+#: Number of decimal digits; 30 digits of a period are exact.
 DIGITS = 50
 
 
@@ -77,7 +77,7 @@ def period(problem: Problem, u0: float | None = None, digits: int = DIGITS) -> m
     Parameters
     ----------
     u0
-        Initial displacement; that of the problem by default.
+        Initial displacement; the problem's own by default.
     digits
         Decimal digits that are carried.
 

@@ -24,7 +24,7 @@ from reference.solution import (
 from study.algebra.jit import jit
 from study.mechanics.definition import Problem
 
-#: Smallest tolerance that is accepted.
+#: Smallest accepted tolerance.
 SMALLEST_RTOL = 1e-15
 #: Tolerance of a first run, which compiles the program.
 LOOSE_RTOL = 1e-3
@@ -126,8 +126,8 @@ def trajectory(
 ) -> Solution:
     """Displacement and velocity at the increasing times ``t``. Steps end at these times; nothing is interpolated.
 
-    A force with a history is that of the straight motion from the last of these times, at which it is committed. That
-    is the force of the motion itself as long as no part of the history turns back between two of them; see
+    A force with a history is computed for the straight motion from the last of these times, at which it is committed.
+    It equals the force of the motion itself if no part of the history reverses between two of them; see
     :func:`reference.sundials.kinks`.
 
     Parameters
@@ -213,7 +213,7 @@ def _until(problem: Problem, t1, turning, rtol, method: str):
 def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str = "Dopri8") -> float:
     """Period of a free oscillator: twice the time from rest to the next turning point, where v = 0.
 
-    The event is found on the interpolant of a step, whose order is lower than that of the step. Two Newton corrections
+    The event is found on the interpolant of a step, which has a lower order than the step. Two Newton corrections
     t ← t − v/v̇, each with a new integration up to t, remove its error.
 
     Raises

@@ -78,7 +78,7 @@ def period(problem: Problem, estimate: float) -> tuple[hy.real, float]:
     Raises
     ------
     ValueError
-        If the problem is no free oscillator of one unknown that starts at rest, out of equilibrium.
+        If the problem is not a free oscillator of one unknown that starts at rest, out of equilibrium.
     RouteFailed
         If no turning point comes within three quarters of the estimate.
     """
@@ -151,7 +151,7 @@ def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certifi
         If a time is not finite.
     """
     if not np.all(np.isfinite(t)):
-        raise ValueError(f"the exact solution of '{problem.title}' is asked for at a time that is not finite.")
+        raise ValueError(f"the exact solution of '{problem.title}' needs finite times.")
     times, where = np.unique(np.asarray(t, float), return_inverse=True)
     rests = [_less_whole_periods(hy.real(float(time), max(BITS)), exact_period) for time in times]
     order = sorted(range(len(rests)), key=rests.__getitem__)

@@ -2,9 +2,9 @@
 
 OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except two agree to round-off. OpenSees
 starts Houbolt's method by two steps of average acceleration. Its α-method evaluates one internal force at the weighted
-displacement, p((1 + α) u₁ − α u₀), while that of Xie (1996) weights two forces. Bathe's method is called TRBDF2, and
-each of its two sub-steps counts as a step. OpenSees' generalized-α method with α_m other than zero is left out: at a
-twentieth of the period its motion of this spring grows to a hundred times the amplitude within five periods.
+displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called TRBDF2,
+and each of its two sub-steps counts as a step. OpenSees' generalized-α method with α_m other than zero is left out: at
+a twentieth of the period its motion of this spring grows to a hundred times the amplitude within five periods.
 """
 
 import importlib
@@ -47,7 +47,7 @@ _PerStorey = Float[np.ndarray, "storeys"]
 
 
 class NotInstalled(ImportError):
-    """OpenSees is not installed; the message says how to install it."""
+    """OpenSees is not installed; the message states how to install it."""
 
 
 def load() -> ModuleType:
@@ -87,7 +87,7 @@ def _nodes(places: np.ndarray) -> ModuleType:
 
 
 def _line(nodes: int) -> ModuleType:
-    """OpenSees with nodes of unit mass on a line, all at its origin, of which the first is fixed."""
+    """OpenSees with nodes of unit mass on a line, all at its origin; the first one is fixed."""
     ops = _nodes(np.zeros((nodes, 1)))
     ops.fix(1, 1)
     return ops
@@ -163,7 +163,7 @@ def variable_steps(
     dt, longest
         The first step and the longest, in seconds.
     iterations
-        Number of tests for which the step is meant.
+        Target number of tests in a step.
     """
     ops = _prepared(problem, scheme)
     ops.wipeAnalysis()

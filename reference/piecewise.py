@@ -24,13 +24,13 @@ from reference.solution import RouteFailed, Solution, Times
 from study.materials import Elastoplastic, Gap
 from study.mechanics.definition import Problem
 
-#: Places in the shortest period of the spring at which an event is looked for, unless asked otherwise.
+#: Default number of places in the shortest period of the spring at which an event is sought.
 PLACES = 200
 
-#: Most events of one motion.
+#: Largest number of events of one motion.
 MOST_EVENTS = 1_000_000
 
-#: A value of an event function of this part of its scale is round-off.
+#: Relative round-off of an event function.
 ROUND_OFF = 1e-13
 
 
@@ -78,7 +78,7 @@ def _first_piece(problem: Problem) -> _Piece:
     if isinstance(spring, Elastoplastic):
         plastic, bound = float(problem.history), float(spring.yield_force / spring.stiffness)
         if abs(u0 - plastic) > bound:
-            # the first force is that after a motion straight to u0
+            # the first force follows from a straight motion to u0
             sign = 1 if u0 > plastic else -1
             return _plastic(spring, sign) if sign * float(problem.v0) > 0 else _elastic(spring, u0 - sign * bound)
         return _elastic(spring, plastic)
@@ -116,7 +116,7 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     t
         Times in seconds.
     places
-        Places in the shortest period at which an event is looked for.
+        Number of places in the shortest period at which an event is sought.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     spacing = 2 * np.pi * np.sqrt(mass / float(problem.force.stiffness)) / places  # type: ignore[attr-defined]
     found, pieces = {}, 1
     for stop, f0, middle in zip(stops, loads[:-1].tolist(), middles.tolist(), strict=True):
-        # by the middle, because the load may jump at the end, as a record does that does not end in zero
+        # at the middle, because the load may jump at the end, as does a record that does not end in zero
         slope = 2 * (middle - f0) / (stop - now) if stop > now else 0.0
         while now < stop:
             passed, y, piece = _to_event((mass, damping), piece, y, (f0, slope), stop - now, spacing)

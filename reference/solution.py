@@ -1,4 +1,4 @@
-"""What the routes share: the solution that they return, their errors, and their checks of problem and times."""
+"""Common parts of the routes: the solution that they return, their errors, and their checks of problem and times."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -13,7 +13,7 @@ from study.algebra.matrices import Banded, dense, times
 from study.algebra.sparse import Sparse
 from study.mechanics.definition import Problem
 
-#: Absolute over relative tolerance; displacements and velocities are of order one and more.
+#: Ratio of absolute to relative tolerance; displacements and velocities are of order one and more.
 ATOL_BELOW_RTOL = 1e-2
 
 #: Times in seconds.
@@ -27,7 +27,7 @@ State = Float[Array, "2 *n"]
 
 
 class Solution(NamedTuple):
-    """Solution of a route at the times asked for, with its effort.
+    """Solution of a route at the requested times, with its effort.
 
     Attributes
     ----------

@@ -22,14 +22,14 @@ from reference.solution import (
 from study.mechanics.definition import Problem
 from study.mechanics.internal_force import switches
 
-#: Smallest tolerance that is accepted; below it round-off dominates CVODE's estimate of the error.
+#: Smallest accepted tolerance; below it round-off dominates CVODE's estimate of the error.
 SMALLEST_RTOL = 1e-15
 MAX_NUM_STEPS = 1_000_000
 #: Status of CVODE at a root and at its limit of steps, from cvode.h.
 CV_ROOT_RETURN, CV_TOO_MUCH_WORK = 2, -1
 #: Relative tolerance of the motion along which kinks are found.
 KINK_RTOL = 1e-12
-#: Part of the duration by which kinks of a force with a history are sought ahead; of kinks as close, the first counts.
+#: Part of the duration by which kinks of a force with a history are sought ahead; the first of kinks this close counts.
 AHEAD = 1e-10
 
 
@@ -101,9 +101,9 @@ def trajectory(
 
     Values come from CVODE's own polynomial of the step that contains each time, which is as accurate as the step.
     Stopping at each time instead doubles the measured error, because every stop interrupts the sequence of step sizes.
-    A force with a history is that of the straight motion from the last of the times ``t``, at which it is committed.
-    That is the force of the motion itself as long as no part of the history turns back between two of them, which is
-    why the times at which one does belong to ``restarts``.
+    A force with a history is computed for the straight motion from the last of the times ``t``, at which it is
+    committed. It equals the force of the motion itself if no part of the history reverses between two of them, so
+    ``restarts`` must contain the times of reversals.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def trajectory(
     kinks
         Times at which the load has a kink, in ascending order; no step crosses one.
     restarts
-        Times, all among ``t``, at which CVODE restarts, because its history of the motion is of no use after them.
+        Times, all among ``t``, at which CVODE restarts, because its history of the motion is not valid after them.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def trajectory(
     restarted = np.isin(t, [] if restarts is None else restarts)
     stops = np.union1d(stops, t[restarted])
     start, evaluations = time.perf_counter(), 0
-    # a loop that is not in Python; of two times alone it would return all steps between them
+    # a loop outside Python; for only two times it would return all steps between them
     if len(t) > 2 and motion.history is None and not np.isfinite(stops).any():
         solution = solver.solve([*([] if t[0] == 0 else [0.0]), *t], motion.start)
         _check(problem, method, solution)
@@ -168,11 +168,11 @@ def _events_of_history(problem: Problem, ahead: float, u, v):
 
 
 def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adams") -> Times:
-    """Times at which a switch of the internal force changes its sign or its history turns back, by CVODE's roots.
+    """Times at which a switch of the internal force changes its sign or its history reverses, by CVODE's roots.
 
-    There the force may have a kink; see :func:`study.mechanics.internal_force.switches`. A history turns back where
+    There the force may have a kink; see :func:`study.mechanics.internal_force.switches`. A history reverses where
     the rate of one of its numbers changes its sign, and is committed there. A touch without a change of sign is not
-    found, and nothing after the time at which CVODE stops, as it does where a force switches without end.
+    found. Nothing is found after the time at which CVODE stops, for example at a force that switches without end.
 
     Parameters
     ----------

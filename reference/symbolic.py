@@ -16,7 +16,7 @@ from study.mechanics.definition import Problem
 
 
 def _whole_power(a, exponent: int):
-    """A power by products, since heyoka's series of powers above the second divides by ``a``, which may be zero."""
+    """A power by products, because heyoka's series of powers above the second divides by ``a``, which may be zero."""
     if exponent <= 2:
         return a**exponent
     half = _whole_power(a, exponent // 2)
@@ -161,7 +161,7 @@ def with_force_as_state(problem: Problem) -> list[tuple[hy.expression, hy.expres
 
         \dot u = v, \quad \dot v = (f(t) - C v - w)/M, \quad \dot w = p'(u)\,v
 
-    Its Taylor coefficients follow from other recurrences than those of :func:`first_order`, so an error in one of the
+    Its Taylor coefficients follow from other recurrences than in :func:`first_order`, so an error in one of the
     two does not repeat in the other.
 
     Raises

@@ -1,6 +1,6 @@
 """Time integration schemes on non-linear dynamic equations, M ü + C u̇ + p(u) = f(t).
 
-``run`` marches a scheme on a problem and returns what was observed, as an :class:`xarray.Dataset`::
+``run`` marches a scheme on a problem and returns the observed quantities as an :class:`xarray.Dataset`::
 
     import study
 
@@ -8,8 +8,8 @@
     ds.u.plot()
     print(ds.status)
 
-Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble, and ``over`` one over anything that a problem is made
-of. ``final_state`` is a run as a pure function, which JAX differentiates. A run that fails warns with
+Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble. ``over`` runs one over arguments of a function that
+makes the problem. ``final_state`` is a run as a pure function, which JAX differentiates. A run that fails warns with
 ``RunFailedWarning``. ``help(study.run)`` describes all arguments, and each of the names below has such a help.
 
 Steps of controlled size
@@ -32,7 +32,7 @@ Which scheme and which step
         study.recommend(ds, error=0.01, quantity="angle")
         study.report(ds, "pendulum.html")
 
-    ``work_precision`` draws error against time, and ``cite`` lists the works that a dataset rests on as BibTeX.
+    ``work_precision`` draws error against time, and ``cite`` lists the works on which a dataset is based as BibTeX.
 
 A model in another program
     ``assess`` takes a ``Program`` too, any function that runs a model with a scheme and a step. ``command`` makes one
@@ -41,7 +41,7 @@ A model in another program
         program = study.command("./mycode {dt} {scheme} {output}", ["newmark", "hht"], duration=10.0)
         study.recommend(study.assess(program), error=0.01)
 
-What the study knows
+Datasets of the study
     ``open_dataset`` opens a dataset of the study; ``recommend`` takes the name of one of its assessments.
 
 Analysis
@@ -55,7 +55,7 @@ A problem of your own
 
         pendulum = study.Problem(force=jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=3.0)
 
-    The force may take the velocity, ``force(u, v)``, or a history too. ``materials`` has those that yield, slip, damp
+    The force may take the velocity, ``force(u, v)``, or a history too. ``materials`` has forces that yield, slip, damp
     or touch.
 
 An observer of your own
@@ -73,7 +73,7 @@ A scheme with other parameters
 
 A scheme of your own
     ``Scheme``, or ``OneStep`` for one-step schemes, is the base class. ``building`` states what a scheme must return,
-    and has what it is built from: states, the equation of motion and the balance of an implicit step.
+    and has its parts: states, the equation of motion and the balance of an implicit step.
     ``assess_scheme`` compares one with those of the study, and ``register_scheme`` gives it a name, under which
     experiments take it too.
 
@@ -90,7 +90,7 @@ _STUB = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
 #: Module of each public name. JAX and xarray take a second to import, so each name is imported when it is first used.
 #: The stub states the names, also for type checkers.
 _MODULES = {name.name: node.module for node in _STUB.body if isinstance(node, ast.ImportFrom) for name in node.names}
-#: Names of the version before, each with its name today.
+#: Names of the previous version, each with its present name.
 _RENAMED = {
     "HHTAlpha": "HHTAlpha1996",
     "OUTCOMES": "Outcome",

@@ -15,7 +15,7 @@ from study.analysis.recommendation import recommend
 from study.assessment.assess import assess
 from study.assessment.assurance import limits_of_reference
 from study.assessment.report import answer, report
-from study.assessment.scheme import BESIDE, ON, assess_scheme, scheme_page
+from study.assessment.scheme import COMPARED, ON, assess_scheme, scheme_page
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.named import observers
@@ -36,7 +36,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"study {io.__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    command = commands.add_parser("run", help="march a scheme on a problem and print what was observed")
+    command = commands.add_parser("run", help="march a scheme on a problem and print the observed values")
     command.set_defaults(function=_run)
     command.add_argument("problem", metavar="PROBLEM", help="name of a problem, or FILE.py:NAME")
     command.add_argument("scheme", metavar="SCHEME", help="name of a scheme, or FILE.py:NAME")
@@ -62,10 +62,10 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--seconds", type=float, default=math.inf, help="wall time after which no run begins")
     command.add_argument("--controller", metavar="NAME", help="also find tolerances, with steps that it controls")
     command.add_argument(
-        "--error", type=float, nargs="+", default=[0.1, 0.01, 0.001], help="errors that may be allowed, as fractions"
+        "--error", type=float, nargs="+", default=[0.1, 0.01, 0.001], help="allowed errors, as fractions"
     )
     command.add_argument(
-        "--schemes", nargs="+", metavar="SCHEME", help="names of schemes, or FILE.py:NAME; default: ten usual ones"
+        "--schemes", nargs="+", metavar="SCHEME", help="names of schemes, or FILE.py:NAME; default: ten common ones"
     )
     command.add_argument(
         "--quantities", metavar="FILE.py:NAME", help="a dict of study.Quantity in a file; default: u, velocity, energy"
@@ -76,7 +76,7 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("assess-scheme", help="compare your own scheme with those of the study")
     command.set_defaults(function=_assess_scheme)
     command.add_argument("scheme", metavar="FILE.py:NAME", help="a study.Scheme in a file, or the name of a scheme")
-    command.add_argument("--beside", nargs="+", metavar="NAME", default=BESIDE, help="schemes to compare with")
+    command.add_argument("--compare-with", nargs="+", metavar="NAME", default=COMPARED, help="schemes to compare with")
     command.add_argument("--problems", nargs="+", metavar="NAME", help="springs to run; default: also stiff systems")
     command.add_argument("--output", type=Path, required=True, metavar="FILE.html", help="page to write")
 
@@ -84,7 +84,7 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(function=_recommend)
     command.add_argument("name", metavar="NAME", help="name of an assessment: hardening, softening or one of your own")
     command.add_argument("--error", type=float, required=True, help="an error that was assessed, as a fraction")
-    command.add_argument("--quantity", help="what must keep the error; default: the first, displacement")
+    command.add_argument("--quantity", help="quantity that must keep the error; default: the first, displacement")
     command.add_argument("--folder", type=Path, default=io.RESULTS, help="folder of the results; default: results")
 
     command = commands.add_parser("conform", help="judge the integrator of a code by the cases of the conformance kit")
@@ -98,7 +98,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _given(place: str, kind: type) -> Any:
-    """A name, or what stands in a file of the user under one."""
+    """A name, or the object of that name in a user's file."""
     return load(place, (kind,)) if ".py" in place else place
 
 
@@ -183,7 +183,7 @@ def _program(arguments: argparse.Namespace) -> Program:
 def _assess_scheme(arguments: argparse.Namespace) -> None:
     output = io.check_writable(arguments.output)
     scheme = _given(arguments.scheme, Scheme)
-    assessed = assess_scheme(scheme, beside=arguments.beside, problems=arguments.problems or ON)
+    assessed = assess_scheme(scheme, compare_with=arguments.compare_with, problems=arguments.problems or ON)
     assessed.linear.attrs["command"] = shlex.join(["study", *arguments.words])
     io.write(scheme_page(assessed), output)
     print(f"written: {output}")

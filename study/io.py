@@ -116,7 +116,7 @@ def flags(long_name: str, meanings: Sequence[str], dtype: type[np.integer]) -> d
     meanings
         One word each, without spaces.
     dtype
-        Type of the values of the variable, which CF asks of ``flag_values`` too.
+        Type of the values of the variable, which CF requires of ``flag_values`` too.
     """
     return {
         "long_name": long_name,
@@ -188,7 +188,7 @@ def write(content: xr.Dataset | str | bytes, path: str | Path) -> None:
     Raises
     ------
     NotWritten
-        If the disk is full, or the file cannot be written for another reason. What was there before stays.
+        If the disk is full, or the file cannot be written for another reason. An existing file stays unchanged.
     """
     path = check_writable(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
@@ -201,7 +201,7 @@ def write(content: xr.Dataset | str | bytes, path: str | Path) -> None:
             os.fsync(file.fileno())
         unfinished.replace(path)
     except (OSError, RuntimeError) as error:
-        # netCDF has errors of its own for a full disk, which do not say so
+        # netCDF raises other errors for a full disk, which do not mention the disk
         reason, free = getattr(error, "strerror", None) or error, shutil.disk_usage(path.parent).free
         raise NotWritten(f"'{path}' cannot be written: {reason}, {free:,} bytes are free.") from error
     finally:

@@ -1,13 +1,13 @@
 """Materials that yield, slip, damp or touch, as force of one unknown or as elements of a structure.
 
-A material is the force of one unknown, or with :func:`elements` that of every spring of a structure::
+A material is the force of one unknown, or with :func:`elements` the force of every spring of a structure::
 
     spring = study.materials.elastoplastic(stiffness=4.0, yield_force=1.0, hardening=0.05)
     oscillator = study.Problem(spring, u0=0.0, potential=spring.potential, load=load)
 
 Parameters may be arrays with one value for each element. A material with a memory has an attribute ``history`` and
-returns the new one with its force. Forces are those of the motion from the last committed displacement straight to u,
-without error: a step has only the error of its scheme.
+returns the new one with its force. Forces are exact for the straight motion from the last committed displacement to u:
+a step has only the error of its scheme.
 """
 
 from collections.abc import Callable
@@ -86,7 +86,7 @@ class Elastoplastic(eqx.Module):
 
 
 def elastoplastic(stiffness, yield_force, hardening=0.0) -> Elastoplastic:
-    """An elastoplastic spring: stiffness k, yield force p_y, and stiffness after yield over that before, b.
+    """An elastoplastic spring: stiffness k, yield force p_y, and ratio b of the stiffness after yield to k.
 
     Raises
     ------
@@ -103,9 +103,9 @@ def elastoplastic(stiffness, yield_force, hardening=0.0) -> Elastoplastic:
 def friction(slip_force, stiffness) -> Elastoplastic:
     """Coulomb friction: a contact of the given stiffness that slips where its force reaches the slip force.
 
-    The stiffness is that of the asperities. A stiff one, with a period well above the time step, comes near the rigid
-    law of Coulomb, whose force jumps and has no tangent: the motions differ by a part that falls with the square root
-    of the stiffness.
+    The stiffness models the asperities. A stiff contact, with a period well above the time step, approximates the rigid
+    law of Coulomb, whose force jumps and has no tangent: the relative difference of the motions falls with the square
+    root of the stiffness.
 
     Raises
     ------
@@ -142,7 +142,7 @@ class BoucWen(eqx.Module):
 
     @property
     def history(self) -> tuple[np.ndarray, np.ndarray]:
-        """At rest in u = 0, without a force."""
+        """At rest at u = 0, without a force."""
         zero = np.zeros(np.broadcast_shapes(*map(np.shape, (self.stiffness, self.yield_force, self.hardening))))
         return zero, zero
 
@@ -160,7 +160,7 @@ class BoucWen(eqx.Module):
         way = (u - before) / bound
         sign = jnp.where(way < 0, -1.0, 1.0)
         y, x = sign * y, sign * way
-        # y grows by x until it is zero; what is left of x loads from there
+        # y grows by x until it is zero; the rest of x loads from there
         unloading = jnp.minimum(y + x, 0.0)
         y = sign * (unloading + self._loaded(jnp.maximum(y, 0.0), jnp.maximum(x + jnp.minimum(y, 0.0), 0.0)))
         force = self.stiffness * (self.hardening * u + (1 - self.hardening) * bound * y)
@@ -242,7 +242,7 @@ def gap(stiffness, opening=0.0) -> Gap:
 
 
 class _Elements(eqx.Module):
-    """What springs of one material in a structure share."""
+    """Common part of springs of one material in a structure."""
 
     material: Any
     elongations: Callable
@@ -271,7 +271,7 @@ class _Damping(_Elements):
 class _WithHistory(_Elements):
     @property
     def history(self) -> Any:
-        """That of the material for every element."""
+        """The history of the material for every element."""
         return jax.tree.map(lambda one: np.broadcast_to(one, (self.count,)).copy(), self.material.history)
 
     def __call__(self, u, v, history):
@@ -302,7 +302,7 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
     Raises
     ------
     TypeError
-        If the material or the elongations are no function.
+        If the material or the elongations are not functions.
     ValueError
         If the number of elements is not a whole number of at least one, or the material has a history of another number
         of elements.

@@ -20,7 +20,7 @@ def _plain(word: str) -> str:
 
 
 def nearest(word: str, known: Iterable[str]) -> list[str]:
-    """Known names that a misspelt or shortened word may stand for, the likeliest first; none if nothing is near.
+    """Known names that a misspelt or shortened word may mean, the likeliest first; none if nothing is near.
 
     Names that contain the word come first, whatever the case and the separators; otherwise the one with the most
     similar spelling is taken.
@@ -55,16 +55,16 @@ class Registry(Mapping[str, T], Generic[T]):
     Parameters
     ----------
     kind
-        What the entries are, in one word, for messages.
+        Noun for the entries in messages, in one word.
     entries
         The entries by name.
     aliases
         Further names of entries, which can be looked up and are not listed. Case and separators do not matter.
     renamed
-        Names of earlier versions, each with its name today, which the message for an unknown name suggests.
+        Names of earlier versions, each with its present name, which the message for an unknown name suggests.
     made_by
-        Functions that make entries, by name, for entries that take a while to make. Each is called when its entry is
-        asked for first.
+        Functions that make entries, by name, for entries that take a while to make. Each is called at the first access
+        of its entry.
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class Registry(Mapping[str, T], Generic[T]):
         Raises
         ------
         ValueError
-            If the name is taken, or no name of small letters, digits and underscores.
+            If the name is taken, or has other characters than small letters, digits and underscores.
         """
         if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
             raise ValueError(f"a {self.kind} has a name of small letters, digits and underscores, not {name!r}.")
@@ -148,7 +148,7 @@ def variables_of_modules(package: ModuleType, kind: type[T], first: Iterable[str
         if module.name.endswith(".named"):  # the module that makes the registry
             continue
         for name, value in vars(importlib.import_module(module.name)).items():
-            # isinstance asks every abstract class, which takes a twentieth of a second in all
+            # isinstance checks every abstract class, which takes a twentieth of a second in all
             if kind in type(value).__mro__ and not name.startswith("_") and found.setdefault(name, value) is not value:
                 raise ValueError(f"{module.name} gives the name '{name}' a second time; choose another name.")
     return {name: found[name] for name in first} | found

@@ -1,12 +1,12 @@
-"""What importing ``study`` changes in this process, and how to decline it.
+"""Settings of this process that importing ``study`` changes, and how to decline them.
 
 ``precision``
     JAX computes in double precision (``jax_enable_x64``).
 ``compiler``
     An option is added to ``XLA_FLAGS``, unless the user has set it. XLA compiles a loop natively only if its body is
     small, and otherwise walks it operation by operation, up to ten times slower. The option raises the threshold, so
-    that a whole march is one native loop. A call of LAPACK, as for several unknowns, is no part of such a loop. XLA
-    reads ``XLA_FLAGS`` when JAX first computes; if that is over, a warning says so.
+    that a whole march is one native loop. A loop with calls of LAPACK, as for several unknowns, is never native. XLA
+    reads ``XLA_FLAGS`` when JAX first computes; if JAX has already computed, a warning says so.
 ``cache``
     Compiled programs are kept for the next process, unless the user has set a cache for JAX. They lie in the user's
     cache folder, in a folder named after this machine, since another processor may lack instructions. When the folder
@@ -32,13 +32,13 @@ import platformdirs
 
 _OPTION = "xla_cpu_small_while_loop_byte_threshold"
 
-#: Bytes of a loop up to which it is native. A run that is compared with a reference carries a table of some megabytes.
+#: Largest size in bytes of a native loop. A run that is compared with a reference carries a table of some megabytes.
 _THRESHOLD = 1 << 24
 
 #: Largest size of the cache in bytes when a process starts.
 _CACHE_SIZE = 1 << 30
 
-#: Seconds between two checks of its size, which look at every file.
+#: Seconds between two checks of its size, which inspect every file.
 _DAY = 86_400
 
 

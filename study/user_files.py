@@ -10,7 +10,7 @@ from study.registry import did_you_mean
 
 
 class Unloadable(ValueError):
-    """A file or a name in it cannot be had; the message says why, in one sentence."""
+    """A file or a name in it cannot be loaded; the message states why, in one sentence."""
 
 
 def load(place: str, kinds: tuple[type, ...]) -> Any:
@@ -19,7 +19,7 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
     Parameters
     ----------
     kinds
-        Classes of which it must be one. A function without arguments that returns one is called.
+        Allowed classes of the object. A function without arguments that returns such an object is called.
 
     Raises
     ------

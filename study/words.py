@@ -1,4 +1,4 @@
-"""Numbers, lists and pages as readers see them. This module imports the standard library only."""
+"""Printed form of numbers, lists and pages. This module imports the standard library only."""
 
 import html
 import math
@@ -8,7 +8,7 @@ from typing import Any
 
 #: Digits and a minus as exponents.
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-# no part of a word, such as the name of a commit, is a number
+# digits within a word, such as the name of a commit, are not a number
 _POWER = re.compile(r"(?<![\w.])(\d(?:\.\d+)?)e([+-]?)0*(\d{1,3})(?!\w)")
 #: Below this a fraction is zero to round-off.
 _ZERO = 1e-6
@@ -37,10 +37,10 @@ def number(value: float, digits: int = 3) -> str:
 
 
 def percent(fraction: float, digits: int = 2) -> str:
-    """A fraction in percent, zero if it is zero to round-off."""
+    """A fraction in percent with a no-break space, zero if it is zero to round-off."""
     if math.isnan(fraction):
         return "–"
-    return f"{number(100 * fraction, digits)} %" if abs(fraction) > _ZERO else "0 %"
+    return f"{number(100 * fraction, digits)}\u00a0%" if abs(fraction) > _ZERO else "0\u00a0%"
 
 
 def span(values: Any, form: str = ".2f") -> str:
@@ -50,7 +50,7 @@ def span(values: Any, form: str = ".2f") -> str:
 
 
 def listed(words: Iterable[str], separator: str = ", ") -> str:
-    """Words as they stand in a sentence: a, b and c."""
+    """A list of words in a sentence: a, b and c."""
     *others, last = words
     return f"{separator.join(others)} and {last}" if others else last
 

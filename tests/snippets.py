@@ -28,7 +28,7 @@ def commands(text: str) -> list[list[str]]:
 
 
 def run_examples(text: str, name: str, folder: Path, monkeypatch: Any) -> dict:
-    """Run the blocks of Python in order beside small results, under JAX's usual rules, and return what they define."""
+    """Run the blocks of Python in order next to small results, under JAX's default rules, and return their names."""
     small_results.write_to(folder / "results")
     monkeypatch.chdir(folder)
     matplotlib.use("agg")
@@ -40,7 +40,7 @@ def run_examples(text: str, name: str, folder: Path, monkeypatch: Any) -> dict:
 
 
 def run_command(words: list[str], folder: Path) -> None:
-    """Run a command of ``study`` beside small results and the examples."""
+    """Run a command of ``study`` next to small results and the examples."""
     small_results.write_to(folder / "results")
     (folder / "examples").symlink_to(PROJECT / "examples")
     command = [sys.executable, "-m", "study", *words]

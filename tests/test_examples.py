@@ -14,7 +14,7 @@ from study.user_files import load
 
 FOLDER = Path(__file__).parent.parent / "examples"
 
-#: Objects of the files, with the time over which they are run and what is asked.
+#: Objects of the files, with the duration of their runs and the quantities.
 PROBLEMS = {
     "frame.py:frame": (3.0, "frame.py:quantities"),
     "yielding_frame.py:frame": (2.0, "yielding_frame.py:quantities"),
@@ -33,9 +33,9 @@ def usual_rules():
 
 @pytest.mark.parametrize("place", PROBLEMS)
 def test_a_problem_is_assessed(place):
-    duration, asked = PROBLEMS[place]
+    duration, wanted = PROBLEMS[place]
     problem = load(f"{FOLDER / place}", (study.Problem,))
-    quantities = load(f"{FOLDER / asked}", (dict,)) if asked else None
+    quantities = load(f"{FOLDER / wanted}", (dict,)) if wanted else None
     ds = study.assess(
         problem, "average_acceleration", duration=duration, quantities=quantities, errors=0.05, maps=False
     )

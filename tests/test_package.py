@@ -131,8 +131,8 @@ def test_the_import_is_light_and_names_are_there_at_once():
 
 
 def test_a_setting_that_does_not_exist_is_refused():
-    told = _in_a_process("import study", STUDY_SETTINGS="presision")
-    assert "STUDY_SETTINGS must be 'none' or name some of precision, compiler, cache, not 'presision'." in told
+    stated = _in_a_process("import study", STUDY_SETTINGS="presision")
+    assert "STUDY_SETTINGS must be 'none' or name some of precision, compiler, cache, not 'presision'." in stated
 
 
 def test_jax_that_has_computed_nothing_is_no_reason_to_warn():

@@ -158,17 +158,17 @@ def test_a_target_stands_before_the_configuration(name):
 
 
 def test_the_study_on_many_cores_takes_what_is_told():
-    table, told = pd.read_csv(PROJECT / "docs" / "scaling.csv"), TEXTS["docs/pages/how_to/pipeline.md"]
+    table, stated = pd.read_csv(PROJECT / "docs" / "scaling.csv"), TEXTS["docs/pages/how_to/pipeline.md"]
     on = table.set_index("cores")
-    assert "95 minutes of one core" in told and on.seconds[1] / 60 == pytest.approx(95, abs=0.5)
-    assert "a tenth is lost on\neight cores" in told and on.lost[8] == pytest.approx(0.1, abs=0.02)
-    assert "from 64 on it takes less than four minutes" in told and on.seconds[64] < 240
+    assert "95 minutes of one core" in stated and on.seconds[1] / 60 == pytest.approx(95, abs=0.5)
+    assert "a tenth is lost on\neight cores" in stated and on.lost[8] == pytest.approx(0.1, abs=0.02)
+    assert "from 64 on it takes less than four minutes" in stated and on.seconds[64] < 240
     assert on.seconds[64] == pytest.approx(on.seconds[128], rel=0.01)
 
 
 def test_the_torture_has_the_number_of_kills_and_differences_that_are_told():
-    table, told = pd.read_csv(PROJECT / "docs" / "torture.csv"), TEXTS["docs/pages/how_to/pipeline.md"]
-    told = " ".join(told.split())
-    assert "kills a small study a hundred times" in told and "no difference" in told
+    table, stated = pd.read_csv(PROJECT / "docs" / "torture.csv"), TEXTS["docs/pages/how_to/pipeline.md"]
+    stated = " ".join(stated.split())
+    assert "kills a small study a hundred times" in stated and "no difference" in stated
     assert table.kills.sum() == 100 and (table["of runs at work"] > 0.8 * table.kills).all()
     assert table.differences.sum() == table["unfinished files left"].sum() == 0

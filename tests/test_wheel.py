@@ -39,7 +39,7 @@ def _needed(*requirements: str) -> dict[str, Distribution]:
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory) -> Path:
-    """The wheel, built from a copy, as building leaves files beside the sources."""
+    """The wheel, built from a copy, because building leaves files next to the sources."""
     source, target = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(PROJECT / name, source)
@@ -116,7 +116,7 @@ def test_the_command_line_lists_schemes(python, tmp_path, form):
 
 
 def test_the_core_writes_a_run_to_a_file(python, tmp_path):
-    """Its provenance names the versions of packages, of which the core has only some."""
+    """Its provenance names the versions of packages; the core has only some of them."""
     options = ["--dt", "0.05", "--steps", "9", "--output", "run.nc"]
     _run([python, "-m", "study", "run", "softening", "rk4", *options], tmp_path)
     written = xr.load_dataset(tmp_path / "run.nc")

@@ -1,4 +1,4 @@
-"""How long ``study.assess`` takes for a model of many unknowns, and how many runs at the recommended step that is.
+"""Time of ``study.assess`` for a model of many unknowns, in seconds and in runs at the recommended step.
 
 python tools/large_model.py COLUMNS ROWS [SECONDS]
 

@@ -2,7 +2,7 @@
 
     python tools/recommended_steps.py [NAME ...]
 
-Of 1,000 random steps between a twentieth of a recommended step and the step itself, drawn with another seed, it
+It draws 1,000 random steps between a twentieth of a recommended step and the step itself, with another seed, and
 prints how many exceed the error, and the largest error over the allowed one.
 """
 
@@ -50,9 +50,9 @@ def check(name: str) -> None:
     """Print a line for every scheme, quantity and error."""
     problem, quantities, duration = PROBLEMS[name]()
     ds = assess(problem, SCHEMES, duration=duration, quantities=quantities, errors=(0.1, 0.01), maps=False)
-    equation, asked = excited(problem, 1.0, displaced=True), errors.named(quantities)
-    reference = certified(equation, ds.duration, asked, 0.01, duration / COARSEST, quantities is None)
-    case = cases_of(equation, reference, asked, 0.01)[1.0]
+    equation, wanted = excited(problem, 1.0, displaced=True), errors.named(quantities)
+    reference = certified(equation, ds.duration, wanted, 0.01, duration / COARSEST, quantities is None)
+    case = cases_of(equation, reference, wanted, 0.01)[1.0]
     random = np.random.default_rng(SEED)
     for scheme in ds.scheme.values:
         runs = {}

@@ -1,15 +1,15 @@
-"""How long a study would take on many cores, from the measured times of its jobs.
+"""Estimated time of a study on many cores, from the measured times of its jobs.
 
 ``python tools/scaling.py OUTPUT``, in the folder of a finished study, reads the plan of the pipeline and
-``results/benchmarks``, hands ready jobs to free cores, those first that most depends on, and writes a table OUTPUT.csv
-and a figure OUTPUT.png of time against cores. The time of a job is that of its processor, at the most, as on one quiet
-core. Figures and pages are drawn one after the other. Waiting in a queue is not counted, nor the node that timed jobs
-have alone.
+``results/benchmarks``, assigns ready jobs to free cores, the longest path first, and writes a table OUTPUT.csv
+and a figure OUTPUT.png of time against cores. The time of a job is at most its processor time, as on one idle
+core. Figures and pages are drawn one after the other. Waiting in a queue and the exclusive node of timed jobs are
+not counted.
 
 The study must have been made with ``snakemake --no-hooks``, without the worker that runs the jobs of a local run,
 because Snakemake measures the processor and memory of the processes that it starts itself.
 
-It prints too what ``profiles/slurm`` asks for: memory and run time of the rules that need more than its defaults.
+It also prints entries for ``profiles/slurm``: memory and run time of the rules that need more than its defaults.
 """
 
 import heapq
@@ -23,17 +23,17 @@ import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.ticker import LogLocator
 
-#: Numbers of cores, the first of which is that of one machine.
+#: Numbers of cores; the first one is a single machine's.
 CORES = (1, 2, 4, 8, 16, 32, 64, 100, 128)
 #: Memory in MB and run time in minutes that ``profiles/slurm`` gives every job.
 DEFAULT_MEMORY, DEFAULT_MINUTES = 1500, 15
-#: Seconds between two looks of Snakemake at the processor, in the first half minute of a job and after it.
+#: Seconds between two measurements of the processor by Snakemake, in the first half minute of a job and after it.
 SAMPLED = 0.5, 30.0
 PLAN, BENCHMARKS = Path(".snakemake", "plan.json"), Path("results", "benchmarks")
 
 
 class Job(NamedTuple):
-    """A job: how long it takes, the jobs that make what it reads, and the group of which one runs at a time, if any."""
+    """A job: its time, the jobs that make its inputs, and its group, of which only one runs at a time, if any."""
 
     name: str
     seconds: float
@@ -64,7 +64,7 @@ def measured() -> dict[str, Job]:
         inputs = step["jobs"][job]["inputs"]
         after = tuple(dict.fromkeys(maker[one] for one in inputs if one in maker))
         taken = pd.read_csv(file, sep="\t").iloc[0]
-        # Snakemake looks every half second, and later every half minute; at the shortest jobs not at all
+        # Snakemake measures every half second, and later every half minute; the shortest jobs not at all
         missed = SAMPLED[int(taken.s > SAMPLED[1])]
         seconds = taken.s if pd.isna(taken.cpu_time) else min(taken.s, taken.cpu_time + missed)
         jobs[name] = Job(name, float(seconds), after, step["group"] or "", step["name"], float(taken.max_rss))
@@ -124,7 +124,7 @@ def makespan(jobs: dict[str, Job], cores: int) -> float:
 
 
 def resources(jobs: dict[str, Job]) -> str:
-    """What a profile sets for rules beyond its defaults: half as much memory again, and three times the run time."""
+    """Entries of a profile for rules beyond its defaults: 1.5 times the memory, and three times the run time."""
     rules: dict[str, list[Job]] = {}
     for job in jobs.values():
         rules.setdefault(job.rule, []).append(job)
@@ -152,7 +152,7 @@ def table(jobs: dict[str, Job]) -> pd.DataFrame:
 
 
 def draw(jobs: dict[str, Job], times: pd.DataFrame, output: Path) -> None:
-    """Time against cores, between the least by work and that of the critical path."""
+    """Time against cores, with the lower bounds by work and by the critical path."""
     path, work = critical_path(jobs), sum(job.seconds for job in jobs.values())
     length = sum(jobs[name].seconds for name in path)
     figure, ax = plt.subplots(figsize=(5.5, 3.6), layout="constrained")

@@ -1,4 +1,4 @@
-"""Kill the pipeline at random moments, and compare what the next calls make with an undisturbed run.
+"""Kill the pipeline at random moments, and compare the products of the next calls with an undisturbed run.
 
 ``python tools/torture.py KILLS OUTPUT`` works in copies of the project. Before every kill some products are removed, so
 that there is work; after it a plain call must end well. OUTPUT is a table of kills, restarts and differences.
@@ -113,7 +113,7 @@ def _remove(folder: Path, choose: random.Random) -> None:
 
 
 def _undisturbed(folder: Path, choose: random.Random) -> float:
-    """Seconds that a call takes which makes as much as those that are killed."""
+    """Seconds of an undisturbed call with as much work as the killed ones."""
     _remove(folder, choose)
     start = time.monotonic()
     restarted(folder)

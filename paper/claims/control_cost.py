@@ -1,4 +1,4 @@
-"""Claims about what controlled steps cost and about the automatic steps of codes, decided by our runs."""
+"""Claims about the cost of controlled steps and about the automatic steps of codes, decided by our runs."""
 
 from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.claims.terms import ALMOST, REASONABLE
@@ -52,7 +52,7 @@ def a_stiff_mode_is_ignored(control_cost):
     return Finding(
         number(ratio, ".2g", "not reached"),
         bool(ignored),
-        when(not ignored, "the estimate sees the acceleration of that mode"),
+        when(not ignored, "the estimate includes the acceleration of that mode"),
     )
 
 
@@ -96,18 +96,18 @@ def a_tenth_of_the_force_is_accurate(control_of_codes):
 def iterations_tell_the_error(control_of_codes):
     loose = control_of_codes.max_energy_error.sel({"code": "OpenSees", "class": ["middle", "loose"]}).max("class")
     shows = bool((loose < REASONABLE).all())
-    return Finding(listed(by_name(loose), control_of_codes), shows, when(not shows, "the iteration knows no error"))
+    return Finding(listed(by_name(loose), control_of_codes), shows, when(not shows, "iterations do not show the error"))
 
 
 @claim(
     "adaptive",
     "If the step is halved, average acceleration shows oscillations that it had not.",
-    "largest energy error with the step halved in the middle over that with equal steps",
+    "largest energy error with the step halved in the middle over the one with equal steps",
     whose="MOOSE",
     requires={"control_of_codes.problems": PROBLEMS},
 )
 def a_halved_step_disturbs(control_of_codes):
     largest = control_of_codes.halved_energy_error.max("steps_at_first")
     disturbs = bool((largest > ALMOST).any())
-    reason = when(not disturbs, "the energy error stays that of the larger step")
+    reason = when(not disturbs, "the energy error stays as with the larger step")
     return Finding(listed(by_name(largest), control_of_codes, ".3f"), disturbs, reason)

@@ -1,4 +1,4 @@
-"""Claims on the relative costs of the schemes, in sections 3.1, 3.2 and 5.
+"""Claims on the costs of the schemes, in sections 3.1, 3.2 and 5.
 
 One definition holds for all of them. The ratio of two times of a step is taken in each repeat, in which all schemes run
 one after the other. The median over the repeats is stated. A ratio lies above or below a bound only if both quartiles
@@ -22,7 +22,7 @@ def _quartiles(ratio: xr.DataArray) -> tuple[float, float, float]:
 
 
 def _to(cpu_time: xr.Dataset, scheme: str, others: list[str], problem: str) -> tuple[float, float, float]:
-    """Quartiles of the time of a scheme over the largest of those of the others."""
+    """Quartiles of the time of a scheme over the largest time of the others."""
     time = cpu_time.time_per_step.sel(problem=problem)
     return _quartiles(time.sel(scheme=scheme) / time.sel(scheme=others).max("scheme"))
 
@@ -59,7 +59,7 @@ def central_difference_is_cheap(cpu_time):
 @claim(
     "3.2",
     "The softening spring takes more than twice the time of the hardening one.",
-    "ratio of the times of a step by scheme, most of which are to exceed 2",
+    "ratio of the times of a step by scheme, most to exceed 2",
     "2.2 to 3.2",
     words="the present example of softening spring requires more than twice the computational time",
 )
@@ -73,7 +73,7 @@ def softening_costs_twice(cpu_time):
 @claim(
     "5",
     "Central difference is the cheapest scheme.",
-    "its time of a step over that of the cheapest other scheme",
+    "its time of a step over the time of the cheapest other scheme",
     "0.67, 0.60",
     words="the most efficient method is the central difference method",
 )
@@ -87,7 +87,7 @@ def central_difference_is_cheapest(cpu_time):
 @claim(
     "5",
     "Runge-Kutta costs slightly more than the implicit Newmark methods.",
-    f"its time of a step over that of the dearer one, which is to be between 1 and {SLIGHTLY_MORE:g}",
+    f"its time of a step over the time of the more expensive one, to be between 1 and {SLIGHTLY_MORE:g}",
     "1.32, 1.21",
     words="The Runge–Kutta method costs slightly more than the implicit Newmark methods",
 )
@@ -99,7 +99,7 @@ def runge_kutta_costs_more(cpu_time):
 @claim(
     "5",
     "Houbolt, Wilson and the α-method cost more than the implicit Newmark methods.",
-    "their times of a step over that of the dearer one, most of which are to exceed 1",
+    "their times of a step over the time of the more expensive one, most to exceed 1",
     "1.01 to 1.35",
     words="are also more expensive than the implicit Newmark methods",
 )

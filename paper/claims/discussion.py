@@ -61,7 +61,7 @@ claim_printed_error(
 @claim(
     "4",
     "It is not uncommon that a smaller step gives a less accurate solution of a non-linear system.",
-    f"share of neighbouring step sizes of which the smaller one has an error more than {ALMOST:g} times as large, "
+    f"share of neighbouring step sizes whose smaller one has an error more than {ALMOST:g} times as large, "
     "all schemes and springs from T/100 to T",
     words="Such behaviour of having a less accurate solution with a smaller time step is not uncommon",
     requires={"large_steps.dt_over_period": rising},
@@ -113,7 +113,7 @@ def smaller_may_be_unstable(large_steps):
 def five_are_unconditionally_stable(spectral):
     radius = spectral.spectral_radius.sel(damping_ratio=0)
     excess = radius.sel(scheme=UNCONDITIONAL).max().item() - 1
-    # a double root on the unit circle is known to half the digits
+    # a double root on the unit circle is accurate to half the digits
     others = bool((radius.sel(scheme=EXPLICIT).max("dt_over_period") > 1 + 1e-6).all())
     return Finding(number(excess, ".0e"), excess < ROUND_OFF and others)
 
@@ -155,7 +155,7 @@ def alpha_is_unstable(portrait):
 @claim(
     "4",
     "The α-method has moderate numerical damping.",
-    "1 − spectral radius at T/20: more than that of average acceleration, less than that of any other",
+    "1 − spectral radius at T/20: more than average acceleration has, less than any other",
     words="which has moderate numerical damping",
     requires={"spectral.damping_ratios": [0.0]},
 )

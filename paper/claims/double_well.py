@@ -11,7 +11,7 @@ from study.words import span
 #: The initial height of the energy above rest over the size of the energy, both from S₁ = −0.5, S₂ = −1 and u₀ = 0.5.
 _HEIGHT = (7 / 128 - 1 / 8) / (-7 / 128)
 
-#: What the runs from starts next to each other must be.
+#: Requirements on the runs from starts next to each other.
 _OF_STARTS = {"sensitivity.problem": "double_well", "sensitivity.perturbation": 1e-10}
 
 claim_period("4", "double_well", 1, "The period of this oscillator is equal to 7·3")

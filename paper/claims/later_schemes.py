@@ -14,7 +14,7 @@ def _undamped(spectral, variable):
 @claim(
     "schemes",
     "OALTS damps low frequencies half as much as the generalized-α method of equal ρ∞.",
-    "algorithmic damping of OALTS at T/100 over that of generalized-α",
+    "algorithmic damping of OALTS at T/100 over the damping of generalized-α",
     whose="Zhang (2020)",
     requires={"spectral.schemes": ["oalts", "generalized_alpha"], "spectral.damping_ratios": [0.0]},
 )
@@ -27,7 +27,7 @@ def half_the_damping(spectral):
 @claim(
     "schemes",
     "MKR-α overshoots less than KR-α.",
-    "largest overshoot of the displacement over all step sizes, relative; period error at T/10 over that of KR-α",
+    "largest overshoot of the displacement over all step sizes, relative; period error at T/10 over KR-α's",
     whose="Kolay and Ricles (2019)",
     requires={"spectral.schemes": ["kr_alpha", "mkr_alpha"], "spectral.damping_ratios": [0.0]},
 )

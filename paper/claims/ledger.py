@@ -83,7 +83,7 @@ OURS = {
     "stability": "stability_claims",
     "structures": "structure_claims",
 }
-#: Datasets over the schemes of 1996, and of later ones if the configuration says so.
+#: Datasets over the schemes of 1996, and of later ones if the configuration has them.
 _OVER_SCHEMES = ("accuracy", "cpu_time", "energy_error", "large_steps", "sensitivity", "spectral", "phase_portrait/")
 
 
@@ -100,17 +100,17 @@ def claim(
 ) -> Callable:
     """Enter the decorated check, a function of datasets, into the ledger.
 
-    The datasets of a claim of the paper are cut to the paper's schemes, and the configuration must have them all; those
-    of our claims are whole.
+    The datasets of a claim of the paper are cut to the paper's schemes, and the configuration must have them all; the
+    datasets of our claims are whole.
 
     Parameters
     ----------
     section, statement, quantity, printed, words
-        As the attributes of :class:`Claim`. A claim of the paper needs its ``words``, any other has none.
+        Attributes of :class:`Claim`. A claim of the paper needs its ``words``, any other has none.
     whose
         Who makes the claim, if not the paper.
     requires, reads
-        As those of :class:`paper.products.Product`.
+        As in :class:`paper.products.Product`.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def claim(
 
 
 def _of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
-    """A check that is given datasets with all schemes of the paper cut to them; any other dataset stays as it is."""
+    """A check whose datasets are cut to the paper's schemes if they have all of them, and unchanged otherwise."""
 
     def cut(data: Any) -> Any:
         over_schemes = isinstance(data, xr.Dataset) and "scheme" in data.dims
@@ -154,7 +154,7 @@ def errors(energy_error: xr.Dataset, problem: str) -> xr.DataArray:
 
 
 def most(cells: Mapping[str, bool]) -> tuple[bool, list[str]]:
-    """Whether a statement holds in most of the cells that it speaks of, and the cells in which it does not."""
+    """Whether a statement holds in most of its cells, and the cells in which it does not."""
     exceptions = [name for name, holds in cells.items() if not holds]
     return len(exceptions) < (1 - MOST) * len(cells), exceptions
 

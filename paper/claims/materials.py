@@ -13,7 +13,7 @@ from paper.requirements import fourfold
 @claim(
     "materials",
     "Once materials are non-linear, the order of a scheme does not matter.",
-    "least error of average acceleration over that of Runge-Kutta at equal steps; of central difference at as many "
+    "least error of average acceleration over Runge-Kutta's at equal steps; of central difference at as many "
     "forces; order of Runge-Kutta",
     whose=PRACTICE,
     requires={

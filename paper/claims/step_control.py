@@ -37,7 +37,7 @@ def zienkiewicz_xie_is_true(estimates):
     holds = bool((abs(of_u - 1) < TRUE).all())
     misses = bool((of_both < 1 - TRUE).any())
     ours = f"displacement {listed(by_name(of_u), estimates, '.2f')}; state {listed(by_name(of_both), estimates, '.2f')}"
-    return Finding(ours, holds, when(misses, "it does not see the error of the velocity"))
+    return Finding(ours, holds, when(misses, "it ignores the error of the velocity"))
 
 
 @claim(
@@ -105,7 +105,7 @@ def _of_control(*controllers, scheme=AVERAGE):
 @claim(
     "adaptive",
     "Controlled steps of average acceleration keep the energy as equal ones do.",
-    "energy error of the last period over that of the first: controlled by PI; equal",
+    "energy error of the last period over the first: controlled by PI; equal",
     whose=PRACTICE,
     requires=_of_control("pi"),
 )
@@ -120,7 +120,7 @@ def control_keeps_the_energy(step_control):
 @claim(
     "adaptive",
     "A dead band, which holds the step for long, avoids the drift.",
-    "energy error of the last period over that of the first",
+    "energy error of the last period over the first",
     whose=PRACTICE,
     requires=_of_control("dead_band"),
 )
@@ -133,7 +133,7 @@ def a_dead_band_avoids_the_drift(step_control):
 @claim(
     "adaptive",
     "Reversible control of a symmetric scheme shows no drift.",
-    "energy error of the last period over that of the first",
+    "energy error of the last period over the first",
     whose="Hairer and Söderlind (2005)",
     requires=_of_control("pi"),
 )

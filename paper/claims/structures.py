@@ -12,6 +12,8 @@ from paper.requirements import samples_of_history
 
 #: Structures with modes far too fast for the steps.
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
+#: Methods that are algebraically stable, by which Burrage and Butcher show BN-stability.
+BN_STABLE = ["implicit_midpoint", "gauss4"]
 #: Samples that a history needs after its start: its last half then has three, the fewest that can alternate.
 SAMPLES_OF_SAWTOOTH = 4
 
@@ -105,6 +107,23 @@ def conserving_on_stiff_structures(structures):
     number = runs.sizes["problem"] * runs.sizes["steps_per_period"]
     holds = lost["energy_momentum"] == 0 and lost["average_acceleration"] > 0 and lost["implicit_midpoint"] > 0
     return Finding(f"{listed(lost, structures, '.0f')}, of {number} each", holds)
+
+
+@claim(
+    "structures",
+    "A BN-stable method is unconditionally stable in the non-linear range.",
+    f"runs of these that fail or leave the balance of energies by more than {REASONABLE:g} %, on rotating structures",
+    whose="Burrage and Butcher (1979)",
+    requires={
+        "structures.lengths.problem": ["elastic_pendulum"],
+        "structures.schemes": BN_STABLE,
+    },
+)
+def stable_by_contraction(structures):
+    lost = by_name((~kept(structures, TURNING)).sel(scheme=BN_STABLE).sum(["problem", "steps_per_period"]))
+    holds = not any(lost.values())
+    reason = when(not holds, "it bounds the distance of two motions that forces bring together, which these do not")
+    return Finding(listed(lost, structures, ".0f"), holds, reason)
 
 
 @claim(

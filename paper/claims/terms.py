@@ -1,6 +1,6 @@
-"""What the words of the claims mean: groups of schemes, and one threshold for each kind of judgement."""
+"""Meaning of the words of the claims: groups of schemes, and one threshold for each kind of judgement."""
 
-#: The paper's schemes by what it says of them.
+#: The paper's schemes by its judgements.
 FAITHFUL = ["average_acceleration", "central_difference"]
 DISSIPATIVE = ["newmark_dissipative", "wilson_theta", "houbolt"]
 DAMPED = [*DISSIPATIVE, "hht_alpha_1996"]
@@ -16,7 +16,7 @@ REASONABLE = 10.0
 FAR_OFF = 50.0
 #: Energy error in percent of an "unstable" run. A run that only loses energy stays below 100, up to round-off.
 UNSTABLE = 101.0
-#: Gain of the energy in percent, in the second half of a run, from which on it grows.
+#: Least gain of the energy in percent, in the second half of a run, that counts as growth.
 GROWN = 100.0
 #: Ratio of errors up to which a scheme is "almost as accurate" as another, and above which a run is "less accurate".
 ALMOST = 1.1
@@ -48,7 +48,7 @@ AT_REST = 0.01
 SECOND_ORDER, THIRD_ORDER = 1.5, 2.5
 #: Largest relative size of what is zero up to round-off.
 ROUND_OFF = 1e-10
-#: Error of a displacement in percent that matters, and of a balance of energies that nobody would mind.
+#: Least error of a displacement, in percent, that matters, and largest error of a balance of energies that does not.
 MATTERS, UNNOTICED = 0.1, 1e-6
-#: Steps in a period by the rule of practice, of which the paper's is T/20.
+#: Steps in a period by the rule of practice; the paper's rule is T/20.
 RULE = 20

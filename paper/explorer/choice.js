@@ -20,7 +20,7 @@ function cellOf(choice) {
   return {i, j, u0: amplitudes[i], step: meta.steps[j], exact: apart < 1e-4}
 }
 
-// The next value of an axis of the maps, up or down by so many.
+// The value of an axis of the maps that lies a number of places up or down.
 function moved(values, value, by) {
   const next = by > 0 ? values.findIndex((one) => one > 1.0001 * value) : values.findLastIndex((one) => one < 0.9999 * value)
   return next < 0 ? value : values[within([0, values.length - 1], next + by - Math.sign(by))]

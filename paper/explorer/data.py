@@ -10,9 +10,9 @@ import xarray as xr
 
 from paper.data import largest_safe
 
-#: Amplitudes and step sizes of a map that the page shows, at most: a cell is then some ten pixels wide.
+#: Largest number of amplitudes and step sizes of a map on the page: a cell is then some ten pixels wide.
 CELLS = 64
-#: Errors in percent of which a reader may allow one.
+#: Selectable allowed errors, in percent.
 ERRORS = (10.0, 1.0, 0.1)
 #: Codes of an error for each doubling.
 LOG_CODES = 512
@@ -35,7 +35,7 @@ def packed(blocks: Mapping[str, np.ndarray]) -> tuple[dict[str, Any], str]:
 
 
 def _logarithmic(values: np.ndarray) -> np.ndarray:
-    """Logarithms as integers of two bytes; the smallest of these is NaN, and the ends stand for all that is beyond."""
+    """Logarithms as integers of two bytes; the smallest one is NaN, and values beyond the ends are clipped."""
     with np.errstate(divide="ignore"):
         codes = np.clip(np.round(LOG_CODES * np.log2(values)), -32767, 32767)
     return np.where(np.isnan(codes), -32768, codes).astype(np.int16)

@@ -18,7 +18,7 @@ function fill(select, list, value) {
   select.replaceChildren(...list.map(([name, title]) => new Option(title, name, false, name === String(value))))
 }
 
-// A run moved along the axes of the maps by so many cells.
+// A run moved along the axes of the maps by a number of cells.
 const runMoved = (columns, rows) => ({
   step: columns ? moved(meta.steps, choice.step, columns) : choice.step,
   u0: rows ? moved(amplitudesOf(choice), choice.u0, rows) : choice.u0,
@@ -74,7 +74,7 @@ function onKey(event) {
   event.preventDefault()
 }
 
-// Rows of the schemes of a kind, that of the largest safe step first.
+// Rows of the schemes of a kind, the largest safe step first.
 function rowsOf(explicit) {
   const {i, u0} = cellOf(choice), period = periodAt({...choice, u0})
   const found = meta.schemes.map((one, s) => ({...one, s, step: safeStep(choice, s, i)}))

@@ -11,7 +11,7 @@ from paper.explorer.data import ERRORS, LOG_CODES, coarse, of_maps, packed
 from paper.figures.style import OUTCOME_STYLES
 from paper.products import page
 
-#: What is shown first; ``step`` is the step size over the period.
+#: Initial choice; ``step`` is the step size over the period.
 FIRST: dict[str, Any] = {
     "problem": "hardening",
     "schemes": ["average_acceleration", "central_difference"],
@@ -22,7 +22,7 @@ FIRST: dict[str, Any] = {
 }
 #: Scripts in the order in which they build on each other.
 SCRIPTS = ("springs", "schemes", "data", "choice", "classes", "map", "panels", "page")
-#: The springs that the page knows.
+#: The springs of the page.
 PROBLEMS = ["hardening", "softening", "double_well"]
 CASES = ["hardening", "softening", "softening_large", "double_well"]
 
@@ -49,10 +49,10 @@ def _problems(atlas: xr.Dataset) -> list[dict[str, Any]]:
 
 def _outcomes(outcome: xr.DataArray) -> list[dict[str, str]]:
     """Label, colour and meaning of each outcome, in the order of the map's numbers."""
-    meanings, told = outcome.attrs["flag_meanings"].split(), outcome.attrs["flag_explanations"].split("; ")
+    meanings, notes = outcome.attrs["flag_meanings"].split(), outcome.attrs["flag_explanations"].split("; ")
     return [
         {"label": OUTCOME_STYLES[name][0], "colour": OUTCOME_STYLES[name][1], "note": note}
-        for name, note in zip(meanings, told, strict=True)
+        for name, note in zip(meanings, notes, strict=True)
     ]
 
 

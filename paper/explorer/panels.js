@@ -118,7 +118,7 @@ function drawn(run, window, title) {
     ${figure(orbit(run, window, `orbit by ${title}`), "Orbit of the whole run, from light to dark. Grey: exact.")}`
 }
 
-// Summary of a run: its errors beside the allowed one, and the class of its cell.
+// Summary of a run: its errors next to the allowed one, and the class of its cell.
 function summary(choice, s, run) {
   const {i, j, u0, step, exact} = cellOf(choice), outcome = part("outcome", choice.problem, s, i, j)[0]
   const verdict = (error) => `${error < 0.001 ? "below 0.001" : short(error)} %, ${error <= choice.error ? "✓ within" : "✗ not within"} ${choice.error} %`

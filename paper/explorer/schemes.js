@@ -44,7 +44,7 @@ const houbolt = (p, {u, a, u1, u2}, h) => {
   return {u: predicted + (h * h * after) / 2, v, a: after, u1: u, u2: u1}
 }
 
-// The fictitious points make the first step that of the linear acceleration method.
+// The fictitious points make the first step a step of the linear acceleration method.
 function houboltStart(p, {u, v, a}, h) {
   const first = newmark(1 / 6, 0.5)(p, {u, v, a}, h), u1 = h * h * a - first.u + 2 * u
   return {u, v, a, u1, u2: 6 * h * v - 2 * first.u - 3 * u + 6 * u1}

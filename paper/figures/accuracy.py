@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import loss_of_amplitude, of_the_paper
-from paper.figures.style import PAGE, legend_below, letter, looks, panels
+from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.published import SCHEMES
 
@@ -15,7 +15,7 @@ MEASURES = {
     "max_energy_error": "energy (%)",
 }
 PROBLEMS = ("hardening", "softening")
-#: Periods of the runs, and of shorter ones that tell whether a loss of amplitude is steady.
+#: Periods of the runs, and of shorter ones that show whether a loss of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 
 
@@ -39,7 +39,7 @@ def draw(accuracy: xr.Dataset) -> Figure:
         for column, (ax, (measure, label)) in enumerate(zip(row, MEASURES.items(), strict=True)):
             sizes = losses if measure == "amplitude_decay" else abs(accuracy[measure])
             known = sizes.where(accuracy.flagged.sel(measure=measure) == 0).sel(problem=problem)
-            for name, look in looks(accuracy.scheme).items():
+            for name, look in curve_styles(accuracy.scheme).items():
                 one = known.sel(scheme=name)
                 ax.plot(one.steps_per_period, one, label=one.scheme_title.item(), markevery=2, **look)
             ax.set(xscale="log", yscale="log")

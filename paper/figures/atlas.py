@@ -42,6 +42,6 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
         ax.set_xlabel("step size over period, Δt/T")
         step_ticks(ax, {0.01: "1/100", 0.05: "1/20", 0.2: "1/5", 1: "1"})
     axes[0, 0].set_yticks([0.1, 1, 10], ["0.1", "1", "10"])
-    figure.supylabel("initial displacement over that of 1996", fontsize="medium")
+    figure.supylabel("initial displacement over its value of 1996", fontsize="medium")
     legend(figure, atlas.outcome.values)
     return figure

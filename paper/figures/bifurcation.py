@@ -9,7 +9,7 @@ from paper.products import figure
 
 
 @figure(
-    "Average acceleration in the double well over the step size; dashed: that of Figure 4 of Xie (1996). (a) "
+    "Average acceleration in the double well over the step size; dashed: the step of Figure 4 of Xie (1996). (a) "
     "Displacements at the end of each run, (b) Lyapunov exponent, positive in chaos, (c) steps after which two "
     "neighbouring runs have separated.",
     bifurcation="stability/bifurcation",

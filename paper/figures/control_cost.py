@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import SOLVERS
-from paper.figures.style import PAGE, legend_below, letter, looks_in_order, panels, wrapped
+from paper.figures.style import PAGE, curve_styles_in_order, legend_below, letter, panels, wrapped
 from paper.numbers.step_control import ALLOWED
 from paper.products import figure
 
@@ -28,7 +28,7 @@ def draw(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> Figure:
     for index, (ax, problem) in enumerate(zip(axes.flat, problems, strict=False)):
         of_problem = control_cost.sel(problem=problem)
         ax.axhline(ALLOWED, color="0.85", linewidth=2, zorder=0)
-        for name, look in looks_in_order(shown).items():
+        for name, look in curve_styles_in_order(shown).items():
             one = of_problem.sel(scheme=name)
             title, look = one.scheme_title.item(), look | {"markersize": 3, "linewidth": 1}
             ax.plot(one.equal_forces, one.equal_error, label=title, **look | {"linestyle": "-"})

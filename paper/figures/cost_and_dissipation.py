@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from paper.figures.style import PAGE, legend_below, letter, looks, panels, wrapped
+from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels, wrapped
 from paper.products import figure
 from paper.respects import costs
 
@@ -29,7 +29,7 @@ def draw(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> Fig
         unused.remove()
     highest = 2 * float(forces.max())
     for index, (ax, problem) in enumerate(zip(axes.flat, forces.problem.values, strict=False)):
-        for name, look in looks(forces.scheme).items():
+        for name, look in curve_styles(forces.scheme).items():
             cost, at = float(forces.sel(problem=problem, scheme=name)), radius.sel(scheme=name).item()
             found = np.isfinite(cost)
             ax.plot(at, cost if found else highest, look["marker"] if found else "_", color=look["color"])
@@ -44,7 +44,7 @@ def draw(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> Fig
         ax.set_ylabel("forces in a period")
     handles = [
         Line2D([], [], linestyle="", marker=look["marker"], color=look["color"], label=str(title))
-        for look, title in zip(looks(forces.scheme).values(), forces.scheme_title.values, strict=True)
+        for look, title in zip(curve_styles(forces.scheme).values(), forces.scheme_title.values, strict=True)
     ]
     legend_below(figure, columns=5, handles=handles)
     return figure

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import TURNING
-from paper.figures.style import PAGE, legend_below, letter, looks, panels
+from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.requirements import one_of, samples_of_history
 
@@ -14,7 +14,7 @@ FLOOR = 1e-13
 
 
 @figure(
-    "Energy error along time of structures that turn, with so many steps in their time scale that stiff modes are "
+    "Energy error along time of structures that turn, at steps in their time scale at which stiff modes are "
     "not resolved. A cross marks the end of a run that fails; errors below 10⁻¹³ % are drawn there.",
     histories=["structure_history/stiff_bar", "structure_history/stiff_truss"],
     requires={
@@ -28,7 +28,7 @@ def draw(histories: list[xr.Dataset]) -> Figure:
     """One panel per structure; a cross marks a run that ends early."""
     figure, axes = panels(1, len(histories), PAGE, 5.4, sharey=True)
     for index, (ax, history) in enumerate(zip(axes[0], histories, strict=True)):
-        for place, (name, look) in enumerate(looks(history.scheme).items()):
+        for place, (name, look) in enumerate(curve_styles(history.scheme).items()):
             one = history.sel(scheme=name)
             error = np.maximum(100 * np.abs(one.energy_error), FLOOR).where(np.isfinite(one.energy_error))
             marks = (0.1 + 0.05 * place, 0.3) if error[1:].notnull().any() else None

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import COLUMN, legend_below, letter, looks, panels
+from paper.figures.style import COLUMN, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.requirements import steps_of_portrait
 
@@ -29,7 +29,7 @@ def draw(portraits: list[xr.Dataset]) -> Figure:
     """One panel per problem: the largest |E − E₀|/E₀ in each stretch of 20 steps, on a logarithmic scale."""
     figure, axes = panels(len(portraits), 1, COLUMN, 10.5)
     for index, (ax, portrait) in enumerate(zip(axes.flat, portraits, strict=True)):
-        for place, (name, look) in enumerate(looks(portrait.scheme).items()):
+        for place, (name, look) in enumerate(curve_styles(portrait.scheme).items()):
             run = portrait.sel(scheme=name)
             envelope = _envelope(100 * run.energy_error, STRETCH)
             # matplotlib places no marks along a curve that a logarithmic axis cannot show

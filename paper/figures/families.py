@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import legend_in, looks, of_families
+from paper.figures.style import curve_styles, legend_in, of_families
 from paper.products import figure
 
 PROBLEM, PERIODS = "hardening", 100
@@ -31,7 +31,7 @@ def draw(data: xr.Dataset) -> Figure:
         known = common.max_trajectory_error.where(common.max_trajectory_error < TOP)
         ax.plot(common.time_per_run, known, color="0.8", linewidth=3)
         ax.plot(peer.solver_time_per_run, peer.solver_max_trajectory_error, color="0.5", marker="*", linestyle="none")
-        for name, look in looks(part.scheme).items():
+        for name, look in curve_styles(part.scheme).items():
             run = part.sel(scheme=name)
             known = run.max_trajectory_error.where((run.max_trajectory_error < TOP) & (run.max_trajectory_error > 0))
             ax.plot(run.time_per_run, known, label=run.scheme_title.item(), markevery=2, **look)

@@ -1,9 +1,9 @@
-"""The α-method growing without bound on a softening spring (Figure 3 of the paper), beside the other schemes."""
+"""The α-method growing without bound on a softening spring (Figure 3 of the paper), with the other schemes."""
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import COLUMN, empty, legend_below, letter, looks
+from paper.figures.style import COLUMN, curve_styles, empty, legend_below, letter
 from paper.products import figure
 
 SCHEME = "hht_alpha_1996"
@@ -33,7 +33,7 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
     plane.fill(reference.u, reference.v, color="0.8", zorder=0)
     plane.set(xlabel="displacement $u$", ylabel="velocity $\\dot u$ (1/s)")
     letter(plane, 1, "its phase portrait")
-    for place, (name, look) in enumerate(looks(portrait.scheme).items()):
+    for place, (name, look) in enumerate(curve_styles(portrait.scheme).items()):
         one = portrait.sel(scheme=name)
         height = 1 + one.energy_error
         marked = (0.02 + 0.03 * place, 0.2) if height.notnull().any() else None

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from paper.data import of_kinds
-from paper.figures.style import PAGE, legend_in_gap, letter, looks, panels, wrapped
+from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
 #: Schemes of every kind.
@@ -41,7 +41,7 @@ def draw(kinks: xr.Dataset) -> Figure:
         worst = float(of_problem.error.isel(steps_per_period=0).max())
         for power in (1, 2):
             ax.plot(steps, worst * (steps[0] / steps) ** power, color="0.8", linestyle="-", linewidth=2.5, zorder=0)
-        for name, look in looks(kinks.scheme).items():
+        for name, look in curve_styles(kinks.scheme).items():
             error = of_problem.error.sel(scheme=name)
             if np.isfinite(error).any():
                 ax.plot(steps, error, label=error.scheme_title.item(), **look)

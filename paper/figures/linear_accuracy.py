@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import legend_in, looks, of_families, thinned
+from paper.figures.style import curve_styles, legend_in, of_families, thinned
 from paper.products import figure
 
 #: Largest step size over period, that of the textbooks.
@@ -23,7 +23,7 @@ def draw(spectral: xr.Dataset) -> Figure:
     elongation, damping = data.period_elongation.where(stable), data.algorithmic_damping.where(stable)
     figure, columns = of_families(data, 2, 2.7)
     for part, (above, below, place_of_legend) in columns:
-        for place, (name, look) in enumerate(looks(part.scheme).items()):
+        for place, (name, look) in enumerate(curve_styles(part.scheme).items()):
             title = part.scheme_title.sel(scheme=name).item()
             for ax, percent in ((above, 100 * elongation.sel(scheme=name)), (below, 100 * damping.sel(scheme=name))):
                 marked = (0.25 + 0.03 * place, 0.25) if percent.notnull().any() else None

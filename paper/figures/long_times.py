@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, legend_below, letter, looks, panels
+from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 
 #: Units of each quantity, and the exponents of its round-off by Brouwer's law and with a drift.
@@ -12,12 +12,12 @@ _UNITS = {"energy": "%", "phase": "periods"}
 _RANDOM, _DRIFTING = {"energy": (0.5, "½"), "phase": (1.5, "3/2")}, {"energy": (1.0, "1"), "phase": (2.0, "2")}
 
 
-def _guide(ax: Axes, round_off: xr.DataArray, beside: float, law: tuple[float, str]) -> None:
-    """Draw a line with the slope of a law over the last part of the run, a factor ``beside`` from the round-off."""
+def _guide(ax: Axes, round_off: xr.DataArray, offset: float, law: tuple[float, str]) -> None:
+    """Draw a line with the slope of a law over the last part of the run, a factor ``offset`` from the round-off."""
     exponent, label = law
     x = round_off.periods.values[round_off.periods.values >= round_off.periods.values[-1] / 50]
     last = round_off.isel(periods=-1)
-    end = beside * (last.max() if beside > 1 else last.min()).item()
+    end = offset * (last.max() if offset > 1 else last.min()).item()
     ax.plot(x, end * (x / x[-1]) ** exponent, color="0.6", linestyle="-", linewidth=0.8)
     ax.annotate(label, (x[-1], end), xytext=(4, 0), textcoords="offset points", color="0.4", va="center")
 
@@ -36,7 +36,7 @@ def draw(long_times: xr.Dataset) -> Figure:
     single = long_times.sel(arithmetic="float32", step="any")
     steady = long_times.sel(arithmetic="float32_compensated", step="short")
     errors = {"energy": double.max_energy_error, "phase": abs(double.phase_error)}
-    for name, look in looks(long_times.scheme).items():
+    for name, look in curve_styles(long_times.scheme).items():
         hollow = look | {"markerfacecolor": "white"}
         for (kind, error), (above, below) in zip(errors.items(), axes.T, strict=True):
             round_off = f"{kind}_round_off"

@@ -3,12 +3,12 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, empty, legend_below, letter, looks
+from paper.figures.style import PAGE, curve_styles, empty, legend_below, letter
 from paper.products import figure
 
 SPRINGS = (1, 2, 3)
 #: Colour, line and marker of each spring.
-LOOKS = (("#0072B2", "--", "s"), ("#D55E00", "-.", "v"), ("#009E73", ":", "^"))
+STYLES = (("#0072B2", "--", "s"), ("#D55E00", "-.", "v"), ("#009E73", ":", "^"))
 
 
 def total(history: xr.Dataset) -> xr.DataArray:
@@ -37,7 +37,7 @@ def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
         ax = figure.add_subplot(grid[0, index], sharex=first, sharey=first)
         first = first or ax
         one = exchange.sel(scheme=name)
-        for spring, (colour, line, marker) in enumerate(LOOKS, start=1):
+        for spring, (colour, line, marker) in enumerate(STYLES, start=1):
             energy = f"oscillatory_energy_{spring}"
             ax.plot(one.t, one[energy], color=colour, linestyle=line, linewidth=0.8, label=f"spring {spring}")
             exact = one[f"reference_{energy}"]
@@ -50,7 +50,7 @@ def draw(exchange: xr.Dataset, long_times: xr.Dataset) -> Figure:
         ax.tick_params(labelleft=index == 0)
     figure.axes[0].set_ylabel("oscillatory energy")
     ax = figure.add_subplot(grid[1, :])
-    for name, look in looks(long_times.scheme).items():
+    for name, look in curve_styles(long_times.scheme).items():
         one = long_times.sel(scheme=name)
         ax.plot(one.t, total(one), label=one.scheme_title.item(), **look | {"marker": ""})
     ax.set(xlabel="elapsed time $t$ (s)", ylabel="sum of the\noscillatory energies", ylim=(0, 1.4))

@@ -92,7 +92,7 @@ def step_ticks(ax: Axes, labels: Mapping[float, str]) -> None:
 
 
 def patches(outcomes: np.ndarray, best: str = OUTCOME_STYLES["accurate"][0]) -> list[Patch]:
-    """Handles of a legend for the outcomes that are present, the best of which has a label of its own."""
+    """Handles of a legend for the outcomes that are present; the best one has a separate label."""
     labels, colours = zip(*OUTCOME_STYLES.values(), strict=True)
     labels = (best, *labels[1:])
     return [Patch(facecolor=colours[k], edgecolor="0.5", label=labels[k]) for k in np.unique(outcomes).astype(int)]

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import of_the_tables
-from paper.figures.style import COLUMN, legend_below, letter, looks, panels
+from paper.figures.style import COLUMN, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.published import printed_energy_errors
 from paper.requirements import OF_THE_TABLES
@@ -23,7 +23,7 @@ def draw(energy_error: xr.Dataset) -> Figure:
     energy_error = of_the_tables(energy_error)
     for index, (ax, used) in enumerate(zip(axes.flat, ("printed", "exact"), strict=True)):
         difference = energy_error.max_energy_error.sel(period_used=used) - printed
-        for name, look in looks(energy_error.scheme).items():
+        for name, look in curve_styles(energy_error.scheme).items():
             one = difference.sel(scheme=name)
             x, y = printed.sel(scheme=name).values.ravel(), one.values.ravel()
             look = {key: look[key] for key in ("color", "marker")}

@@ -7,7 +7,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from paper.figures.style import PAGE, letter, looks, panels
+from paper.figures.style import PAGE, curve_styles, letter, panels
 from paper.products import figure
 from paper.requirements import as_many
 
@@ -30,7 +30,7 @@ def draw(roots: xr.Dataset) -> Figure:
     """Regions with three roots, the root that Newton finds, and how long runs of two tolerances agree."""
     figure, axes = panels(1, 3, PAGE, 6.8)
     several, found, together = axes[0]
-    styles = looks(roots.scheme)
+    styles = curve_styles(roots.scheme)
     for scheme, style in styles.items():
         number = (roots.number_of_roots.sel(scheme=scheme) > 1).T
         line = {"colors": [style["color"]], "linestyles": [style["linestyle"]], "linewidths": 1.0}

@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import COLUMN, legend_below, looks, panels
+from paper.figures.style import COLUMN, curve_styles, legend_below, panels
 from paper.products import figure
 
 
@@ -16,7 +16,7 @@ def draw(round_off: xr.Dataset) -> Figure:
     figure, ((ax,),) = panels(1, 1, COLUMN, 7.5)
     known = round_off.error.where(round_off.flagged == 0)
     ax.axhspan(0, 10 * round_off.uncertainty.item(), color="0.85", linewidth=0)
-    for name, look in looks(round_off.scheme).items():
+    for name, look in curve_styles(round_off.scheme).items():
         run = known.sel(scheme=name)
         ax.plot(run.steps_per_period, run.sel(summation="plain"), label=run.scheme_title.item(), **look)
         hollow = look | {"markerfacecolor": "white", "markersize": 4.5, "zorder": 1.9}

@@ -1,10 +1,10 @@
-"""General solvers at a ladder of tolerances beside two schemes at fixed steps."""
+"""General solvers at a ladder of tolerances, and two schemes at fixed steps."""
 
 import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import SOLVERS
-from paper.figures.style import PAGE, legend_below, letter, looks_in_order, panels, wrapped
+from paper.figures.style import PAGE, curve_styles_in_order, legend_below, letter, panels, wrapped
 from paper.products import figure
 
 #: Largest error drawn; at larger ones the solution is lost.
@@ -20,7 +20,7 @@ _COSTS = {
 
 @figure(
     "Error of the displacement over 100 periods against time (above) and evaluations of the force (below): "
-    "general solvers, a point for each tolerance, beside two schemes at fixed steps (grey).",
+    "general solvers, a point for each tolerance, and two schemes at fixed steps (grey).",
     data="work_precision",
     requires={"work_precision.schemes.schemes": list(SCHEMES), "work_precision.solvers.periods": [100]},
 )
@@ -36,7 +36,7 @@ def draw(data: xr.Dataset) -> Figure:
                 run = one.sel(scheme=scheme)
                 error = run.max_trajectory_error.where(run.max_trajectory_error < TOP)
                 ax.plot(run[of_schemes], error, color=grey, linestyle="-", linewidth=2.5, label=run.scheme_title.item())
-            for solver, look in looks_in_order(SOLVERS).items():
+            for solver, look in curve_styles_in_order(SOLVERS).items():
                 run = one.sel(solver=solver)
                 error = run.solver_max_trajectory_error.where(run.solver_max_trajectory_error < TOP)
                 ax.plot(run[of_solvers], error, label=SOLVERS[solver], **look)

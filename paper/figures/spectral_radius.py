@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import legend_in, looks, of_families, thinned
+from paper.figures.style import curve_styles, legend_in, of_families, thinned
 from paper.products import figure
 
 #: Below this step size all spectral radii are one to the eye.
@@ -20,7 +20,7 @@ def draw(spectral: xr.Dataset) -> Figure:
     data = spectral.sel(damping_ratio=0.0, dt_over_period=slice(FROM, None))
     figure, columns = of_families(data, 1, 3.0)
     for part, (ax, below) in columns:
-        for place, (name, look) in enumerate(looks(part.scheme).items()):
+        for place, (name, look) in enumerate(curve_styles(part.scheme).items()):
             run = part.sel(scheme=name)
             # thinner lines over thicker ones, so that coinciding curves are all visible
             look = look | {"linewidth": thinned(2.6, 0.28, place), "markevery": (10 + 15 * place, 120)}

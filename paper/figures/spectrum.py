@@ -5,11 +5,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from paper.data import of_kinds
-from paper.figures.style import PAGE, legend_below, letter, looks, panels, thinned
+from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels, thinned
 from paper.numbers.spectrum import LONG, share_beyond
 from paper.products import figure
 
-#: Two implicit schemes, of which one damps, and two explicit ones.
+#: Two implicit schemes, one with damping, and two explicit ones.
 SHOWN = ["average_acceleration", "central_difference", "rho_bathe", "rk4"]
 #: Titles of the panels of sufficient steps, by the steps that were tried.
 TRIED = {"commensurate": "commensurate steps", "all": "all steps"}
@@ -24,7 +24,7 @@ TRIED = {"commensurate": "commensurate steps", "all": "all steps"}
 def draw(spectrum: xr.Dataset) -> Figure:
     """Sufficient steps by period, among commensurate steps and among all; share of runs beyond the error by step."""
     spectrum = of_kinds(spectrum, SHOWN)
-    spacing, curves = 1e3 * spectrum.spacing.item(), looks(spectrum.scheme)
+    spacing, curves = 1e3 * spectrum.spacing.item(), curve_styles(spectrum.scheme)
     figure, axes = panels(1, 3, PAGE, 5.6)
     *left, right = axes[0]
     left[1].sharey(left[0])

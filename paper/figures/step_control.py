@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from paper.figures.style import PAGE, letter, looks_in_order, panels
+from paper.figures.style import PAGE, curve_styles_in_order, letter, panels
 from paper.numbers.step_control import PROBLEM, SCHEME
 from paper.products import figure
 
@@ -28,7 +28,7 @@ def draw(estimates: xr.Dataset, step_control: xr.Dataset) -> Figure:
     _ratios(first, estimates.sel(problem=PROBLEM, scheme=SCHEME))
     control = step_control.sel(problem=PROBLEM, scheme=SCHEME)
     titles = dict(zip(control.control.values, control.control_title.values, strict=True)) | {"equal": "equal steps"}
-    look = looks_in_order(titles)
+    look = curve_styles_in_order(titles)
     _histories(second, control, titles, look)
     _errors(third, control, titles, look)
     for index, (ax, title) in enumerate(zip((first, second, third), ("estimates", "energy", "error"), strict=True)):
@@ -38,7 +38,7 @@ def draw(estimates: xr.Dataset, step_control: xr.Dataset) -> Figure:
 
 
 def _ratios(ax: Axes, estimates: xr.Dataset) -> None:
-    look = looks_in_order(estimates.estimator.values)
+    look = curve_styles_in_order(estimates.estimator.values)
     ax.axhline(1, color="0.7", linewidth=2.5, zorder=0)
     for name, curve in look.items():
         one = estimates.sel(estimator=name)

@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import largest_omega_step
-from paper.figures.style import PAGE, legend_below, letter, looks, panels
+from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 
 #: Allowed error of energy and period.
@@ -24,7 +24,7 @@ def draw(rule: xr.Dataset) -> Figure:
     figure, axes = panels(1, rule.sizes["problem"], PAGE, 7, sharex=True, sharey=True)
     for index, (ax, problem) in enumerate(zip(axes[0], rule.problem.values, strict=True)):
         of_problem = rule.sel(problem=problem)
-        for name, look in looks(rule.scheme).items():
+        for name, look in curve_styles(rule.scheme).items():
             stiff = safe.sel(scheme=name, problem=problem)
             title = rule.scheme_title.sel(scheme=name).item()
             steps = of_problem.period * of_problem.highest_frequency / stiff

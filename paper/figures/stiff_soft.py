@@ -3,7 +3,7 @@
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import COLUMN, letter, looks, panels
+from paper.figures.style import COLUMN, curve_styles, letter, panels
 from paper.products import figure
 
 
@@ -17,7 +17,7 @@ def draw(history: xr.Dataset) -> Figure:
     """One panel per scheme, over the reference at the same instants."""
     rows = history.sizes["scheme"]
     figure, axes = panels(rows, 1, COLUMN, 2.3 * rows + 0.8, sharex=True, sharey=True)
-    styles = looks(history.scheme)
+    styles = curve_styles(history.scheme)
     for index, (ax, name) in enumerate(zip(axes.flat, history.scheme.values, strict=True)):
         one = history.sel(scheme=name)
         exact, v = history.reference_v.isel(component=0), one.v.isel(component=0)

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from paper.figures.style import PAGE, legend_in_gap, letter, looks, panels, wrapped
+from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
 from paper.products import figure
 
 #: Exponents up to which a panel has a linear scale.
@@ -25,7 +25,7 @@ def draw(structures: xr.Dataset) -> Figure:
     columns = min(len(problems), COLUMNS)
     rows = -(-len(problems) // columns)
     figure, axes = panels(rows, columns, PAGE, 3.9 * rows + 1.5)
-    styles = looks(structures.scheme)
+    styles = curve_styles(structures.scheme)
     for index, (ax, problem) in enumerate(zip(axes.ravel(), problems, strict=False)):
         one = structures.sel(problem=problem)
         for scheme, style in styles.items():

@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import of_kinds
-from paper.figures.style import PAGE, legend_in_gap, letter, looks, panels
+from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels
 from paper.products import figure
 
 #: Schemes of every kind.
@@ -35,7 +35,7 @@ def draw(structures: xr.Dataset) -> Figure:
     figure, axes = panels(rows, columns, PAGE, 3.3 * rows + 1.5, sharex=True)
     for index, (ax, problem) in enumerate(zip(axes.ravel(), shown.problem.values, strict=False)):
         one = shown.sel(problem=problem)
-        for name, look in looks(shown.scheme).items():
+        for name, look in curve_styles(shown.scheme).items():
             error = one.displacement_error.sel(scheme=name)
             # two points are no curve
             line = look if error.sizes["steps_per_period"] > 2 else look | {"linestyle": "none", "markersize": 5}

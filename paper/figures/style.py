@@ -1,4 +1,4 @@
-"""Common style of the figures: widths, panels, one look for each scheme everywhere, and how figures are saved."""
+"""Common style of the figures: widths, panels, one style for each scheme everywhere, and how figures are saved."""
 
 import os
 import textwrap
@@ -32,7 +32,7 @@ COLUMN, PAGE = 8.4, 17.4
 _CM = 1 / 2.54
 
 #: Label and colour of each outcome of a run, by its name in the maps of stability. Worse outcomes are darker, in steps
-#: that can be told apart in greyscale.
+#: that differ in greyscale.
 OUTCOME_STYLES = {
     "accurate": ("accurate", "#ffffff"),
     "bounded": ("bounded", "#cbdff2"),
@@ -54,8 +54,8 @@ _COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#
 _LINES = ["-", "--", "-.", ":", (0, (7, 1.5)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 0.6))]
 _MARKERS = ["o", "s", "v", "^", "D", "P", "X", "<"]
 
-#: Numbers of the looks of a family, by the place of a scheme in it: one for each colour.
-_LOOKS = {
+#: Numbers of the curve styles of a family, by the place of a scheme in it: one for each colour.
+_STYLE_NUMBERS = {
     "Newmark and Wilson": (0, 1, 2, 3, 21, 23, 36, 38),
     "Multi-step and composite": (4, 8, 9, 10, 11, 14, 37, 39),
     "α-methods": (5, 17, 16, 15, 34, 35, 44, 46),
@@ -65,26 +65,26 @@ _LOOKS = {
 }
 
 
-def looks(schemes: xr.DataArray) -> dict[str, dict[str, Any]]:
-    """One look (colour, line style, marker) for each scheme of a dataset, the same in every figure.
+def curve_styles(schemes: xr.DataArray) -> dict[str, dict[str, Any]]:
+    """One style (colour, line style, marker) for each scheme of a dataset, the same in every figure.
 
     It follows from the family of a scheme and its place among all schemes of the family.
     """
     of = zip(*(schemes[name].values.tolist() for name in ("scheme", "family", "place_in_family")), strict=True)
-    return {name: _look(_number(family, place)) for name, family, place in of}
+    return {name: _curve_style(_number(family, place)) for name, family, place in of}
 
 
-def looks_in_order(names: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """One look for each of some curves that are no schemes."""
-    return {name: _look(index) for index, name in enumerate(names)}
+def curve_styles_in_order(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """One style for each of some curves that are not schemes."""
+    return {name: _curve_style(index) for index, name in enumerate(names)}
 
 
 def _number(family: str, place: int) -> int:
-    known = _LOOKS.get(family, ())
+    known = _STYLE_NUMBERS.get(family, ())
     return known[place] if place < len(known) else 48 + 8 * (crc32(family.encode()) % 50) + place
 
 
-def _look(number: int) -> dict[str, Any]:
+def _curve_style(number: int) -> dict[str, Any]:
     turn, place = divmod(number, len(_COLOURS))
     return {
         "color": _COLOURS[place],
@@ -99,17 +99,17 @@ def thinned(widest: float, by: float, index: int) -> float:
 
 
 def panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Figure, np.ndarray]:
-    """A figure of so many cm, and its panels by row and column."""
+    """A figure of a size in cm, and its panels by row and column."""
     return plt.subplots(rows, columns, figsize=(width * _CM, height * _CM), squeeze=False, **options)
 
 
 def empty(width: float, height: float) -> Figure:
-    """A figure of so many cm without panels."""
+    """A figure of a size in cm without panels."""
     return plt.figure(figsize=(width * _CM, height * _CM))
 
 
 def wrapped(title: str, width: int) -> str:
-    """A title in lines of so many characters; an equation and an order stay in one line."""
+    """A title in lines of limited length; an equation and an order stay in one line."""
     kept = title.replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}").replace("order ", "order\N{NO-BREAK SPACE}")
     return textwrap.fill(kept, width)
 
@@ -161,9 +161,9 @@ def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, 
     for index, (name, part) in enumerate(parts.items()):
         axes: list[Axes] = []
         for row in range(rows):
-            beside = columns[0][1][row] if columns else None
-            axes.append(figure.add_subplot(grid[row, index], sharex=axes[0] if axes else beside, sharey=beside))
-            axes[-1].tick_params(labelleft=beside is None, labelbottom=row == rows - 1)
+            first = columns[0][1][row] if columns else None
+            axes.append(figure.add_subplot(grid[row, index], sharex=axes[0] if axes else first, sharey=first))
+            axes[-1].tick_params(labelleft=first is None, labelbottom=row == rows - 1)
         below = figure.add_subplot(grid[rows, index])
         below.axis("off")
         letter(axes[0], index, wrapped(name, 14))

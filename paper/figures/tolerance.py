@@ -4,7 +4,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import SOLVERS
-from paper.figures.style import COLUMN, legend_below, letter, looks_in_order, panels
+from paper.figures.style import COLUMN, curve_styles_in_order, legend_below, letter, panels
 from paper.products import figure
 
 #: Titles of the problems, whose dataset has none.
@@ -12,7 +12,7 @@ _TITLES = {"softening_large": "softening,\nlarge amplitude"}
 
 
 @figure(
-    "True error of the displacement over the longest runs of general solvers against the tolerance that was asked "
+    "True error of the displacement over the longest runs of general solvers against the prescribed tolerance "
     "for. Above the grey line the error is larger than the tolerance.",
     agreement="reference_agreement",
 )
@@ -22,8 +22,8 @@ def draw(agreement: xr.Dataset) -> Figure:
     figure, axes = panels(rows, 2, COLUMN, 3.9 * rows + 2.2, sharex=True, sharey=True)
     periods = agreement.periods.max()
     for index, (ax, problem) in enumerate(zip(axes.flat, agreement.problem.values, strict=False)):
-        ax.plot(agreement.tolerance, agreement.tolerance, color="0.8", linewidth=2.5, label="as asked for")
-        for route, look in looks_in_order(agreement.route.values).items():
+        ax.plot(agreement.tolerance, agreement.tolerance, color="0.8", linewidth=2.5, label="error = tolerance")
+        for route, look in curve_styles_in_order(agreement.route.values).items():
             error = agreement.u_error.sel(problem=problem, route=route, periods=periods)
             ax.plot(agreement.tolerance, error, label=SOLVERS[route], **look)
         ax.set(xscale="log", yscale="log")

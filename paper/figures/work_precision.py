@@ -4,11 +4,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from paper.data import loss_of_amplitude, of_the_paper
-from paper.figures.style import PAGE, legend_below, letter, looks, panels
+from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.published import SCHEMES
 
-#: Periods of the runs, and of shorter ones that tell whether a loss of amplitude is steady.
+#: Periods of the runs, and of shorter ones that show whether a loss of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 MEASURES = {
     "max_trajectory_error": "displacement",
@@ -41,7 +41,7 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
                 ax.plot(peer.solver_time_per_run, reached, "-*", color="0.6", label="heyoka")
             sizes = losses.sel(problem=problem) if measure == "amplitude_decay" else abs(one[measure])
             known = sizes.where((one.flagged.sel(measure=measure) == 0) & (sizes > FLOOR))
-            for name, look in looks(one.scheme).items():
+            for name, look in curve_styles(one.scheme).items():
                 run = one.sel(scheme=name)
                 ax.plot(run[cost], known.sel(scheme=name), label=run.scheme_title.item(), markevery=3, **look)
             ax.set(xscale="log", yscale="log")

@@ -1,6 +1,6 @@
 """``python -m paper.latex RESULTS FOLDER`` writes the texts as LaTeX sources with all that they include.
 
-Pandoc reads the texts with a layout of its own, and a filter adds what it does not take over. pdfLaTeX compiles them.
+Pandoc reads the texts with a special layout, and a filter adds the parts that it omits. pdfLaTeX compiles them.
 """
 
 import shutil
@@ -21,7 +21,7 @@ _OPTIONS += ["-Vbiblio-style=unsrtnat", "-Vnatbiboptions=numbers,sort&compress",
 
 
 def converted(path: Path) -> str:
-    """The LaTeX source of a text that has its layout, numbers and tables beside it."""
+    """The LaTeX source of a text with its layout, numbers and tables in the same folder."""
     letter = ["-Vheader-includes=\\newcommand{\\letter}{S}"] if path.stem == "supplement" else []
     source = pypandoc.convert_file(str(path), "latex", format="typst", extra_args=[*_OPTIONS, *letter])
     # LaTeX prints the heading of the abstract itself, and has no accents for the letter before them

@@ -14,7 +14,7 @@ from study.words import printed
 
 
 def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[str, str | bool | None]:
-    """All numbers by name, as texts; facts as true or false; None for what the study has not made.
+    """All numbers by name, as texts; facts as true or false; None for missing products.
 
     Raises
     ------
@@ -34,14 +34,14 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
 
 
 def commits(products: Iterable[Product], read: Callable[[str], Any]) -> str | None:
-    """The commits of all datasets that the numbers are read from; sources that had changed since are told."""
+    """The commits of all datasets that the numbers are read from, with a mark if sources had changed since."""
     reads = [one for product in products for one in product.reads.values()]
     names = {name for one in reads for name in ([one] if isinstance(one, str) else one)}
     described = {read(name).attrs.get("commit", "unknown") for name in names if not Path(name).suffix} - {"unknown"}
-    told = sorted(
+    commits = sorted(
         one.removesuffix("-dirty")[:12] + (" with changes" if one.endswith("-dirty") else "") for one in described
     )
-    return " and ".join(told) or None
+    return " and ".join(commits) or None
 
 
 @one_sentence()

@@ -8,7 +8,7 @@ from paper.claims.wording import joined
 from paper.products import numbers
 from paper.tables.stability import GAIN, PROBLEMS
 
-#: Schemes whose loss of amplitude the text compares with that of linear theory, and whose elongation.
+#: Schemes whose loss of amplitude, and schemes whose elongation, the text compares with linear theory.
 _DAMPED = ["hht_alpha_1996", "bathe", "rk4"]
 _FAITHFUL = ["average_acceleration", "central_difference", "energy_momentum"]
 _COMPARED = [*_DAMPED, *_FAITHFUL]

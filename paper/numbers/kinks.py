@@ -10,7 +10,7 @@ from study.words import span
 #: Problems with a history, and those with any kink but contact.
 REMEMBER = ["yielding", "hysteretic"]
 KINKED = [*REMEMBER, "shaken"]
-#: Below this order a method of fourth order has lost it; above this ratio of errors it still gains.
+#: Order below which a method of fourth order has lost its order, and ratio of errors above which it is still better.
 LOST, GAINED = 3.0, 1.5
 #: Percent of the energy below which its balance is kept.
 KEPT = 0.01
@@ -24,7 +24,7 @@ def _orders(kinks: xr.Dataset, problem: str, *schemes: str) -> str:
 
 
 def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
-    """Error of central difference over that of the Runge-Kutta method, whose step takes four forces, over its steps."""
+    """Error of central difference over the Runge-Kutta method's, whose step takes four forces, over its steps."""
     four_times = 4 * kinks.steps_per_period
     steps = kinks.steps_per_period[four_times.isin(kinks.steps_per_period)]
     central = kinks.error.sel(scheme="central_difference", steps_per_period=(4 * steps).values)
@@ -39,7 +39,7 @@ def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
     },
 )
 def of_kinks(kinks: xr.Dataset) -> dict:
-    """Orders on kinks, and what an expensive scheme still gains, at steps that resolve the motion."""
+    """Orders on kinks, and the remaining gain of an expensive scheme, at steps that resolve the motion."""
     kinks = kinks.isel(steps_per_period=np.flatnonzero(kinks.steps_per_period.values >= RESOLVED))
     coarsest = kinks.isel(steps_per_period=0)
     of_two = [name for name in kinks.scheme.values if kinks.order.sel(scheme=name) >= 2]

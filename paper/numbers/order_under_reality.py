@@ -10,13 +10,13 @@ from study.words import printed, span
 
 #: Circumstances with kinks of the force, and those in which all is smooth.
 KINKED, SMOOTH = ["hysteresis", "contact"], ["plain", "damping", "load"]
-#: Orders that are no more than one and two, up to what the fit leaves.
+#: Largest observed orders that count as one and as two.
 ONE, TWO = 1.6, 2.5
 
 
 @numbers(orders="order_under_reality", requires={"order_under_reality.schemes": ["generalized_alpha"]})
 def of_order_under_reality(orders: xr.Dataset) -> dict:
-    """What is left of the order, and where nothing is."""
+    """The remaining orders, and the circumstances without convergence."""
     observed, data = orders.observed_order, {"orders": orders}
     displacement = observed.sel(quantity="displacement")
     kinked = displacement.sel(circumstance=KINKED)
@@ -26,6 +26,8 @@ def of_order_under_reality(orders: xr.Dataset) -> dict:
     late, moved = (alpha.sel(quantity=name) for name in ("acceleration", "displacement"))
     supports = sorted(name for name in orders.circumstance.values if name.startswith("support_"))
     failed = orders.status.sel(quantity="displacement") == orders.status.flag_meanings.split().index("failed")
+    loose = [name for name in orders.circumstance.values if name.startswith("tolerance_")]
+    early = (plain - displacement.sel(circumstance=loose)).max()
     lost = failed.sel(circumstance=supports[-1])
     return {
         "reality_schemes": orders.sizes["scheme"],
@@ -35,6 +37,8 @@ def of_order_under_reality(orders: xr.Dataset) -> dict:
         "reality_start_schemes": joined(depends, data),
         "reality_alpha_is_late": bool(late.max() < ONE and moved.min() > ONE),
         "reality_alpha": span(late, ".1f"),
+        "reality_newton_loosest": printed(f"{orders.tolerance.max().item():.0e}"),
+        "reality_newton_loss": f"{max(0.0, early.item()):.2f}",
         "reality_ratio": printed(f"{orders.stiffness_ratio.max().item():.0e}"),
         "reality_support_failed": joined(orders.scheme.values[np.asarray(lost)], data),
     }

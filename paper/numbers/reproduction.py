@@ -12,7 +12,7 @@ from study.words import span
 
 #: Schemes whose energies grow on the softening spring from its large amplitude.
 _GROWING = ["average_acceleration", "central_difference", "hht_alpha_1996"]
-#: Steps within this part of an eighth of the period are close to that of 1996.
+#: Relative distance from an eighth of the period within which steps are close to the step of 1996.
 NEAR = 0.01
 
 
@@ -23,7 +23,7 @@ def _printed_over_exact(energy_error: xr.Dataset, problem: str) -> float:
 
 @numbers(requires=OF_THE_TABLES)
 def of_cells(energy_error: xr.Dataset) -> dict:
-    """Our table beside the printed one, cell by cell."""
+    """Our table and the printed one, cell by cell."""
     printed = printed_energy_errors()
     cells = of_the_tables(energy_error).max_energy_error
     ours, exact = cells.sel(period_used="printed"), cells.sel(period_used="exact")

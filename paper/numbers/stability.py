@@ -100,10 +100,10 @@ def of_stability(
     beyond = (roots.dt >= bifurcation.dt.values[chaotic.values.argmax()]) & (
         roots.dt < roots.unique_up_to.sel(scheme="average_acceleration")
     )
-    # NaN unless a step size lies between the onset of chaos and that of several roots
+    # NaN unless a step size lies between the onsets of chaos and of several roots
     in_chaos = roots.steps_together.sel(start="last_acceleration").where(beyond)
-    told = chaotic & ~failed & (bifurcation.steps_until_apart > 0)
-    a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(told)
+    observed = chaotic & ~failed & (bifurcation.steps_until_apart > 0)
+    a_step_each = (bifurcation.lyapunov_exponent * bifurcation.dt).where(observed)
     foretold = np.log(bifurcation.order_one / bifurcation.perturbation) / a_step_each / bifurcation.steps_until_apart
     lost_left = _lost_left_of_the_limit(atlas, spectral)
     longest = robustness.steps_needed.isel(periods=-1)

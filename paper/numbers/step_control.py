@@ -20,7 +20,7 @@ STIFF = ["stiff_soft"]
 
 
 def growth(step_control: xr.Dataset) -> xr.DataArray:
-    """Largest energy error of the last period over that of the first, of controlled and of equal steps."""
+    """Ratio of the largest energy errors of the last and the first period, of controlled and of equal steps."""
     return step_control.history.isel(period=-1) / step_control.history.isel(period=0)
 
 
@@ -48,7 +48,7 @@ def ratio_of_forces(control_cost: xr.Dataset, allowed: float) -> xr.DataArray:
 
 
 def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> xr.DataArray:
-    """Energy error with controlled steps over that with equal ones, at equal numbers of steps."""
+    """Ratio of the energy errors with controlled and with equal steps, at equal numbers of steps."""
     controlled = controlled_1996.max_energy_error.isel(controller=0)
     equal = energy_error.max_energy_error.sel(
         period_used="exact", scheme=controlled.scheme, steps_per_period=controlled.steps_per_period
@@ -72,7 +72,7 @@ def ratio_at_equal_steps(controlled_1996: xr.Dataset, energy_error: xr.Dataset) 
 def of_step_control(
     estimates: xr.Dataset, step_control: xr.Dataset, controlled_1996: xr.Dataset, energy_error: xr.Dataset
 ) -> dict:
-    """What estimators see, how the energy drifts, and the tables of 1996 with controlled steps."""
+    """Errors that estimators find, drift of the energy, and the tables of 1996 with controlled steps."""
     finest = estimates.sel(problem=PROBLEM, scheme=SCHEME).isel(steps_per_period=-1)
     of_u = finest.estimate / finest.true_displacement_error
     of_both = finest.estimate / finest.true_error
@@ -114,7 +114,7 @@ def of_step_control(
 
 @numbers(requires={"control_cost.problems": STIFF, "control_cost.schemes": [SCHEME]})
 def of_control_cost(control_cost: xr.Dataset, control_of_codes: xr.Dataset) -> dict:
-    """Where controlled steps save forces, and the automatic steps of codes."""
+    """Problems on which controlled steps save forces, and the automatic steps of codes."""
     ratio = ratio_of_forces(control_cost, ALLOWED)
     known = ratio.stack(case=ratio.dims).dropna("case")
     pairs = [(known.sel(case=case).item(), case) for case in known.case.values]

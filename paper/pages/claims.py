@@ -8,16 +8,16 @@ from study.words import document, text_of
 
 
 def _article(claim: dict[str, str]) -> str:
-    """One claim: its words, and below all that the ledger says of it."""
+    """One claim: its words, and below its entries in the ledger."""
     heading = f"{claim.pop('No.')}. {claim.pop('Claim')}"
-    told = "".join(f"<dt>{text_of(name.lower())}</dt><dd>{text_of(text)}</dd>" for name, text in claim.items() if text)
-    return f"<article><h2>{text_of(heading)}</h2><dl>{told}</dl></article>\n"
+    facts = "".join(f"<dt>{text_of(name.lower())}</dt><dd>{text_of(text)}</dd>" for name, text in claim.items() if text)
+    return f"<article><h2>{text_of(heading)}</h2><dl>{facts}</dl></article>\n"
 
 
 @page("Ledger of claims: what was printed, what is computed, and the verdict.", ledger="tables/claims.csv")
 def claims(ledger: pd.DataFrame) -> str:
     """The page, with the verdicts counted first."""
     counts = ledger["Verdict"].str.partition(";")[0].value_counts()
-    told = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+    summary = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
     articles = [_article(claim) for claim in ledger.to_dict("records")]
-    return document("Ledger of claims", [f"<p>{len(ledger)} claims: {text_of(told)}.</p>\n", *articles], STYLE)
+    return document("Ledger of claims", [f"<p>{len(ledger)} claims: {text_of(summary)}.</p>\n", *articles], STYLE)

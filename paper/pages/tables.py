@@ -14,8 +14,7 @@ _FILES: dict[str, Any] = {name: f"tables/{name}.csv" for name in _TABLES}
 
 
 def _title(name: str) -> str:
-    words = name.replace("_", " ").replace("cpu", "CPU")
-    return text_of(words[0].upper() + words[1:])
+    return text_of(_TABLES[name].title)
 
 
 def _section(name: str, frame: pd.DataFrame) -> str:

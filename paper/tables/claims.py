@@ -6,9 +6,9 @@ from paper.claims.ledger import OURS
 from paper.products import table
 
 
-@table(claims="claims.csv")
+@table("Ledger of claims", claims="claims.csv")
 def tabulate(claims: pd.DataFrame) -> pd.DataFrame:
-    """One row per claim; those of the paper have its section and its words beside who makes them."""
+    """One row per claim, with its source; claims of the paper have its section and its words."""
     section = (", " + claims["section"]).where(~claims["section"].isin(list(OURS)), "")
     words = (" “" + claims["words"] + "”").where(claims["words"] != "", "")
     reason = ("; " + claims["reason"]).where(claims["reason"] != "", "")

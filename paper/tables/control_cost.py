@@ -9,9 +9,9 @@ from paper.numbers.step_control import ALLOWED, forces_needed, with_control
 from paper.products import table
 
 
-@table()
+@table("Forces for one percent of error with controlled and with equal steps")
 def tabulate(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> pd.DataFrame:
-    """One row per scheme and solver, one column per problem: forces controlled, and those with equal steps."""
+    """One row per scheme and solver, one column per problem: forces with controlled and with equal steps."""
     controlled, equal = with_control(control_cost, ALLOWED)
     of_solvers = forces_needed(solver_cost.error, solver_cost.forces, ALLOWED, "tolerance")
     titles = dict(zip(control_cost.problem.values, control_cost.problem_title.values, strict=True))

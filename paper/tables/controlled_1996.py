@@ -7,7 +7,10 @@ from paper.products import table
 from paper.published import PROBLEMS
 
 
-@table(requires={"controlled_1996.problems": PROBLEMS, "energy_error.problems": PROBLEMS})
+@table(
+    "Tables 1 and 2 of 1996 with controlled steps",
+    requires={"controlled_1996.problems": PROBLEMS, "energy_error.problems": PROBLEMS},
+)
 def tabulate(controlled_1996: xr.Dataset, energy_error: xr.Dataset) -> pd.DataFrame:
     """Two rows per step size: equal and controlled; for the schemes whose error the estimator estimates."""
     controlled = controlled_1996.max_energy_error.isel(controller=0)

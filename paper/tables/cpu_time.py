@@ -1,4 +1,4 @@
-"""The time of 100,000 steps: here in nanoseconds a step, and as a ratio beside that of 1996."""
+"""The time of 100,000 steps: here in nanoseconds a step, and as a ratio next to the ratio of 1996."""
 
 import pandas as pd
 import xarray as xr
@@ -7,7 +7,7 @@ from paper.products import table
 from paper.published import PROBLEMS, SCHEMES, printed_cpu_times
 
 
-@table(requires={"cpu_time.schemes": SCHEMES, "cpu_time.problems": PROBLEMS})
+@table("Time of a step", requires={"cpu_time.schemes": SCHEMES, "cpu_time.problems": PROBLEMS})
 def tabulate(cpu_time: xr.Dataset) -> pd.DataFrame:
     """One row per problem and scheme of 1996."""
     seconds = printed_cpu_times()

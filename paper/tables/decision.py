@@ -1,35 +1,35 @@
-"""Which explicit and which implicit scheme, and which step, by kind of problem, what must be right, and error."""
+"""Which explicit and which implicit scheme, and which step, by kind of problem, quantity and error."""
 
-from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from paper.data import ASSESSED, steps_of_period
+from paper.data import ASSESSED
 from paper.numbers.spectrum import largest_steps, share_at_the_spacing, share_between
+from paper.picks import (
+    AT_MOST,
+    COARSEST,
+    ERRORS,
+    LEVEL,
+    Pick,
+    cell,
+    first_of,
+    needs_of_spring,
+    picks_of,
+    sentence,
+    tied,
+)
 from paper.products import table
 from paper.published import PROBLEMS
 from paper.requirements import OF_THE_ASSESSMENTS, contained
-from study.analysis.recommendation import recommend
-from study.words import number
+from study.words import span
 
-#: Errors of the columns.
-ERRORS = (0.1, 0.01, 0.001)
-#: What must be right of a spring.
-QUANTITIES = ("displacement", "velocity", "phase", "energy")
+#: Quantities of a spring whose error is bounded.
+QUANTITIES = ("displacement", "velocity", "acceleration", "phase", "energy")
 #: Spring that the dataset of kinks holds for comparison.
 SPRING = "hardening"
-#: Part by which an energy may be off.
-LEVEL = 0.1
-#: How the search for a step ends at the coarsest one.
-COARSEST = "already the coarsest step"
-#: Part of its largest size by which a velocity may be off: half of it is lost where an oscillation that the step
-#: does not resolve is left out, and all of it where it turns into a sawtooth.
-VELOCITY = 0.75
-#: Numbers of evaluations of the force up to this multiple of the fewest tie.
-TIED = 1.1
 #: Classes of schemes, by their flag ``explicit``.
 CLASSES = {"explicit": 1, "implicit": 0}
 
@@ -38,50 +38,6 @@ SCHEMES_OF_THE_ROWS = (
     *(f"assess.{name}.schemes" for name in PROBLEMS),
     *(f"{name}.schemes" for name in ("kinks", "spectrum", "structures")),
 )
-
-NO_BREAK = "\u00a0"
-#: Before the coarsest step that was tried.
-AT_MOST = f"≤{NO_BREAK}"
-
-
-class Pick(NamedTuple):
-    """A scheme with its step, as a cell shows it.
-
-    ``step`` and ``forces`` are texts: the step or the number of steps, and the evaluations of the force in a time.
-    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` that of the linear theory.
-    """
-
-    title: str
-    step: str
-    forces: str
-    omega_step: float
-    limit: float
-
-
-def _cell(picks: list[Pick]) -> str:
-    """The first of the schemes that tie, and ``…`` if there are others; a dash of none."""
-    if not picks:
-        return "–"
-    one = picks[0]
-    below = f" < {one.limit:.3g}" if np.isfinite(one.limit) else ""
-    work, condition = (part.replace(" ", NO_BREAK) for part in (one.forces, f"ωΔt {number(one.omega_step, 2)}{below}"))
-    return f"{one.title}: {one.step} ({work}, {condition})" + ("; …" if len(picks) > 1 else "")
-
-
-def _first(titles: list[str]) -> str:
-    """The first of some schemes, and ``…`` if there are others."""
-    return titles[0] + ("; …" if len(titles) > 1 else "")
-
-
-def _tied(forces: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Places of the fewest forces and of those that tie with them, by their errors; NaN is no number of forces."""
-    tied = np.flatnonzero(forces <= TIED * np.fmin.reduce(forces, initial=np.inf))
-    return tied[np.argsort(error[tied], kind="stable")]
-
-
-def sentence(title: str) -> str:
-    """A title as the beginning of a sentence."""
-    return title[0].upper() + title[1:]
 
 
 def _column(error: float) -> str:
@@ -94,28 +50,11 @@ def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
         yield name, runs.isel(scheme=np.flatnonzero(runs.explicit.values == flag))
 
 
-def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataFrame:
-    """Rows of ``study.recommend``, each for the finest step that a scheme needs for a quantity, energy and phase.
-
-    Schemes that keep one of the errors at no step have no row. ``steps`` are those in a period, ``forces`` the
-    evaluations in it, and ``made`` is the error of the quantity.
-    """
-    wanted = {(error, quantity), (LEVEL, "energy"), (LEVEL, "phase")}
-    needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
-    needs = needs.sort_values("step_size")
-    kept = needs[needs.step_size.groupby(level="scheme").transform("count") == len(wanted)]
-    finer = kept[~kept.index.duplicated()]
-    made = [spring.error.sel(scheme=name, dt=dt, quantity=quantity).item() for name, dt in finer.step_size.items()]
-    steps = [steps_of_period(spring, dt) for dt in finer.step_size]
-    forces = [row.force_evaluations / row.number_of_steps * n for row, n in zip(finer.itertuples(), steps, strict=True)]
-    return finer.assign(steps=steps, forces=forces, made=made)
-
-
 def _steps_of_spring(spring: xr.Dataset, kind: str, error: float, quantity: str) -> pd.DataFrame:
     """The schemes of a class with the fewest forces."""
     needs = needs_of_spring(spring, error, quantity)
     needs = needs[needs.kind == kind]
-    return needs.iloc[_tied(needs.forces_per_time.to_numpy(), needs.made.to_numpy())]
+    return needs.iloc[tied(needs.forces_per_time.to_numpy(), needs.made.to_numpy())]
 
 
 def _of_spring(spring: xr.Dataset, chosen: pd.DataFrame, limits: Mapping[str, float]) -> list[Pick]:
@@ -153,54 +92,16 @@ def _springs(springs: list[xr.Dataset], robustness: xr.Dataset, limits: Mapping[
                     "Problem": sentence(spring.attrs["problem"]) if k == c == 0 else "",
                     "Right in": quantity if c == 0 else "",
                     "Scheme": kind,
-                    **{_column(error): _cell(_of_spring(spring, one, limits)) for error, one in choices.items()},
+                    **{_column(error): cell(_of_spring(spring, one, limits)) for error, one in choices.items()},
                     "Beware of": _of_amplitudes(robustness, problem, choices[ERRORS[0]]),
                 }
-
-
-def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Fewest forces in a period with which each scheme keeps an error, as all its finer steps do, and the step's place.
-
-    A run does not count if its balance of energies is off by more than ``LEVEL``, or, where the dataset has
-    these errors, its displacement by more than that, or its velocity by more than ``VELOCITY``. The number is NaN
-    where no step keeps the error.
-    """
-    sound = runs.max_energy_imbalance <= LEVEL
-    for name, level in (("displacement_error", LEVEL), ("velocity_error", VELOCITY)):
-        if name in runs:
-            sound &= runs[name] <= level
-    dims, steps = ("scheme", "steps_per_period"), runs.steps_per_period.values
-    kept = ((error <= allowed) & sound).transpose(*dims).values
-    keeps = np.logical_and.accumulate(kept[:, ::-1], axis=1)[:, ::-1]
-    per_step = (runs.forces_per_step + runs.forces_per_iteration * runs.iterations_per_step).transpose(*dims).values
-    forces = np.where(keeps, per_step * steps, np.inf)
-    best = forces.argmin(axis=1)
-    return np.where(keeps.any(axis=1), forces[np.arange(len(best)), best], np.nan), best
-
-
-def marked(steps: np.ndarray, place: int) -> str:
-    """A number of steps; ``≤`` marks the coarsest step that was tried, and ``†`` the finest."""
-    return f"{AT_MOST if place == 0 else ''}{steps[place]:,}{' †' if place == len(steps) - 1 else ''}"
-
-
-def _fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes that keep an error with the fewest forces in a period, with their steps."""
-    fewest, best = fewest_forces(runs, error, allowed)
-    steps = runs.steps_per_period.values
-    picks = []
-    for k in _tied(fewest, error.transpose("scheme", "steps_per_period").values[np.arange(len(best)), best]):
-        per_period = steps[best[k]]
-        step, work = marked(steps, best[k]), f"{fewest[k]:,.0f} forces"
-        omega_step = runs.highest_frequency.item() * runs.period.item() / per_period
-        picks.append(Pick(runs.scheme_title.values[k], step, work, omega_step, limits[runs.scheme.values[k]]))
-    return picks
 
 
 def _lost_order(kinks: xr.Dataset) -> str:
     """The schemes of second order and more that show the first, to a whole number."""
     first = (kinks.order >= 2) & (kinks.observed_order < 1.5)
     titles = kinks.scheme_title.values[first.values].tolist()
-    return f"only first order: {_first(titles)}" if titles else ""
+    return f"only first order: {first_of(titles)}" if titles else ""
 
 
 def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]:
@@ -212,7 +113,7 @@ def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dic
                 "Problem": sentence(one.problem_title.item()) if c == 0 else "",
                 "Right in": "displacement" if c == 0 else "",
                 "Scheme": name,
-                **{_column(error): _cell(_fewest_forces(one, one.error, error, limits)) for error in ERRORS},
+                **{_column(error): cell(picks_of(one, one.error, error, limits)) for error in ERRORS},
                 "Beware of": _lost_order(one),
             }
 
@@ -225,17 +126,23 @@ def _losing(one: xr.Dataset) -> str:
     if loses.all():
         return "lost by all"
     if loses.sum() <= len(loses) / 2:
-        return f"lost by {_first(one.scheme_title.values[loses].tolist())}"
+        return f"lost by {first_of(one.scheme_title.values[loses].tolist())}"
     keeping = one.isel(scheme=np.flatnonzero(~loses))
     best_first = keeping.sortby(keeping.max_energy_imbalance.max("steps_per_period"))
-    return f"kept only by {_first(best_first.scheme_title.values.tolist())}"
+    return f"kept only by {first_of(best_first.scheme_title.values.tolist())}"
 
 
-def _set_by_velocity(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str, float]) -> str:
-    """Says so if a coarser step would do were it not for the velocity."""
-    without = runs.drop_vars("velocity_error")
-    differs = any(_fewest_forces(runs, error, e, limits) != _fewest_forces(without, error, e, limits) for e in ERRORS)
-    return "the velocity sets the step" if differs else ""
+def _set_by_sawtooth(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str, float]) -> str:
+    """Says so if a coarser step would do were it not for the velocity and the acceleration."""
+    without = runs.drop_vars(["velocity_error", "acceleration_error"], errors="ignore")
+    differs = any(cell(picks_of(runs, error, e, limits)) != cell(picks_of(without, error, e, limits)) for e in ERRORS)
+    return "velocity or acceleration sets the step" if differs else ""
+
+
+def _off_in_acceleration(choices: Iterable[list[Pick]]) -> str:
+    """A remark on the errors of the acceleration at the steps of the first schemes, where they exceed ``LEVEL``."""
+    off = [picks[0].acceleration_error for picks in choices if picks and picks[0].acceleration_error > LEVEL]
+    return f"acceleration wrong by {span(100 * np.array(off), '.0f')} %" if off else ""
 
 
 def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]:
@@ -243,12 +150,17 @@ def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator
         for k, what in enumerate(("displacement", "energy")):
             for c, (name, one) in enumerate(_by_class(structures.sel(problem=problem))):
                 size = one.displacement_error if what == "displacement" else one.max_energy_imbalance
-                warnings = [_losing(one) if k == 0 else "", _set_by_velocity(one, size, limits)]
+                choices = {error: picks_of(one, size, error, limits) for error in ERRORS}
+                warnings = [
+                    _losing(one) if k == 0 else "",
+                    _set_by_sawtooth(one, size, limits),
+                    _off_in_acceleration(choices.values()),
+                ]
                 yield {
                     "Problem": sentence(one.problem_title.item()) if k == c == 0 else "",
                     "Right in": what if c == 0 else "",
                     "Scheme": name,
-                    **{_column(error): _cell(_fewest_forces(one, size, error, limits)) for error in ERRORS},
+                    **{_column(error): cell(picks) for error, picks in choices.items()},
                     "Beware of": "; ".join(filter(None, warnings)),
                 }
 
@@ -263,7 +175,7 @@ def _under_records(spectrum: xr.Dataset, error: float, limits: Mapping[str, floa
     forces = (found.forces_per_step + found.forces_per_iteration * made.iterations_per_step.mean(runs)) / largest
     omega = 2 * np.pi / spectrum.period.min().item()
     picks = []
-    for k in _tied(forces.values, made.error.max(runs).values):
+    for k in tied(forces.values, made.error.max(runs).values):
         step, name = largest.values[k], found.scheme.values[k]
         per_second = f"{forces.values[k]:,.0f} forces/s"
         picks.append(Pick(found.scheme_title.values[k], f"{1e3 * step:.2g} ms", per_second, omega * step, limits[name]))
@@ -279,12 +191,13 @@ def _record(spectrum: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]
             "Problem": title if c == 0 else "",
             "Right in": "peak drift" if c == 0 else "",
             "Scheme": name,
-            **{_column(error): _cell(_under_records(dividing, error, limits)) for error in ERRORS},
+            **{_column(error): cell(_under_records(dividing, error, limits)) for error in ERRORS},
             "Beware of": "other steps" if off else "",
         }
 
 
 @table(
+    "Recommended schemes and steps",
     springs=ASSESSED,
     robustness="stability/robustness",
     requires={
@@ -301,10 +214,10 @@ def tabulate(
     spectrum: xr.Dataset,
     structures: xr.Dataset,
 ) -> pd.DataFrame:
-    """One row per kind of problem and what must be right; a dash where no scheme keeps the error.
+    """One row per kind of problem and quantity; a dash where no scheme keeps the error.
 
     Explicit and implicit schemes have a row each. A cell names the scheme of its class with the fewest evaluations of
-    the force; numbers within a tenth tie, and of these the smallest error is named. Energy and phase of a spring
+    the force; numbers within a tenth tie, and then the smallest error decides. Energy and phase of a spring
     must be right to ``LEVEL`` too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
     highest ω of the motion, below the stability limit of the linear theory if there is one.
     """

@@ -8,7 +8,7 @@ from paper.products import table
 from paper.respects import costs, dominated_by, respects
 
 
-@table(requires={"spectral.damping_ratios": [0.0]})
+@table("Dominated schemes", requires={"spectral.damping_ratios": [0.0]})
 def tabulate(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
     """One row per scheme: problems on which a step is enough, and the schemes that dominate it."""
     forces = costs(kinks, structures)

@@ -9,7 +9,7 @@ from paper.published import printed_energy_errors
 from paper.requirements import OF_THE_TABLES
 
 
-@table(requires=OF_THE_TABLES)
+@table("Energy errors of Tables 1 and 2 of 1996", requires=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """Three rows per step size: printed, computed, computed with the exact period; for the schemes of 1996."""
     printed = printed_energy_errors()

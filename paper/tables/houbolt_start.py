@@ -7,7 +7,10 @@ from paper.products import table
 from paper.published import PROBLEMS, STEPS, once, printed_energy_errors, same, twice
 
 
-@table(requires={"houbolt_start.problems": PROBLEMS, "houbolt_start.steps_per_period": STEPS})
+@table(
+    "Starts of the Houbolt method",
+    requires={"houbolt_start.problems": PROBLEMS, "houbolt_start.steps_per_period": STEPS},
+)
 def tabulate(houbolt_start: xr.Dataset) -> pd.DataFrame:
     """One row per start."""
     error = houbolt_start.max_energy_error.sel(problem=PROBLEMS, steps_per_period=STEPS)

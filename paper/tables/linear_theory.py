@@ -19,7 +19,7 @@ def _number(value: float, form: str) -> str:
     return text.lstrip("-") if float(text) == 0 else text
 
 
-@table(requires={"spectral.damping_ratios": [0.0]})
+@table("Linear theory", requires={"spectral.damping_ratios": [0.0]})
 def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
     """One row per scheme."""
     damped = spectral.damping_ratio.values.max()

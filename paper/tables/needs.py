@@ -9,7 +9,7 @@ from paper.requirements import OF_THE_ASSESSMENTS
 from study.analysis.recommendation import recommend
 
 
-@table(spring="assessment/hardening", requires=OF_THE_ASSESSMENTS)
+@table("Steps and time for an error", spring="assessment/hardening", requires=OF_THE_ASSESSMENTS)
 def tabulate(spring: xr.Dataset) -> pd.DataFrame:
     """One row per scheme, one column per error; a dash where no step was found."""
     rows = []

@@ -21,7 +21,7 @@ def _titles(flags: xr.DataArray) -> str:
     return ", ".join(flags.circumstance_title.values[flags.values]) or "–"
 
 
-@table(orders="order_under_reality")
+@table("Loss of order by circumstance", orders="order_under_reality")
 def tabulate(orders: xr.Dataset) -> pd.DataFrame:
     """One row per scheme."""
     rows = []

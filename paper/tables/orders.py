@@ -28,7 +28,10 @@ def _observed(run: xr.Dataset) -> dict[str, str]:
     return named | {title: f"{order:.2f}" if order == order else "–" for title, order in orders.items()}
 
 
-@table(requires={"accuracy.schemes": SCHEMES, "accuracy.periods": sorted(set(PERIODS.values()))})
+@table(
+    "Orders of the schemes of 1996",
+    requires={"accuracy.schemes": SCHEMES, "accuracy.periods": sorted(set(PERIODS.values()))},
+)
 def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
     """One row per problem and scheme."""
     accuracy = of_the_paper(accuracy)
@@ -43,6 +46,7 @@ def tabulate(accuracy: xr.Dataset) -> pd.DataFrame:
 
 
 @table(
+    "Orders of all schemes",
     name="orders_of_today",
     requires={"accuracy.problems": [PROBLEM], "accuracy.periods": sorted(set(PERIODS.values()))},
 )

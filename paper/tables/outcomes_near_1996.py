@@ -56,7 +56,9 @@ def _with_problem(values: xr.DataArray) -> str:
     return "–" if np.isinf(least) else f"{least:.2g} ({values.problem.values[int(np.argmin(values.values))][0]})"
 
 
-@table(atlas="stability/atlas", requires={"atlas.amplitudes": some_near_1996})
+@table(
+    "First failures near the amplitudes of 1996", atlas="stability/atlas", requires={"atlas.amplitudes": some_near_1996}
+)
 def tabulate(atlas: xr.Dataset) -> pd.DataFrame:
     """One row per scheme."""
     near = near_1996(atlas)

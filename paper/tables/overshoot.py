@@ -15,7 +15,7 @@ def _class(scheme: xr.Dataset, start: str) -> str:
     return f"U{u}V{v}"
 
 
-@table(requires={"spectral.damping_ratios": [0.0]})
+@table("Overshoot", requires={"spectral.damping_ratios": [0.0]})
 def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
     """One row per scheme that is unconditionally stable for linear systems."""
     free = spectral.sel(damping_ratio=0)

@@ -12,7 +12,7 @@ _ROUNDED_TWICE = "rounded to two decimals, then to one"
 _UNEXPLAINED = "by no rounding; see the text"
 
 
-@table(requires=OF_THE_TABLES)
+@table("Cells that differ from the printed digit", requires=OF_THE_TABLES)
 def tabulate(energy_error: xr.Dataset) -> pd.DataFrame:
     """One row per cell whose value, rounded once, is not the printed one."""
     printed = printed_energy_errors()

@@ -1,17 +1,17 @@
-"""The fastest scheme for an allowed error, by everything that must be right, and its steps in a period."""
+"""The fastest scheme for an allowed error, by quantity, and its steps in a period."""
 
 import pandas as pd
 import xarray as xr
 
 from paper.data import ASSESSED, fastest, steps_of_period
+from paper.picks import AT_MOST, COARSEST, sentence
 from paper.products import table
 from paper.requirements import OF_THE_ASSESSMENTS
-from paper.tables.decision import AT_MOST, COARSEST, sentence
 from study.analysis.recommendation import recommend
 
 
 def _cell(spring: xr.Dataset, error: float, quantity: str) -> str:
-    """The fastest scheme with its steps; an asterisk if others tie with it, of which it takes the fewest forces."""
+    """The fastest scheme with its steps; among ties the one with the fewest forces, marked by an asterisk."""
     needs = fastest(recommend(spring, error=error, quantity=quantity))
     if needs.empty:
         return "–"
@@ -22,7 +22,7 @@ def _cell(spring: xr.Dataset, error: float, quantity: str) -> str:
     return f"{title}: {at_most}{steps_of_period(spring, best.step_size):,}{tied}"
 
 
-@table(springs=ASSESSED, requires=OF_THE_ASSESSMENTS)
+@table("Fastest schemes by quantity and error", springs=ASSESSED, requires=OF_THE_ASSESSMENTS)
 def tabulate(springs: list[xr.Dataset]) -> pd.DataFrame:
     """One row per spring and error; a dash where no scheme keeps the error."""
     return pd.DataFrame(

@@ -13,11 +13,12 @@ _TITLES = {
     "kvaerno5": "Kvaerno5",
     "heyoka": "heyoka",
 }
-#: Decimals of the periods, of which the datasets hold thirty.
+#: Number of decimals of the periods in the table; the datasets hold thirty.
 DIGITS = 20
 
 
 @table(
+    "Exact periods and errors of solvers",
     agreement="reference_agreement",
     references=["reference/hardening", "reference/softening", "reference/softening_large", "reference/double_well"],
     requires={"references.problems": ["hardening", "softening", "softening_large", "double_well"]},

@@ -1,4 +1,4 @@
-"""Runge-Kutta with relaxation next to its column in Tables 1 and 2."""
+"""Runge-Kutta with relaxation compared with its column in Tables 1 and 2."""
 
 import pandas as pd
 import xarray as xr
@@ -8,7 +8,7 @@ from paper.products import table
 from paper.published import PROBLEMS, STEPS, printed_energy_errors
 
 
-@table(requires={"relaxation.problems": PROBLEMS, "relaxation.steps_per_period": STEPS})
+@table("Runge-Kutta with relaxation", requires={"relaxation.problems": PROBLEMS, "relaxation.steps_per_period": STEPS})
 def tabulate(relaxation: xr.Dataset) -> pd.DataFrame:
     """One row per problem and step size."""
     printed = printed_energy_errors().sel(scheme="rk4")

@@ -12,7 +12,9 @@ def _steps(value: float, most: int) -> str:
     return f"> {most}" if np.isnan(value) else f"{value:.0f}"
 
 
-@table(robustness="stability/robustness", requires={"robustness.periods": rising})
+@table(
+    "Steps in a period at all amplitudes", robustness="stability/robustness", requires={"robustness.periods": rising}
+)
 def tabulate(robustness: xr.Dataset) -> pd.DataFrame:
     """One row per scheme, over the longest runs, the levels of each problem side by side."""
     most = int(robustness.most_steps)

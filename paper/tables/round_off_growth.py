@@ -24,7 +24,7 @@ def _cell(one: xr.Dataset) -> str:
     return f"{law.exponent.item():.2f} ± {law.exponent_error.item():.2f}, {100 * last.energy_round_off.item():.0e}"
 
 
-@table()
+@table("Growth of round-off")
 def tabulate(long_times: xr.Dataset) -> pd.DataFrame:
     """One row per scheme."""
     return pd.DataFrame(

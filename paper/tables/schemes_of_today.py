@@ -14,7 +14,7 @@ def _forces(scheme: xr.Dataset) -> str:
     return " + ".join([newton] * (of_iteration > 0) + [str(fixed)] * (fixed > 0))
 
 
-@table()
+@table("All schemes")
 def tabulate(spectral: xr.Dataset) -> pd.DataFrame:
     """One row per scheme."""
     rows = []

@@ -1,4 +1,4 @@
-"""Linear stability beside the oscillators: the step sizes at which every scheme first gains energy or fails."""
+"""Linear stability compared with the oscillators: the step sizes at which every scheme first gains energy or fails."""
 
 import numpy as np
 import pandas as pd
@@ -10,7 +10,7 @@ from paper.requirements import contained, rising
 
 #: The problems with positive energy, on which a gain can be distinguished from a loss.
 PROBLEMS = ["hardening", "softening", "softening_large"]
-#: Gain of the energy in the second half of a run, over the initial energy, from which on it counts as growth.
+#: Least gain of the energy in the second half of a run, over the initial energy, that counts as growth.
 GAIN = 1.0
 
 
@@ -26,6 +26,7 @@ def _first(run: xr.Dataset) -> str:
 
 
 @table(
+    "Stability limits in linear theory and on oscillators",
     requires={
         "": contained("large_steps.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],

@@ -26,7 +26,7 @@ def _cell(run: xr.Dataset, error: str) -> str:
     return _percent(100 * run[error].item())
 
 
-@table(requires={"structures.steps_per_period": [STEPS_PER_PERIOD]})
+@table("Errors on structures", requires={"structures.steps_per_period": [STEPS_PER_PERIOD]})
 def tabulate(structures: xr.Dataset) -> pd.DataFrame:
     """Two rows per structure, one for each error, and one column per scheme."""
     at = structures.sel(steps_per_period=STEPS_PER_PERIOD)

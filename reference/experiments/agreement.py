@@ -32,9 +32,9 @@ ROUTES: dict[str, tuple[Callable, Callable]] = {
 }
 FINISHED, STEP_LIMIT, FAILED, NOT_TRIED, LOST = range(5)
 STATUS_MEANINGS = ("finished", "step_limit", "failed", "not_tried", "lost")
-#: Error, in amplitudes, above which a solution counts as lost: it has left the orbit.
+#: Error, in amplitudes, above which a solution has left the orbit.
 LOST_ABOVE = 10
-#: Samples in a period: also between whole periods, where an error of the phase does not show in the displacement.
+#: Number of samples in a period; at whole periods alone an error of the phase does not show in the displacement.
 SAMPLES = 16
 #: Numbers of periods; a window ends with the last of them.
 WINDOWS = (1, 10, 100)
@@ -159,8 +159,8 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         | {name: (dims, values, flags(described[name], STATUS_MEANINGS, np.int32)) for name, values in ended.items()},
         coords={
             "problem": ((), problem, {"long_name": "problem"}),
-            "route": ("route", list(ROUTES), {"long_name": "solver that was asked"}),
-            "tolerance": ("tolerance", list(tolerances), {"long_name": "relative tolerance asked for", "units": "1"}),
+            "route": ("route", list(ROUTES), {"long_name": "solver of the trajectory"}),
+            "tolerance": ("tolerance", list(tolerances), {"long_name": "prescribed relative tolerance", "units": "1"}),
             "periods": (
                 "periods",
                 list(WINDOWS),

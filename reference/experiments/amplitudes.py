@@ -13,7 +13,7 @@ from study.declaration.options import Springs
 from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
 
-#: Decimal digits that are carried: more than the sixteen that are kept, and few enough for a hundred periods a second.
+#: Number of decimal digits: more than the sixteen that are kept, and few enough for a hundred periods a second.
 DIGITS = 20
 #: A value, or the turning points, of each motion.
 _ByAmplitude = Float[np.ndarray, "amplitudes"]
@@ -83,7 +83,7 @@ def amplitudes(problems: Springs, exponents: dict[str, float]) -> xr.Dataset:
             "amplitude": (
                 "amplitude",
                 10**x,
-                {"long_name": "initial displacement over that of the problem", "units": "1"},
+                {"long_name": "initial displacement over the problem's own", "units": "1"},
             ),
         },
         attrs={"title": "Exact periods of the springs over decades of amplitude"},

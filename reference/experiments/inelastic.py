@@ -17,7 +17,7 @@ from study.problem.named import problems as problems_by_name
 #: Tolerance of the solvers under step size control.
 RTOL = 1e-13
 
-#: Spacings at which exact pieces look for events; the difference of the motions is their uncertainty.
+#: Spacings at which exact pieces search for events; the difference of the motions is their uncertainty.
 PLACES = (200, 331)
 
 
@@ -39,7 +39,7 @@ def from_kink_to_kink(problem: Problem, t: Times) -> tuple[str, Solution, Soluti
     return "diffrax Dopri8 from kink to kink", one, other
 
 
-#: How each problem is solved.
+#: Solution of each problem.
 _WAYS = {
     "yielding": _in_pieces,
     "bouncing": _in_pieces,
@@ -59,7 +59,7 @@ def inelastic(problems: Kinked, periods: int, samples_per_period: int) -> xr.Dat
 
     Yielding and bouncing are exact from event to event. Smooth hysteresis and the motion under a record are solved by
     diffrax and CVODE from one kink of force or load to the next. The uncertainty is the largest difference of two
-    such solutions. A spring with a closed form is the smooth one of them, for comparison.
+    such solutions. A smooth spring with a closed form is included for comparison.
     """
     u, uncertainty, route, scale = [], [], [], []
     for name in problems:

@@ -34,8 +34,8 @@ def solver_cost(
 ) -> xr.Dataset:
     """Measure the error and the forces of CVODE, with Adams or BDF methods, and of diffrax with its PID controller.
 
-    The error is that of the dataset ``control_cost``, at the same samples of the exact motion. It is NaN where a solver
-    fails. A force with a history is left out: these solvers take a force that is a function of time and state.
+    The error is defined as in the dataset ``control_cost``, at the same samples of the exact motion. It is NaN if a
+    solver fails. Forces with a history are excluded: these solvers take a force that is a function of time and state.
 
     Variables have the shape (problem, solver, tolerance).
     """

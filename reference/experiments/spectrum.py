@@ -8,10 +8,11 @@ from study.declaration.experiment import experiment, progress
 from study.declaration.options import RecordDuration, RecordPeriods, Records, Reductions
 from study.problem.inelastic import ground_motions, yielding_under_record
 
-#: Places between two samples at which exact pieces look for events; the difference of the peaks is their uncertainty.
+#: Numbers of places between two samples at which exact pieces search for events; the difference of the peaks is their
+#: uncertainty.
 PLACES = (5, 8)
 
-#: A force at which nothing yields.
+#: Yield force that no motion reaches.
 STRONG = 1e9
 
 
@@ -24,7 +25,7 @@ def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, d
     """Compute exact peak drifts over records, periods and reductions of the strength.
 
     The strength is the largest force of the elastic oscillator divided by the reduction; at 1 nothing yields. The
-    ground is still after the duration.
+    ground is at rest after the duration.
     """
     grounds = ground_motions(records)
     spacing = float(grounds[0].dt)

@@ -223,7 +223,7 @@ def work_precision(
                 [RIGHT_SIDES[solver] for solver in SOLVERS],
                 {"long_name": "what the right side is; in Python it takes most of the time"},
             ),
-            "tolerance": ("tolerance", list(tolerances), {"long_name": "relative tolerance asked for", "units": "1"}),
+            "tolerance": ("tolerance", list(tolerances), {"long_name": "prescribed relative tolerance", "units": "1"}),
             "steps_per_period": (
                 "steps_per_period",
                 list(steps_per_period),

@@ -49,7 +49,7 @@ def real_numbers(name: str, value: Any) -> np.ndarray:
     Raises
     ------
     ValueError
-        If it is something else, or its rows have different lengths.
+        If it is something else, or its rows differ in length.
     """
     try:
         numbers = np.asarray(value)

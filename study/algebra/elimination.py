@@ -92,7 +92,7 @@ def _solve_banded(bands, rhs):
     k, n = len(bands) // 2, len(rhs)
     blocks = -(-n // k)
     spare = blocks * k - n
-    # rows of three blocks each; rows beyond the end are those of the identity
+    # rows of three blocks each; rows beyond the end belong to the identity
     padded = jnp.pad(bands, ((0, 0), (0, spare))).at[k, n:].set(1.0).T.reshape(blocks, k, 2 * k + 1)
     row, place = np.arange(k)[:, None], np.arange(2 * k + 1)
     wide = jnp.zeros((blocks, k, 3 * k)).at[:, row, row + place].set(padded)

@@ -1,8 +1,8 @@
 """Factorisations of sparse matrices by LAPACK, CHOLMOD and SuperLU, kept while the matrix stays the same.
 
-In the order of reverse Cuthill-McKee, the unknowns of a beam, a frame or a slender mesh have a narrow band: LAPACK's
-banded Cholesky factorisation is the fastest then. A wide mesh goes to CHOLMOD, which orders the unknowns once, for few
-new entries. A matrix that is not symmetric, or not positive definite as at a snap-through, goes to SuperLU.
+In the order of reverse Cuthill-McKee, the unknowns of a beam, a frame or a slender mesh have a narrow band, for which
+LAPACK's banded Cholesky factorisation is the fastest. CHOLMOD factorises a wide mesh; it orders the unknowns once, for
+little fill-in. SuperLU factorises a matrix that is not symmetric, or not positive definite, as at a snap-through.
 
 References
 ----------
@@ -23,10 +23,10 @@ import scipy
 from study.algebra.arrays import ScipySparse
 from study.algebra.sparse import Pattern
 
-#: Up to this half bandwidth LAPACK is faster than CHOLMOD, whatever the number of unknowns.
+#: Largest half bandwidth at which LAPACK is faster than CHOLMOD, whatever the number of unknowns.
 WIDEST_BAND = 100
 
-#: Factorisations that are kept: those of a step with sub-steps, and that of the mass.
+#: Number of factorisations that are kept: those of a step with sub-steps, and the factorisation of the mass.
 KEPT = 3
 
 
@@ -143,7 +143,7 @@ def _best(pattern: Pattern) -> Method:
 
 
 class Kept(NamedTuple):
-    """A factor, and the matrix and the method that it is of."""
+    """A factor, with its matrix and its method."""
 
     total: float
     values: np.ndarray
@@ -152,7 +152,7 @@ class Kept(NamedTuple):
 
 
 class Factorisations:
-    """Solves systems of one pattern, and keeps the last factors for matrices that come again."""
+    """Solver of systems of one pattern, which keeps the last factors for repeated matrices."""
 
     def __init__(self, pattern: Pattern):
         self._methods = _best(pattern), SuperLU(pattern)
@@ -162,7 +162,7 @@ class Factorisations:
         self.count = 0
 
     def solved(self, values: np.ndarray, rhs: np.ndarray) -> np.ndarray:
-        """The solution (n,) with the matrix of these values (entries,); no numbers if it is singular."""
+        """The solution (n,) with the matrix of these values (entries,); NaN if it is singular."""
         with self._alone:  # runs in other threads share the factors
             kept = self._of(values.astype(np.float64, copy=False))
             x = kept.method.solution(kept.factor, rhs.astype(np.float64))

@@ -1,8 +1,8 @@
 """NumPy functions inside compiled programs.
 
-The public ``jax.pure_callback`` makes arrays of JAX of the arguments. That waits for a thread which, with large arrays
-and few cores, waits for the callback: the program would stand still for ever. ``emit_python_callback``, on which it is
-built, hands over NumPy arrays. Only this module uses ``jax.interpreters``, which JAX may change in any release.
+The public ``jax.pure_callback`` converts the arguments to arrays of JAX. That waits for a thread which, with large
+arrays and few cores, waits for the callback: a deadlock. ``emit_python_callback``, on which it is built, passes NumPy
+arrays. Only this module uses ``jax.interpreters``, which JAX may change in any release.
 """
 
 from collections.abc import Callable
@@ -55,8 +55,8 @@ def on_host(function: Callable, like: jax.Array, *arguments: jax.Array) -> jax.A
     Parameters
     ----------
     function
-        Takes and returns NumPy arrays, and must not keep or change the ones that it is given. It must have no other
-        effect that matters: it is called as often as the compiler likes.
+        Takes and returns NumPy arrays, and must not keep or change its arguments. It must have no side effects, because
+        the compiler decides how often it is called.
     """
     result = ShapedArray(like.shape, like.dtype)
     return jax.custom_batching.sequential_vmap(lambda *xs: _on_host.bind(*xs, function=function, result=result))(

@@ -1,7 +1,7 @@
 """Square matrices, each stored in the smallest form that holds it, with their sums and products.
 
 The forms in ascending order: a number (times the identity), a diagonal (n,), a :class:`Banded`, a
-:class:`study.algebra.sparse.Sparse`, a full matrix (n, n) and a :class:`MatrixFree`, whose products alone are known.
+:class:`study.algebra.sparse.Sparse`, a full matrix (n, n) and a :class:`MatrixFree`, which is defined by its products.
 Sparse matrices of one problem have one pattern.
 """
 
@@ -18,15 +18,15 @@ from jax import lax
 from study.algebra.arrays import Full, Matrix, ScipySparse, Vector
 from study.algebra.sparse import Sparse, SparseEntries
 
-#: Systems of up to this many unknowns are eliminated without a loop: a call of LAPACK would take ten times longer.
+#: Largest number of unknowns of a system that is eliminated without a loop: a call of LAPACK takes ten times longer.
 SMALL = 4
 
 
 class Banded(NamedTuple):
     """A matrix of half bandwidth k: bands[k + d, i] is entry (i, i + d), and zero outside the matrix.
 
-    ``bands`` has the shape (2k + 1, n). A tridiagonal matrix is better a tuple of three (n,), which the compiler need
-    not write to memory before it solves.
+    ``bands`` has the shape (2k + 1, n). A tridiagonal matrix should be a tuple of three (n,), which the compiler need
+    not write to memory before the solution.
     """
 
     bands: jax.Array | np.ndarray | tuple[jax.Array, ...]

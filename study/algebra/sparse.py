@@ -16,15 +16,14 @@ import scipy
 from study.algebra.arrays import ScipySparse, Vector
 from study.algebra.host import on_host
 
-#: Entries that mirror each other in a symmetric matrix may differ by this part of the largest entry.
+#: Tolerance of symmetry, as a part of the largest entry.
 SYMMETRY = 1e-12
 
 
 class Pattern:
     """The places of the entries of a sparse matrix (n, n), column by column; of a symmetric one, the lower triangle.
 
-    The diagonal is always part of it, and with each place the one that mirrors it. Patterns with the same places are
-    equal.
+    It always contains the diagonal, and the transpose of each place. Patterns with the same places are equal.
 
     Attributes
     ----------
@@ -109,7 +108,7 @@ class Sparse(eqx.Module):
         return Sparse(jnp.asarray(self.values).at[entries].add(values), self.pattern)
 
     def within(self, pattern: Pattern) -> "Sparse":
-        """The same matrix in a wider pattern; in that of a symmetric one, its lower triangle."""
+        """The same matrix in a wider pattern; in a symmetric pattern, its lower triangle."""
         rows, columns, values = self.pattern.rows, self.pattern.columns, jnp.asarray(self.values)
         if pattern.symmetric:
             lower = np.flatnonzero(rows >= columns)
@@ -162,7 +161,7 @@ def _derivative_of_times(pattern, primals, tangents):
 
 def is_sparse(matrix: Any) -> bool:
     """Whether it is a matrix of :mod:`scipy.sparse`."""
-    # importing that takes a tenth of a second, and whoever has such a matrix has done so
+    # importing it takes a tenth of a second, and a caller with such a matrix has imported it
     module = sys.modules.get("scipy.sparse")
     return module is not None and module.issparse(matrix)
 

@@ -90,7 +90,7 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
 
     - trajectory: uncertainty of the displacement, relative to its maximum;
     - elongation: relative uncertainty of the period;
-    - phase: that of all periods, and that of the time of a crossing;
+    - phase: uncertainty of all periods, and of the time of a crossing;
     - amplitude: uncertainty of the displacement, relative to the amplitude, per period;
     - energy: variation of the energy of the reference, rounded to doubles.
     """

@@ -29,7 +29,7 @@ from study.scheme.base import Scheme
 from study.scheme.contract import started, stepped
 from study.scheme.named import schemes
 
-#: What can be made into such an array.
+#: Values that can be converted to such an array.
 PointsLike = Float[Any, "points"]
 
 #: Values of displacement and velocity for each step size, shape (2, points).
@@ -118,7 +118,7 @@ class NumericalMotion(NamedTuple):
     period_elongation
         Relative elongation of the damped period.
     algorithmic_damping
-        Damping ratio ξ̄; it includes that of the oscillator.
+        Damping ratio ξ̄, including the damping of the oscillator.
     amplitude_decay
         Relative loss of amplitude per period, :math:`1 - \exp(-2\pi\bar\xi/\sqrt{1 - \bar\xi^2})`.
     """
@@ -249,8 +249,8 @@ class LinearTheory:
     def growth(self) -> Growth:
         r"""Exponents of Ω with which the first step grows for Ω → ∞, of shape (2, 2).
 
-        The first row is that of :math:`|u_1|` and :math:`|\dot u_1|/\omega` from u = 1 and u̇ = 0, the second from
-        u = 0 and u̇ = ω. Zero stands for what stays bounded. Those of a scheme with a stability limit are of its
+        The first row belongs to :math:`|u_1|` and :math:`|\dot u_1|/\omega` from u = 1 and u̇ = 0, the second to a start
+        from u = 0 and u̇ = ω. Zero means bounded. For a scheme with a stability limit the exponents describe its
         instability.
 
         References
@@ -284,7 +284,7 @@ class LinearTheory:
         )
 
     def order(self) -> float:
-        r"""Order of accuracy: that with which the principal roots approach the exact ones, less one.
+        r"""Order of accuracy: the order with which the principal roots approach the exact ones, less one.
 
         The exact roots are :math:`\exp(\Omega\,(-\xi \pm i \sqrt{1 - \xi^2}))`. The order is fitted to the octave that
         begins with the finest step size whose error is above round-off. NaN if that octave has fewer than three step

@@ -31,12 +31,12 @@ class Outcome(enum.IntEnum):
 
 OUTCOME_ATTRIBUTES = flags("how the run ended", [one.name.lower() for one in Outcome], np.int8)
 
-#: Of runs that only their balance of energies judges, which says nothing of the displacement.
+#: Attributes for runs that are judged only by their balance of energies, not by their displacement.
 BALANCE_ATTRIBUTES = flags(
     "how the run ended", ["energy_kept", *(one.name.lower() for one in Outcome if one != Outcome.ACCURATE)], np.int8
 )
 
-#: What each outcome of :func:`outcomes` means, for readers of the maps.
+#: Explanations of the outcomes of :func:`outcomes`, for readers of the maps.
 EXPLANATIONS = (
     f"energy above rest and period stay within {100 * ACCURATE:g} % of the exact ones",
     f"energy or period is wrong by more than {100 * ACCURATE:g} %, but the run does not fail in any other way",
@@ -86,9 +86,9 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     Raises
     ------
     TypeError
-        If it is no dataset.
+        If it is not a dataset.
     ValueError
-        If the dataset is no ensemble or lacks these observers.
+        If the dataset is not an ensemble or lacks these observers.
     """
     if not isinstance(runs, xr.Dataset):
         raise TypeError(f"outcomes takes a dataset of study.run, not {runs!r}.")
@@ -131,8 +131,8 @@ def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndar
     Returns
     -------
     numpy.ndarray
-        Values of :class:`study.Outcome`, of the shape of ``runs.status``; that of accurate runs for those that keep
-        their energy, as ``BALANCE_ATTRIBUTES`` say.
+        Values of :class:`study.Outcome`, of the shape of ``runs.status``; runs that keep their energy count as
+        accurate, as ``BALANCE_ATTRIBUTES`` explain.
     """
     status = runs.status.values
     imbalance = runs["max_energy_imbalance"].values if "max_energy_imbalance" in runs else np.full(status.shape, np.nan)

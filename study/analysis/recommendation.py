@@ -16,8 +16,8 @@ def recommend(
     """List the schemes of an assessment, the fastest first, with the step at which each keeps an error.
 
     No number is interpolated: steps, errors and forces are those of runs. A step has two digits, or is a whole part or
-    multiple of the spacing of a record. It keeps the error, as all random finer steps do that :func:`study.assess`
-    tried, and from starts one percent below and above.
+    multiple of the spacing of a record. It keeps the error together with all random finer steps that
+    :func:`study.assess` tried, also from starts one percent below and above.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def recommend(
         Largest allowed error, one that was assessed, as a fraction of the largest value of the quantity: 0.01 is one
         percent.
     quantity
-        What must keep the error, one of the quantities of the assessment; by default the first, ``displacement`` where
+        Quantity that must keep the error, one of the assessment's; by default the first, which is ``displacement`` if
         none were given.
     folder
         Folder of the results in which a name is sought.
@@ -36,7 +36,7 @@ def recommend(
     Returns
     -------
     pandas.DataFrame
-        By ``scheme``, the fastest first; those for which no step was found are last.
+        By ``scheme``, the fastest first; schemes without a step are last.
 
         ``kind``
             ``implicit`` or ``explicit``.
@@ -63,8 +63,8 @@ def recommend(
         ``forces_per_time``
             Internal forces over the time that is run, in 1/s.
         ``steps_tried``, ``worst_error``
-            Steps tried from a twentieth of the step up to it, all of which kept the error, and the largest error among
-            them as a fraction of the allowed one.
+            Number of steps tried from a twentieth of the step up to it, which all kept the error, and the largest error
+            among them as a fraction of the allowed one.
         ``verdict``
             How the search for the step ended.
         ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
@@ -78,7 +78,7 @@ def recommend(
     KeyError
         If the assessment has no such quantity.
     TypeError, ValueError
-        If an argument is unfit, or the error is not one that was assessed.
+        If an argument is invalid, or the error is not one that was assessed.
 
     Examples
     --------

@@ -9,7 +9,7 @@ from study.scheme.base import Scheme
 from study.scheme.contract import check_attributes
 from study.scheme.named import schemes as schemes_by_name
 
-#: Schemes that are assessed if none are named: the ones that codes offer, and the best of each family.
+#: Default schemes of an assessment: those of common codes, and the best of each family.
 USUAL = (
     "average_acceleration",
     "central_difference",
@@ -23,7 +23,7 @@ USUAL = (
     "rk4",
 )
 
-#: Least error that can be asked for.
+#: Least allowed error.
 LEAST_ERROR = 1e-10
 
 
@@ -34,7 +34,7 @@ def _checked(one: str | Scheme) -> Scheme:
 
 
 def chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | Scheme] | None) -> dict[str, Scheme]:
-    """Schemes by the name under which the dataset has them."""
+    """Schemes by their names in the dataset."""
     if given is None:
         return {name: schemes_by_name[name] for name in USUAL}
     if isinstance(given, Mapping) and given:
@@ -49,7 +49,7 @@ def chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | S
             raise ValueError(f"two schemes have the name '{name}'; give a mapping from names to schemes.")
         chosen[name] = scheme
     if not chosen:
-        raise ValueError("schemes is empty; name at least one, or leave it out for the usual ones.")
+        raise ValueError("schemes is empty; name at least one, or leave it out for the default ones.")
     return chosen
 
 

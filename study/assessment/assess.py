@@ -1,4 +1,4 @@
-"""``study.assess``: the whole way from a problem to the scheme and the step that it needs."""
+"""``study.assess``: the scheme and the step that a problem needs for an error."""
 
 import math
 import time
@@ -35,7 +35,7 @@ from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.settings import cores
 
-#: Least energy at the start, over the largest kinetic energy, to which errors of its balance can be related.
+#: Least energy at the start, over the largest kinetic energy, for which errors of the balance of energies are given.
 LEAST_ENERGY = 0.01
 
 
@@ -54,45 +54,46 @@ def assess(
 
     Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave
     from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the smallest error:
-    up to 128 runs an octave and 500 in that below a recommended step, fewer where they have many steps. ``largest_dt``
-    is the largest step tried that keeps an error, as all finer steps that were tried do, with room for the scatter of
-    their errors. The recommended step is the largest below it that has two digits, or under a record is a whole part or
-    multiple of the spacing of its samples. It was run too, also from two starts one percent apart from the given one.
+    up to 128 runs an octave and 500 in the octave below a recommended step, fewer if they have many steps.
+    ``largest_dt`` is the largest step that keeps an error together with all finer steps tried, with room for scatter
+    of their errors. The recommended step is the largest one below it with two digits; under a record it is a whole part
+    or multiple of the spacing of the samples. It was run too, also from two starts one percent from the given one.
     If none of n random finer steps exceeds the error, at most 3/n of such steps do, with 95 % confidence. No number is
     interpolated.
 
     A run ends with the last step that fits into the duration and is compared up to there, along time at every step.
 
-    A problem of more than 1,000 unknowns is assessed as a :class:`study.Program` is: the reference is what two schemes
-    agree on as their steps are halved, among the named ones, ``rk4`` and ``nystrom4``, and their difference is its
-    uncertainty. Few random finer steps confirm a step.
+    A problem of more than 1,000 unknowns is assessed like a :class:`study.Program`: two schemes, among the named ones,
+    ``rk4`` and ``nystrom4``, run with halved steps until they agree. Their common result is the reference, and their
+    difference is its uncertainty. Few random finer steps confirm a step.
 
     Parameters
     ----------
     problem
-        Name in ``study.problems``, your own :class:`study.Problem`, or a :class:`study.Program`, which has its schemes,
-        duration and quantities itself.
+        Name in ``study.problems``, your own :class:`study.Problem`, or a :class:`study.Program`, which defines its own
+        schemes, duration and quantities.
     schemes
-        Names in ``study.schemes``, your own :class:`study.Scheme`, or a mapping from names to schemes; ten usual ones
-        by default.
+        Names in ``study.schemes``, your own :class:`study.Scheme`, or a mapping from names to schemes; ten common
+        schemes by default.
     duration
         Time of the runs in seconds. A free oscillator of one unknown runs ten of its periods by default.
     quantities
-        What must be right: a mapping from names to :class:`study.Quantity`. By default the displacement and velocity
-        along time, the balance of energies if the problem has a potential and its force cannot dissipate, and period,
-        phase and amplitude of a free oscillator of one unknown.
+        Quantities whose errors are measured: a mapping from names to :class:`study.Quantity`. By default displacement,
+        velocity and acceleration along time, the last unless an unknown has no mass or the force has a history, the
+        balance of energies if the problem has a potential and its force cannot dissipate, and period, phase and
+        amplitude of a free oscillator of one unknown.
     errors
-        Errors that may be allowed, as fractions of the largest value of each quantity.
+        Allowed errors, as fractions of the largest value of each quantity.
     maps
         Whether to map over step size and excitation how each scheme fails, for up to 1,000 unknowns.
     controller
-        Name in ``study.controllers``, or your own :class:`study.Controller`: each one-step scheme also runs with steps
-        that it controls, at random tolerances, so that the tolerance that keeps each error is known, and its cost. For
-        up to 1,000 unknowns.
+        Name in ``study.controllers``, or your own :class:`study.Controller`. Each one-step scheme then also runs with
+        controlled steps at random tolerances; the result has the tolerance that keeps each error, and its cost. For up
+        to 1,000 unknowns.
     seconds
-        Wall time after which no run begins that would end later. What is known then is returned, and the verdict on the
-        rest is ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case;
-        there is no map then.
+        Wall time: no run begins that would end later. The results so far are returned, and the verdict on the rest is
+        ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case; there is
+        no map then.
 
     Returns
     -------
@@ -101,11 +102,11 @@ def assess(
         NaN where a step was not tried. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt`` and the
         error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
         the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
-        ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is that of small
-        motions about points of the reference's motion. With a controller, ``tolerance``, the largest of 1, 2 and 5
-        times a power of ten below which all that were tried, down to a hundredth of it, keep the error,
-        ``tolerance_error``, ``controlled_steps`` and ``controlled_force_evaluations``. Of a program also ``reason``,
-        ``run_time`` and ``repeated``, and ``remarks`` among the attributes; what it does not report is NaN.
+        ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is the highest one of
+        small motions about points of the reference's motion. With a controller: ``tolerance``, the largest of 1, 2 and
+        5 times a power of ten that keeps the error together with all smaller ones tried, down to a hundredth of it;
+        ``tolerance_error``, ``controlled_steps`` and ``controlled_force_evaluations``. For a program also ``reason``,
+        ``run_time`` and ``repeated``, and ``remarks`` among the attributes; quantities that it does not report are NaN.
         Attributes name the routes of the reference, the time up to which it holds, versions and processor.
         :func:`study.recommend` and :func:`study.report` take it.
 
@@ -114,7 +115,7 @@ def assess(
     KeyError
         If there is no such problem or scheme.
     TypeError, ValueError
-        If an argument is unfit, the problem does not move, or no reference is accurate enough; in one sentence.
+        If an argument is invalid, the problem does not move, or no reference is accurate enough; in one sentence.
 
     Examples
     --------
@@ -134,17 +135,12 @@ def assess(
     # as a multiple of itself it shares what is compiled with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
-    asked = _asked_for(quantities)
+    wanted = _wanted(quantities, equation)
     of_energy = quantities is None and equation.potential is not None and not equation.dissipative
-    length = asked_for = length_of(equation, duration)
-    for name, quantity in asked.items():
-        if reason := replace(quantity, name=name).refusal(equation):
+    length = requested = length_of(equation, duration)
+    for name, quantity in wanted.items():
+        if reason := _refusal(replace(quantity, name=name), equation):
             raise ValueError(reason)
-        if quantity.needs_acceleration and equation.history is not None:
-            raise ValueError(
-                f"the quantity '{name}' takes ü, which does not follow from u and u̇ where the force of "
-                f"'{equation.title}' has a history; leave it out."
-            )
     control = None if controller is None else resolve(controller, controllers, Controller)  # type: ignore[type-abstract]
     fit = {name: one for name, one in chosen.items() if not one.refusal(equation)}
     if not fit:
@@ -167,21 +163,21 @@ def assess(
         )
     progress, end = Progress(len(fit)), time.monotonic() + seconds
     progress.tell(f"solving for a reference of '{equation.title}'")
-    reference = certified(equation, length, asked, allowed[-1], coarsest, periodic=quantities is None)
+    reference = certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
-    if length < asked_for:
+    if length < requested:
         warnings.warn(
-            f"the references of '{equation.title}' agree up to t = {length:.4g} of {asked_for:g} s: nothing is said "
-            "beyond.",
+            f"the references of '{equation.title}' agree up to t = {length:.4g} of {requested:g} s: errors are "
+            "measured up to there only.",
             RuntimeWarning,
             stacklevel=2,
         )
-    cases = cases_of(equation, reference, asked, allowed[-1])
+    cases = cases_of(equation, reference, wanted, allowed[-1])
     if of_energy and (lacking := _lack_of_energy(equation, reference.solution)):
         warnings.warn(lacking, RuntimeWarning, stacklevel=2)
         of_energy = False
     uncertainty = reference.uncertainty | ({ENERGY: 0.0} if of_energy else {})
-    names = [*asked, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
+    names = [*wanted, *([ENERGY] if of_energy else []), *(oscillation.QUANTITIES if reference.oscillation else [])]
     highest = highest_frequency_along(equation, reference.solution)
     finest = search.finest_step(length, slowest, highest, np.size(equation.u0))
     limits = [(name, error) for name in names for error in allowed if error >= search.CERTAIN * uncertainty[name]]
@@ -226,9 +222,9 @@ def assess(
         "reference_tolerance": reference.rtol,
         "starts": search.sentence_on_starts(cases),
         "duration": length,
-        "duration_asked_for": asked_for,
+        "duration_requested": requested,
         "problem": equation.title,
-        "command": f"study.assess(problem, {list(chosen)}, duration={asked_for:.17g}, errors={allowed}, maps={maps}"
+        "command": f"study.assess(problem, {list(chosen)}, duration={requested:.17g}, errors={allowed}, maps={maps}"
         + (", quantities=quantities)" if quantities else ")"),
         "processor": processor(),
         "not_fit": "; ".join(str(chosen[name].refusal(equation)) for name in chosen if name not in fit),
@@ -252,15 +248,27 @@ def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
     )
 
 
-def _asked_for(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:
-    asked = errors.named(quantities)
-    if ENERGY in asked:
-        raise ValueError(f"the name '{ENERGY}' is that of the balance of energies; give the quantity another.")
-    return asked
+def _refusal(quantity: Quantity, problem: Problem) -> str | None:
+    """Why a quantity cannot be assessed, in one sentence; None if it can."""
+    if quantity.needs_acceleration and problem.history is not None:
+        return (
+            f"the quantity '{quantity.name}' takes ü, which does not follow from u and u̇ where the force of "
+            f"'{problem.title}' has a history; leave it out."
+        )
+    return quantity.refusal(problem)
+
+
+def _wanted(quantities: Mapping[str, Quantity] | None, problem: Problem) -> dict[str, Quantity]:
+    if quantities is None:
+        quantities = {name: one for name, one in DEFAULT.items() if not _refusal(one, problem)}
+    wanted = errors.named(quantities)
+    if ENERGY in wanted:
+        raise ValueError(f"the name '{ENERGY}' belongs to the balance of energies; give the quantity another name.")
+    return wanted
 
 
 def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: Progress) -> dict[str, Assessed]:
-    """What was found out about each scheme; after Ctrl-C, about those that are done."""
+    """Results of each scheme; after Ctrl-C, of the finished ones."""
     with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
         waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}
         try:

@@ -1,4 +1,4 @@
-"""How far an assessment is to be trusted, in sentences: what confirms its steps, and what its reference is."""
+"""Sentences on the reliability of an assessment: the runs that confirm its steps, and its reference."""
 
 import xarray as xr
 
@@ -6,19 +6,19 @@ from study.words import number
 
 
 def percent(fraction: float) -> str:
-    """A fraction in percent, as pages of an assessment have it."""
-    return f"{number(100 * fraction)} %"
+    """A fraction in percent, as on pages of an assessment."""
+    return f"{number(100 * fraction)}\u00a0%"
 
 
 def confirmation(assessed: xr.Dataset) -> str:
-    """How many steps confirm the recommended ones, and what that proves; empty if there are none."""
+    """Number of steps that confirm the recommended ones, and the confidence; empty if there are none."""
     tried = assessed.steps_tried.values[assessed.recommended_dt.notnull().values]
     if not tried.size:
         return ""
     few, many = tried.min(), tried.max()
     bounds = " to ".join(percent(3 / n) for n in (many, few))
     worst = percent(float(assessed.worst_error.max()))
-    # not all steps of a program are random, and its frequencies are not known
+    # not all steps of a program are random, and its frequencies are unknown
     of_program = "reason" in assessed
     kind = "finer steps, some of them random," if of_program else "random finer steps"
     certain = f" With 95 % confidence, at most {bounds} of such steps exceed it, the less the more were tried."
@@ -39,23 +39,23 @@ def limits_of_reference(assessed: xr.Dataset) -> str:
     """A sentence on a reference that holds for a part of the time only, or on a program; empty if there is none."""
     if assessed.attrs.get("remarks"):
         return f"{assessed.attrs['remarks']}."
-    held, asked = assessed.attrs["duration"], assessed.attrs["duration_asked_for"]
-    if held >= asked:
+    held, requested = assessed.attrs["duration"], assessed.attrs["duration_requested"]
+    if held >= requested:
         return ""
     return (
-        f"Beyond t = {held:.4g} s of the {asked:.4g} s asked for, {assessed.attrs['reference']} and "
+        f"Beyond t = {held:.4g} s of the requested {requested:.4g} s, {assessed.attrs['reference']} and "
         f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do where neighbouring "
         "motions part; all errors are measured up to there."
     )
 
 
 def reference_of(assessed: xr.Dataset) -> str:
-    """What the reference is, and how far it is off."""
+    """The reference and its uncertainty."""
     attributes, off = assessed.attrs, assessed.reference_uncertainty
     differences = ", ".join(f"{percent(float(off.sel(quantity=name)))} of {name}" for name in assessed.quantity.values)
     if "interpolation" in attributes:
         return (
-            f"The truth is that of the program itself: {attributes['reference']}, compared with "
+            f"The reference comes from the program itself: {attributes['reference']}, compared with "
             f"{attributes['witness']}; between the steps, {attributes['interpolation']}. They differ by {differences}."
         )
     return (

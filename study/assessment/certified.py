@@ -14,18 +14,18 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
 from study.observer.motion import Quantity
 
-#: Uncertainty of the reference that is aimed at, as a part of the smallest error asked for, and the most that is taken.
+#: Uncertainty of the reference: target and maximum, as parts of the smallest allowed error.
 AIMED, ACCEPTED = 1 / 100, 1 / 10
 
 #: Relative tolerances of the routes, from the first try to the last.
 TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
 
-#: Least part of the duration that a reference must hold.
+#: Least part of the duration over which the two solutions must agree.
 SHORTEST = 0.05
 
 
 class Certified(NamedTuple):
-    """The solution, what it says, how far it is to be trusted, and until when."""
+    """The solution, its quantities, their uncertainty, and the time up to which it holds."""
 
     solution: DenseSolution
     targets: dict[str, Target]

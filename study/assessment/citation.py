@@ -1,4 +1,4 @@
-"""``study.cite``: what a dataset rests on, as BibTeX."""
+"""``study.cite``: the works on which a dataset is based, as BibTeX."""
 
 import re
 from collections.abc import Iterator
@@ -9,7 +9,7 @@ import xarray as xr
 
 from study.scheme.named import schemes
 
-#: The bibliography of the study: a link to that of the article, of which a wheel holds a copy.
+#: Bibliography of the study: a link to the article's file; a wheel holds a copy.
 WORKS = Path(__file__).with_name("references.bib")
 
 #: The paper of 1996, and the works of the solvers for references, by a word in their names.
@@ -17,7 +17,7 @@ PAPER, SOLVERS = "xie1996", {"heyoka": "biscani2021", "CVODE": "hindmarsh2005", 
 
 _ENTRY = re.compile(r"^@\w+\{(\w+),\n.*?^\}$", re.MULTILINE | re.DOTALL)
 
-#: Fields that are not for print.
+#: Fields that are not printed.
 _OWN = re.compile(r"^  (?:shortjournal|shortbooktitle|unconfirmed) = .*\n", re.MULTILINE)
 
 
@@ -57,26 +57,26 @@ def _sources(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
 
 
 def cite(dataset: xr.Dataset) -> str:
-    """BibTeX of the study and of the works that a dataset rests on.
+    """BibTeX of the study and of the works on which a dataset is based.
 
     Parameters
     ----------
     dataset
-        A dataset of the study, such as that of :func:`study.assess`.
+        A dataset of the study, such as the result of :func:`study.assess`.
 
     Returns
     -------
     str
-        Entries of the study, the paper that it reproduces, the schemes of the dataset that the study knows, the solvers
-        of its reference, and its record of ground motion, if the source of that is known.
+        Entries of the study, the paper that it reproduces, the named schemes of the dataset, the solvers of its
+        reference, and its record of ground motion if its source is known.
 
     Raises
     ------
     ValueError
-        If it is no dataset of the study.
+        If it is not a dataset of the study.
     """
     if not isinstance(dataset, xr.Dataset) or "version" not in dataset.attrs:
-        raise ValueError("cite takes a dataset of the study, such as that of study.assess.")
+        raise ValueError("cite takes a dataset of the study, such as the result of study.assess.")
     works = {found[1]: found[0] for found in _ENTRY.finditer(WORKS.read_text(encoding="utf-8"))}
     by_source = {(_label(text), (re.findall(r"  doi = \{(.*)\}", text) or [""])[0]): key for key, text in works.items()}
     solvers = " ".join(str(dataset.attrs.get(key, "")) for key in ("reference", "witness"))

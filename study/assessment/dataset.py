@@ -1,4 +1,4 @@
-"""What an assessment found out, as a dataset, with the times of the recommended steps."""
+"""The results of an assessment as a dataset, with the times of the recommended steps."""
 
 import warnings
 from typing import NamedTuple
@@ -17,10 +17,10 @@ from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 from study.scheme.wrapper.with_history import WithHistory
 
-#: Timed runs of a recommended step, the seconds that suffice for each, and the most steps of it that are timed.
+#: Timing of a recommended step: number of runs, sufficient seconds of each, and largest number of steps.
 REPEATS, ENOUGH, MOST_TIMED = 5, 0.003, 20_000
 
-#: How a run can end; some steps of a scheme are not tried.
+#: Ends of a run, and the mark of steps that were not tried.
 ENDS = (*STATUSES, "not_tried")
 NOT_TRIED = ENDS.index("not_tried")
 
@@ -49,13 +49,13 @@ ATTRIBUTES = {
     "kind": {"long_name": "whether a step needs no iteration"},
     "dt": {"long_name": "step size", "units": "s"},
     "steps": {"long_name": "number of steps", "units": "1"},
-    "quantity": {"long_name": "what must be right"},
+    "quantity": {"long_name": "quantity whose error is measured"},
     "allowed_error": {"long_name": "largest error allowed", "units": "1"},
 }
 
 
 class Assessed(NamedTuple):
-    """What was found out about one scheme."""
+    """Results of one scheme."""
 
     runs: pd.DataFrame
     verdicts: dict[Limit, Recommendation]
@@ -77,7 +77,7 @@ def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: dict[float
         once = max(timed.run(dt, first)[0] - call, ENOUGH * first / MOST_TIMED)
         most = max(first, int(first * ENOUGH / once))
         runs = [timed.run(dt, most) for _ in range(REPEATS)]
-        if not all(completed for _, completed in runs):  # it fails beyond the time that is asked for
+        if not all(completed for _, completed in runs):  # it fails beyond the requested time
             most, runs = first, [timed.run(dt, first) for _ in range(REPEATS)]
         low, median, high = np.quantile([taken for taken, _ in runs], [0.25, 0.5, 0.75])
         less = call if median > 2 * call else 0.0
@@ -88,7 +88,7 @@ def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: dict[float
 def _times(
     problem: Problem, schemes: dict[str, Scheme], found: dict[str, Assessed], duration: float
 ) -> dict[str, dict]:
-    """Times by scheme, taken one after the other; after Ctrl-C, of those that are done."""
+    """Times by scheme, measured one after the other; after Ctrl-C, of the finished ones."""
     times = {}
     for name, one in found.items():
         steps = one.runs.groupby("dt").steps.first()
@@ -110,7 +110,7 @@ def dataset_of(
     allowed: list[float],
     duration: float,
 ) -> xr.Dataset:
-    """Everything that was found out, with times."""
+    """All results, with times."""
     of_scheme = _times(problem, schemes, found, duration)
     own = {name: one.runs[one.runs.start == 1.0].set_index("dt") for name, one in found.items()}
     tried = pd.concat(own, names=["scheme"]).to_xarray().sel(scheme=list(found)).sortby("dt", ascending=False)

@@ -1,4 +1,4 @@
-"""Errors of runs in the quantities that a user asks for."""
+"""Errors of runs in a user's quantities."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -20,41 +20,40 @@ from study.mechanics.definition import Problem
 from study.observer.base import Observer, Reduction
 from study.observer.motion import Quantity
 
-#: Points between two of the reference at which a quantity is evaluated.
+#: Number of points between two points of the reference at which a quantity is evaluated.
 FINER = 8
 
 #: Number of samples of a refinement of a peak, between its neighbours, and number of refinements.
-CLOSER, LOOKS = 65, 2
+CLOSER, REFINEMENTS = 65, 2
 
-#: Times at which a quantity is evaluated at once.
+#: Number of times at which a quantity is evaluated at once.
 AT_ONCE = 4096
 
-#: Intervals of the reference that a step may pass without a loop, which would take longer than all the rest.
+#: Intervals of the reference that a step may cross without a loop, which would take longer than all other work.
 AHEAD = 4
 
 #: Values of a quantity at some times, with an axis for its components.
 Values = Float[np.ndarray, "t components"]
 
-#: Before the names of quantities in a run, where they must not clash with those of other variables.
+#: Prefix of the names of quantities in a run, so that they do not clash with other variables.
 PREFIX = "quantity "
 
-#: What is measured if nothing is asked for.
+#: Default quantities.
 DEFAULT = {
     "displacement": Quantity(lambda u: u, long_name="displacement along time", units="1"),
     "velocity": Quantity(lambda v: v, long_name="velocity along time", units="s-1"),
+    "acceleration": Quantity(lambda a: a, long_name="acceleration along time", units="s-2"),
 }
 
 
-def named(quantities: Mapping[str, Quantity] | None) -> dict[str, Quantity]:
-    """The quantities with the names under which they are given, or those by default.
+def named(quantities: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """The quantities with the names under which they are given.
 
     Raises
     ------
     TypeError
-        If they are no mapping from names to quantities.
+        If they are not a mapping from names to quantities.
     """
-    if quantities is None:
-        quantities = DEFAULT
     if not isinstance(quantities, Mapping) or not quantities:
         raise TypeError(f"quantities must be a mapping from names to study.Quantity, not {quantities!r}.")
     for name, quantity in quantities.items():
@@ -70,7 +69,7 @@ def _evaluated(quantity, problem, t, u, v):
 
 def values_along(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times) -> Values:
     """Values of a quantity at some times of a solution."""
-    # in parts of one size, so that the number of times is no part of what is compiled
+    # in parts of one size, so that the compiled program does not depend on the number of times
     padded = np.append(times, np.full(-len(times) % AT_ONCE, times[-1]))
     u, v = solution.at(padded)
     unlabelled = problem.untitled()
@@ -82,9 +81,9 @@ def values_along(quantity: Quantity, problem: Problem, solution: DenseSolution, 
 
 
 def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times, values: Values) -> np.ndarray:
-    """Largest size of each component: that of its samples, and of closer ones about the largest.
+    """Largest size of each component among its samples and closer ones about the largest.
 
-    The solution is smooth between its points only, so no curve through samples gives the height of a peak.
+    The solution is smooth only between its points, so interpolation of the samples would miss the height of a peak.
     """
     peak = np.abs(values).max(axis=0)
     together = AT_ONCE // CLOSER
@@ -92,7 +91,7 @@ def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: 
         component = np.arange(first, min(first + together, len(peak)))
         top = np.abs(values[:, component]).argmax(axis=0)
         near, place = np.broadcast_to(times[:, None], (len(times), len(component))), np.arange(len(component))
-        for _ in range(LOOKS):
+        for _ in range(REFINEMENTS):
             near = np.linspace(
                 near[np.maximum(top - 1, 0), place], near[np.minimum(top + 1, len(near) - 1), place], CLOSER
             )
@@ -113,7 +112,7 @@ def _check_finite(values: Values, times: Times, quantity: Quantity, problem: Pro
 
 @dataclass(frozen=True)
 class Target:
-    """What a quantity should be, and by what its errors are divided.
+    """Reference of a quantity, and the scale of its errors.
 
     Attributes
     ----------
@@ -122,7 +121,7 @@ class Target:
     times, values
         Fine times of the reference, and the quantity there, of shape (t, components).
     scale
-        The largest size along time, or that of the reduction.
+        The largest size along time, or the size of the reduction.
     """
 
     quantity: Quantity
@@ -154,7 +153,7 @@ class Target:
 
 
 def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Target:
-    """What the reference says about a quantity.
+    """The reference of a quantity.
 
     Raises
     ------
@@ -176,12 +175,12 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Tar
 
 
 class ErrorsAlong(Reduction):
-    """Largest difference of each quantity from that of the reference over all steps, relative to its size.
+    """Largest difference of each quantity from its reference over all steps, relative to its size.
 
     Attributes
     ----------
     quantities, scales
-        Quantities along time, and by what their errors are divided.
+        Quantities along time, and the scales of their errors.
     begin, length, coefficients
         Intervals of the reference, and the quintics in them, of shape (intervals, 6, ...).
     """
@@ -198,7 +197,7 @@ class ErrorsAlong(Reduction):
         solution, length = targets[0].solution, np.diff(targets[0].solution.t)
         before, after = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
         table = np.stack(quintic(before, after, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
-        # a power of two, so that their number is no part of what is compiled; the last interval has no end
+        # a power of two, so that few programs are compiled; the last interval has no end
         room = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
         begin = np.append(solution.t[:-1], np.full(room, np.inf))
         numbers = begin, np.append(length, np.ones(room)), np.append(table, np.zeros((room, *table.shape[1:])), axis=0)
@@ -231,7 +230,7 @@ class ErrorsAlong(Reduction):
 
 
 def observers(targets: Sequence[Target]) -> list[Observer]:
-    """What a run must observe for the errors of all targets of one reference."""
+    """The observers for the errors of all targets of one reference."""
     along = [one for one in targets if one.quantity.reduce is None]
     return [*([ErrorsAlong.of(along)] if along else []), *(t.quantity for t in targets if t.quantity.reduce)]
 

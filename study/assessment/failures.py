@@ -1,4 +1,4 @@
-"""How a scheme fails on a problem: the outcome over step size and excitation, and what helps."""
+"""How a scheme fails on a problem: the outcome over step size and excitation, and remedies."""
 
 import numpy as np
 import xarray as xr
@@ -11,19 +11,19 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
 from study.scheme.base import Scheme
 
-#: Multiples of start and load, and of the coarsest step of a search, at which runs are made.
+#: Multiples of start and load, and of the coarsest step of a search, of the runs.
 EXCITATIONS = (0.25, 0.5, 1.0, 2.0, 4.0)
 STEPS = 2.0 ** -np.arange(-1, 6.25, 0.25)
 
-#: Most steps of a run of the map.
+#: Largest number of steps of a run of the map.
 MOST_STEPS = 30_000
 
-#: Outcomes of runs that may be trusted: their energy stays bounded and neighbours stay together.
+#: Outcomes of reliable runs: their energy stays bounded and neighbours stay together.
 SAFE = (Outcome.ACCURATE, Outcome.BOUNDED)
 
 
 def _cure(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
-    """Why runs end like this at a step, and what helps, in a sentence or two."""
+    """Cause of such an outcome at a step, and remedies, in a sentence or two."""
     if outcome == Outcome.CHAOTIC:
         return (
             "Neighbouring runs part exponentially, so that a long run holds in its statistics only. If finer steps do "
@@ -42,9 +42,9 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     Parameters
     ----------
     coarsest
-        Coarsest step of a search, about which those of the map lie.
+        Coarsest step of a search, about which the steps of the map lie.
     recommended
-        Recommended steps. Those that are not finer than the map are judged too, but are no part of it.
+        Recommended steps. Steps that are not finer than the map are judged too, but the map does not include them.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
                 {"long_name": "most Newton iterations in a step", "units": "1"},
             ),
             "largest_safe_dt": ((), largest, {"long_name": "largest step without a failure up to here", "units": "s"}),
-            "failure": ((), why, {"long_name": "what limits the step, and what helps"}),
+            "failure": ((), why, {"long_name": "limit of the step, and remedies"}),
         },
         {
             "excitation": ("excitation", list(EXCITATIONS), {"long_name": "multiple of start and load", "units": "1"}),
@@ -98,7 +98,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
 
 
 def failed_runs(assessed: xr.Dataset) -> list[tuple[str, str, str]]:
-    """Scheme, step and reason of each run of a program that is of no use; none of a problem."""
+    """Scheme, step and reason of each failed run of a program; empty for a problem."""
     if "reason" not in assessed:
         return []
     every = assessed.reason.stack(run=["scheme", "dt"])

@@ -17,16 +17,16 @@ from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 
-#: Most unknowns of a problem whose reference is that of two solvers with a tolerance.
+#: Largest number of unknowns of a problem whose reference comes from two solvers with a tolerance.
 MOST = FINDABLE
 
-#: Most unknowns at which displacement and velocity are compared if no quantities are given.
+#: Largest number of unknowns at which displacement and velocity are compared if no quantities are given.
 SHOWN = 256
 
 #: Sizes of states whose accelerations distinguish problems, and whose forces show where they are linear.
 SIZES = (1e-3, 1.0, 1e3)
 
-#: Part of the size of a force by which it may be off a linear one, for round-off.
+#: Relative round-off by which a linear force may differ from linearity.
 ROUND_OFF = 1e-9
 
 #: Explicit schemes that may give the reference too: their steps solve no equations, and their order is high.
@@ -35,7 +35,7 @@ WITNESSES = ("rk4", "nystrom4")
 
 @dataclass(frozen=True)
 class _Runs:
-    """Runs of a problem as those of a program."""
+    """Runs of a problem in the form of a program's."""
 
     problem: Problem
     schemes: Mapping[str, Scheme]
@@ -43,7 +43,7 @@ class _Runs:
     quantities: list[Quantity]
     source: str = field(init=False)
 
-    #: Threads march at once as processes do.
+    #: Threads march concurrently, like processes.
     starts_a_process = True
 
     def __post_init__(self):
@@ -69,7 +69,7 @@ class _Runs:
         return self.problem.title
 
     def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
-        """The quantities of a run, those that are reduced as constants along time."""
+        """The quantities of a run; reduced ones are constants along time."""
         steps = int(np.floor(self.duration / dt * (1 + 1e-9)))
         ds = run(self.problem, self.schemes[scheme], dt=dt, steps=steps, observe=self.quantities, on_failure="raise")
         found: dict[str, np.ndarray] = {"t": dt * np.arange(steps + 1)}
@@ -100,7 +100,7 @@ def _not_linear(problem: Problem) -> np.ndarray:
 
 
 def _spread(places: np.ndarray, count: int) -> np.ndarray:
-    """Some of the places, spread evenly; all of them if they are no more."""
+    """Some of the places, spread evenly; all of them if they are few."""
     return places[np.unique(np.linspace(0, len(places) - 1, min(count, len(places))).astype(int))]
 
 

@@ -20,17 +20,17 @@ from study.program.truth import Estimate
 from study.registry import UnknownName, did_you_mean
 from study.scheme.named import schemes as schemes_by_name
 
-#: Attributes of variables that differ from those of a problem, or that a problem has not.
+#: Attributes of variables that differ from a problem's, or that a problem lacks.
 OWN = {
     "status": flags("how the run ended", STATUSES, np.int8),
-    "reason": {"long_name": "why the run is of no use"},
+    "reason": {"long_name": "reason why the run failed"},
     "run_time": {"long_name": "wall time of the run", "units": "s"},
-    "reference_uncertainty": {"long_name": "difference of the two schemes that give the truth, relative", "units": "1"},
+    "reference_uncertainty": {"long_name": "difference of the two reference schemes, relative", "units": "1"},
     "repeated": {"long_name": "difference of a repeated run, relative", "units": "1"},
     "highest_frequency": {"long_name": "highest circular frequency of small motions, unknown", "units": "s-1"},
 }
 
-#: Numbers of a verdict.
+#: Names of the numbers of a verdict.
 NUMBERS = "largest_dt recommended_dt recommended_error worst_error time time_spread force_evaluations".split()
 
 
@@ -50,7 +50,7 @@ def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
 
 
 def assess_program(program: Program, allowed: list[float], seconds: float, report: Callable[..., None]) -> xr.Dataset:
-    """What :func:`study.assess` returns for a program.
+    """Result of :func:`study.assess` for a program.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
         "interpolation": INTERPOLATION,
         "starts": "No other start was tried.",
         "duration": program.duration,
-        "duration_asked_for": program.duration,
+        "duration_requested": program.duration,
         "problem": program.title,
         "command": f"study.assess(program, {list(program.schemes)}, errors={allowed})",
         "processor": processor(),

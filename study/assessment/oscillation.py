@@ -14,7 +14,7 @@ from study.observer.errors import AmplitudeDecay, PeriodError
 #: Names of the quantities, and the variables that hold their errors.
 QUANTITIES = {"period": "period_elongation", "phase": "phase_error", "amplitude": "amplitude_decay"}
 
-#: What they are.
+#: Long names of the quantities.
 TITLES = {
     name: (PeriodError.variables | AmplitudeDecay.variables)[variable]["long_name"]
     for name, variable in QUANTITIES.items()
@@ -25,7 +25,7 @@ FEWEST = 3
 
 
 class Oscillation(eqx.Module):
-    """What a reference says about a free oscillation.
+    """Period, phase and amplitude of the reference of a free oscillation.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Oscillation(eqx.Module):
         Number of upward crossings.
     """
 
-    # arrays, so that they are no part of what is compiled
+    # arrays, so that other values compile nothing
     period: jax.Array
     level: jax.Array
     rest: jax.Array
@@ -90,7 +90,7 @@ def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
 
 
 def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None:
-    """The oscillation of a solution; None if the problem is driven, damped or no oscillator."""
+    """The oscillation of a solution; None if the problem is driven, damped or not an oscillator."""
     if np.ndim(problem.u0) or not problem.conservative:
         return None
     from scipy.optimize import brentq

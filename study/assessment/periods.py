@@ -8,10 +8,10 @@ from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies, highest_frequency
 
-#: Periods of a free oscillation that are run if no duration is given.
+#: Default duration of a free oscillation, in periods.
 PERIODS = 10
 
-#: Steps in the shortest slow period of small motions, and such periods, of a run that estimates the period.
+#: Run that estimates the period: steps in the shortest slow period of small motions, and number of such periods.
 ESTIMATE = 100, 40
 
 #: Points of the motion at which the highest frequency is sought, over the number of unknowns.
@@ -19,13 +19,13 @@ STIFFEST = 100
 
 
 def slowest_period(problem: Problem) -> float | None:
-    """Period of the slowest small motion, the shorter one of those about the start and about u = 0."""
+    """Period of the slowest small motion: the shorter one about the start and about u = 0."""
     oscillating = []
     for at in (problem.u0, np.zeros(np.shape(problem.u0))):
         found = frequencies(problem, at)
         if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
             oscillating.append(2 * np.pi / found[of_motion])
-    if not oscillating:  # the start and u = 0 are on hills: the time in which the start would be left
+    if not oscillating:  # the start and u = 0 are on hills: the time scale in which the motion leaves the start
         pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
         far = np.abs(problem.u0).max()
         return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None
@@ -33,7 +33,7 @@ def slowest_period(problem: Problem) -> float | None:
 
 
 def _period(problem: Problem) -> float | None:
-    """About the period of a free oscillator of one unknown; None if it is none."""
+    """Approximate period of a free oscillator of one unknown; None for another problem."""
     slowest = slowest_period(problem)
     if np.ndim(problem.u0) or not problem.conservative or slowest is None:
         return None
@@ -49,7 +49,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
     Raises
     ------
     ValueError
-        If it is no positive time, or the problem has no period to count in.
+        If it is not a positive time, or the problem has no period.
     """
     if duration is not None:
         if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:

@@ -1,23 +1,23 @@
-"""What is being done during an assessment."""
+"""Progress of an assessment."""
 
 import sys
 import time
 
 from tqdm import tqdm
 
-#: Seconds between two lines of progress where there is no terminal.
+#: Seconds between two lines of progress without a terminal.
 PAUSE = 5.0
 
 
 class Progress:
-    """What is being done: on a terminal a bar, elsewhere a line every few seconds at most."""
+    """Progress: on a terminal a bar, elsewhere a line every few seconds at most."""
 
     def __init__(self, schemes: int):
         self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
         self.stopped, self.done, self._told, self._start = False, 0, -PAUSE, time.monotonic()
 
     def tell(self, what: str, ahead: float = 0.0) -> None:
-        """Tell what is being done, at once if it takes long; the place at which a thread ends after Ctrl-C."""
+        """Report the present work, immediately if it takes long. A thread ends here after Ctrl-C."""
         if self.stopped:
             raise KeyboardInterrupt
         if not self.bar.disable:
@@ -32,7 +32,7 @@ class Progress:
         self.bar.update()
 
     def _of_all(self) -> str:
-        """How many schemes are done, and how long the others may take by that; empty before the first."""
+        """Number of finished schemes, and the estimated time of the others; empty before the first."""
         if not self.done:
             return ""
         left = (time.monotonic() - self._start) * (self.bar.total / self.done - 1)

@@ -1,4 +1,4 @@
-"""The reference solution of a problem: two routes that share nothing, on grids with all kinks of load and force."""
+"""The reference solution of a problem: two independent routes, on grids with all kinks of load and force."""
 
 from collections.abc import Callable
 from functools import partial
@@ -16,27 +16,27 @@ from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies
 from study.mechanics.internal_force import switches
 
-#: Points in the shortest period of small motions, or of the coarsest step, with which a grid begins.
+#: Number of points of the first grid in the shortest period of small motions, or in the coarsest step.
 POINTS = 12
 
-#: Parts of a run in each of which a comparison in the load may get another answer.
+#: Number of parts of a run that are searched for changes of a comparison in the load.
 SWITCHES = 4096
 
-#: Points between two kinks of the force, at the least: a contact may be far shorter than a period.
+#: Least number of points between two kinks of the force: a contact may be far shorter than a period.
 POINTS_BETWEEN_KINKS = 10
 
-#: Most grids that are tried.
+#: Largest number of grids.
 GRIDS = 6
 
-#: Phase in radians of the highest mode over the run from which on explicit routes take too many steps.
+#: Phase in radians of the highest mode over the run beyond which explicit routes need too many steps.
 STIFF = 2e6
 
-#: Most steps of a route.
+#: Largest number of steps of a route.
 MAX_STEPS = 4_000_000
 
 
 class NoReference(ValueError):
-    """No route solves the problem accurately enough; the message says how far they got and why."""
+    """No route solves the problem accurately enough; the message states how far they got and why."""
 
 
 class Kinks(NamedTuple):
@@ -71,9 +71,9 @@ def _switches(load, times):
 
 
 def _switches_of_load(load: Callable | None, duration: float) -> Times:
-    """Times at which a comparison in the program of a load gets another answer; a record declares its kinks itself.
+    """Times at which a comparison in the program of a load changes; a record declares its own kinks.
 
-    A solver would step over a load that acts for a moment, and so would its witness.
+    Without them, both solvers would step over a short pulse.
     """
     from scipy import optimize  # here, because importing it takes a third of the time to import the study
 
@@ -105,10 +105,9 @@ class Reference:
     """The kinks of a problem over a duration, its grid, and the two routes that solve it.
 
     The Taylor method of heyoka takes a free oscillator whose force translates. Otherwise diffrax and CVODE solve the
-    problem: Dopri8 and Adams' method, or, where it is stiff, Kvaerno5 and BDF. No route shares code with a scheme. They
-    solve for a force with a history from commit to commit, in between as a function of u and u̇. That is exact as long
-    as no element turns back before the next commit, so that every place where one does is a kink, and the routes agree
-    on none but such a solution.
+    problem: Dopri8 and Adams' method, or, if it is stiff, Kvaerno5 and BDF. No route shares code with a scheme. A force
+    with a history is a function of u and u̇ from commit to commit. That is exact as long as no element reverses before
+    the next commit, so every reversal is a kink of the grid. The routes agree only on such a solution.
 
     Parameters
     ----------
@@ -156,7 +155,7 @@ class Reference:
         problem, (one_step, several_steps) = self.problem, self._methods
 
         def by_diffrax(t, rtol):
-            from reference import diffrax  # here, because the route through heyoka does without it
+            from reference import diffrax  # here, because the route through heyoka does not need it
 
             return diffrax.trajectory(problem, t, rtol, one_step, MAX_STEPS)[:2]
 
@@ -220,7 +219,7 @@ class Reference:
         grid
             First grid.
         goal
-            Error of the interpolant that is aimed at, relative to the largest value.
+            Target error of the interpolant, relative to the largest value.
         """
         for _ in range(GRIDS):
             one = self.solution(self.routes[0], grid, rtol)

@@ -25,10 +25,10 @@ from study.words import document, number, text_of
 COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 MARKERS = "osD^vPX<>*"
 
-#: Largest error that is drawn: all of the motion is wrong there.
+#: Largest error that is drawn; the whole motion is wrong there.
 WORST = 10.0
 
-#: Points of a curve in an octave of steps, each the worst error around.
+#: Points of a curve in an octave of steps, each the worst error around it.
 IN_OCTAVE = 8
 
 #: Greys of outcomes from best to worst, a letter for each, and its colour.
@@ -74,7 +74,7 @@ def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
             text += "" if one.step_size <= safe else ", beyond its largest step without failure (see how it fails)"
         text += ", the coarsest step tried" if one.verdict == "already the coarsest step" else ""
         if one.most_wrong_error > assessed.allowed_error.max():
-            text += f", where {one.most_wrong} is off by {percent(one.most_wrong_error)}"
+            text += f", where {one.most_wrong} is wrong by {percent(one.most_wrong_error)}"
         best.append(text)
     ties = [titles[name] for name in found.index[1:] if found.ties_with_fastest[name]]
     return f"For {percent(error)} of {quantity}: {'; '.join(best)}." + (
@@ -90,7 +90,7 @@ def svg_of(figure) -> str:
 
 
 def times_of_runs(assessed: xr.Dataset) -> xr.DataArray:
-    """Times of all runs: those that were measured, of a program, and otherwise steps at the time of a step."""
+    """Times of all runs: measured for a program, otherwise the number of steps times the time of a step."""
     return assessed.run_time if "run_time" in assessed else assessed.time_per_step * assessed.steps
 
 
@@ -159,7 +159,7 @@ def figure_of(svg: str, caption: str) -> str:
 
 
 def _input_lines(assessed: xr.Dataset) -> list[str]:
-    """The schemes that are recommended for any quantity and error, as other codes name them; nothing if none do."""
+    """Names in other codes of the schemes recommended for any quantity and error; empty if there are none."""
     recommended = assessed.recommended_dt.notnull().any(["quantity", "allowed_error"]).values
     titles = set(assessed.scheme_title.values[recommended])
     named = ((schemes[one.scheme].title, one.code, one.name, one.note) for one in names_in_codes())
@@ -204,12 +204,12 @@ def _controlled(table: pd.DataFrame, titles: dict[str, str]) -> str:
         )
         for row in found.itertuples()
     ]
-    head = ("controlled steps", "tolerance", "forces", "forces over those of equal steps")
+    head = ("controlled steps", "tolerance", "forces", "forces over forces with equal steps")
     return table_of(head, rows) if rows else ""
 
 
 def judgement(assessed: xr.Dataset) -> list[str]:
-    """What an assessment says, as parts of a page: answers, errors, energy, failures, reference."""
+    """An assessment as parts of a page: answers, errors, energy, failures, reference."""
     titles = dict(zip(assessed.scheme.values, map(str, assessed.scheme_title.values), strict=True))
     quantities, limits = assessed.quantity.values.tolist(), assessed.allowed_error.values
     parts = ['<div class="answer">']
@@ -221,7 +221,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     for quantity in quantities:
         parts.append(f"<h2>Error of {text_of(quantity)}</h2>")
         values = assessed.error.sel(quantity=quantity)
-        caption = f"The worst error around each step; dashed, the errors asked for. {quantity}, relative to its peak."
+        caption = f"The worst error around each step; dashed, the allowed errors. {quantity}, relative to its peak."
         against_step = figure_of(curves(assessed, assessed.dt, "step size, s", values, "error", limits), caption)
         against_time = figure_of(
             curves(assessed, times_of_runs(assessed), "time of a run, s", values, "error", limits),
@@ -248,7 +248,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
             "<h2>How it fails</h2>",
             figure_of(_maps(assessed), f"Outcome of runs. {legend}."),
             "<p>At the largest step without failure, and at all finer ones, no run with up to the given start and load "
-            "ends, grows or turns chaotic. Nothing follows for the error.</p>",
+            "ends, grows or turns chaotic. The error there may be large.</p>",
         ]
         rows = [
             (
@@ -300,7 +300,7 @@ def report(assessed: xr.Dataset, path: str | Path) -> Path:
     Raises
     ------
     ValueError
-        If the dataset is no assessment.
+        If the dataset is not an assessment.
     OSError
         If there is no such folder, or the file cannot be written.
     """

@@ -18,12 +18,12 @@ from study.scheme.contract import check_attributes
 from study.scheme.named import schemes
 from study.words import document
 
-#: Schemes with which one is compared, and problems on which all of them run, with the time in seconds if it is needed.
-#: The reference takes steps of the stiffest mode, so that the stiff problems are short.
-BESIDE = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
+#: Default schemes for comparison, and problems on which all schemes run, with the time in seconds for stiff problems,
+#: which are short because the reference takes steps of the stiffest mode.
+COMPARED = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
 ON = {"hardening": None, "softening": None, "double_well": None, "stiff_soft_sine": 5.0, "fpu_chain": 12.6}
 
-#: Steps over period at which linear theory is drawn.
+#: Ratios of step to period at which linear theory is drawn.
 PARTS = np.logspace(-2, 1, 121)
 
 
@@ -69,22 +69,22 @@ def _linear(chosen: dict[str, Scheme]) -> xr.Dataset:
 def assess_scheme(
     scheme: str | Scheme,
     *,
-    beside: str | Sequence[str] = BESIDE,
+    compare_with: str | Sequence[str] = COMPARED,
     problems: Sequence[str] | Mapping[str, float | None] = ON,  # type: ignore[assignment]
     errors: Sequence[float] = (0.1, 0.01),
 ) -> SchemeAssessment:
-    """Put a scheme through linear theory, the springs and stiff systems, compared with schemes of the study.
+    """Compare a scheme with schemes of the study, in linear theory, on the springs and on stiff systems.
 
     Parameters
     ----------
     scheme
         Your own :class:`study.Scheme`, or a name.
-    beside
+    compare_with
         Names of schemes to compare with.
     problems
-        Names of problems, or a mapping from them to the time to run, which is None for ten periods.
+        Names of problems, or a mapping from names to durations; None means ten periods.
     errors
-        Errors that may be allowed.
+        Allowed errors.
 
     Returns
     -------
@@ -94,12 +94,12 @@ def assess_scheme(
     Raises
     ------
     KeyError, TypeError, ValueError
-        As :func:`study.assess`; a scheme that breaks the contract of a step gets one sentence.
+        As :func:`study.assess`; also if the scheme breaks the contract of a step.
     """
     own = resolve(scheme, schemes, Scheme)  # type: ignore[type-abstract]
     check_attributes(own)
     name = schemes.resolve(scheme) if isinstance(scheme, str) else own.title
-    others = [beside] if isinstance(beside, str) else beside
+    others = [compare_with] if isinstance(compare_with, str) else compare_with
     chosen = {name: own} | {other: schemes[other] for other in others if schemes[other] is not own}
     durations = problems if isinstance(problems, Mapping) else dict.fromkeys(problems)
     linear = _linear(chosen)

@@ -24,29 +24,29 @@ from study.settings import cores
 #: Steps with which a search begins in a period of the slowest small motion.
 COARSEST = 4
 
-#: Steps up to which a search goes: in a period of the slowest small motion, or, if that is more, in a run of one
-#: unknown; of several, that over their number. Most steps of any run.
+#: Limits of a search: steps in a period of the slowest small motion; if that is more, steps of a run of one unknown (or
+#: this number over the number of unknowns); and largest number of steps of any run.
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
-#: Finest Δt·ω with the highest frequency ω of the motion to which a search goes in any case that takes no more than so
-#: many steps, and steps × unknowns: stiff modes of a structure need finer steps than its slowest period suggests.
+#: Finest Δt·ω of a search, with the highest frequency ω of the motion, and its caps on steps and steps × unknowns.
+#: Stiff modes of a structure need finer steps than its slowest period suggests.
 FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST = 0.03, 20_000, 4_000_000
 
-#: Multiple of a twentieth of a step down to which finer ones will do, if the step has shrunk.
+#: Multiple of a twentieth of a step down to which finer steps suffice, if the step has shrunk.
 ENOUGH = 1.1
 
-#: Most runs of an octave, and the least, of one unknown in tiles and otherwise.
+#: Numbers of runs of an octave: maximum, and minima for one unknown in tiles and otherwise.
 MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 
-#: Steps × unknowns of the runs of an octave, if that leaves enough runs: of one unknown and of several.
+#: Caps on steps × unknowns of the runs of an octave, if enough runs remain: for one unknown and for several.
 WORK = {True: 1_500_000, False: 4_000_000}
 
-#: Runs up to an octave below a recommended step, where errors are largest, and their steps × unknowns at most, if that
-#: leaves so many runs. A step below half of the finest one needs none.
+#: Number of runs up to an octave below a recommended step, where errors are largest, and the cap on their steps ×
+#: unknowns, if enough runs remain. A step below half of the finest one needs none.
 CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}, {True: 0, False: 8}
 
-#: Steps of a run of one unknown from which on it is made alone. A search that makes no longer runs than the second of
-#: these numbers does without the program of a single run, which takes as long to compile as it saves.
+#: Number of steps from which a run of one unknown is made alone, and the same for a search without longer runs, which
+#: avoids compiling the program of a single run: that takes as long as it saves.
 LONG, LONG_OF_SHORT = 30_000, 120_000
 
 #: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
@@ -55,19 +55,19 @@ STARTS = (0.99, 1.01)
 #: Least ratio of an error to the uncertainty of the reference.
 CERTAIN = 10
 
-#: How a search for a step ended.
+#: Ends of a search for a step.
 FOUND, COARSEST_KEEPS, FINEST_FAILS, UNCERTAIN, OUT_OF_TIME = range(5)
 VERDICTS = ("found", "already_the_coarsest_step", "not_even_the_finest_step", "below_the_reference", "out_of_time")
 
 #: Name of the balance of energies among the quantities.
 ENERGY = "energy"
 
-#: A quantity, and the error that it is allowed.
+#: Quantity and its allowed error.
 Limit = tuple[str, float]
 
 
 class Recommendation(NamedTuple):
-    """How a search ended, the largest step that keeps the error, the round one below it, and what confirms that.
+    """End of a search, the largest step that keeps the error, the round one below it, and the confirming runs.
 
     ``tried`` counts the steps from a twentieth of the recommended one up to it. ``worst`` is the largest error among
     them as a fraction of the allowed one.
@@ -82,7 +82,7 @@ class Recommendation(NamedTuple):
 
 @dataclass(frozen=True)
 class Case:
-    """A start of the problem, as a multiple of u₀, u̇₀ and load, with what its reference says."""
+    """A start of the problem, as a multiple of u₀, u̇₀ and load, with its reference."""
 
     problem: Problem
     targets: dict[str, Target]
@@ -90,14 +90,14 @@ class Case:
 
     @cached_property
     def observe(self) -> list[str | Observer]:
-        """What a run must observe."""
+        """The observers of a run."""
         of_energy = ["energy_balance"] if self.problem.potential is not None else []
         of_oscillation = [OscillationErrors(self.oscillation)] if self.oscillation else []
         return [*errors.observers(list(self.targets.values())), "newton_iterations", *of_energy, *of_oscillation]
 
 
 def sentence_on_starts(cases: dict[float, Case]) -> str:
-    """A sentence on the starts next to that of the problem; a multiple of zero is no other start."""
+    """A sentence on the starts next to the problem's own; a multiple of zero is not another start."""
     own = cases[1.0].problem
     others = [case.problem for factor, case in cases.items() if factor != 1.0]
     if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):
@@ -144,7 +144,7 @@ class Search:
     scheme
         The scheme.
     cases
-        The problem and its neighbours by the multiple of their start; that of 1 is the problem itself.
+        The problem and its neighbours by the multiple of their start; 1 is the problem itself.
     duration
         Length of the runs, which end with the last step that fits into it.
     coarsest, finest
@@ -230,7 +230,7 @@ class Search:
         return drawn[len(tried) :]
 
     def _arrays(self, name: str = "dt") -> tuple[np.ndarray, np.ndarray]:
-        """Steps tried from the start of the problem, and what their runs have under a name."""
+        """Steps tried from the start of the problem, and the values of a column of their runs."""
         own = self.runs.start.to_numpy() == 1.0
         return self.runs.dt.to_numpy()[own], self.runs[name].to_numpy()[own]
 
@@ -242,7 +242,7 @@ class Search:
         return with_room(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
-        """Run down to a twentieth of what keeps each error, from all starts at round steps, and again below these."""
+        """Run down to a twentieth of each step that keeps an error, from all starts at round steps, and below these."""
         top = self.coarsest
         while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
@@ -274,7 +274,7 @@ class Search:
         return step in tried and tried.min() <= TWENTIETH * step and not len(self._unconfirmed([step]))
 
     def verdict(self, name: str, allowed: float) -> Recommendation:
-        """What the runs say about a quantity and its allowed error."""
+        """The verdict of the runs on a quantity and its allowed error."""
         step = self._round((name, allowed))
         if self.late and not (step and self._known(step)):
             return Recommendation(OUT_OF_TIME, self.largest(name, allowed) or np.nan)

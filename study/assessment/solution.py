@@ -7,14 +7,14 @@ from jaxtyping import Float
 
 from study.algebra.elementwise import quintic, value
 
-#: Places in an interval at which its interpolant is compared. Its errors are about s³(1 − s)³ in u and the slope of
-#: that in u̇; a single place may lie where the slope is zero.
+#: Places in an interval at which its interpolant is compared. Its errors are about s³(1 − s)³ in u, and the slope of
+#: this function in u̇; a single place may lie where the slope is zero.
 BETWEEN = (0.25, 0.6)
 
-#: Most parts into which an interval is divided at once.
+#: Largest number of parts into which an interval is divided at once.
 MOST_PARTS = 16
 
-#: Most points of a solution.
+#: Largest number of points of a solution.
 MOST_POINTS = 200_000
 
 #: Times in seconds.
@@ -30,7 +30,7 @@ class DenseSolution(NamedTuple):
     Attributes
     ----------
     t
-        Times, among them every kink of the load, and those of the force.
+        Times, including all kinks of load and force.
     u, v, a
         Displacement, velocity and acceleration, of shape (t, ...).
     """
@@ -55,7 +55,7 @@ class DenseSolution(NamedTuple):
         return DenseSolution(*(part[:count] for part in self))
 
     def refined(self, other: "DenseSolution", goal: float) -> Times:
-        """The grid, finer where the interpolant is off by more than a goal, relative to the largest value.
+        """The grid, refined where the error of the interpolant exceeds a goal, relative to the largest value.
 
         Parameters
         ----------
@@ -66,10 +66,10 @@ class DenseSolution(NamedTuple):
         for mine, theirs in zip(self.at(other.t), (other.u, other.v), strict=True):
             apart = np.abs(mine - theirs).reshape(len(other.t), -1).max(axis=1) / (np.abs(theirs).max() or 1.0)
             at, between = np.split(apart[:-1].reshape(len(off), -1), [1], axis=1)
-            # what the routes differ by at the points is no fault of the interpolant
+            # the difference of the routes at the points is not an error of the interpolant
             at_ends = np.maximum(at[:, 0], np.append(at[1:, 0], apart[-1]))
             np.maximum(off, between.max(axis=1) - at_ends, out=off)
-        if not np.isfinite(off).all():  # a motion without bound, which the caller reports
+        if not np.isfinite(off).all():  # an unbounded motion, which the caller reports
             return self.t
         # the interpolant of u̇ is of fifth order
         parts = np.ceil(np.clip(off / goal, 1.0, None) ** 0.2).astype(int)
@@ -82,5 +82,5 @@ class DenseSolution(NamedTuple):
 
 
 def with_points_between(grid: Times) -> Times:
-    """The grid with points in each of its intervals, where the interpolant is far off."""
+    """The grid with points in each of its intervals in which the interpolant has a large error."""
     return np.append((grid[:-1, None] + np.diff(grid)[:, None] * (0.0, *BETWEEN)).ravel(), grid[-1])

@@ -32,24 +32,24 @@ from study.program.confirmation import with_room
 from study.scheme.base import Scheme
 from study.scheme.wrapper.with_history import WithHistory
 
-#: Largest and smallest tolerance that is tried.
+#: Largest and smallest tolerance of a search.
 LOOSEST, TIGHTEST = 0.1, 1e-12
 
 #: Part of a tolerance down to which smaller ones are tried.
 HUNDREDTH = 0.01
 
-#: Runs of a stretch of tolerances, and most steps of one of them.
+#: Number of runs of a range of tolerances, and largest number of steps of a run.
 RUNS, MOST_STEPS = 32, 200_000
 
-#: A tolerance has one of these digits.
+#: Digits of a recommended tolerance.
 DIGITS = (5.0, 2.0, 1.0)
 
 
 class Tolerance(NamedTuple):
-    """How a search ended, the tolerance that keeps the error, and the run with it.
+    """End of a search, the tolerance that keeps the error, and the run with it.
 
-    ``forces`` are those of all trial steps. ``tried`` counts the tolerances from a hundredth of this one up to it, and
-    ``worst`` is the largest error among them as a fraction of the allowed one.
+    ``forces`` counts the forces of all trial steps. ``tried`` counts the tolerances from a hundredth of this one up to
+    it, and ``worst`` is the largest error among them as a fraction of the allowed one.
     """
 
     how: int
@@ -61,7 +61,7 @@ class Tolerance(NamedTuple):
     worst: float = np.nan
 
 
-#: How a search ended. A scheme that carries earlier steps has none, nor have period, phase and amplitude.
+#: Ends of a search. Multi-step schemes have no search, nor have period, phase and amplitude.
 ENDS = (*VERDICTS, "needs_equal_steps")
 EQUAL_ONLY = ENDS.index("needs_equal_steps")
 
@@ -90,9 +90,9 @@ class ToleranceSearch:
     Attributes
     ----------
     scheme, controller
-        What is run.
+        Scheme and controller of the runs.
     cases
-        The problem and its neighbours by the multiple of their start; that of 1 is the problem itself.
+        The problem and its neighbours by the multiple of their start; 1 is the problem itself.
     duration
         Length of the runs.
     of_energy
@@ -147,7 +147,7 @@ class ToleranceSearch:
         self.late = time.monotonic() > self.end
 
     def _drawn(self, bottom: float, top: float, first: Sequence[float] = ()) -> np.ndarray:
-        """Some tolerances, and random ones on a logarithmic scale, as many as a call runs at once."""
+        """Some tolerances and random ones on a logarithmic scale: the number that a call runs at once."""
         count = RUNS - len(first)
         return np.append(first, top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count))
 
@@ -160,7 +160,7 @@ class ToleranceSearch:
         return with_room(own.tolerance.to_numpy() ** (1 / self._power), own[name].to_numpy(), allowed) ** self._power
 
     def search(self, limits: Sequence[Limit], tell: Callable[[float], None]) -> None:
-        """Run down to a hundredth of what keeps each error, and from all starts with round tolerances."""
+        """Run down to a hundredth of the tolerance that keeps each error, and from all starts with round tolerances."""
         top, steps = LOOSEST, 0.0
         while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
@@ -177,7 +177,7 @@ class ToleranceSearch:
                 self._run(start, self._drawn(new[0] / 2**self._power, new[-1], new))
 
     def verdict(self, name: str, allowed: float) -> Tolerance:
-        """What the runs say about a quantity and its allowed error."""
+        """The verdict of the runs on a quantity and its allowed error."""
         largest = self.largest(name, allowed) if len(self.runs) else 0.0
         own = self.runs[self.runs.start == 1.0] if len(self.runs) else self.runs
         tolerance = round_tolerance(largest) if largest else 0.0
@@ -193,7 +193,7 @@ class ToleranceSearch:
 
 
 def variables_of(found: dict[str, dict[Limit, Tolerance] | None], names: list[str], allowed: list[float]) -> xr.Dataset:
-    """What was found about each scheme, over scheme, quantity and allowed error."""
+    """Results of each scheme, over scheme, quantity and allowed error."""
     rows = []
     for scheme, verdicts in found.items():
         for limit in ((name, error) for name in names for error in allowed):

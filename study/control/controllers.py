@@ -26,7 +26,7 @@ TINY = 1e-10
 
 
 class Decision(NamedTuple):
-    """Whether a step is accepted, the size of the next one, and what the controller carries on."""
+    """Whether a step is accepted, the size of the next one, and the next state of the controller."""
 
     accepted: jax.Array | bool
     dt: Scalar
@@ -43,11 +43,11 @@ class Controller(eqx.Module):
     needs_tolerance: ClassVar[bool] = True
 
     def start(self, problem: Problem, state: Any, tolerance: ScalarLike) -> Any:
-        """What the controller carries from step to step, at t = 0."""
+        """State of the controller at t = 0."""
         return ()
 
     def first(self, carried: Any, dt: Scalar, tolerance: ScalarLike) -> Scalar:
-        """Size of the first step, ``dt`` by default, which is given or a guess."""
+        """Size of the first step; by default ``dt``, which is given or a guess."""
         return dt
 
     @abc.abstractmethod
@@ -138,9 +138,9 @@ class Filtered(Controller):
 class DeadBand(Controller):
     r"""The controller of Zienkiewicz and Xie: the step stays while the estimate stays within bounds.
 
-    A step with r > ``high`` is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`. After ``patience`` steps one
-    after the other with r < ``low`` the step grows by this factor. The factor 0.9 is ours: without it a step just above
-    the bound is repeated for ever.
+    A step with r > ``high`` is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`. After ``patience``
+    consecutive steps with r < ``low`` the step grows by this factor. The factor 0.9 is our addition: without it a step
+    just above the bound is repeated without end.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ class DeadBand(Controller):
 
 
 class Reversible(Controller):
-    r"""Reversible control of Hairer and Söderlind: the step follows a density ρ of steps, and not an error.
+    r"""Reversible control of Hairer and Söderlind: the step follows a density ρ of steps instead of an error.
 
     .. math::
 
@@ -227,7 +227,7 @@ class Reversible(Controller):
 
 
 class Prescribed(Controller):
-    """Steps of given sizes, one after the other and again from the first, whatever the error.
+    """Steps of given sizes in turn, repeated from the first, whatever the error.
 
     Parameters
     ----------
@@ -235,7 +235,7 @@ class Prescribed(Controller):
         Step sizes in s.
     """
 
-    #: An array, so that all sizes share what is compiled.
+    #: Step sizes, as an array, so that all sizes share the compiled program.
     sizes: np.ndarray = eqx.field(converter=lambda sizes: np.asarray(sizes, np.float64))
 
     title = "Prescribed"

@@ -1,7 +1,7 @@
 """Estimators of the error of a step.
 
 An estimator returns one or several sizes of an estimate η, each relative to the largest value so far of a size of the
-motion. It says with which power k of Δt the estimate falls, so that a controller can choose the next step.
+motion. It states the power k of Δt with which the estimate falls, so that a controller can choose the next step.
 """
 
 import abc
@@ -32,7 +32,7 @@ class Estimator(eqx.Module):
     title: ClassVar[str]
     source: ClassVar[str]
     doi: ClassVar[str]
-    #: Whether a run from rest needs a scale: a part of nothing is no tolerance.
+    #: Whether a run from rest needs a scale, because a tolerance relative to zero has no meaning.
     relative: ClassVar[bool] = True
 
     @abc.abstractmethod
@@ -52,24 +52,24 @@ class Estimator(eqx.Module):
         return (size(state.u),)
 
     def start(self, scheme: Scheme, problem: Problem, state: Any) -> Any:
-        """What the estimator carries from step to step, at t = 0."""
+        """State of the estimator at t = 0."""
         return ()
 
     def step(
         self, scheme: Scheme, problem: Problem, carried: Any, state: Any, t: ScalarLike, dt: ScalarLike
     ) -> tuple[Any, Effort, Sizes, Any]:
-        """The state after a step, its effort, the estimates of its error, and what the estimator carries on."""
+        """The state after a step, its effort, the estimates of its error, and the next state of the estimator."""
         new, effort = stepped(scheme, problem, state, t, dt)
         estimates, carried = self.estimate(scheme, problem, carried, state, new, t, dt, effort)
         return new, effort, estimates, carried
 
     def estimate(self, scheme, problem, carried, old, new, t, dt, effort) -> tuple[Sizes, Any]:
-        """The estimates for a step from the state ``old`` to ``new``, and what the estimator carries on."""
+        """The estimates for a step from the state ``old`` to ``new``, and the next state of the estimator."""
         raise NotImplementedError
 
 
 class Unestimated(Estimator):
-    """No estimate, of steps whose sizes are given."""
+    """No estimate, for steps of given sizes."""
 
     title = "none"
     source = ""
@@ -104,7 +104,7 @@ class _OfAcceleration(Estimator):
                 f"order {scheme.order + 1}: take the estimator step_doubling."
             )
         if problem.massless:
-            return f"{self.title} needs a mass at every unknown, and that of '{problem.title}' is singular."
+            return f"{self.title} needs a mass at every unknown, and the mass of '{problem.title}' is singular."
         return None
 
     def forces_per_step(self, scheme):
@@ -114,9 +114,9 @@ class _OfAcceleration(Estimator):
         return acceleration(problem, 0.0, state.u, state.v)
 
     def ends(self, scheme, problem, before, old, new, t, dt) -> tuple[Vector, Vector, float]:
-        """ü at both ends of a step, and the offset from there in steps; of the equation of motion if none is carried.
+        """ü at both ends of a step, and the offset from there in steps; from the equation of motion if none is carried.
 
-        ``before`` is that of the last step's end.
+        ``before`` is ü at the end of the last step.
         """
         if scheme.acceleration_offset is not None:
             return *ends_of_step(old, new), scheme.acceleration_offset
@@ -148,8 +148,8 @@ class ZienkiewiczXie(_OfAcceleration):
 
     For Newmark's method :math:`e = (\beta - \tfrac16)\,\Delta t^2 (\ddot u_1 - \ddot u_0)`. An α-method carries the
     acceleration of the time :math:`t_1 + s\,\Delta t` with s = α_m − α_f, which adds
-    :math:`\tfrac{s}{2} \Delta t^2 (\ddot u_1 - \ddot u_0)`. The estimate is blind where the third derivative of u is
-    zero, at every turning point of a free vibration. It does not see the velocity.
+    :math:`\tfrac{s}{2} \Delta t^2 (\ddot u_1 - \ddot u_0)`. The estimate vanishes where the third derivative of u is
+    zero, at every turning point of a free vibration. It ignores the velocity.
 
     References
     ----------
@@ -220,7 +220,7 @@ class ThreePoint(_OfAcceleration):
 
 
 class StepDoubling(Estimator):
-    r"""The difference of one step from two of half its size, with which the run goes on; any one-step scheme has it.
+    r"""The difference of one step from two half steps, with which the run continues; for any one-step scheme.
 
     .. math::
 
@@ -253,7 +253,7 @@ class StepDoubling(Estimator):
             new, effort = stepped(scheme, problem, start, begin, length)
             return jax.tree.map(partial(jnp.where, i == 0), state, new), (new.u, new.v, effort)
 
-        # in a loop over the whole step and its halves, because XLA computes again what steps one after the other share
+        # in a loop over the whole step and its halves, because XLA would repeat common work of consecutive steps
         fine, (u, v, efforts) = lax.scan(take, state, jnp.arange(3))
         effort = Effort(efforts.iterations.sum(), efforts.converged.all(), restarts=efforts.restarts.sum())
         factor = 2**scheme.order_with_damping - 1
@@ -267,7 +267,7 @@ class EmbeddedPair(Estimator):
 
         \eta = |\hat y_1 - y_1| / \max |y| \quad\text{for } y = u, \dot u
 
-    The estimate is the error of the method of lower order, and the run goes on with the other. No more forces.
+    The estimate is the error of the method of lower order; the run continues with the other. No additional forces.
 
     References
     ----------

@@ -64,8 +64,8 @@ class ApparentFrequency(Estimator):
 
         \omega^2 = \frac{\Delta u^T \Delta p}{\Delta u^T M \Delta u}, \quad \eta = \frac{\omega\,\Delta t}{2 \pi}
 
-    with the changes of displacement and internal force over the step: a tolerance of 0.05 is twenty steps a period.
-    It sees no error.
+    with the changes of displacement and internal force over the step: a tolerance of 0.05 gives twenty steps a period.
+    It does not estimate an error.
 
     References
     ----------
@@ -98,9 +98,9 @@ class ApparentFrequency(Estimator):
 
 
 class Iterations(Estimator):
-    r"""Newton iterations of the step: a tolerance of 6 asks for six.
+    r"""Newton iterations of the step: a tolerance of 6 aims at six.
 
-    It knows the solver and no error: a linear structure goes to the largest step.
+    It measures the solver, not an error: a linear structure takes the largest step.
 
     References
     ----------

@@ -1,1 +1,1 @@
-"""How experiments declare what they make, read and ask for."""
+"""Declarations of experiments: their datasets, inputs and options."""

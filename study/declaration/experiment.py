@@ -1,4 +1,4 @@
-"""What an experiment declares: the datasets that it makes and reads, its options, and how much work they ask for.
+"""The declaration of an experiment: the datasets that it makes and reads, its options, and their work.
 
     @experiment("accuracy", reads=lambda o: [f"reference/{name}" for name in o["problems"]])
     def accuracy(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Counts) -> xr.Dataset:
@@ -39,7 +39,7 @@ class Experiment:
     along
         Dimensions along which the jobs' datasets are put together to ``makes``; without them they stay apart.
     parts
-        Folders of the jobs' datasets where they are kept, so that an interrupted experiment goes on with them.
+        Folders of the jobs' datasets if they are kept, so that an interrupted experiment continues with them.
     reads
         Names of the datasets that a job reads, by its options.
     files
@@ -47,13 +47,13 @@ class Experiment:
     check
         Sentence about options that do not fit each other or the rest of the configuration, or nothing.
     steps, values
-        About how many steps of all runs, and how many numbers held at once, a job asks for.
+        Approximate number of steps of all runs of a job, and of values that it holds at once.
     page
         Module that makes a page of HTML next to each dataset, of the dataset's file and its own.
     stops_early
         Whether runs that decide the result end a job before ``steps``, which is then a bound.
     timed
-        Whether the experiment measures times, and so has the machine to itself.
+        Whether the experiment measures times, so that no other job may run at the same time.
     temporary
         Whether the datasets are removed once others are made of them.
     """
@@ -88,7 +88,7 @@ class Experiment:
         return self.function.__name__ if room == "study" else f"{room}_{last}"
 
     def options_of(self, configuration: Mapping) -> Options:
-        """The options out of a complete configuration; what it leaves out has the defaults of the function."""
+        """The options in a complete configuration; omitted ones have the defaults of the function."""
         if self.options is not None:
             return self.options(configuration)
         for key in self.section.split("."):
@@ -136,7 +136,7 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
     Raises
     ------
     ValueError
-        If the experiment makes no dataset, or one whose name cannot be that of a file, or one that its module declares.
+        If the experiment makes no dataset, or its name is not a valid file name, or its module declares it twice.
     """
     if not makes or not all(isinstance(name, str) for name in makes):
         raise ValueError('an experiment names the dataset that it makes: @experiment("name").')
@@ -195,5 +195,5 @@ def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
 
 
 def progress(message: str) -> None:
-    """Print what a job is doing, at once."""
+    """Print the present work of a job immediately."""
     print(message, flush=True)

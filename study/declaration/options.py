@@ -37,7 +37,7 @@ class Checked:
     early: bool = False
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Callable) -> Any:
-        """What pydantic asks an annotation for."""
+        """The validation schema, for pydantic."""
         from pydantic_core import core_schema
 
         def check(value, info):
@@ -113,7 +113,7 @@ DampingRatios = Annotated[list[Annotated[float, Ge(0), Lt(1)]], Len(1, 100), _DI
 Count = Annotated[int, Ge(1), Le(10_000_000)]
 #: Steps of a run whose every step is stored.
 RecordedSteps = Annotated[int, Ge(1), Le(1_000_000)]
-#: How often something is timed or run again.
+#: Number of repeats of a timing or run.
 Repeats = Annotated[int, Ge(1), Le(1000)]
 #: The length of an axis of a dataset.
 Length = Annotated[int, Ge(2), Le(10_000)]
@@ -131,7 +131,7 @@ RecordDuration = Annotated[float, Ge(1), Le(100)]
 RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
 Sizes = Annotated[list[Size], _FEW, _DISTINCT]
 Tolerances = Annotated[list[Tolerance], _FEW, _DISTINCT]
-#: Tolerances of solvers, which lose any motion with larger ones.
+#: Tolerances of solvers; larger ones lose any motion.
 FallingTolerances = Annotated[list[Annotated[float, Ge(1e-15), Le(0.1)]], _FEW, _DISTINCT, Checked(_falling)]
 
 #: A name that files can have, and several names.
@@ -140,16 +140,18 @@ PlainNames = Annotated[list[Name], _FEW, _DISTINCT]
 #: Something in a file, FILE.py:NAME, or a problem by name or in a file.
 Place = Annotated[str, Len(1, 1000)]
 ProblemPlace = Annotated[str, Len(1, 1000), Names("problem")]
-#: Any problem, a free oscillator of Xie (1996), a structure with a time scale, and a scheme, each by name.
+#: Any problem, a free oscillator of Xie (1996), a structure with a time scale, a problem with a known displacement, and
+#: a scheme, each by name.
 ProblemName = Annotated[str, _listed("problem"), Names("problem")]
 Spring = Annotated[str, _listed("spring"), Names("problem")]
 Structure = Annotated[str, _listed("structure"), Names("problem")]
+KnownProblem = Annotated[str, _listed("problem with a known displacement"), Names("problem")]
 SchemeName = Annotated[str, _listed("scheme"), Names("scheme")]
 #: A scheme whose displacement and velocity are sums, which can be compensated.
 OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
 Springs = Annotated[list[Spring], _FEW, _DISTINCT]
 Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
-#: Problems whose force or load has kinks or remembers, and a smooth one to compare with.
+#: Problems whose force has kinks or memory or whose load has kinks, and a smooth one for comparison.
 KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken"], Names("problem")]
 Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
 #: Problems whose exact motion has samples: those of the section ``kinks``, and structures.
@@ -158,7 +160,7 @@ Schemes = Annotated[list[SchemeName], _FEW, _DISTINCT]
 Estimators = Annotated[list[Annotated[str, _listed("estimator")]], _FEW, _DISTINCT]
 ControllerName = Annotated[str, _listed("controller")]
 Controllers = Annotated[list[ControllerName], _FEW, _DISTINCT]
-#: Schemes of a user's own, FILE.py:NAME.
+#: A user's schemes, FILE.py:NAME.
 OwnSchemes = Annotated[list[str], Len(0, 1000), _DISTINCT]
 OneStepSchemes = Annotated[list[OneStepName], _FEW, _DISTINCT]
 

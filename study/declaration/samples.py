@@ -22,7 +22,7 @@ class Known(NamedTuple):
     t, u
         Times (t,), and displacements (t, unknowns).
     uncertainty
-        That of the displacements, over the largest one.
+        Uncertainty of the displacements, over the largest one.
     """
 
     t: np.ndarray
@@ -36,7 +36,7 @@ class Known(NamedTuple):
 
 
 def reference_of(problem: str) -> str:
-    """The dataset that has samples of the exact motion."""
+    """The dataset with samples of the exact motion."""
     return "reference/inelastic" if problem in KINKED else f"reference/{problem}"
 
 
@@ -53,7 +53,7 @@ def known(problem: str) -> Known:
 
 
 def check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse problems of which no samples are made."""
+    """Refuse problems without samples."""
     of_kinks = [one for one in options["problems"] if one in KINKED]
     others = [one for one in options["problems"] if one not in KINKED]
     lengths = [one["problem"] for one in configuration["structures"]["lengths"]]

@@ -105,7 +105,7 @@ def atlas(
 ) -> xr.Dataset:
     """Find how the runs of a scheme end, over step size and amplitude.
 
-    The amplitudes of ``results/reference/amplitudes`` are split into ``tiles`` parts, of which one is computed.
+    The amplitudes of ``results/reference/amplitudes`` are split into ``tiles`` parts. One part is computed.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def atlas(
                 "dt_over_period": ("dt_over_period", parts, {"long_name": "step size over period", "units": "1"}),
                 "periods": ((), periods, {"long_name": "length of the runs in periods", "units": "1"}),
             },
-            attrs={"title": f"What becomes of {periods} periods with every scheme, over step size and amplitude"},
+            attrs={"title": f"Outcome of {periods} periods with every scheme, over step size and amplitude"},
         )
         .expand_dims("scheme")
         .assign_coords(coordinates.scheme_coordinates([scheme]))

@@ -1,4 +1,4 @@
-"""Bifurcation diagram over the step size: where the iterates of a scheme settle, and how fast neighbours part."""
+"""Bifurcation diagram over the step size: limits of the iterates of a scheme, and divergence of neighbours."""
 
 from collections.abc import Mapping
 
@@ -41,7 +41,7 @@ def bifurcation(
     steps
         Length of the runs.
     shown
-        Number of displacements that are kept, those of the last steps of a run.
+        Number of displacements that are kept, from the last steps of a run.
     perturbation
         Difference of the initial displacements of two neighbours.
 
@@ -65,7 +65,7 @@ def bifurcation(
     apart = np.abs(other - one) >= ORDER_ONE  # false once one of them has failed: its displacement is NaN
     status, failed_at_step = (pairs[name].values[::2] for name in ("status", "failed_at_step"))
     whole = np.full(len(step_sizes), steps)
-    # where the motion is chaotic, this program may fail at another step than that of the pairs, so it finds its own
+    # where the motion is chaotic, this program may fail at another step than the pairs, so it finds its own
     growth = run(problem, scheme, dt=step_sizes, steps=whole, observe=["lyapunov_exponent"], on_failure="ignore")
     lasted = np.where(growth.status == COMPLETED, whole, np.maximum(growth.failed_at_step - 1, 1))
     growth = run(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"], on_failure="ignore")

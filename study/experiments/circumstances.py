@@ -1,6 +1,6 @@
 """Problems with exact motions on which schemes show their order, and how runs of them end."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -16,18 +16,19 @@ from study.materials import elastoplastic
 from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.loads import HarmonicLoad
+from study.mechanics.newton import ending_at
 from study.mechanics.terms import StrainEnergy
 from study.observer.base import Reduction
 from study.scheme.base import Scheme, Wrapper
 from study.words import printed
 
-#: What is compared.
+#: Quantities that are compared.
 QUANTITIES = ("displacement", "velocity", "acceleration")
 
-#: Duration of a run, and the initial velocities of the runs of which each error is the root mean square.
+#: Duration of a run, and the initial velocities of the runs; an error is the root mean square over these runs.
 DURATION, SPEEDS = 6.0, np.linspace(0.6, 1.4, 12)
 
-#: Part of the mean step by which every second step is larger, and every other one smaller.
+#: Part of the mean step by which steps are larger and smaller in turn.
 UNEQUAL = 1 / 3
 
 #: Relative and absolute tolerance of the references, by the method of Dormand and Prince of eighth order.
@@ -35,12 +36,12 @@ TOLERANCES = {"rtol": 1e-13, "atol": 1e-14}
 
 
 def carries(state: Any) -> bool:
-    """Whether a state has one acceleration; some schemes have those of their stages."""
+    """Whether a state has one acceleration; some schemes carry the accelerations of their stages."""
     return hasattr(state, "a") and state.a.shape == state.u.shape
 
 
 class AtTheEnd(Reduction):
-    """Displacement, velocity and acceleration at the end: the carried one, or that of the equation of motion."""
+    """Displacement, velocity and acceleration at the end; the acceleration is carried or follows from the equation."""
 
     variables: ClassVar = {name: {"long_name": name, "units": "1"} for name in QUANTITIES}
 
@@ -62,7 +63,7 @@ class AtTheEnd(Reduction):
 
 
 class FromNoAcceleration(Wrapper):
-    """Another scheme that starts with no acceleration in place of that of the equation of motion.
+    """Another scheme whose first acceleration is zero instead of following from the equation of motion.
 
     References
     ----------
@@ -87,6 +88,33 @@ class FromNoAcceleration(Wrapper):
         return self.scheme.step(problem, state, t, dt)
 
 
+class LooselyBalanced(Wrapper):
+    """Another scheme whose Newton iterations end at a tolerance of practice.
+
+    References
+    ----------
+    M. A. Crisfield, Non-linear finite element analysis of solids and structures, vol. 1, Wiley, 1991.
+    """
+
+    scheme: Scheme
+    tolerance: float = eqx.field(static=True)
+    title: str = eqx.field(default="Loosely balanced", kw_only=True, static=True)
+
+    family: ClassVar[str] = "Loosely balanced"
+    source: ClassVar[str] = "Crisfield (1991)"
+    doi: ClassVar[str] = ""
+
+    def start(self, problem, u0, v0, dt):
+        """State of the other scheme at t = 0."""
+        with ending_at(self.tolerance):
+            return self.scheme.start(problem, u0, v0, dt)
+
+    def step(self, problem, state, t, dt):
+        """A step of the other scheme."""
+        with ending_at(self.tolerance):
+            return self.scheme.step(problem, state, t, dt)
+
+
 @dataclass(frozen=True)
 class Circumstance:
     """A problem, the initial motions of its runs, and its exact motions.
@@ -94,7 +122,7 @@ class Circumstance:
     Attributes
     ----------
     title
-        What it is called in figures.
+        Its name in figures.
     problem
         The problem, whose initial displacement and velocity the runs replace.
     u0, v0
@@ -103,6 +131,8 @@ class Circumstance:
         Displacement, velocity and acceleration at the end, each of the shape of ``u0``.
     unequal, inconsistent
         Whether steps have two sizes in turn, and whether the first acceleration is zero.
+    tolerance
+        At which Newton's iteration ends; round-off if None.
     """
 
     title: str
@@ -112,12 +142,15 @@ class Circumstance:
     exact: Mapping[str, np.ndarray]
     unequal: bool = False
     inconsistent: bool = False
+    tolerance: float | None = None
 
     def final(self, scheme: Scheme, counts: list[int]) -> tuple[xr.Dataset, np.ndarray]:
         """Motions at the end with each number of steps, and whether the runs were completed, (steps, runs)."""
         runs, most = len(self.u0), len(counts)
         if self.inconsistent:
             scheme = FromNoAcceleration(scheme)
+        if self.tolerance is not None:
+            scheme = LooselyBalanced(scheme, self.tolerance)
         shared: dict[str, Any] = {"observe": [AtTheEnd()], "on_failure": "ignore"}
         if self.unequal:
             each = [
@@ -161,7 +194,7 @@ def _by_adaptive_steps(rates: Callable, u0: np.ndarray, v0: np.ndarray, *interna
     return dict(zip(QUANTITIES, np.array(ends).T, strict=True))
 
 
-# The functions have names, because problems that differ in numbers alone share what is compiled.
+# The functions have names, because problems that differ only in numbers share the compiled program.
 
 
 def _hardening(u):
@@ -180,7 +213,7 @@ def _densities(stiffness, stretches):
     return stiffness * stretches**2 / 2
 
 
-def _smooth(title: str, damping: float = 0.0, amplitude: float = 0.0, **more: bool) -> Circumstance:
+def _smooth(title: str, damping: float = 0.0, amplitude: float = 0.0, **more: Any) -> Circumstance:
     """The oscillator ü + c u̇ + u + u³ = f cos(1.5t − 0.7) from u₀ = 1."""
     u0, v0, load = np.ones(len(SPEEDS)), SPEEDS, HarmonicLoad(amplitude, frequency=1.5, phase=0.7)
 
@@ -255,7 +288,7 @@ def _support(ratio: float) -> Circumstance:
     return Circumstance(f"support {printed(f'{ratio:.0e}')}", problem, motion(0.0, 0), motion(0.0, 1), exact)
 
 
-def circumstances_with(ratios: list[float]) -> dict[str, Circumstance]:
+def circumstances_with(ratios: list[float], tolerances: Sequence[float] = ()) -> dict[str, Circumstance]:
     """All circumstances, by name."""
     return {
         "plain": _smooth("plain"),
@@ -266,4 +299,8 @@ def circumstances_with(ratios: list[float]) -> dict[str, Circumstance]:
         "contact": _contact(),
         "inconsistent_start": _smooth("inconsistent start", inconsistent=True),
         "unequal_steps": _smooth("unequal steps", unequal=True),
+        **{
+            f"tolerance_{i}": _smooth(f"Newton {printed(f'{tolerance:.0e}')}", tolerance=tolerance)
+            for i, tolerance in enumerate(tolerances)
+        },
     }

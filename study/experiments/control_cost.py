@@ -21,16 +21,16 @@ from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.wrapper.with_history import WithHistory
 
-#: Most steps of a controlled run, in those of the run with the most equal steps.
+#: Largest number of steps of a controlled run, as a multiple of the largest number of equal steps.
 MOST = 4
 
-#: How a run can end; a scheme that does not fit a problem has no run.
+#: Ends of a run; a scheme that does not fit a problem has no run.
 STATUSES = (*ENDS, "not_run")
 NOT_RUN = STATUSES.index("not_run")
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Those of the runs with equal steps; those of the others are known afterwards."""
+    """Steps of the runs with equal steps; the steps of the others are known afterwards."""
     lengths = {one["problem"]: one["periods"] for one in configuration["structures"]["lengths"]}
     samples = 0.0
     for problem in options["problems"]:
@@ -57,10 +57,10 @@ def control_cost(
 ) -> xr.Dataset:
     """Measure error and forces of runs with controlled and with equal steps.
 
-    All runs end steps at the samples of the exact motion, of which there are eight in a period of the problems of the
-    section ``kinks`` and ten of a structure. The error is the largest distance there over the largest displacement.
-    Forces of a controlled run are those of all its trial steps, of which each counts as many Newton iterations as the
-    accepted ones have on average, and those of the estimate. The estimator is the usual one of the scheme.
+    Steps of all runs end at the samples of the exact motion: eight in a period of the problems of the section
+    ``kinks``, and ten for a structure. The error is the largest distance there over the largest displacement. Forces of
+    a controlled run are the forces of all its trial steps and of the estimate. A trial step counts the mean number of
+    Newton iterations of the accepted steps. The estimator is the default one of the scheme.
 
     Variables have the shape (problem, scheme, tolerance), and of equal steps (problem, scheme, steps_per_sample).
     """
@@ -123,12 +123,12 @@ def control_cost(
     )
 
 
-#: What is observed in every run.
+#: Observers of every run.
 OBSERVED = ["trajectory", "newton_iterations"]
 
 
 def _equal(problem: Problem, scheme: Scheme, exact: Known, parts: int) -> dict[str, float]:
-    """Error, forces and status of a run with so many equal steps between two samples."""
+    """Error, forces and status of a run with a number of equal steps between two samples."""
     steps = parts * len(exact.t)
     ds = run(problem, scheme, dt=exact.t[-1] / steps, steps=steps, every=parts, observe=OBSERVED, on_failure="ignore")
     marched = _marched(problem, scheme)

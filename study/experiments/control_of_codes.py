@@ -1,4 +1,4 @@
-"""What the automatic steps of finite element codes give: steps in a period, energy, and what a halved step does."""
+"""Automatic steps of finite element codes: steps in a period, energy, and the effect of a halved step."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -59,10 +59,10 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """March springs over whole periods with the automatic steps of codes, and with a step that is halved once.
 
-    ``steps_per_period`` and ``max_energy_error``, that of eq. (17) of Xie (1996), have the shape (problem, code,
-    class). The class is that of the tolerance; the first step is a hundredth of the period. ``halved_energy_error`` is
-    that of average acceleration whose step is halved in the middle of the run, over that of a run with the first step
-    throughout.
+    ``steps_per_period`` and ``max_energy_error``, eq. (17) of Xie (1996), have the shape (problem, code, class). The
+    class belongs to the tolerance; the first step is a hundredth of the period. ``halved_energy_error`` is a ratio: the
+    energy error of average acceleration whose step is halved in the middle of the run, over its error with the first
+    step throughout.
     """
     shape = (len(problems), len(RULES), len(CLASSES))
     steps, energy = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -110,7 +110,10 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
             "halved_energy_error": (
                 ("problem", "steps_at_first"),
                 halved,
-                {"long_name": "energy error with a step halved in the middle over that with equal steps", "units": "1"},
+                {
+                    "long_name": "energy error with a step halved in the middle over the one with equal steps",
+                    "units": "1",
+                },
             ),
         },
         coords={

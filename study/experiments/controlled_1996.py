@@ -1,4 +1,4 @@
-"""Tables 1 and 2 of Xie (1996) once more, with steps that the estimator of 1991 controls."""
+"""Tables 1 and 2 of Xie (1996) with steps that the estimator of 1991 controls."""
 
 from functools import partial
 
@@ -25,9 +25,9 @@ def controlled_1996(
 ) -> xr.Dataset:
     """Find the largest energy error with as many steps as equal ones of T/N, sized by the estimator of 1991.
 
-    Of 64 tolerances, and then of 64 between the nearest ones, that one counts whose number of steps is nearest to N a
-    period, with N = ``steps_per_period``. ``max_energy_error`` is that of eq. (17), in percent, of the shape (problem,
-    controller, steps_per_period, scheme). It is NaN where no run comes within a tenth of that number, and for schemes
+    64 tolerances are tried, and then 64 between the nearest ones. The one whose number of steps is nearest to
+    N = ``steps_per_period`` a period counts. ``max_energy_error`` is eq. (17), in percent, of the shape (problem,
+    controller, steps_per_period, scheme). It is NaN if no run comes within a tenth of that number, and for schemes
     whose error the estimator does not estimate.
     """
     shape = (len(problems), len(controllers), len(steps_per_period), len(schemes))
@@ -86,7 +86,7 @@ def controlled_1996(
 
 
 def _between(tolerances: np.ndarray, steps: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """As many tolerances again, around those that come nearest to the numbers of steps."""
+    """The same number of new tolerances, around those nearest to the numbers of steps."""
     ratio = tolerances[1] / tolerances[0]
     nearest = [tolerances[np.argmin(abs(steps - number))] for number in wanted]
     each = -(-LANES // len(nearest))

@@ -77,7 +77,7 @@ def energy_drift(
     first, last, step = (steps_per_period[key] for key in ("first", "last", "step"))
     parts = np.round(np.arange(first, last + step / 2, step), 10)
     steps = np.round(parts * periods).astype(int)
-    # one ensemble over all step sizes, long enough for the finest; the value of each lane is that at its own end
+    # one ensemble over all step sizes, long enough for the finest; each lane is evaluated at its own end
     lanes = run(
         problem,
         scheme,

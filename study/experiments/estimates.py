@@ -32,10 +32,10 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def estimates(problems: Springs, schemes: Schemes, estimators: Estimators, steps_per_period: Counts) -> xr.Dataset:
     """Measure estimates of the error of a step over one period, next to the true error.
 
-    The true error of a step is its difference from the motion that starts where the step does, solved with 16 steps of
-    Kahan and Li's composition of eighth order. It is the larger of those of displacement and velocity, each relative to
-    the largest value, as the estimates are; ``true_displacement_error`` leaves the velocity out, as the estimate of
-    Zienkiewicz and Xie does. ``estimate`` and the errors are the largest of the period, after its first tenth;
+    The true error of a step is its difference from the motion with the same start, solved with 16 steps of
+    Kahan and Li's composition of eighth order. It is the larger error of displacement and velocity, each relative to
+    the largest value, like the estimates. ``true_displacement_error`` ignores the velocity, as does the estimate of
+    Zienkiewicz and Xie. ``estimate`` and the errors are the largest of the period, after its first tenth;
     ``ratio`` is the estimate over the true error along the period, at the smallest step.
     """
     shape = (len(problems), len(schemes), len(estimators), len(steps_per_period))

@@ -1,4 +1,4 @@
-"""The order that schemes keep where the force has kinks, remembers, or the load has kinks."""
+"""The order that schemes keep if the force has kinks or memory, or the load has kinks."""
 
 from collections.abc import Mapping
 
@@ -16,14 +16,14 @@ from study.mechanics.frequencies import highest_frequency
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: An error counts towards the order if it exceeds the uncertainty of the reference by this factor, and if it lies
-#: between round-off and a tenth of the motion, at steps that resolve the motion.
+#: Bounds of errors that count towards the order: this multiple of the uncertainty of the reference, round-off, and a
+#: tenth of the motion, at steps that resolve the motion.
 ABOVE, SMALLEST, LARGEST, RESOLVED = 100.0, 1e-11, 0.1, 64
 
-#: How a run can end; a scheme that does not fit a problem has no run.
+#: Ends of a run; a scheme that does not fit a problem has no run.
 STATUSES = (*STATUS_ATTRIBUTES["flag_meanings"].split(), "not_run")
 
-#: Most periods of a run.
+#: Largest number of periods of a run.
 LONGEST = 30
 
 
@@ -68,7 +68,7 @@ def kinks(
 
     The error is max |u − u_ref| / max |u_ref| over the samples, (problem, scheme, steps_per_period). It is NaN where a
     run fails, or where a scheme takes its force from a potential and the force dissipates. The observed
-    order is the slope of its logarithm over that of the step.
+    order is the slope of its logarithm over the logarithm of the step.
     """
     reference = io.open_dataset("reference/inelastic")
     shape = (len(problems), len(schemes), len(steps_per_period))

@@ -1,4 +1,4 @@
-"""What the authors of later schemes claim beyond linear theory, measured on problems of their kind."""
+"""Claims of the authors of later schemes beyond linear theory, measured on problems of their kind."""
 
 from collections.abc import Mapping
 
@@ -23,17 +23,17 @@ from study.scheme.kolay_ricles import KolayRicles
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.trigonometric import Trigonometric, filters
 
-#: Schemes with a model of the structure in their coefficients, of which α-methods have ρ∞ = 1 here.
+#: Schemes with a model of the structure in their coefficients; the α-methods have ρ∞ = 1 here.
 WITH_MODEL: dict[str, Scheme] = {
     "chen_ricles": schemes_by_name["chen_ricles"],
     "chang": schemes_by_name["chang"],
     "kr_alpha": KolayRicles(rho_inf=1.0),
     "mkr_alpha": KolayRicles(rho_inf=1.0, modified=True),
 }
-#: Ratios of the tangent to the model that are tried, and the excess of a spectral radius that counts as round-off.
+#: Tried ratios of the tangent to the model, and the excess of a spectral radius that counts as round-off.
 RATIOS, GROWTH = np.geomspace(1.0001, 1e4, 20_000), 1e-7
 
-#: Schemes of a wave, those of a cost, and schemes to compare with the auxiliary variable.
+#: Schemes for the wave, for the cost, and for comparison with the auxiliary variable.
 OF_WAVES = ("rho_bathe", "beta_bathe", "average_acceleration", "noh_bathe", "central_difference")
 OF_FOURTH_ORDER = ("blanes_moan4", "mclachlan4", "yoshida4", "nystrom4")
 
@@ -140,7 +140,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def later_schemes(
     omega_steps: Sizes, steps: RisingCounts, courant: Sizes, elements: Length, long_steps: Sizes, forces: Counts
 ) -> xr.Dataset:
-    """Measure what the authors of later schemes claim beyond linear theory.
+    """Measure the claims of the authors of later schemes beyond linear theory.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from study.scheme.base import OneStep, Scheme
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.wrapper.compensated import Compensated
 
-#: Steps that a run of single precision counts, at most.
+#: Largest number of steps that a run of single precision can count.
 MOST_STEPS = 2**30 - 1
 #: Arithmetics: whether each is in double precision, and whether it sums displacement and velocity with compensation.
 #: The last one is the reference of the others.
@@ -36,7 +36,7 @@ ARITHMETIC = {
 #: Kinds of step sizes, by the number of their bits. Single precision, of 24 bits, rounds the squares of the first kind
 #: and represents those of the second exactly.
 BITS = {"any": 24, "short": 12}
-#: Steps of all runs of a job beyond which its arithmetics are jobs of their own, of a minute or more each.
+#: Number of steps of all runs of a job beyond which each arithmetic is a separate job, of a minute or more.
 MOST_STEPS_OF_JOB = 10**9
 OBSERVED = ("energy_drift", "max_energy_error", "mean_energy_error", "oscillations")
 
@@ -55,7 +55,7 @@ def _step_sizes(step: float, runs: int) -> np.ndarray:
     return np.stack(sizes)
 
 
-#: What is measured at the end of a run: its type, and what it is.
+#: Variables measured at the end of a run: type and long name.
 _VARIABLES = {
     "energy_error": (np.float64, {"long_name": "signed energy error at the end", "units": "1"}),
     "max_energy_error": (np.float64, {"long_name": "largest energy error, eq. (17) of Xie (1996)", "units": "percent"}),
@@ -123,7 +123,7 @@ def _jobs(options: Options) -> dict[str, Options]:
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse lengths that are too few for a law of growth, and runs that are too long."""
+    """Refuse too few lengths for a law of growth, and too long runs."""
     lengths = options["periods"]
     if options["steps_per_period"] * lengths[-1] > MOST_STEPS:
         return f"periods: a run of {lengths[-1]:,} has more than the {MOST_STEPS:,} steps that single precision counts."

@@ -11,18 +11,17 @@ import xarray as xr
 from annotated_types import Ge, Le, Len
 
 from study.declaration.experiment import Options, experiment, progress
-from study.declaration.options import RisingCounts, Schemes
+from study.declaration.options import RisingCounts, Schemes, Tolerances
 from study.experiments import coordinates
 from study.experiments.circumstances import QUANTITIES, SPEEDS, Circumstance, carries, circumstances_with
 from study.io import flags
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 
-#: How an order can be missing.
+#: Reasons why an order is missing.
 STATUSES = ("measured", "does_not_apply", "failed", "exact")
 
-#: Errors between these parts of the motion count towards an order, which takes the finest ones, at most and at least so
-#: many.
+#: Fit of an order: bounds of the errors as parts of the motion, and largest and smallest number of the finest errors.
 SMALLEST, LARGEST, MOST, LEAST = 1e-11, 1.0, 4, 3
 
 
@@ -31,6 +30,8 @@ def _applies(circumstance: Circumstance, scheme: Scheme) -> bool:
     if circumstance.inconsistent:
         state, _ = jax.eval_shape(partial(scheme.start, circumstance.problem), jnp.ones(()), jnp.ones(()), 1.0)
         return carries(state)
+    if circumstance.tolerance is not None and scheme.explicit:
+        return False
     return not (scheme.refusal(circumstance.problem) or (circumstance.unequal and scheme.needs_equal_steps))
 
 
@@ -46,7 +47,7 @@ def _order(counts: np.ndarray, error: np.ndarray) -> tuple[float, str]:
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    runs = (7 + len(options["stiffness_ratios"])) * len(SPEEDS) * len(options["schemes"])
+    runs = (7 + len(options["stiffness_ratios"]) + len(options["tolerances"])) * len(SPEEDS) * len(options["schemes"])
     return runs * sum(options["steps"])
 
 
@@ -55,19 +56,21 @@ def order_under_reality(
     schemes: Schemes,
     steps: RisingCounts,
     stiffness_ratios: Annotated[list[Annotated[float, Ge(1e2), Le(1e12)]], Len(1, 10)],
+    tolerances: Tolerances,
 ) -> xr.Dataset:
     """Measure the order of displacement, velocity and acceleration of schemes under the circumstances of real problems.
 
-    The error is that at the end of a run of six units of time, as the root mean square over twelve motions and all
-    unknowns, over that of the exact motion; the order is its slope over the step. References are exact, or by a
-    Runge-Kutta method of eighth order with adaptive steps. The acceleration is the one that a scheme carries, at the
-    end of the step, or that of the equation of motion if it carries none.
+    The error is measured at the end of a run of six units of time: its root mean square over twelve motions and all
+    unknowns, relative to the root mean square of the exact motion. The order is its slope over the step. References are
+    exact, or computed by a Runge-Kutta method of eighth order with adaptive steps. The acceleration is the one that a
+    scheme carries, at the end of the step, or follows from the equation of motion if it carries none.
 
     - ``plain``, ``damping``, ``load``: ü + c u̇ + u + u³ = f cos(1.5t − 0.7), free, with c = 0.2 and with f = 1;
     - ``support_0``, ...: two masses on a moving support, held by a spring of each of the ``stiffness_ratios``;
     - ``hysteresis``, ``contact``: an elastoplastic spring, and a mass that meets a stop of twenty times its stiffness;
-    - ``inconsistent_start``: the free oscillator, from no acceleration in place of that of the equation of motion;
-    - ``unequal_steps``: the free oscillator, with steps of 4/3 and 2/3 of their mean in turn.
+    - ``inconsistent_start``: the free oscillator, with a first acceleration of zero against the equation of motion;
+    - ``unequal_steps``: the free oscillator, with steps of 4/3 and 2/3 of their mean in turn;
+    - ``tolerance_0``, ...: the free oscillator, with Newton iterations that end at each of the ``tolerances``.
 
     Parameters
     ----------
@@ -75,8 +78,10 @@ def order_under_reality(
         Numbers of steps of a run.
     stiffness_ratios
         Stiffness of the spring at the support over that between the masses.
+    tolerances
+        Largest change of the displacement by the last correction of Newton's iteration, as a part of it.
     """
-    circumstances, counts = circumstances_with(stiffness_ratios), np.array(steps)
+    circumstances, counts = circumstances_with(stiffness_ratios, tolerances), np.array(steps)
     shape = len(schemes), len(circumstances), len(QUANTITIES)
     error, order = np.full((*shape, len(steps)), np.nan), np.full(shape, np.nan)
     status = np.full(shape, STATUSES.index("does_not_apply"), np.int8)
@@ -102,6 +107,7 @@ def order_under_reality(
             "circumstance": ("circumstance", list(circumstances), {"long_name": "circumstance"}),
             "circumstance_title": ("circumstance", titles, {"long_name": "title of the circumstance"}),
             "stiffness_ratio": ("support", list(stiffness_ratios), {"long_name": "stiffness ratio", "units": "1"}),
+            "tolerance": ("newton", list(tolerances), {"long_name": "tolerance of Newton's iteration", "units": "1"}),
             "quantity": ("quantity", list(QUANTITIES), {"long_name": "quantity"}),
             "steps": ("steps", list(steps), {"long_name": "number of steps", "units": "1"}),
         },

@@ -1,4 +1,4 @@
-"""Runge-Kutta with and without relaxation: the energy, and where the motion is after whole periods."""
+"""Runge-Kutta with and without relaxation: errors of the energy, and of the motion after whole periods."""
 
 from collections.abc import Mapping
 
@@ -13,7 +13,7 @@ from study.problem.named import problems as problems_by_name
 from study.scheme.runge_kutta import rk4
 from study.scheme.wrapper.relaxed import Relaxed
 
-#: The method as it is, and with relaxation.
+#: The method without and with relaxation.
 VARIANTS = {"plain": rk4, "relaxed": Relaxed(rk4)}
 
 
@@ -31,7 +31,7 @@ def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> x
     """Compute errors of energy and motion of the Runge-Kutta method with and without relaxation.
 
     The error of the energy is max |E − E₀|/|E₀| over ``periods`` printed periods, in percent as in Tables 1 and 2 of
-    Xie (1996). That of the motion is the distance √((u/u₀ − 1)² + u̇²/(2E₀)) from the start after ``periods`` exact
+    Xie (1996). The error of the motion is the distance √((u/u₀ − 1)² + u̇²/(2E₀)) from the start after ``periods`` exact
     periods. Both are of shape (problem, steps_per_period, variant).
 
     Raises

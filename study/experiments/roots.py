@@ -26,7 +26,7 @@ from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.newmark import Newmark
 
-#: Difference of the displacements of two runs from which on they count as parted.
+#: Difference of the displacements at which two runs count as parted.
 PARTED = 0.1
 #: Starts of Newton's iteration, as factors of the acceleration before the step.
 GUESSES = {"last_acceleration": 1.0, "none": 0.0}

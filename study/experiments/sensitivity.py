@@ -12,7 +12,7 @@ from study.experiments import coordinates
 from study.marching.run import run
 from study.problem.named import problems as problems_by_name
 
-#: Starts, in multiples of the perturbation from that of the problem.
+#: Starts, as distances from the start of the problem in multiples of the perturbation.
 STARTS = (0, *(way * k for k in range(1, 5) for way in (1, -1)))
 
 #: Distance at which two displacements have parted.
@@ -36,7 +36,7 @@ def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, per
     """Compute the distance over time of runs that start next to each other, for every scheme.
 
     The distance |Δu| of two of them has the shape (scheme, t); their initial displacements differ by ``perturbation``.
-    What differs from run to run where the motion is chaotic is counted in nine runs, (scheme, start). ``dt`` and
+    Nine runs show the counts that differ from run to run in chaotic motion, (scheme, start). ``dt`` and
     ``duration`` are in seconds.
     """
     progress(f"sensitivity of {problem}")

@@ -27,7 +27,7 @@ _OVER_STEPS = {
     "amplitude_decay": "relative loss of amplitude per period; NaN where nothing swings",
     "displacement_overshoot": f"largest displacement of {OVERSHOOT_STEPS} steps from rest over the initial one, less "
     "one; NaN where unstable",
-    "velocity_overshoot": f"largest velocity of {OVERSHOOT_STEPS} steps from rest over that of the undamped motion, "
+    "velocity_overshoot": f"largest velocity of {OVERSHOOT_STEPS} steps from rest over the undamped motion's, "
     "less one; NaN where unstable",
 }
 #: Variables that are one number for each damping ratio, with their long names.
@@ -45,12 +45,12 @@ _NUMBERS = {
 
 
 def _state(scheme: Scheme):
-    """Shapes of the state that a step of the scheme hands to the next."""
+    """Shapes of the state that a step of the scheme passes to the next."""
     return jax.eval_shape(lambda: scheme.start(oscillator(), jnp.ones(()), jnp.zeros(()), 1.0)[0])
 
 
 def _vectors(name: str) -> int:
-    """Number of vectors of the size of u in the state that a step hands to the next."""
+    """Number of vectors of the size of u in the state that a step passes to the next."""
     return sum(leaf.size for leaf in jax.tree.leaves(_state(schemes_by_name[name])))
 
 
@@ -136,7 +136,7 @@ def spectral(
             "memory": (
                 "scheme",
                 [_vectors(name) for name in schemes],
-                {"long_name": "vectors of the size of u that a step hands to the next", "units": "1"},
+                {"long_name": "vectors of the size of u that a step passes to the next", "units": "1"},
             )
         },
         coords={

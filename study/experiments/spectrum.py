@@ -17,7 +17,7 @@ from study.observer.peak import Peak
 from study.problem.inelastic import SPACING, yielding_under_record
 from study.scheme.named import schemes as schemes_by_name
 
-#: Ratio of two neighbouring steps of the grid, at most.
+#: Largest ratio of two neighbouring steps of the grid.
 RATIO = 1.1
 
 
@@ -53,7 +53,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _needed(error: xr.DataArray, allowed: float) -> xr.DataArray:
-    """Largest step that keeps the allowed error as all finer ones do, NaN if none does."""
+    """Largest step that keeps the allowed error together with all finer ones, NaN if none does."""
     kept = error.sortby("step_size") <= allowed
     kept = kept.copy(data=np.logical_and.accumulate(kept.values, axis=kept.get_axis_num("step_size")))
     return kept.step_size.where(kept).max("step_size")
@@ -72,9 +72,9 @@ def spectrum(
 ) -> xr.Dataset:
     """Measure the error of the peak drift at each step, and the largest step that keeps it below the allowed one.
 
-    The step and all finer ones must do so: all that were tried, or all that are commensurate with the record. A run
-    ends with the first step at the duration or beyond it, where the ground is still. ``step_needed`` is NaN if not even
-    the finest step is enough, or if a scheme takes its force from a potential.
+    All finer steps must keep it too: all tried steps, or all tried ones commensurate with the record. A run
+    ends with the first step at the duration or beyond it, where the ground is at rest. ``step_needed`` is NaN if not
+    even the finest step is enough, or if a scheme takes its force from a potential.
     """
     exact = io.open_dataset("reference/spectrum")
     table: Any = jnp.asarray(exact.ground.values)

@@ -1,4 +1,4 @@
-"""What control of the step does to error and energy over many periods, next to equal steps."""
+"""Error and energy over many periods with controlled and with equal steps."""
 
 from collections.abc import Mapping
 
@@ -55,11 +55,11 @@ def step_control(
 ) -> xr.Dataset:
     """March springs over whole periods with controlled and with equal steps.
 
-    The exact motion is back at its start after whole periods. ``return_error`` is the distance of the numerical one
+    The exact motion is back at its start after whole periods. ``return_error`` is the distance of the numerical motion
     from there, the larger of displacement and velocity, each relative to its largest value. ``max_energy_error`` is
-    that of eq. (17) of Xie (1996), in percent. Reversible control takes about as many steps as the first controller at
-    the same tolerance. The histories are largest energy errors of each period, of the first scheme at the tolerance in
-    the middle; equal steps are then as many as those of the first controller.
+    eq. (17) of Xie (1996), in percent. Reversible control takes about as many steps as the first controller at the
+    same tolerance. The histories are the largest energy errors of each period, for the first scheme at the middle
+    tolerance. The number of equal steps is the number of the first controller.
     """
     controls = [*controllers, REVERSIBLE]
     shape = (len(problems), len(schemes), len(controls), len(tolerances))

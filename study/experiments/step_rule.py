@@ -15,7 +15,7 @@ from study.observer.crossings import Oscillations
 from study.observer.outcome import OutcomeObserver
 from study.problem.named import problems as problems_by_name
 
-#: Largest mean over the amplitudes of ω T for which the number of steps is promised.
+#: Largest mean over the amplitudes of ω T for which the declared number of steps holds.
 MOST_STIFF = 25
 
 

@@ -1,4 +1,4 @@
-"""Stability on structures that are stiff or chaotic: how runs end and how fast neighbours part, over step sizes."""
+"""Stability on stiff or chaotic structures: outcomes of runs and divergence of neighbours, over step sizes."""
 
 from collections.abc import Mapping
 from itertools import product

@@ -1,8 +1,10 @@
 """The schemes on structures: errors against the reference, balance of energy, momentum, effort and failure."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Annotated
 
+import equinox as eqx
 import jax
 import numpy as np
 import xarray as xr
@@ -10,12 +12,14 @@ from annotated_types import Ge, Le
 from typing_extensions import TypedDict
 
 from study import io
+from study.algebra.jit import jit
 from study.declaration.checks import LARGEST_SAMPLE, no_multiple
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, RisingCounts, Schemes, Structure, StructureLengths, section
 from study.experiments import coordinates
 from study.marching.result import FAILED_AT_STEP_ATTRIBUTES, STATUS_ATTRIBUTES
 from study.marching.run import run
+from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.mechanics.frequencies import highest_frequency
 from study.observer.diagnostics import MomentumErrors, NewtonIterations
@@ -27,6 +31,7 @@ OBSERVERS = ["trajectory", "energy_balance", "newton_iterations"]
 ATTRIBUTES = {
     "displacement_error": {"long_name": "largest error of the displacement over its largest size", "units": "1"},
     "velocity_error": {"long_name": "largest error of the velocity over its largest size", "units": "1"},
+    "acceleration_error": {"long_name": "largest error of the acceleration over its largest size", "units": "1"},
     "max_energy_imbalance": EnergyBalance.variables["max_energy_imbalance"],
     # a support takes linear momentum, so the error of that is NaN for structures that are held
     **MomentumErrors.variables,
@@ -48,6 +53,21 @@ def _held(definition: Problem, displacements: np.ndarray) -> bool:
     return bool(np.abs(forces.sum(axis=1)).max() > 1e-6 * np.abs(forces).sum(axis=1).max())
 
 
+def _motion(problem: str, ds: xr.Dataset) -> dict[str, np.ndarray]:
+    """Displacement, velocity and the acceleration that the equation of motion gives for them, by time."""
+    t, u, v = (ds[name].values for name in ("t", "u", "v"))
+    definition = problems_by_name[problem]
+    motion = {"displacement": u, "velocity": v}
+    if definition.massless or definition.history is not None:
+        return motion
+    return motion | {"acceleration": np.asarray(_accelerations(definition, t, u, v))}
+
+
+@partial(jit, compiler=eqx.filter_jit)
+def _accelerations(problem, t, u, v):
+    return jax.vmap(lambda *at: acceleration(problem, *at))(t, u, v)
+
+
 def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, reference: xr.Dataset) -> dict:
     """All variables of one run; NaN if it failed or the structure lacks them."""
     observe = OBSERVERS + (["momentum_errors"] if problems_by_name[problem].positions is not None else [])
@@ -61,15 +81,12 @@ def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, 
         every=every,
         on_failure="ignore",
     )
-    exact = reference.isel(t=slice(ds.sizes["t"] - 1))
+    exact = _motion(problem, reference.isel(t=slice(ds.sizes["t"] - 1)))
     # a run that failed has NaN, which the maximum keeps
-    error = {
-        name: np.max(_norm(ds[name].values[1:] - exact[name].values)) / _norm(exact[name].values).max()
-        for name in ("u", "v")
-    }
     derived = {
-        "displacement_error": error["u"],
-        "velocity_error": error["v"],
+        f"{name}_error": np.max(_norm(values - exact[name])) / _norm(exact[name]).max()
+        for name, values in _motion(problem, ds.isel(t=slice(1, None))).items()
+    } | {
         "iterations_per_step": ds.newton_iterations / round(periods * steps_per_period),
     }
     return {name: derived.get(name, ds.get(name, np.nan)) for name in ATTRIBUTES}
@@ -121,7 +138,7 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
     """Measure the errors, balances and effort of every scheme on a structure, by steps per period.
 
     The error of the displacement is max |u − u_ref| / max |u_ref| over the samples of ``reference/PROBLEM``, with
-    Euclidean norms over the unknowns; that of the velocity is defined likewise. The step size is the time scale of the
+    Euclidean norms over the unknowns; the velocity's error is defined likewise. The step size is the time scale of the
     structure over ``steps_per_period``. Variables have the shape (problem, scheme, steps_per_period) or (problem,).
 
     Raises

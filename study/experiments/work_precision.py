@@ -36,7 +36,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Steps of the timed runs, of which the fastest take twenty nanoseconds."""
+    """Steps of the timed runs; the fastest steps take twenty nanoseconds."""
     runs = options["repeats"] * len(options["problems"]) * len(options["schemes"]) * len(options["steps_per_period"])
     return runs * LONG_ENOUGH / 20e-9
 

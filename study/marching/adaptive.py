@@ -24,17 +24,17 @@ AFTER_FAILURE = 0.25
 #: Smallest step, as a part of the duration.
 SMALLEST_STEP = 1e-13
 
-#: What is stored of each step: its end and its size, the estimate, and the trial steps rejected so far by the estimate
-#: and for want of a balance or a finite state; the name of the array of them.
+#: Stored values of each step: its end and its size, the estimate, and the trial steps rejected so far by the estimate
+#: and for lack of a balance or a finite state; and the name of their array.
 OF_EACH_STEP = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_by_solver")
 OF_STEP = "of each step"
 
-#: Part of a step by which a stated time may be missed, so that round-off does not add a tiny step.
+#: Tolerance of a stated time as a part of a step, so that round-off does not add a tiny step.
 ROUND_OFF = 1e-9
 
 
 class Trial(NamedTuple):
-    """The way of one run, between two trial steps.
+    """The progress of one run, between two trial steps.
 
     Attributes
     ----------
@@ -43,15 +43,15 @@ class Trial(NamedTuple):
     t, dt
         Time, and size of the next trial step.
     target
-        Number of the stated time that comes next.
+        Number of the next stated time.
     taken, place
         Steps taken, and the place of the next sample in the room.
     estimated, unsolved
         Trial steps rejected by the estimate, and because no balance was found or the state was not finite.
     state, reduced, estimator, controller
-        State of the scheme, and what reductions, estimator and controller carry.
+        States of the scheme, the reductions, the estimator and the controller.
     scales
-        Largest size so far of each of the estimator's sizes.
+        Largest value so far of each of the estimator's sizes.
     """
 
     status: jax.Array
@@ -75,13 +75,13 @@ class AdaptiveMarch(eqx.Module):
     march: March
     estimator: Estimator
     controller: Controller
-    #: Times on which a step must end, (times,), the last of which ends the run.
+    #: Times on which a step must end, (times,); the last one ends the run.
     times: jax.Array
     #: Largest number of steps.
     most: jax.Array
 
     def begin(self, u0, v0, dt, tolerance, room: int) -> tuple[Trial, Any, dict[str, jax.Array]]:
-        """The run at t = 0, its first state, and room for samples, of which the first is stored.
+        """The run at t = 0, its first state, and room for samples, with the first one stored.
 
         Parameters
         ----------
@@ -141,7 +141,7 @@ class AdaptiveMarch(eqx.Module):
         k = self.estimator.exponent(scheme)
         decision = self.controller.decide(trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance)
         accepted = solved & decision.accepted
-        # a step that was shortened to land says nothing against its size before
+        # a step that was shortened to meet a time does not change the next size
         next_dt = jnp.where(accepted & (dt < trial.dt), jnp.maximum(decision.dt, trial.dt), decision.dt)
         next_dt = jnp.where(solved, jnp.minimum(next_dt, end), AFTER_FAILURE * dt)
 
@@ -195,7 +195,7 @@ Of = Callable[[Any], AdaptiveMarch]
 def proceed(
     of: Of, lanes: bool, arguments, trial: Trial, stored, initial, tolerance, room: int, turns
 ) -> tuple[Trial, dict[str, jax.Array]]:
-    """March until every run has ended, the room of one is full, or that many trial steps were made.
+    """March until every run has ended, the room of one is full, or ``most`` trial steps were made.
 
     With ``lanes`` all arrays have an axis of lanes in front. A lane that has ended or has no room waits for the others.
     """
@@ -231,7 +231,7 @@ def proceed(
         sample = {name: jnp.zeros(x.shape[:1] * lanes + x.shape[1 + lanes :]) for name, x in stored.items()}
         # a loop of its own: next to large arrays XLA would run the small ones of a step by a pool of threads
         trial, sample, count = lax.while_loop(unaccepted, again, (trial, sample, count))
-        # the place after the last one takes what is not stored
+        # the place after the last one takes the samples that are not stored
         return trial, store(stored, sample, jnp.where(trial.place > before, before, room)), count
 
     carry = trial, stored, jnp.zeros((), int)

@@ -37,13 +37,13 @@ from study.scheme.base import Scheme
 from study.scheme.newmark import average_acceleration
 from study.scheme.wrapper.unequal_steps import UnequalSteps
 
-#: Samples of one run that a call stores.
+#: Number of samples of one run that a call stores.
 MOST_ROOM = 2**15
 
 #: Number of equal steps of the trial run that finds the size of a motion from rest.
 OF_TRIAL = 200
 
-#: How a run with a controlled step can end.
+#: Ends of a run with a controlled step.
 ENDS = (*STATUSES, "step_too_small", "too_many_steps")
 
 _STATUS = flags("how the run ended", ENDS, np.int32)
@@ -161,16 +161,16 @@ def _joined(parts: Sequence[tuple[np.ndarray, dict]], lanes: bool) -> dict[str, 
 
 
 class Adaptive:
-    """A run with a controlled step: what is marched, and what its result is labelled with.
+    """A run with a controlled step: the march, and the labels of its result.
 
     Parameters
     ----------
     problem
-        The problem, or of a family that of the first lane.
+        The problem, or the first lane's problem of a family.
     starts
         Initial displacement and velocity, of one run or of all lanes.
     make, over
-        Of a family, what makes the problem of a lane, and its arguments.
+        Of a family, the function that makes the problem of a lane, and its arguments.
     lanes
         Number of lanes, 0 for a single run.
     bound
@@ -256,7 +256,7 @@ class Adaptive:
         begin = self._of, lanes, adaptive, self._over, self._starts
         trial, initial, stored = _begin(*begin, dt, tolerance, room)
         if control.estimator.relative and not all(np.all(np.asarray(one)) for one in trial.scales):
-            # a tolerance is a part of the largest displacement, velocity or force, of which there is none yet
+            # a tolerance is relative to the largest displacement, velocity or force so far, which is zero here
             scales = _scales_of_trial(*begin)
             trial = trial._replace(scales=tuple(map(jnp.maximum, trial.scales, scales)))
         parts = []

@@ -1,7 +1,7 @@
 """Checks of the arguments of a run, before its first step.
 
-Each function returns its argument in the form that the march takes, or raises an error whose one sentence names the
-argument, what it should be and what it is.
+Each function returns its argument in the form that the march takes, or raises an error with one sentence that names the
+argument, its expected value and its received value.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ from study.registry import Registry, did_you_mean
 
 T = TypeVar("T")
 
-#: Names in every result, which no observer may have.
+#: Reserved names, which every result has and no observer may take.
 RESERVED = (
     "status",
     "failed_at_step",
@@ -38,16 +38,16 @@ RESERVED = (
     "v0",
 )
 
-#: Largest displacement of a run without a bound of its own, as multiples of u₀ + T u̇₀ and of T² f/m. A motion that is
-#: unstable by nature may start from a tiny displacement and still be of an ordinary size.
+#: Default bound of the displacement, as multiples of u₀ + T u̇₀ and of T² f/m. A physically unstable motion may grow
+#: from a tiny displacement to an ordinary size.
 OF_START, OF_LOAD = 1e9, 1e5
 
 #: Sampling of the load before a run: maximum, minimum, cap on samples × unknowns.
-MOST_LOOKS, FEWEST_LOOKS, LOOKED_AT = 1001, 65, 10_000_000
+MOST_SAMPLES, FEWEST_SAMPLES, SAMPLED = 1001, 65, 10_000_000
 
 
 def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
-    """The entry of that name, or the thing itself if it is of the kind."""
+    """The entry of that name, or the object itself if it is of the kind."""
     if isinstance(thing, str):
         return registry[thing]
     if not isinstance(thing, kind):
@@ -117,7 +117,7 @@ def checked_start(problem: Problem, name: str, start: DisplacementsLike | None) 
 
 
 def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tuple[Observer, ...]:
-    """Observers, by name or as they are; one alone stands for a list of one."""
+    """Observers, by name or as objects; a single one counts as a list."""
     if observe is None:
         raise TypeError(f"observe must be a list of observers; {did_you_mean('', observers)}")
     listed = [observe] if isinstance(observe, str | Observer) else observe
@@ -132,12 +132,12 @@ def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tup
 def checked_bound(
     bound: float | None, problems: Sequence[Problem], u0: Displacements, v0: Displacements, duration: float
 ) -> float:
-    """Largest displacement of a run: as given, or far beyond what start and load of any of the problems bring about.
+    """Largest displacement of a run: as given, or far beyond the motions that start and load of the problems cause.
 
     Raises
     ------
     ValueError
-        If it is no positive number, or the load is not finite at some time of the run.
+        If it is not a positive number, or the load is not finite at some time of the run.
     """
     if bound is not None:
         if isinstance(bound, bool) or not isinstance(bound, int | float | np.number) or not bound > 0:
@@ -154,8 +154,8 @@ def checked_bound(
 
 
 def _largest_load(problem: Problem, duration: float) -> float:
-    looks = int(np.clip(LOOKED_AT // np.size(problem.u0), FEWEST_LOOKS, MOST_LOOKS))
-    times = np.linspace(0.0, duration, looks)
+    count = int(np.clip(SAMPLED // np.size(problem.u0), FEWEST_SAMPLES, MOST_SAMPLES))
+    times = np.linspace(0.0, duration, count)
     sizes = np.asarray(_sizes(problem.load, times))
     if not np.isfinite(sizes).all():
         raise ValueError(
@@ -183,7 +183,7 @@ def number_of_lanes(
 
 
 def check_memory(records: Mapping[str, int], samples: int) -> None:
-    """Refuse records that are larger than the free memory of this machine, which they pass through twice.
+    """Refuse records that exceed the free memory of this machine, of which they take twice their size.
 
     Parameters
     ----------

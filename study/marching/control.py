@@ -15,22 +15,22 @@ from study.mechanics.definition import Problem
 from study.observer.base import Observer
 from study.scheme.base import Scheme
 
-#: First step of a run to which none is given, as a part of the duration.
+#: Default first step, as a part of the duration.
 FIRST_STEP = 1e-3
 
-#: Largest number of steps of a run to which none is given.
+#: Default of the largest number of steps.
 MOST_STEPS = 1_000_000
 
 
 class Control(NamedTuple):
-    """What chooses the steps of a run.
+    """The choice of the steps of a run.
 
     Attributes
     ----------
     tolerance, dt
         Tolerance and first step, of shape () or (lanes,).
     times
-        Times on which a step must end, the last of which ends the run.
+        Times on which a step must end; the last one ends the run.
     steps
         Largest number of steps.
     """
@@ -44,7 +44,7 @@ class Control(NamedTuple):
 
 
 def usual_estimator(scheme: Scheme, problem: Problem) -> str:
-    """The first of embedded pair, Zienkiewicz-Xie of a carried acceleration, and step doubling that fits a scheme."""
+    """Default estimator: embedded pair, else Zienkiewicz-Xie of a carried acceleration, else step doubling."""
     carries = scheme.acceleration_offset is not None
     fits = ["embedded_pair", *(["zienkiewicz_xie"] if carries else []), "step_doubling"]
     return next(name for name in fits if not estimators[name].refusal(scheme, problem))
@@ -62,7 +62,7 @@ def checked_control(
     dt: Any,
     steps: Any,
 ) -> Control:
-    """What chooses the steps of a run, from the arguments of :func:`study.run`.
+    """The choice of the steps of a run, from the arguments of :func:`study.run`.
 
     Raises
     ------

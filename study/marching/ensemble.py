@@ -18,14 +18,14 @@ from study.settings import cores
 #: are padded to a tile; otherwise XLA compiles another loop and the last bits differ.
 TILE = 64
 
-#: Up to this many lanes of several unknowns are marched as single runs, which share the program of a single run, and
-#: which a tile outruns only where it is full.
+#: Largest number of lanes of several unknowns that are marched as single runs. They share the program of a single run,
+#: and only a full tile is faster.
 FEW = 64
 
 #: Initial displacements and velocities, and step sizes.
 Begin = tuple[DisplacementsOfLanes, DisplacementsOfLanes, OfLanes]
 
-#: Numbers of tiles that one call marches.
+#: Possible numbers of tiles of one call.
 GROUPS = (1, 8, 64)
 
 

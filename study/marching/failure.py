@@ -1,4 +1,4 @@
-"""What a run that failed says: scheme, step, time and the likely cause."""
+"""The message of a failed run: scheme, step, time and the likely cause."""
 
 import numpy as np
 
@@ -8,11 +8,11 @@ from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies
 from study.scheme.base import Scheme
 
-#: What :func:`study.run` does about a failed run.
+#: Reactions of :func:`study.run` to a failed run.
 ON_FAILURE = ("warn", "raise", "ignore")
 
 
-#: What happened to a run, by its status.
+#: Descriptions of failures, by status.
 HOW = {
     NO_SOLUTION: "Newton's iteration found no balance of forces, not even with a safeguard",
     NOT_FINITE: "the state was no longer finite",
@@ -25,7 +25,7 @@ class RunFailedWarning(RuntimeWarning):
 
 
 def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> str:
-    """One sentence on why such a run fails, and what helps."""
+    """One sentence on the likely cause of a failure, and a remedy."""
     found = frequencies(problem)
     highest = None if found is None else found[-1]
     beyond = ", and may be larger beyond the kinks of the force" if problem.kinked else ""
@@ -52,7 +52,7 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
 
 
 def sentence(result: Result, problem: Problem, scheme: Scheme, dt: PerRun) -> str:
-    """What happened to the runs, in one or two sentences; empty if all of them completed."""
+    """The failures of the runs, in one or two sentences; empty if all of them completed."""
     failed = np.flatnonzero(result.status != COMPLETED)
     if not failed.size:
         return ""

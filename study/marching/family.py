@@ -1,4 +1,4 @@
-"""An ensemble over anything that a problem is made of."""
+"""An ensemble over arguments of a function that makes the problem."""
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
@@ -27,7 +27,7 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
     Raises
     ------
     TypeError, ValueError
-        If ``make`` is no function of the names, a name is taken, or the arrays are no numbers of one length.
+        If ``make`` is not a function of the names, a name is taken, or the arrays are not numbers of one length.
     """
     if not callable(make) or isinstance(make, Problem):
         what = f"the problem '{make.title}'" if isinstance(make, Problem) else repr(make)
@@ -57,18 +57,18 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
 def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) -> list[Problem]:
     """The problems of the first lane and of those where an argument is least or largest.
 
-    Only there is the problem made with numbers, so that its own checks see them.
+    Only there is the problem made with numbers, so that its checks can examine them.
 
     Raises
     ------
     TypeError, ValueError
-        If ``make`` returns no problem, or one that its checks refuse, or an unknown has no mass.
+        If ``make`` does not return a problem, or the checks of the problem refuse it, or an unknown has no mass.
     """
     ends = {0}
     for value in over.values():
         flat = value.reshape(len(value), -1)
         ends |= {*flat.argmin(axis=0).tolist(), *flat.argmax(axis=0).tolist()}
-    # arrays of JAX, as the march gives them: a number of NumPy times a sparse matrix of JAX is none
+    # arrays of JAX, as in the march: the product of a NumPy number and a sparse matrix of JAX is not a sparse matrix
     made = {lane: make(**{name: jnp.asarray(value[lane]) for name, value in over.items()}) for lane in sorted(ends)}
     for lane, problem in made.items():
         if not isinstance(problem, Problem):

@@ -20,17 +20,17 @@ from study.scheme.wrapper.linearised import Linearised
 from study.scheme.wrapper.with_history import WithHistory
 
 #: Steps per turn of the loop, for a single run with one unknown. Within a turn, values pass from step to step in
-#: registers; between turns they pass through memory. That matters at ten nanoseconds a step, and no longer with two
-#: unknowns. Twice as many steps would save a twentieth where a step is one polynomial, and double the time of a step
+#: registers; between turns they pass through memory. That matters at ten nanoseconds a step, but not with two unknowns.
+#: Twice as many steps would save a twentieth if a step is one polynomial, and double the time of a step
 #: with several forces or sines, which no longer fits into registers.
 BLOCK = 3
 
-#: Steps of a tile between two checks whether any of its lanes goes on.
+#: Number of steps of a tile between two checks whether any of its lanes still runs.
 PATIENCE = 64
 
 
 class Progress(NamedTuple):
-    """How far a run has come, with everything needed to continue it.
+    """The progress of a run, with everything needed to continue it.
 
     With lanes, every array except ``step`` has an axis of lanes in front.
 
@@ -44,7 +44,7 @@ class Progress(NamedTuple):
     state
         State of the scheme.
     carried
-        What each reduction carries.
+        State of each reduction.
     """
 
     step: jax.Array
@@ -106,7 +106,7 @@ class March(eqx.Module):
         return {name: jnp.asarray(value, float) for name, value in values.items()}
 
     def start(self, u0, v0, dt, room: int) -> tuple[Progress, Any, dict[str, jax.Array]]:
-        """Progress at t = 0, the initial state, and room for samples, of which the first is stored.
+        """Progress at t = 0, the initial state, and room for samples, with the first one stored.
 
         The place after the last one takes all samples for which there is no room.
         """
@@ -129,7 +129,7 @@ class March(eqx.Module):
         """One step of every run, or with ``steps`` of the lanes that have not yet taken that many."""
 
         def one(step, state, carried, dt):
-            # the round-off of a running sum would grow with the number of steps; that of a product does not
+            # the round-off of a running sum would grow with the number of steps; the round-off of a product does not
             state, effort = stepped(self.scheme, self.problem, state, step.astype(dt.dtype) * dt, dt)
             now = (step + 1).astype(dt.dtype) * dt
             problem = self.problem.at(state)
@@ -158,7 +158,7 @@ class March(eqx.Module):
         def goes_on(p, ahead=1):
             return (p.step + ahead <= until) & jnp.any(p.failure == 0)
 
-        step = jax.jit(step)  # traces the step once for all its uses below
+        step = jax.jit(step)  # traced once for all uses of the step below
 
         def block(p):
             for _ in range(BLOCK):

@@ -1,4 +1,4 @@
-"""The compiled functions of a march, and the way of a run through them."""
+"""The compiled functions of a march, and the calls that a run makes to them."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -18,22 +18,22 @@ from study.marching.shapes import CountPerRun, Displacements, PerRun
 from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 
-#: Room for samples, so that their number is no part of what is compiled: of a run that one call marches, and of one
-#: that several calls march. A call takes a tenth of a millisecond besides its steps.
+#: Room for samples, so that few programs are compiled: for a run of one call, and for a run of several calls. The
+#: overhead of a call is a tenth of a millisecond.
 AT_ONCE, IN_STRETCHES = 2**13, 2**17
 
-#: Numbers of one variable that these samples may hold.
+#: Largest number of values of one variable in these samples.
 ROOM = 2**19
 
-#: Steps of one unknown between two chances to interrupt a run: about a second.
+#: Number of steps of one unknown between two chances to interrupt a run: about a second.
 PAUSE = 2**24
 
-#: Fields that name a problem or a scheme for readers and change nothing in a march.
+#: Names of fields that are labels and change nothing in a march.
 LABELS = ("title", "source", "doi")
 
 
 def unlabelled(part: Any) -> Any:
-    """A copy of a march, problem or scheme, and of those in it, without labels; anything else as it is.
+    """A copy of a march, problem or scheme, and of its parts, without labels; other objects unchanged.
 
     Labels would be part of what is compiled.
     """
@@ -47,7 +47,7 @@ def unlabelled(part: Any) -> Any:
 
 
 class _Form:
-    """All of a march but its numbers: what is compiled depends on it."""
+    """All of a march except its numbers; the compiled program depends on it."""
 
     def __init__(self, structure, constants: tuple):
         self.structure, self.constants = structure, constants
@@ -85,7 +85,7 @@ def _proceed(march: March, counts, each_step: bool, stored, progress, initial, d
 
 @partial(jit, static_argnums=(0, 4, 5))
 def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_step: bool, own):
-    """Samples and result of a run in one stretch: what goes on inside needs no way in or out, which takes time."""
+    """Samples and result of a run in one stretch, without the time to pass its progress in and out."""
     march = form.march(numbers)
 
     def one(u0, v0, dt, own):
@@ -131,9 +131,9 @@ def as_result(result: tuple, samples: dict[str, np.ndarray]) -> Result:
 
 
 class Program:
-    """A march, split into its numbers and what is compiled.
+    """A march, split into its numbers and its compiled program.
 
-    Marches that differ in numbers or in labels alone share what is compiled.
+    Marches that differ only in numbers or in labels share the compiled program.
     """
 
     def __init__(self, march: March):
@@ -169,7 +169,7 @@ class Program:
         own
             Number of steps of each lane, if they differ.
         pause
-            Most steps without a pause, in which the run can be interrupted; by default those of about a second.
+            Largest number of steps without a pause, in which the run can be interrupted; by default about a second.
         on_pause
             Called with the step at each pause; the run ends there if it returns False.
 
@@ -208,7 +208,7 @@ class Program:
             new = min(room, samples + 1 - first)
             for name, values in stored.items():
                 whole[name][(*before, slice(first, first + new))] = np.asarray(values)[(*before, slice(new))]
-            # waits for the result, so that Ctrl-C is heard between two stretches
+            # waits for the result, so that Ctrl-C acts between two stretches
             if np.all(np.asarray(result[0])) or not on_pause(until):
                 break
         for values in whole.values():

@@ -1,4 +1,4 @@
-"""A run as a pure function, which JAX differentiates, vectorises and compiles with what is around it."""
+"""A run as a pure function, which JAX differentiates, vectorises and compiles with its surroundings."""
 
 import math
 from collections.abc import Sequence
@@ -33,21 +33,21 @@ def final_state(
 ) -> dict[str, jax.Array]:
     """The end of a run and its reductions, as a pure function of every number in problem, scheme, dt and start.
 
-    ``jax.grad``, ``jax.jvp``, ``jax.vmap`` and ``jax.jit`` take it, also where they make the problem. Newton's
-    iteration is differentiated by the implicit function theorem, exactly and not iteration by iteration. Backward
-    derivatives keep about 2√steps states and march twice.
+    ``jax.grad``, ``jax.jvp``, ``jax.vmap`` and ``jax.jit`` apply to it, also if the problem depends on their arguments.
+    Newton's iteration is differentiated by the implicit function theorem, exactly and not iteration by iteration.
+    Backward derivatives keep about 2√steps states and march twice.
 
     Newton's iteration has no safeguard here unless the problem is one of ``with_safeguard()``, and a run has no bound.
 
     Second derivatives of implicit schemes are right if the first is taken forward: ``jax.jacfwd(jax.jacfwd(f))`` or
-    ``jax.grad(jax.jacfwd(f))``. They are wrong if the first is taken backward, as by ``jax.hessian``: JAX 0.10 forgets
-    the rule for derivatives of an implicit root where it differentiates a scan backward and then once more, also that
-    of its own ``lax.custom_root``.
+    ``jax.grad(jax.jacfwd(f))``. They are wrong if the first is taken backward: JAX 0.10 ignores the rule for
+    derivatives of an implicit root, even of its own ``lax.custom_root``, when it differentiates a scan backward and
+    then once more.
 
     Parameters
     ----------
     problem, scheme, dt, u0, v0
-        As in :func:`study.run`; none of them makes an ensemble, ``jax.vmap`` does.
+        As in :func:`study.run`, but not for an ensemble: use ``jax.vmap``.
     steps
         Number of steps, which is fixed when JAX compiles.
     observe
@@ -61,7 +61,7 @@ def final_state(
     Raises
     ------
     ValueError
-        If an observer records along time, or scheme or observer do not fit the problem.
+        If an observer records along time, or scheme or observers do not fit the problem.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a march gives back: how each run ended and what was observed, and both as a labelled dataset."""
+"""The result of a march: how each run ended and the observed values, and both as a labelled dataset."""
 
 from collections.abc import Sequence
 from dataclasses import fields
@@ -32,12 +32,12 @@ OF_LANE = {
     "v0": {"long_name": "initial velocity", "units": "s-1"},
 }
 
-#: Numbers of a start that an attribute may hold.
+#: Largest number of values of a start that an attribute may hold.
 MOST_IN_ATTRIBUTE = 1000
 
 
 class Result(NamedTuple):
-    """What a march gives back; with lanes, every array has an axis of lanes in front.
+    """The result of a march; with lanes, every array has an axis of lanes in front.
 
     Attributes
     ----------
@@ -83,14 +83,14 @@ class Work:
     Attributes
     ----------
     steps
-        Number of steps of all runs, over all lanes, which the pipeline compares with the promise of an experiment.
+        Number of steps of all runs, over all lanes, which the pipeline compares with the declared number.
     """
 
     steps = 0
 
 
 class Labels:
-    """What makes results of one scheme on one problem into datasets."""
+    """Labels that turn results of one scheme on one problem into datasets."""
 
     def __init__(self, problem: Problem, scheme: Scheme, observers: Sequence[Observer]):
         self.attributes = {
@@ -126,7 +126,7 @@ class Labels:
         Parameters
         ----------
         result
-            Result of the march, with NumPy arrays that nobody else uses.
+            Result of the march, with NumPy arrays that no other code uses.
         u0, v0, dt, steps
             Initial displacement and velocity, step size and number of steps: one of each, or one per lane.
         every, samples

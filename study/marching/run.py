@@ -41,10 +41,10 @@ from study.problem.named import problems
 from study.scheme.base import Scheme
 from study.scheme.named import schemes
 
-#: Samples × lanes × unknowns whose records fit into the memory of any machine.
+#: Largest samples × lanes × unknowns whose records fit into the memory of any machine.
 ANY_MEMORY = 10_000_000
 
-#: Steps × unknowns of a run that shows a progress bar.
+#: Least steps × unknowns of a run that shows a progress bar.
 LONG = 2**24
 
 
@@ -85,7 +85,7 @@ def _samples(records: Sequence[Record], steps: CountPerRun, every: int, samples:
 
 
 def _check_memory(march: March, u0: Displacements, v0: Displacements, dt: PerRun, samples: int) -> None:
-    """Refuse records that exceed the memory; their shapes are those of the first sample, which is not computed."""
+    """Refuse records that exceed the memory; their shapes follow from the first sample, which is not computed."""
     if (samples + 1) * u0.size <= ANY_MEMORY:
         return
     one = (u0[0], v0[0], dt[0]) if dt.ndim and not march.lanes else (u0, v0, dt)
@@ -114,7 +114,7 @@ def run(
     bound: float | None = None,
     on_failure: str = "warn",
 ) -> xr.Dataset:
-    r"""March one scheme on one problem and return what was observed, with equal steps or with a tolerance.
+    r"""March one scheme on one problem and return the observed values, with equal steps or with a tolerance.
 
     A run whose Newton iteration fails is marched once more with a safeguard: with one unknown a bracket, which finds a
     root wherever the residual changes its sign, and with several unknowns shorter corrections
@@ -137,9 +137,9 @@ def run(
     duration
         Time at which a run with a tolerance ends.
     estimator, controller
-        Names in ``study.estimators`` and ``study.controllers``, or your own. By default
-        ``embedded_pair`` or ``zienkiewicz_xie`` where the scheme has what they need, otherwise
-        ``step_doubling``; and ``pi``.
+        Names in ``study.estimators`` and ``study.controllers``, or your own. The default estimator is
+        ``embedded_pair`` or ``zienkiewicz_xie`` if the scheme supports it, otherwise
+        ``step_doubling``; the default controller is ``pi``.
     times
         Times on which a step of a run with a tolerance must end; by default the samples of a record.
     observe
@@ -147,9 +147,9 @@ def run(
     u0, v0
         Initial displacement and velocity, in place of the problem's; an array (lanes, ...) makes an ensemble.
     over
-        Makes an ensemble over anything that a problem is made of. ``problem`` is then a function that makes one, and
-        ``over`` a mapping from its arguments to arrays (lanes, ...). The function is part of what is compiled: it must
-        use ``jax.numpy``, and all lanes have the same shapes.
+        Makes an ensemble of problems. ``problem`` is then a function that makes one, and
+        ``over`` a mapping from its arguments to arrays (lanes, ...). The function is part of the compiled program: it
+        must use ``jax.numpy``, and all lanes have the same shapes.
     every
         Steps between two samples of a record; it must divide ``steps`` unless ``samples`` is given.
     samples
@@ -159,7 +159,7 @@ def run(
         the larger of :math:`10^9 (|u_0| + T |\dot u_0|)` and :math:`10^5\,T^2 f/m` with the duration T, the largest
         load f and the smallest mass m; ``np.inf`` for none.
     on_failure
-        What a failed run does: ``"warn"``, with scheme, step, time and likely cause, ``"raise"`` or ``"ignore"``.
+        Reaction to a failed run: ``"warn"``, with scheme, step, time and likely cause, ``"raise"`` or ``"ignore"``.
 
     Returns
     -------
@@ -170,7 +170,7 @@ def run(
         sizes, records lie along ``sample`` and ``t`` is a coordinate over (lane, sample). Values of a failed run are
         NaN, and its samples from the failure on. A run with a tolerance has ``steps``, the trial steps that were
         rejected by the estimate or without a balance, and along time ``step_size``, ``estimate`` and the rejections
-        before each step; it keeps what was computed before a failure. The attributes name problem, scheme, its
+        before each step; it keeps the values before a failure. The attributes name problem, scheme, its
         parameters, version, and the ``dt``, ``steps``, ``u0`` and ``v0`` that all runs share.
 
     Raises
@@ -257,10 +257,10 @@ def run(
 
     try:
         result = marched(lambda one: one)
-    except TypeError as error:  # of a scheme or an observer: the way to it through the march helps nobody
+    except TypeError as error:  # of a scheme or an observer: the traceback through the march is useless
         raise error.with_traceback(None) from error.__cause__
     unsolved = result.status == NO_SOLUTION
-    if not (method.explicit or equation.linear):  # a correction may lead to where the force is not finite
+    if not (method.explicit or equation.linear):  # the force may not be finite after a correction
         unsolved |= result.status == NOT_FINITE
     if unsolved.any():
         again = marched(Problem.with_safeguard, unsolved)
@@ -298,7 +298,7 @@ def _check_on_failure(on_failure: str) -> None:
 
 
 def _tell(result: Result, problem: Problem, scheme: Scheme, dt: PerRun, on_failure: str) -> None:
-    """Warn of runs that failed, raise, or keep silent."""
+    """Warn of failed runs, raise, or ignore them."""
     if on_failure != "ignore" and np.any(result.status):
         what = failure.sentence(result, problem, scheme, dt)
         if on_failure == "raise":

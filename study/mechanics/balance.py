@@ -8,18 +8,18 @@ In every implicit scheme the new displacement and velocity are affine in one unk
     M a + C (\tilde v + c_v a) + w\,p(\tilde u + c_u a) &= r
 
 The schemes differ in ũ, ṽ, c_u and c_v, in the weight w of the internal force and in the right side r. A force may take
-the velocity ṽ + c_v a too, and a history, which the iteration leaves as it was committed. A problem may have a constant
+the velocity ṽ + c_v a too, and a history, which the iteration does not change. A problem may have a constant
 stiffness K, so that its internal force is K u + p; then only p is differentiated.
 
-Newton corrections are not shortened where the force is smooth. Where the slope of the force may jump, the iteration
-could go to and fro between two branches for ever. With one unknown it is then kept between two accelerations with
-residuals of opposite signs, and bisects where Newton's correction leaves them or does not halve. With several unknowns
-a correction that goes too far is shortened to where the residual along it is nearly zero.
+Newton corrections are not shortened if the force is smooth. If the slope of the force may jump, the iteration
+could oscillate between two branches without end. With one unknown it is then kept between two accelerations with
+residuals of opposite signs, and bisects if Newton's correction leaves them or does not halve. With several unknowns
+a correction that is too long is shortened to where the residual along it is nearly zero.
 
-An iteration of a problem that is ``safeguarded`` starts again where it fails. With one unknown it seeks a bracket,
+An iteration of a problem that is ``safeguarded`` starts again if it fails. With one unknown it seeks a bracket,
 which finds a root of every continuous residual that changes its sign. With several unknowns a correction is halved
-until the next one of the same tangent is shorter (Deuflhard, 2004, section 3.3). Asking for a smaller residual instead
-stalls where stiff members rotate.
+until the next one of the same tangent is shorter (Deuflhard, 2004, section 3.3). A test for a smaller residual would
+stall where stiff members rotate.
 
 References
 ----------
@@ -41,7 +41,6 @@ from study.algebra.sparse import Sparse
 from study.mechanics.definition import Problem
 from study.mechanics.newton import (
     MAX_SAFEGUARDED,
-    TOLERANCES,
     backtracked,
     iterated,
     narrowed,
@@ -49,6 +48,7 @@ from study.mechanics.newton import (
     opened_closure,
     root,
     shortened,
+    tolerances_of,
 )
 from study.mechanics.state import Effort
 from study.mechanics.tangent import FormOfTangent, force_and_tangent
@@ -134,7 +134,7 @@ def acceleration_within(
 
 
 def initial_acceleration(problem: Problem, u0: Vector, v0: Vector) -> Vector:
-    """Acceleration at t = 0; zero for an unknown without mass, which the equation of motion leaves undetermined."""
+    """Acceleration at t = 0; zero for an unknown without mass, whose acceleration the equation does not determine."""
     if not problem.massless:
         return acceleration(problem, 0.0, u0, v0)
     rhs = _less_damping(problem, load(problem, 0.0) - problem.internal_force(u0, v0), v0)
@@ -167,7 +167,7 @@ def balance(
 
         M a + C (v + c_v a) + w\,p(u + c_u a, v + c_v a) = r
 
-    The tangent is that of the force from its committed history.
+    The tangent is the derivative of the force from its committed history.
 
     Parameters
     ----------
@@ -184,13 +184,13 @@ def balance(
     weight
         w, the weight of the internal force.
     force
-        Internal force as a function of u + c_u a and v + c_v a, in place of the problem's p, which has no stiffness
-        beside it then.
+        Internal force as a function of u + c_u a and v + c_v a, in place of the problem's p. The problem then has no
+        stiffness K.
     symmetric
         Whether the tangent is symmetric if M and C are.
     tolerance
         The iteration ends at the latest when a correction changes the displacement by less than this part of it, or
-        the velocity if the force depends on it; by default that of ``TOLERANCES``.
+        the velocity if the force depends on it; by default the value of ``TOLERANCES``.
 
     Returns
     -------
@@ -200,14 +200,14 @@ def balance(
         acceleration.
     """
     force, whole = (problem.varying_force, problem.internal_force) if force is None else (force, force)
-    n, tolerances = u.size, TOLERANCES[u.dtype]
+    n, tolerances = u.size, tolerances_of(u.dtype)
     tolerance = tolerances.displacement if tolerance is None else tolerance
     inertia = _inertia(problem, c_v, n)
     rhs = _less_damping(problem, rhs, v)
     weighted = product(weight, c_u, n)
     # assembled once; Newton's iterations add what varies
     constant = inertia if problem.stiffness is None else add(inertia, product(problem.stiffness, weighted, n), n=n)
-    # what a correction is compared with
+    # scale of a correction
     start, reach = (v, c_v) if problem.takes_velocity else (u, c_u)
 
     def internal_force(of, a):
@@ -240,7 +240,7 @@ def balance(
         out_of_balance = inertial + internal - rhs
         correction = solved(effective, out_of_balance)
         if halved:
-            # a correction that was halved many times is short and no sign of convergence
+            # a correction that was halved many times is short without convergence
             moved = norm(times(reach, correction))
             a = a - backtracked(residual, a, correction, partial(solved, effective))
         else:
@@ -282,8 +282,8 @@ def balance(
     opened, given = opened_closure(iterates, first, nothing)
     given = lax.stop_gradient(given)
     found, unfinished, iterations = first, jnp.ones((), bool), jnp.zeros((), int)
-    if not jnp.ndim(first):
-        # most steps need two iterations, one to correct and one to confirm: these two are written out before the loop,
+    if not jnp.ndim(first) and tolerances.near > 0:
+        # most steps need two iterations, one to correct and one to confirm. These two are written out before the loop,
         # which for several unknowns would double what is compiled and save little
         once, _, moved = opened((first, nothing), given)
         (found, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)

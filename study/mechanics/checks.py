@@ -1,7 +1,7 @@
 """Checks of the numbers of a problem, made once when the problem is made.
 
-Each check refuses what a run could not use, with a sentence that names the argument, what was received and what is
-expected. Values that JAX is tracing have a shape but no numbers: only their shape is checked.
+Each check refuses invalid values, with a sentence that names the argument, the received value and the expected one.
+Values that JAX is tracing have a shape but no numbers: only their shape is checked.
 """
 
 import equinox as eqx
@@ -21,7 +21,7 @@ MATRICES = ("stiffness", "mass", "damping")
 
 
 def numbers_or_matrix(name: str, value):
-    """The value as a float64 array; None, matrices in a form of their own and what JAX is tracing stay as they are."""
+    """The value as a float64 array; None, matrices in a special form and traced values are returned unchanged."""
     if value is None or isinstance(value, jax.core.Tracer | Rayleigh | Banded | Sparse | MatrixFree):
         return value
     if is_sparse_of_jax(value):
@@ -38,7 +38,7 @@ def numbers_or_matrix(name: str, value):
 
 
 def check_shapes(problem) -> None:
-    """Refuse numbers whose shapes do not fit that of u₀."""
+    """Refuse numbers whose shapes do not fit the shape of u₀."""
     shape = np.shape(problem.u0)
     if problem.u0 is None or len(shape) > 1 or shape == (0,):
         got = "nothing" if problem.u0 is None else f"an array of shape {shape}"
@@ -80,7 +80,7 @@ def check_finite(name: str, value) -> None:
 
 
 def check_ground(ground, load, title: str) -> None:
-    """Refuse a ground that is no motion, and a load that is no function."""
+    """Refuse a ground that is not a GroundMotion, and a load that is not a function."""
     if not isinstance(ground, GroundMotion):
         raise TypeError(f"ground of '{title}' must be a study.GroundMotion, not {ground!r}.")
     if load is not None and not callable(load):
@@ -107,7 +107,7 @@ def is_singular(mass) -> bool:
     diagonal = np.diagonal(mass) if mass.ndim == 2 else mass
     full = mass.ndim == 2 and np.count_nonzero(mass) > np.count_nonzero(diagonal)
     values = np.linalg.eigvalsh(mass) if full else diagonal
-    # eigenvalues of a full matrix are known to round-off only
+    # eigenvalues of a full matrix have round-off
     smallest, zero = values.min(), np.abs(values).max() * (1e-14 * len(values) if full else 0.0)
     if smallest < -zero:
         raise ValueError(f"mass must not be negative; its smallest value is {smallest:g}.")

@@ -43,11 +43,11 @@ class Problem(eqx.Module):
     u0, v0
         Displacement and velocity at t = 0, both of shape () or (n,). The default velocity is zero.
     history
-        What a force with a memory remembers, at rest: any arrays of real numbers, in any containers. By default the
-        attribute ``history`` of the force, as :mod:`study.materials` have it. ``force(u, u̇, history)`` is that of a
-        motion from the end of the last step, where the history was committed, to u and u̇. Newton's iterations and the
-        stages of a scheme start from the committed history; the end of the step commits the new one. At u and u̇ where
-        it was committed, the new history must give the same force and return itself.
+        Memory of a force, at rest: any arrays of real numbers, in any containers. By default the attribute ``history``
+        of the force, as in :mod:`study.materials`. ``force(u, u̇, history)`` is the force after the motion from the end
+        of the last step, where the history was committed, to u and u̇. Newton's iterations and the stages of a scheme
+        start from the committed history; the end of the step commits the new one. At u and u̇ where it was committed,
+        the new history must give the same force and return itself.
     stiffness
         K, the constant part of the internal force, which is K u + p then: a number, a diagonal (n,), or a symmetric
         matrix (n, n), dense, of :mod:`scipy.sparse`, or a ``BCOO`` of :mod:`jax.experimental.sparse`, whose entries
@@ -56,8 +56,8 @@ class Problem(eqx.Module):
         act on few unknowns or couple neighbours; the factorisation follows the pattern, and is kept while the matrix
         stays.
     potential
-        V(u) with p = ∂V/∂u, a scalar, or a :class:`study.StrainEnergy`; V(u, history) for a force with a history. Of a
-        force that dissipates it is the energy that is stored. Only energies and conserving schemes need it.
+        V(u) with p = ∂V/∂u, a scalar, or a :class:`study.StrainEnergy`; V(u, history) for a force with a history. For a
+        force that dissipates it is the stored energy. Only energies and conserving schemes need it.
     mass
         M: a number, a diagonal (n,) or a symmetric matrix (n, n), dense or sparse; the identity by default. An unknown
         without mass makes M singular. Implicit schemes that are stable at infinite frequency can step such a problem;
@@ -90,7 +90,7 @@ class Problem(eqx.Module):
     ------
     ValueError, TypeError
         If shapes do not fit each other, a number is not finite, a matrix is not symmetric, the force is not the
-        gradient of the potential, the declared form is not that of the tangent, or an argument is not a function.
+        gradient of the potential, the tangent does not fit its declared form, or an argument is not a function.
     """
 
     force: Callable = None  # type: ignore[assignment]
@@ -107,7 +107,7 @@ class Problem(eqx.Module):
     tangent: Any = eqx.field(default=None, kw_only=True, static=True)
     positions: PositionsLike = eqx.field(default=None, kw_only=True)
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
-    #: The history at rest, which stays as others are committed.
+    #: History at rest, which does not change when others are committed.
     _at_rest: Any = eqx.field(default=None, kw_only=True, repr=False)
     #: Whether M is singular.
     massless: bool = eqx.field(init=False, static=True)
@@ -191,7 +191,7 @@ class Problem(eqx.Module):
         return self.force if not self.dissipative else lambda u: self.varying_force(u, self.v0 + (u - self.u0))
 
     def _with(self, ground: GroundMotion) -> GroundLoad:
-        """The load with that of the moving ground."""
+        """The load, including the load of the moving ground."""
         checks.check_ground(ground, self.load, self.title)
         if self.influence is None:
             self.influence = np.ones(np.shape(self.u0))
@@ -215,7 +215,7 @@ class Problem(eqx.Module):
         return self._changed("title", "untitled")
 
     def with_safeguard(self) -> "Problem":
-        """The same problem, whose Newton iterations start again with a safeguard where they fail."""
+        """The same problem, whose Newton iterations start again with a safeguard if they fail."""
         return self._changed("safeguarded", True)
 
     def _changed(self, name: str, value: Any) -> "Problem":

@@ -1,4 +1,4 @@
-"""The forms in which a problem stores its matrices: that of the tangent, and of matrices next to it."""
+"""The forms in which a problem stores its matrices: the tangent, and the matrices that are added to it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -27,16 +27,16 @@ def form_of_tangent(
     force
         A function of u whose derivative has an entry wherever the tangent has one; None without a force.
     declared
-        What the problem declares, or None.
+        Form that the problem declares, or None.
     massless
         Whether the mass is singular.
     others
-        Stiffness, mass and damping, as far as they are sparse.
+        Stiffness, mass and damping if they are sparse.
 
     Raises
     ------
     ValueError
-        If the declared form is none, or not that of the tangent, or the derivative is not finite near u₀.
+        If the declared form does not exist or does not fit the tangent, or the derivative is not finite near u₀.
     """
     if np.ndim(u0) == 0:
         if declared is not None:
@@ -58,7 +58,7 @@ def form_of_tangent(
             if declared is None:
                 return tangent.found(force, u0, massless, title)  # type: ignore[arg-type]
             tangent.check_declared_form(force, u0, declared, title)  # type: ignore[arg-type]
-    except NOT_TRACEABLE:  # the force has numbers that JAX traces, so that there is no value to look at
+    except NOT_TRACEABLE:  # the force has numbers that JAX traces, so that there are no values
         if declared is None:
             forms = (
                 "diagonal, tridiagonal, a half bandwidth, or a sparse matrix with an entry wherever it has one"
@@ -75,9 +75,9 @@ def form_of_tangent(
 
 
 def entries_of(matrix: Matrix, name: str) -> ScipySparse | None:
-    """A sparse matrix whose entries and symmetry are those of stiffness, mass or damping; None if that is not sparse.
+    """A sparse matrix with the pattern and symmetry of stiffness, mass or damping; None if that is not sparse.
 
-    Of a matrix whose numbers JAX traces the places are known. Stiffness and mass are symmetric, and damping may not be.
+    If JAX traces the numbers of a matrix, its places are still known. Stiffness and mass are symmetric.
     """
     if is_sparse(matrix):
         return matrix

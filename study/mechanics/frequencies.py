@@ -28,8 +28,7 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
     Returns
     -------
     numpy.ndarray or None
-        Of shape (n,), at least (1,); None for more unknowns than a full matrix is worth, or a tangent that is not
-        finite.
+        Of shape (n,), at least (1,); None if a full matrix would be too large, or the tangent is not finite.
     """
     n = np.size(problem.u0)
     if n > FINDABLE:

@@ -1,7 +1,7 @@
 """Checks of a problem's functions, made once when the problem is made.
 
-Each check calls them as a run does, and refuses what a run could not use with a sentence that names the function, what
-was received and what is expected.
+Each check calls them as a run does, and refuses an invalid result with a sentence that names the function, the received
+value and the expected one.
 """
 
 import inspect
@@ -18,17 +18,17 @@ from study.mechanics.terms import StrainEnergy
 #: Names of arguments that a force takes from the motion.
 NEVER_OPTIONAL = ("v", "velocity", "history")
 
-#: Names that suggest the time, which a force does not take.
+#: Parameter names that suggest the time, which a force does not take.
 TIME = ("t", "time")
 
-#: Names of a parameter that can only be the motion.
+#: Parameter names that can only mean the motion.
 MOTION = ("u", "v", "displacement", "velocity")
 
-#: A potential and its force may differ by this part of the force: the error of a central difference.
+#: Relative tolerance between the slope of a potential and its force: the error of a central difference.
 GRADIENT_AGREEMENT = 1e-5
 
 
-#: What a function raises that JAX cannot trace.
+#: Exceptions of a function that JAX cannot trace.
 NOT_TRACEABLE = (
     jax.errors.ConcretizationTypeError,
     jax.errors.TracerArrayConversionError,
@@ -37,7 +37,7 @@ NOT_TRACEABLE = (
 
 
 class AsArrays(eqx.Module):
-    """A function whose numbers and lists are made arrays."""
+    """A function whose numbers and lists are converted to arrays."""
 
     function: Callable
 
@@ -52,10 +52,10 @@ class AsArrays(eqx.Module):
 
 
 def index_beyond(function: Callable, *arguments) -> str | None:
-    """What is wrong with an index beyond the end of its arrays; None if there is none.
+    """Error of an index beyond the end of its arrays; None if there is none.
 
     JAX would silently take the last entry, or drop what is added to an entry that does not exist. NumPy finds the
-    first kind. Only a function through which no arrays of NumPy pass, as one with ``u.at[i]``, is compiled with checks.
+    first kind. Only a function that refuses arrays of NumPy, as one with ``u.at[i]``, is compiled with checks.
     """
     try:
         # within `eval_shape` JAX computes nothing
@@ -74,13 +74,13 @@ def _index_beyond_of_jax(function: Callable, arguments: tuple) -> str | None:
     try:
         with jax.ensure_compile_time_eval():
             wrong = checked(*jax.tree.map(jnp.asarray, arguments))[0].get()
-    except (*NOT_TRACEABLE, NotImplementedError):  # of a traced parameter, or what checks do not know
+    except (*NOT_TRACEABLE, NotImplementedError):  # of a traced parameter, or unsupported by the checks
         return None
     return wrong and wrong.rstrip(". ")
 
 
 def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
-    """For each function of a problem: what it is given, in words and as arrays, and the shape of what it returns."""
+    """For each function of a problem: its arguments, in words and as arrays, and the shape of its result."""
     shape = np.shape(problem.u0)
     u, v, history = ("the displacement", problem.u0), ("the velocity", problem.v0), ("the history", problem.history)
     memory = () if problem.history is None else (history,)
@@ -107,7 +107,7 @@ def _parameters(function: Callable | None) -> list[inspect.Parameter]:
 
 
 def check_arguments(force: Callable, load: Callable | None, title: str) -> None:
-    """Refuse a force of the time, a load of the motion, and a default for what a force would then never receive."""
+    """Refuse a force of the time, a load of the motion, and a default that hides an argument of a force."""
     for parameter in _parameters(force):
         if parameter.name in TIME:
             raise ValueError(
@@ -166,7 +166,7 @@ def check_functions(problem) -> None:
 
 
 def _without_history(returned, history, title: str):
-    """The force out of what a force with a history returned, after a check of the new history."""
+    """The force in the result of a force with a history, after a check of the new history."""
     if not (isinstance(returned, tuple) and len(returned) == 2):
         raise ValueError(f"force of '{title}' must return the force and its new history, a tuple of two.")
     start, new = (
@@ -226,9 +226,9 @@ def check_history(force: Callable, u0, v0, history, title: str) -> None:
 
 
 def check_stored_energy(force: Callable, potential: Callable, u0, history, title: str) -> None:
-    """Refuse a stored energy whose slope is not the force where a motion leaves the history as it is.
+    """Refuse a stored energy whose slope is not the force where a motion does not change the history.
 
-    That is so after a reversal in springs that yield. Where the history changes on both ways, nothing is compared.
+    Springs that yield do not change it after a reversal. If it changes in both directions, nothing is compared.
     """
     u, direction, h = _near(u0)
 
@@ -269,7 +269,7 @@ def _compare(force: Callable, potential: Callable, u, direction, h, title: str) 
         ahead, behind, expected = map(float, values(u + h * direction, u - h * direction, u))
     slope = (ahead - behind) / (2 * h)
     round_off = 1e-14 * max(abs(ahead), abs(behind)) / h
-    # a value that is not finite passes here; the run reports it
+    # a value that is not finite is accepted here; the run reports it
     if abs(slope - expected) > GRADIENT_AGREEMENT * max(abs(slope), abs(expected)) + round_off:
         raise ValueError(
             f"the force of '{title}' is not the gradient of its potential: along a direction near u0 it is "

@@ -1,4 +1,4 @@
-"""Motion of the ground, and the load that it is on a structure."""
+"""Motion of the ground, and its load on a structure."""
 
 import re
 import reprlib
@@ -17,10 +17,10 @@ from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 #: Metres per second squared in one unit of acceleration.
 UNITS = {"g": 9.80665, "m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "in/s2": 0.0254, "ft/s2": 0.3048}
 
-#: Smallest and largest peak of a record in g; beyond them its unit cannot be right. The largest recorded is near 4 g.
+#: Smallest and largest plausible peak of a record in g; otherwise its unit is wrong. The largest recorded is near 4 g.
 PEAKS = (1e-6, 20.0)
 
-#: Times of samples may be off a constant distance by this part of it, for the digits of a file.
+#: Relative tolerance of the spacing of samples, for the digits of a file.
 UNIFORM = 1e-2
 
 #: Accelerations, shape (samples,).
@@ -125,15 +125,15 @@ class GroundMotion(eqx.Module):
         return float(self.dt) * (len(self.acceleration) - 1)
 
     def scaled(self, factor: float) -> "GroundMotion":
-        """The motion multiplied by a factor; all factors share what is compiled."""
+        """The motion multiplied by a factor; all factors share the compiled program."""
         return GroundMotion(factor * self.acceleration, self.dt, title=self.title, source=self.source)
 
     @classmethod
     def read(cls, path: str | Path, unit: str) -> "GroundMotion":
         """Read a record, in metres per second squared.
 
-        Two forms are read. An AT2 file of the PEER ground motion database has four lines of header, of which the last
-        holds ``NPTS`` and ``DT``; its first sample belongs to t = DT, and the motion starts from zero at t = 0. A file
+        Two formats are read. An AT2 file of the PEER ground motion database has four lines of header; the last one
+        holds ``NPTS`` and ``DT``. Its first sample belongs to t = DT, and the motion starts from zero at t = 0. A file
         of two columns holds times and accelerations; lines that begin with ``#`` or ``%`` are skipped.
 
         Parameters
@@ -167,7 +167,7 @@ class GroundMotion(eqx.Module):
     def el_centro(cls) -> "GroundMotion":
         """The north-south ground acceleration at El Centro, 18 May 1940, of 31.18 s and a peak of 0.32 g.
 
-        Peknold's correction, as the PEER ground motion database writes it, with samples 0.02 s apart.
+        Peknold's correction, from the PEER ground motion database, with samples 0.02 s apart.
         """
         return cls.read(_RECORDS / "el_centro_1940_ns.at2", unit="g")
 

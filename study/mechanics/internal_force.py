@@ -1,4 +1,4 @@
-"""What an internal force depends on, whether its slope may jump, and where: all are read off what it computes."""
+"""Arguments of an internal force, and the kinks of its slope, both found in its traced program."""
 
 import inspect
 from collections.abc import Callable
@@ -13,10 +13,10 @@ import numpy as np
 from jax.extend import core
 from jaxtyping import Array, Float
 
-#: Operations whose slope jumps where they do so for no other reason than the value of their argument.
+#: Operations whose slope jumps at some values of their argument.
 KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "rem", "while"}
 KINKS |= {"reduce_max", "reduce_min", "cummax", "cummin", "sort", "top_k"}
-#: Operations of which the truth of a comparison becomes a number, as in ``u * (u > 0)``.
+#: Operations that turn the result of a comparison into a number, as in ``u * (u > 0)``.
 CONVERSION = "convert_element_type"
 #: Operations that branch by their first argument.
 BRANCHES = {"select_n", "cond"}
@@ -38,7 +38,7 @@ def as_history(start: Any, title: str) -> Any:
     Raises
     ------
     ValueError
-        If it holds something else than finite real numbers, or nothing.
+        If it holds values other than finite real numbers, or nothing.
     """
     leaves, structure = jax.tree.flatten(start)
     arrays = [np.asarray(leaf) if not isinstance(leaf, jax.core.Tracer) else leaf for leaf in leaves]
@@ -76,14 +76,14 @@ def _kinked(jaxpr: core.Jaxpr, depends: list[bool]) -> tuple[bool, list[bool]]:
 
 
 def _program(force: Callable, arguments: tuple) -> core.Jaxpr:
-    """What a force computes, as a program of its arguments and the arrays in it."""
+    """The traced program of a force, and the arrays that it captures."""
     return eqx.filter_make_jaxpr(force)(*map(jnp.asarray, arguments))[0].jaxpr
 
 
 def may_have_kinks(force: Callable, *arguments: Any) -> bool:
     """Whether the force branches by an argument, or takes its size, its sign, or the larger of two values of it.
 
-    A root is taken for smooth, as in the length of a bar, although it has a kink where its argument is zero.
+    A root counts as smooth, as in the length of a bar, although it has a kink where its argument is zero.
     """
     program = _program(force, arguments)
     return _kinked(program, [True] * len(program.invars))[0]

@@ -1,6 +1,8 @@
 """The Newton-Raphson iteration."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import partial
 from typing import NamedTuple
 
@@ -43,18 +45,37 @@ TOLERANCES = {
     np.dtype("float32"): Tolerances(5e-6, near=1e-4, predicted=5e-9, force=1e-4, round_off=5e-6),
 }
 
-#: Iterations after which Newton's iteration has failed, and after which one with a safeguard has.
+_LOOSE: ContextVar[float | None] = ContextVar("loose", default=None)
+
+
+@contextmanager
+def ending_at(tolerance: float) -> Iterator[None]:
+    """End the iterations that are traced meanwhile as codes do, at this part of displacement and forces."""
+    token = _LOOSE.set(tolerance)
+    try:
+        yield
+    finally:
+        _LOOSE.reset(token)
+
+
+def tolerances_of(dtype: np.dtype) -> Tolerances:
+    """Tolerances of one precision, or those of :func:`ending_at`, which predict no correction."""
+    loose = _LOOSE.get()
+    return TOLERANCES[dtype] if loose is None else Tolerances(loose, 0.0, 0.0, loose, loose)
+
+
+#: Largest numbers of Newton iterations, without and with a safeguard.
 MAX_ITERATIONS, MAX_SAFEGUARDED = 50, 1000
 
-#: A correction is short enough if the residual along it keeps its sign, or at most this part of its size.
+#: Largest part of the residual that may remain along a correction if the residual changes its sign.
 OVERSHOOT = 0.1
 
-#: Most halvings of a correction.
+#: Largest number of halvings of a correction.
 HALVINGS = 20
 
-#: Most residuals that are taken to shorten a correction: every second one halves the bracket, and the slopes of a force
-#: may differ by as many powers of two.
-MOST_LOOKS = 100
+#: Largest number of residuals evaluated to shorten a correction. Every second one halves the bracket, so the slopes of
+#: a force may differ by half as many powers of two.
+MOST_RESIDUALS = 100
 
 
 def norm(x: Vector | float) -> Scalar:
@@ -116,10 +137,10 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
 def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
     """The next acceleration of one unknown: Newton's, or by bisection where that leaves the bracket or crawls.
 
-    Until the signs of the residuals differ, a correction that is not half of the last one is replaced by twice the last
-    one against the sign of the residual, which far from the root is that of the inertia.
+    Until the signs of the residuals differ, a correction longer than half of the last one is replaced by twice the last
+    one, against the sign of the residual. Far from the root the inertia sets this sign.
 
-    ``bracket`` (4,) holds the acceleration, those with a negative and with a positive residual, and the last change.
+    ``bracket`` (4,) holds the acceleration, the ones with negative and positive residual, and the last change.
     """
     a, negative, positive, last = bracket
     negative, positive = jnp.where(residual < 0, a, negative), jnp.where(residual < 0, positive, a)
@@ -155,32 +176,32 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
 def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
     """A Newton correction of several unknowns, shortened to where the residual along it is nearly zero.
 
-    Where the tangent is symmetric and positive, that is the least energy along the correction, and the iteration comes
-    nearer with every correction. The place is found by secants, where the value at an end that stays is halved
-    (Illinois), and by bisection in turn.
+    If the tangent is symmetric and positive definite, this is the least energy along the correction, and every
+    correction reduces the distance to the solution. Secants (Illinois: the value at a fixed end is halved) and
+    bisection alternate to find the place.
     """
 
     def along(part):
         return jnp.vdot(correction, residual(a - part * correction))
 
     def searches(carry):
-        *_, found, looks = carry
-        return ~found & (looks < MOST_LOOKS)
+        *_, found, evaluations = carry
+        return ~found & (evaluations < MOST_RESIDUALS)
 
-    def look(carry):
-        low, at_low, high, at_high, _, looks = carry
+    def evaluate(carry):
+        low, at_low, high, at_high, _, evaluations = carry
         secant = (low * at_high - high * at_low) / (at_high - at_low)
-        part = jnp.where(looks % 2 == 0, jnp.clip(secant, 0.99 * low + 0.01 * high, high), (low + high) / 2)
+        part = jnp.where(evaluations % 2 == 0, jnp.clip(secant, 0.99 * low + 0.01 * high, high), (low + high) / 2)
         value = along(part)
         beyond, found = value * before < 0, jnp.abs(value) <= OVERSHOOT * jnp.abs(before)
         low, at_low = jnp.where(beyond, low, part), jnp.where(beyond, at_low / 2, value)
         high, at_high = jnp.where(beyond | found, part, high), jnp.where(beyond, value, at_high / 2)
-        return low, at_low, high, at_high, found, looks + 1
+        return low, at_low, high, at_high, found, evaluations + 1
 
     before, whole = jnp.vdot(correction, out_of_balance), along(jnp.ones((), a.dtype))
     found = ~((whole * before < 0) & (jnp.abs(whole) > OVERSHOOT * jnp.abs(before)))
     ends = jnp.zeros((), a.dtype), before, jnp.ones((), a.dtype), whole
-    _, _, part, *_ = lax.while_loop(searches, look, (*ends, found, jnp.zeros((), int)))
+    _, _, part, *_ = lax.while_loop(searches, evaluate, (*ends, found, jnp.zeros((), int)))
     return part * correction
 
 

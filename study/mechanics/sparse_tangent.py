@@ -1,4 +1,4 @@
-"""The form of a sparse tangent: its pattern, and which products with the derivative of the force give its entries.
+"""The form of a sparse tangent: its pattern, and the products with the derivative of the force that give its entries.
 
 Columns without a common row share a product: they have the same colour (Curtis, Powell and Reid, 1974). A force that
 acts on few unknowns, next to a constant stiffness, needs few products.
@@ -19,7 +19,7 @@ import scipy
 from study.algebra.arrays import Matrix, ScipySparse, Vector
 from study.algebra.sparse import Pattern, SparseEntries, union
 
-#: Numbers that the products hold with which the entries of a derivative are found.
+#: Number of values in the products that determine the entries of a derivative.
 ROOM = 2**22
 
 

@@ -1,4 +1,4 @@
-"""The tangent ∂p/∂u by automatic differentiation, in the form that a problem declares or that is found."""
+"""The tangent ∂p/∂u by automatic differentiation, in the declared or detected form."""
 
 from collections.abc import Callable
 from typing import TypeAlias
@@ -11,25 +11,25 @@ from study.algebra.arrays import Matrix, Vector
 from study.algebra.matrices import Banded, MatrixFree, times
 from study.mechanics.sparse_tangent import SparseTangent
 
-#: Names that a problem may declare for the form of its tangent. A whole number is a half bandwidth.
+#: Declarable forms of a tangent. A whole number is a half bandwidth.
 FORMS: dict[str, int | str] = {"diagonal": 0, "tridiagonal": 1, "dense": "dense", "matrix_free": "matrix_free"}
 
-#: Largest number of unknowns for which the form is found, from the full tangent.
+#: Largest number of unknowns for which the form is detected, from the full tangent.
 FINDABLE = 1000
 
 #: Number of vectors that estimate the diagonal of a matrix-free tangent.
 PROBES = 8
 
-#: Up to this many products with the tangent are written out one by one.
+#: Largest number of products with the tangent that are written out one by one.
 WRITTEN_OUT = 3
 
-#: Distances from u₀, relative to its size, at which the tangent is examined: the first one at which it is finite.
+#: Candidate distances from u₀, relative to its size, at which the tangent is examined; the first finite one counts.
 PROBED = (0.05, 1e-3, 1e-6, 1e-9)
 
-#: Another distance, within which springs have not yielded yet.
+#: Smaller distance, within which springs have not yet yielded.
 ELASTIC = 1e-6
 
-#: The true tangent and that of the declared form may differ by this part, for round-off.
+#: Relative tolerance between the true tangent and the tangent in the declared form, for round-off.
 AGREEMENT = 1e-8
 
 
@@ -87,8 +87,8 @@ def force_and_tangent(force: Callable, u: Vector, form: FormOfTangent) -> tuple[
 def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarray]:
     """Displacements at which the derivative of the force is examined, and is finite.
 
-    Two of them lie around u₀, scattered so that no entry of the derivative is zero by chance. Where springs yield or
-    slip there already, their coupling shows closer to u₀, in u₀ and in zero.
+    Two of them lie around u₀, scattered so that no entry of the derivative is zero by chance. If springs already yield
+    or slip there, the displacements closer to u₀, at u₀ and at zero show their coupling.
     """
     scatter = np.random.default_rng(0).uniform(0.5, 1.5, (2, len(u0)))
     slope = jax.jit(lambda u: jax.jvp(force, (u,), (jnp.ones_like(u),))[1])
@@ -103,7 +103,7 @@ def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarra
 
 
 def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | str:
-    """Form of the tangent near u₀ and in zero, up to ``FINDABLE`` unknowns: a half bandwidth, or ``"dense"``.
+    """Form of the tangent near u₀ and at zero, up to ``FINDABLE`` unknowns: a half bandwidth, or ``"dense"``.
 
     It is ``"dense"`` too if the mass is singular and an unknown has no stiffness of its own, because bands are
     eliminated without pivoting.
@@ -146,7 +146,7 @@ def form_named(declared: int | str, n: int, title: str) -> int | str:
 
 
 def check_declared_form(force: Callable, u0: np.ndarray, declared: int | str, title: str) -> None:
-    """Refuse a form, of those that are not dense, in which the tangent is not the derivative of the force.
+    """Refuse a form, other than dense, in which the tangent is not the derivative of the force.
 
     Raises
     ------

@@ -42,7 +42,7 @@ class MeanEnergyError(Reduction):
     """Mean of the signed relative error of the energy over all steps of the run, by a compensated sum.
 
     Oscillations of the energy along the orbit cancel in the mean; drifts do not. The mean of a drift linear in time is
-    half of its final value, and that of a random walk has 1/√3 of its final standard deviation.
+    half of its final value. The mean of a random walk has 1/√3 of its final standard deviation.
     """
 
     variables = {"mean_energy_error": {"long_name": "mean signed relative error of the total energy", "units": "1"}}
@@ -89,10 +89,10 @@ class EnergyBalance(Reduction):
         \Delta D = \tfrac12 (u_1 - u_0)^T C (\dot u_0 + \dot u_1), \quad \Delta W = \tfrac12 (u_1 - u_0)^T (f_0 + f_1)
 
     which is of second order, and exact for the trapezoidal rule on a linear structure. A force with a velocity or a
-    history dissipates too, :math:`\Delta D = \tfrac12 (u_1 - u_0)^T (p_0 + p_1) - \Delta V`. Without a potential what
-    it stores counts as dissipated, V = 0, and the error is relative to :math:`|E_0| + \max(\max|W|, \max|D|)`. For such
-    forces the trapezoidal rule keeps this balance to round-off whatever its step, because its formulas for u and u̇ say
-    the same: the balance is no verdict on it.
+    history dissipates too, :math:`\Delta D = \tfrac12 (u_1 - u_0)^T (p_0 + p_1) - \Delta V`. Without a potential the
+    stored energy counts as dissipated, V = 0, and the error is relative to :math:`|E_0| + \max(\max|W|, \max|D|)`. For
+    such forces the trapezoidal rule keeps this balance to round-off at any step, because its formulas for u and u̇ imply
+    the balance, which therefore does not measure its accuracy.
 
     References
     ----------
@@ -115,7 +115,7 @@ class EnergyBalance(Reduction):
         return super().refusal(problem)
 
     def _at(self, problem, state, t):
-        """What the balance takes from one time: u, u̇, f, and of a dissipative force p and V."""
+        """Values at one time that the balance uses: u, u̇, f, and for a dissipative force p and V."""
         if not problem.dissipative:
             return state.u, state.v, load(problem, t), ()
         stored = jnp.zeros(()) if problem.potential is None else problem.stored_energy(state.u)

@@ -34,9 +34,9 @@ def _root(coefficients):
 
 
 def _chosen(condition, value, other):
-    """One of two steps, to be looked at again at the end: in a step of an ensemble some lane always has a root.
+    """One of two steps, kept for evaluation at the end, because in every step of an ensemble some lane has a root.
 
-    A step is chosen in the one after it. XLA would compute a force again for every choice that takes it.
+    A step is chosen in the next one; otherwise XLA would compute its force once more for every choice.
     """
     return jax.tree.map(partial(jnp.where, condition), value, other)
 
@@ -126,7 +126,7 @@ class PeriodError(Reduction):
         step = jnp.zeros(()), now, now
         return jnp.zeros((), int), now, now, jnp.zeros((), int), step, step
 
-    def _looked_at(self, carried):
+    def _with_last_crossing(self, carried):
         step, before, now, crossings, first, last = carried
         crossed = crosses_upwards(before[0], now[0], self.level)
         this = step.astype(float) - 1, before, now
@@ -134,11 +134,11 @@ class PeriodError(Reduction):
         return step, before, now, crossings + crossed.astype(int), first, last
 
     def update(self, carried, problem, state, t, effort):
-        step, _, now, *others = self._looked_at(carried)
+        step, _, now, *others = self._with_last_crossing(carried)
         return step + 1, now, (state.u, state.v), *others
 
     def result(self, carried, problem, state):
-        step, _, _, crossings, *ends = self._looked_at(carried)
+        step, _, _, crossings, *ends = self._with_last_crossing(carried)
         first, last = (self._crossing(problem, *end) for end in ends)
         between = crossings.astype(float) - 1
         mean_period = jnp.where(crossings > 1, (last - first) / between, self.steps)
@@ -183,7 +183,7 @@ class AmplitudeDecay(Reduction):
         now = state.u, state.v
         return now, now, jnp.zeros((), int), (now, now), (now, now)
 
-    def _looked_at(self, carried):
+    def _with_last_maximum(self, carried):
         before, now, maxima, first, last = carried
         turned = (before[1] > 0) & (now[1] <= 0)
         this = before, now
@@ -191,11 +191,11 @@ class AmplitudeDecay(Reduction):
         return before, now, maxima + turned.astype(int), first, last
 
     def update(self, carried, problem, state, t, effort):
-        _, now, *others = self._looked_at(carried)
+        _, now, *others = self._with_last_maximum(carried)
         return now, (state.u, state.v), *others
 
     def result(self, carried, problem, state):
-        *_, maxima, first, last = self._looked_at(carried)
+        *_, maxima, first, last = self._with_last_maximum(carried)
         first, last = (self._amplitude(problem, *end) for end in (first, last))
         periods = maxima.astype(float) - 1
         return {"amplitude_decay": jnp.where(maxima > 1, 1 - (last / first) ** (1 / periods), jnp.nan)}

@@ -23,7 +23,7 @@ ARGUMENTS = {
     "ground": "acceleration of the ground",
 }
 
-#: How a quantity is reduced to one value a run; along time for None.
+#: Reductions of a quantity to one value a run; None records it along time.
 REDUCTIONS = (None, "peak", "final", "rms")
 
 
@@ -51,7 +51,7 @@ class InternalForce(Record):
 class AbsoluteAcceleration(Record):
     """ü + ι a(t) along time: the acceleration of structures on moving ground in a frame at rest.
 
-    ü is that of the equation of motion, and ι a(t) the acceleration of the ground at each unknown.
+    ü follows from the equation of motion, and ι a(t) is the acceleration of the ground at each unknown.
     """
 
     variables = {"absolute_acceleration": {"long_name": "acceleration in a frame at rest", "units": "m s-2"}}
@@ -101,9 +101,9 @@ class Quantity(Record):
     function
         Function of some of the arguments ``t``, ``u``, ``v``, ``a`` and ``ground``, which it gets by these names: the
         time, and displacement, velocity and acceleration, each of shape () or (n,). It returns a number or a vector and
-        must be written with ``jax.numpy``. The acceleration is that of the equation of motion,
-        :math:`M^{-1} (f - C \dot u - p(u))`, whatever the scheme carries; on moving ground it is relative, ``ground``
-        is ι a(t), that of the ground at each unknown, and ``lambda a, ground: a + ground`` is the absolute one.
+        must be written with ``jax.numpy``. The acceleration follows from the equation of motion,
+        :math:`M^{-1} (f - C \dot u - p(u))`, whatever the scheme carries. On moving ground it is relative: ``ground``
+        is ι a(t), the ground's acceleration at each unknown, and ``lambda a, ground: a + ground`` is the absolute one.
     name, long_name, units
         Name and attributes of the variable in the dataset.
     reduce
@@ -160,7 +160,7 @@ class Quantity(Record):
         return None
 
     def _at_start(self, u, v):
-        """The function of what NumPy knows without a computation."""
+        """The function, called with NumPy arrays."""
         given = {"t": 0.0, "u": u, "v": v, "a": np.zeros_like(u), "ground": np.zeros_like(u)}
         return self.function(**{name: given[name] for name in _arguments_of(self.function)})
 
@@ -172,7 +172,7 @@ class Quantity(Record):
         if "a" in names:
             given["a"] = acceleration(problem, t, u, v)
         if "ground" in names:
-            given["ground"] = problem.influence * problem.ground(t)  # type: ignore[misc]  # there is one, or it is refused
+            given["ground"] = problem.influence * problem.ground(t)  # type: ignore[misc]  # a problem without one is refused
         return jnp.asarray(self.function(**{name: given[name] for name in names}))
 
     def sample(self, problem, initial, state, t):

@@ -47,7 +47,7 @@ class _Events(NamedTuple):
 class OutcomeObserver(Reduction):
     r"""Times at which a run becomes inaccurate, comes to rest, grows or crosses a barrier; infinite for never.
 
-    All follow from the height H = E − E_rest of the energy above that of the rest position:
+    All follow from the height H = E − E_rest of the energy above the energy of the rest position:
 
     - inaccurate from the first time with :math:`|H - H_0| > 0.01 H_0`;
     - at rest from the last time at which H falls below 0.01 H₀ and stays there;
@@ -193,7 +193,7 @@ class Excursions(Reduction):
 
 
 class Height(Record):
-    """H/H₀ along time, with the height H = E − E_rest of the energy above that of the rest position.
+    """H/H₀ along time, with the height H = E − E_rest of the energy above the energy of the rest position.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ class Peak(Reduction):
         # both roots of start + 2 square s + 3 cube s², without cancellation
         q = -square - jnp.copysign(jnp.sqrt(jnp.maximum(square**2 - 3 * cube * start, 0.0)), square)
         for root in (q / (3 * cube), start / q):
-            # any place within the step is one of the motion; that of a step at rest is not a number
+            # any place within the step is valid; for a step at rest the formula gives NaN
             s = jnp.clip(jnp.nan_to_num(root), 0.0, 1.0)
             peak = jnp.maximum(peak, jnp.abs(u + s * (start + s * (square + s * cube))))
         return (t, state.u, state.v), jnp.maximum(peak, jnp.abs(state.u))

@@ -1,1 +1,1 @@
-"""What is solved: the equation of motion with its mass, damping, force and load, and the named problems."""
+"""The named problems."""

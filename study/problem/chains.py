@@ -1,4 +1,4 @@
-"""Chains of masses: Fermi, Pasta and Ulam's, Toda's, and a bar under impact."""
+"""Chains of masses: Fermi, Pasta and Ulam's, Toda's, and bars under impact and under a step load."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -8,7 +8,7 @@ from study.algebra.matrices import shifted
 from study.mechanics.definition import Problem
 from study.mechanics.loads import Pulse
 from study.mechanics.terms import StrainEnergy
-from study.problem.naming import named
+from study.problem.naming import Known, named
 
 #: Circular frequency ω of the stiff springs.
 FPU_FREQUENCY = 50.0
@@ -26,8 +26,8 @@ def fpu_chain(separate: bool = False) -> Problem:
     u = (x₀₁, x₀₂, x₀₃, x₁₁, x₁₂, x₁₃), where x₁ᵢ are elongations of the stiff springs, and ω = 50. The motion starts
     with x₀₁ = 1, ẋ₀₁ = 1, x₁₁ = 1/ω, ẋ₁₁ = 1 and zero elsewhere. The stiff springs exchange their oscillatory energies
     :math:`I_i = (\dot x_{1,i}^2 + \omega^2 x_{1,i}^2)/2` over times of order ω. The sum I of these energies is nearly
-    constant over very long times. With ``separate`` the stiff springs are the stiffness of the problem, beside the
-    force of the soft ones.
+    constant over very long times. With ``separate`` the stiff springs are the stiffness of the problem, and the soft
+    ones its force.
 
     References
     ----------
@@ -126,4 +126,40 @@ def impact_bar(n: int = 200) -> Problem:
     zero = np.zeros(n)
     return Problem(
         potential=energy, u0=zero, v0=zero, mass=mass, load=pulse, tangent="tridiagonal", title="bar under impact"
+    )
+
+
+#: Elements of the bar under a step load.
+_ELEMENTS = 64
+
+
+@named(
+    time_scale=4.0,  # period of the first mode
+    known=Known(2.0, "d'Alembert", u=2 * (1 - np.arange(_ELEMENTS) / _ELEMENTS)),
+)
+def loaded_bar() -> Problem:
+    r"""A linear elastic bar of 64 finite elements, fixed at one end, with a unit force at the other from t = 0.
+
+    Young's modulus, density, length and cross section are one, and the mass is lumped. By d'Alembert's solution of the
+    wave equation a strain of one travels to the fixed end and comes back doubled, so that at t = 2 the displacement at
+    the distance x from the loaded end is 2 (1 − x), twice the static one. Central difference at the step 1/64, a wave's
+    time through an element, gives this exactly. The error at small steps is that of the elements.
+
+    References
+    ----------
+    T. Belytschko, W. K. Liu, B. Moran, Nonlinear finite elements for continua and structures, Wiley, 2000, chapter 2.
+    """
+    n = _ELEMENTS
+    mass = np.full(n, 1 / n)
+    mass[0] = 1 / (2 * n)
+    energy = StrainEnergy(lambda u: n * (shifted(u, 1) - u), lambda e: e * e / (2 * n))
+    end = np.zeros(n)
+    end[0] = 1.0
+    return Problem(
+        potential=energy,
+        u0=np.zeros(n),
+        mass=mass,
+        load=lambda t: jnp.asarray(end),
+        tangent="tridiagonal",
+        title="bar under a step load",
     )

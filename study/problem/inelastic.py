@@ -1,6 +1,6 @@
-"""Oscillators whose force has kinks or remembers: yielding, smooth hysteresis, contact, and a load with kinks.
+"""Oscillators whose force has kinks or memory: yielding, smooth hysteresis, contact, and a load with kinks.
 
-All have a unit mass and the period of one second, of small motions or about.
+All have a unit mass and a period of about one second.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.ground import GroundMotion
 from study.problem.naming import named
 
-#: Period in seconds of small motions of all of them but the bouncing mass, and their stiffness.
+#: Period in seconds of small motions of all of them except the bouncing mass, and their stiffness.
 PERIOD = 1.0
 _STIFFNESS = (2 * np.pi / PERIOD) ** 2
 #: Displacement at yield, and the speed of the start: four times the speed that brings the mass to yield.
@@ -45,7 +45,7 @@ def bouncing() -> Problem:
 
 
 def ground_motions(number: int) -> list[GroundMotion]:
-    """El Centro, 1940, and stochastic motions with the same spacing of samples, as many as asked for in all."""
+    """El Centro, 1940, and stochastic motions with the same spacing of samples, up to the requested number."""
     return [GroundMotion.el_centro(), *(GroundMotion.kanai_tajimi(seed, dt=SPACING) for seed in range(1, number))]
 
 

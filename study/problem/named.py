@@ -27,3 +27,6 @@ approximate_periods = {name: entry.period for name, entry in _ENTRIES.items() if
 
 #: Periods that Xie (1996) prints (sections 3.1, 3.2 and 4).
 printed_periods = {name: period for name, period in approximate_periods.items() if _ENTRIES[name].printed}
+
+#: Displacements to compare with, which sources print or which are exact.
+known = {name: entry.known for name, entry in _ENTRIES.items() if entry.known is not None}

@@ -1,14 +1,38 @@
-"""How a problem is named."""
+"""The decorator that names a problem."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
 
 from study.mechanics.definition import Problem
 
 
+class Known(NamedTuple):
+    """A displacement that a source prints or that is exact.
+
+    Attributes
+    ----------
+    time
+        When it is reached.
+    source
+        Who prints it, or how it is exact.
+    u
+        The displacement, or a quantity of it.
+    weights
+        Matrix by which that quantity follows from the displacement; none for the displacement itself.
+    """
+
+    time: float
+    source: str
+    u: np.ndarray
+    weights: np.ndarray | None = None
+
+
 @dataclass(frozen=True)
 class NamedProblem:
-    """A function that makes a problem, with the facts that the study knows about it.
+    """A function that makes a problem, with its properties.
 
     Attributes
     ----------
@@ -21,12 +45,15 @@ class NamedProblem:
         the reference finds the exact period near it.
     printed
         Whether it is the period that Xie (1996) prints, in two or three digits.
+    known
+        A displacement to compare with.
     """
 
     make: Callable[..., Problem]
     time_scale: float | None = None
     period: float | None = None
     printed: bool = False
+    known: Known | None = None
 
     def __call__(self, *arguments, **options) -> Problem:
         """Make the problem."""
@@ -34,10 +61,10 @@ class NamedProblem:
 
 
 def named(
-    *, time_scale: float | None = None, period: float | None = None, printed: bool = False
+    *, time_scale: float | None = None, period: float | None = None, printed: bool = False, known: Known | None = None
 ) -> Callable[[Callable[..., Problem]], NamedProblem]:
     """Decorate a function that makes a problem; the problem takes the name of the variable.
 
     The arguments are the other attributes of :class:`NamedProblem`.
     """
-    return lambda make: NamedProblem(make, time_scale, period, printed)
+    return lambda make: NamedProblem(make, time_scale, period, printed, known)

@@ -7,14 +7,14 @@ import numpy as np
 
 from study.mechanics.definition import Problem
 from study.mechanics.loads import HarmonicLoad
-from study.problem.naming import named
+from study.problem.naming import Known, named
 
 
 @named(time_scale=33.7210)
 def pendulum() -> Problem:
     """The plane pendulum ü + sin u = 0 that almost reaches its upper equilibrium: u₀ = 0, u̇₀ = 1.999999238456499.
 
-    Its period 4K(u̇₀/2) = 33.7210 is five times that of small oscillations.
+    Its period 4K(u̇₀/2) = 33.7210 is five times the period of small oscillations.
 
     References
     ----------
@@ -50,3 +50,91 @@ def duffing(amplitude: float, title: str) -> Problem:
 _LOAD_PERIOD = 2 * np.pi / 1.2
 duffing_periodic = named(time_scale=_LOAD_PERIOD)(partial(duffing, 0.2, "Duffing, periodic"))
 duffing_chaotic = named(time_scale=_LOAD_PERIOD)(partial(duffing, 0.5, "Duffing, chaotic"))
+
+
+#: Largest Lyapunov exponent of Ueda's oscillator as printed.
+UEDA_EXPONENT = 0.1034
+
+
+@named(time_scale=2 * np.pi)  # period of the load
+def ueda(damping: float = 0.05, amplitude: float = 7.5) -> Problem:
+    """Ueda's oscillator ü + k u̇ + u³ = B cos t with k = 0.05 and B = 7.5, whose motion is chaotic: u₀ = 2.5, u̇₀ = 0.
+
+    Its largest Lyapunov exponent is 0.1034 in a unit of time (Sprott, 2003). For k = 0.1 and B = 10, 11, 12
+    and 13 Ueda (1979) gives 0.102, 0.114, 0.149 and 0.182, from which that of fine steps is up to a tenth off.
+
+    References
+    ----------
+    Y. Ueda, Randomly transitional phenomena in the system governed by Duffing's equation, J. Stat. Phys. 20(2), 1979,
+    181-196.
+    J. C. Sprott, Chaos and time-series analysis, Oxford University Press, 2003.
+    """
+    return Problem(
+        force=lambda u: u * u * u,
+        u0=2.5,
+        potential=lambda u: u**4 / 4,
+        damping=damping,
+        load=HarmonicLoad(amplitude, frequency=1.0, phase=0.0),
+        title="Ueda's oscillator",
+    )
+
+
+@named(time_scale=1.0, known=Known(2.0, "Mazzia and Magherini (2008), van der Pol", np.array(1.706167732170483)))
+def van_der_pol() -> Problem:
+    """Van der Pol's oscillator ε ü + (u² − 1) u̇ + u = 0 with ε = 1e-6: u₀ = 2, u̇₀ = 0.
+
+    The motion creeps along u̇ = u/(1 − u²) down to u = 1, at t = 0.81, where it jumps to u = −2 within a time of the
+    order ε.
+
+    References
+    ----------
+    E. Hairer, G. Wanner, Solving ordinary differential equations II, 2nd ed., Springer, 1996, section IV.10.
+    F. Mazzia, C. Magherini, Test set for initial value problem solvers, Release 2.4, Department of Mathematics,
+    University of Bari, 2008.
+    """
+    return Problem(lambda u, v: (u * u - 1) * v + u, 2.0, 0.0, mass=1e-6, title="van der Pol, stiff")
+
+
+#: Load of the shallow arch, and its deflection farthest from the start, a root of u³/4 − u² + u = P.
+ARCH_LOAD = 0.3
+
+
+def _arch_turn() -> tuple[float, float]:
+    """Time from rest to the farthest deflection of the shallow arch, and that deflection.
+
+    From u³/4 − u² + u − P = (u − b)|u − c|²/4 follows u̇² = u (b − u) |u − c|²/2. With u = b sin²φ the time is the
+    integral of 2√2/|u − c| over φ, whose integrand is periodic, so that the trapezoidal rule converges geometrically.
+    """
+    roots = np.roots([1 / 4, -1.0, 1.0, -ARCH_LOAD])
+    farthest, pair = roots[np.abs(roots.imag).argmin()].real, roots[np.abs(roots.imag).argmax()]
+    u = farthest * np.sin(np.linspace(0, np.pi / 2, 1025)) ** 2
+    values = 2 * np.sqrt(2) / np.abs(u - pair)
+    return float(np.trapezoid(values, dx=np.pi / 2 / 1024)), float(farthest)
+
+
+_TURN, _FARTHEST = _arch_turn()
+
+
+@named(time_scale=np.sqrt(2) * np.pi, known=Known(5 * _TURN, "integral of energy", np.array(_FARTHEST)))
+def shallow_arch() -> Problem:
+    r"""Two shallow bars in an arch that snaps through under a load which appears at t = 0.
+
+    .. math::
+
+        \ddot u + 2u - 3u^2 + u^3 = P, \quad P = 0.3
+
+    from u₀ = 0 at rest, where u is the deflection of the crown over the height of the arch. A static load snaps it
+    through at :math:`2/(3\sqrt3) = 0.385`, a sudden one at 8/27 = 0.296, whose work up to u = 2/3 is the energy of the
+    unstable equilibrium there. The time scale is the period of small motions about u = 0.
+
+    References
+    ----------
+    G. J. Simitses, Dynamic stability of suddenly loaded structures, Springer, 1990.
+    """
+    return Problem(
+        lambda u: u * (2 - u * (3 - u)),
+        0.0,
+        potential=lambda u: u * u * (1 - u * (1 - u / 4)),
+        load=lambda t: jnp.full((), ARCH_LOAD),
+        title="shallow arch",
+    )

@@ -54,7 +54,7 @@ def elastic_pendulum() -> Problem:
         V = \frac{EA}{8 L^3} (x^2 + y^2 - L^2)^2
 
     The motion u = (x, y) starts from (L, 0) with the velocity (0, v₀). With L = 3.0443, m = 10, EA = 10¹⁰ and v₀ = 7.72
-    the period of a turn is 2.48, that of the bar's own mode 3.5e-4.
+    the period of a turn is 2.48, and the period of the bar's own mode 3.5e-4.
 
     References
     ----------

@@ -1,1 +1,1 @@
-"""Models in other programs: their runs, and the truth that these agree on."""
+"""Models in other programs: their runs, and the reference that follows from them."""

@@ -1,4 +1,4 @@
-"""One run of a program, checked: its times and quantities, or the reason why they are of no use."""
+"""One run of a program, checked: its times and quantities, or the reason why it failed."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-#: How a run of a program can end; some steps of a scheme are not tried.
+#: Ends of a run of a program, and the mark of steps that were not tried.
 STATUSES = (
     "completed",
     "raised",
@@ -22,13 +22,13 @@ STATUSES = (
     "not_tried",
 )
 
-#: Names among what a run returns: its times, and the seconds that it took or that had passed, if it measures them.
+#: Names in the result of a run: its times, and the seconds that it took in all or up to each time, if it measures them.
 TIME, SECONDS = "t", "seconds"
 
-#: Largest size of a value; a run that grows beyond it has left all bounds.
+#: Largest size of a value; a run that grows beyond it counts as unbounded.
 LARGEST = 1e100
 
-#: Part of a step by which times may be off, for the digits of a file.
+#: Tolerance of times as a part of a step, for the digits of a file.
 UNIFORM = 1e-3
 
 #: Times of a run, of shape (t,).
@@ -42,7 +42,7 @@ Runnable = Callable[[str, float], Mapping]
 
 
 class Unusable(Exception):
-    """A run is of no use; with one of the ``STATUSES`` and the reason."""
+    """A run failed; with one of the ``STATUSES`` and the reason."""
 
     def __init__(self, status: str, reason: str):
         super().__init__(reason)
@@ -61,7 +61,7 @@ class Run(NamedTuple):
     elapsed
         Wall time that it took, with the start of a process.
     t
-        Times in s, of shape (t,); empty if all quantities are single numbers, or if the run is of no use.
+        Times in s, of shape (t,); empty if all quantities are single numbers, or if the run failed.
     values
         Quantities by name: along time, of shape (t, ...), or a single number, of shape ().
     """
@@ -77,7 +77,7 @@ class Run(NamedTuple):
 
     @property
     def completed(self) -> bool:
-        """Whether it is of use."""
+        """Whether it succeeded."""
         return self.status == STATUSES[0]
 
 
@@ -95,7 +95,7 @@ def _array(name: str, given: object) -> Values:
 
 
 def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
-    """Times are whole numbers of steps apart, always the same number, up to the last one; they reach the end."""
+    """Check that times are a constant whole number of steps apart, except the last one, and reach the end."""
     gaps = np.diff(t)
     if t.ndim != 1 or not gaps.size:
         raise Unusable("too_short", f"'{TIME}' has {t.size} time{'s' * (t.size != 1)}, and at least two are needed")
@@ -119,7 +119,7 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
     Raises
     ------
     Unusable
-        If it is no mapping from names to finite numbers, or its times are no steps that reach the end.
+        If it is not a mapping from names to finite numbers, or its times are not steps that reach the end.
     """
     if returned is None:
         raise Unusable("nothing", "it returned nothing")
@@ -146,7 +146,7 @@ def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
     """Run a program once; a failure is recorded."""
     start = time.perf_counter()
     try:
-        # numbers of a program may overflow, which its values show
+        # numbers of a program may overflow, which the check of its values finds
         with np.errstate(all="ignore"):
             returned = run(scheme, dt)
         elapsed = time.perf_counter() - start

@@ -19,10 +19,10 @@ import psutil
 from study.program.attempt import TIME, Unusable
 from study.program.definition import Program
 
-#: Places of a command that a run fills.
+#: Placeholders of a command that a run fills.
 PLACES = ("dt", "scheme", "output", "duration")
 
-#: Letters of a program's last words that a reason quotes.
+#: Largest number of letters that a reason quotes of a program's last output.
 LAST_WORDS = 200
 
 
@@ -34,7 +34,7 @@ class Command:
     template: str
     duration: float
     time_limit: float | None
-    #: A digest of files that matter and that the command does not name.
+    #: A digest of relevant files that the command does not name.
     more: str = ""
 
     #: Its runs need no process of this package.
@@ -46,7 +46,7 @@ class Command:
 
     @property
     def source(self) -> str:
-        """The command and the content of every file that it names, by which its runs are known."""
+        """The command and the content of every file that it names, which identify its runs."""
         words = shlex.split(self.template)
         files = [Path(shutil.which(words[0]) or words[0]), *map(Path, words[1:])]
         digests = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files if file.is_file()]
@@ -126,21 +126,21 @@ def command(
     template
         The command, such as ``./mycode --dt {dt} --scheme {scheme} --output {output}``. The step in s, a scheme and the
         file to write are put in place of ``{dt}``, ``{scheme}`` and ``{output}``, and the duration in s in place of
-        ``{duration}``. No shell sees it. Runs share the folder of this process, so that a program that writes files of
-        fixed names needs ``workers=1``. The first line of the file names its columns: ``t`` and quantities along time,
-        or single numbers in one row.
+        ``{duration}``. No shell interprets it. Runs share the folder of this process, so that a program that writes
+        files of fixed names needs ``workers=1``. The first line of the file names its columns: ``t`` and quantities
+        along time, or single numbers in one row.
     schemes, duration
         As for :class:`study.Program`.
     time_limit
-        Seconds after which a run is stopped; it is recorded, and its scheme is not run at finer steps. By default a run
-        takes as long as it does.
+        Seconds after which a run is stopped; it is recorded, and its scheme is not run at finer steps. By default there
+        is no limit.
     **options
         Further parameters of :class:`study.Program`.
 
     Returns
     -------
     Program
-        The program, for :func:`study.assess`. Its runs are known by the command and the content of the files in it.
+        The program, for :func:`study.assess`. The command and the content of its files identify the runs.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The largest step that keeps an error, and the steps below it that confirm this."""
+"""The largest step that keeps an error, and the finer steps that confirm it."""
 
 import numpy as np
 from jaxtyping import Float
@@ -7,10 +7,10 @@ from jaxtyping import Float
 TWENTIETH = 1 / 20
 
 #: Quantile of the errors up to an octave below a step. Steps that were not tried may exceed the worst error by as much
-#: as that exceeds this quantile.
+#: as the worst error exceeds this quantile.
 USUAL = 0.9
 
-#: Steps, and the error at each of them.
+#: Pairs of a step and its error.
 Steps = Float[np.ndarray, "step"]
 
 

@@ -13,14 +13,14 @@ from study.program.attempt import Run, Times, Values
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-#: How values between the steps are had.
+#: Interpolation between the steps.
 INTERPOLATION = "cubic splines through the steps of the finer run"
 
-#: Fewest points of a curve, of which every second one says how far its interpolation is to be trusted.
+#: Least number of points of a curve; every second one shows the error of its interpolation.
 FEWEST = 8
 
 
-#: Part of a step by which two times may differ and be the same.
+#: Tolerance of equal times as a part of a step.
 SAME = 1e-6
 
 
@@ -38,7 +38,7 @@ class Curve:
 
     @cached_property
     def _spline(self) -> CubicSpline:
-        from scipy.interpolate import CubicSpline  # here, because problems without a program do without it
+        from scipy.interpolate import CubicSpline  # here, because only programs need it
 
         return CubicSpline(self.t, self.values)
 
@@ -50,7 +50,7 @@ class Curve:
         """Values at some times, those of its steps or by a cubic spline; of a single number, itself."""
         if not self.values.ndim:
             return self.values
-        # a spline of many components takes longer than a run, and of steps that halve one has the times of the other
+        # a spline of many components takes longer than a run; a run with half the step has the times of the coarser one
         places = np.searchsorted(self.t, times - self._slack).clip(max=len(self.t) - 1)
         if (np.abs(self.t[places] - times) <= self._slack).all():
             return self.values[places]

@@ -23,23 +23,23 @@ FEWEST_STEPS, MOST_STEPS = 16, 2**17
 class Program:
     """A model in another program, for :func:`study.assess`.
 
-    It may be anything that steps with a fixed step: a function of NumPy, a simulation in another process, a finite
-    element code. Of OpenSees, :func:`study.opensees` makes one, and of an executable, :func:`study.command`.
+    It may be anything with a fixed step: a function of NumPy, a simulation in another process, a finite element code.
+    :func:`study.opensees` makes a program of a model of OpenSees, and :func:`study.command` of an executable.
 
-    Every run is kept on disk, so that a second question, or one that was interrupted, repeats none. The runs of a
-    program are known by its source: the file in which ``run`` stands and the data that it holds. What that file imports
-    is not looked at. Give a ``name``, and change it whenever the program changes, if that does not serve.
+    Every run is kept on disk, so that a second or an interrupted assessment repeats none. The source of a program
+    identifies its runs: the file that contains ``run`` and the data that ``run`` holds. Imports of that file are not
+    checked. If that is not enough, give a ``name``, and change it whenever the program changes.
 
     Parameters
     ----------
     run
         ``run(scheme, dt)`` runs the program with a scheme and a step in s up to ``duration``. It returns a mapping from
         names to quantities: arrays along its times ``t``, of shape (t,) or (t, components), and single numbers such as
-        a peak. The times are steps, or every n-th one. A program that measures its time returns it as ``seconds``. What
-        it raises is recorded and ends nothing else.
+        a peak. The times are steps, or every n-th one. A program that measures its time returns it as ``seconds``. An
+        exception is recorded and ends that run only.
     schemes
-        Names by which ``run`` knows schemes, at least two with the witnesses. If the study has a scheme of that name,
-        the assessment describes it so.
+        Names of schemes for ``run``, at least two with the witnesses. If the study has a scheme of that name, the
+        assessment describes it so.
     duration
         Time of every run in s.
     spacing
@@ -48,9 +48,9 @@ class Program:
         Largest and smallest step that may be run, in s. By default a sixteenth of the duration, or the spacing, and the
         duration over 131,072.
     witnesses
-        Names of further schemes, which help to find the truth. No step is sought for them.
+        Names of further schemes, which help to find the reference. No step is sought for them.
     name
-        Title of the program, and what its runs are known by in place of its source.
+        Title of the program, which identifies its runs in place of its source.
     folder
         Where runs are kept; by default in the user's cache folder.
     workers
@@ -60,7 +60,7 @@ class Program:
     Raises
     ------
     TypeError, ValueError
-        If an argument is unfit; in one sentence.
+        If an argument is invalid; in one sentence.
 
     Examples
     --------
@@ -139,7 +139,7 @@ class Program:
 
     @property
     def title(self) -> str:
-        """The name, or that of the function."""
+        """The name of the program, or of the function."""
         of_run = getattr(self.run, "title", None) or getattr(self.run, "__name__", type(self.run).__name__)
         return self.name or str(of_run)
 
@@ -149,12 +149,12 @@ class Program:
         return Path(self.folder or platformdirs.user_cache_path("time-integration-study") / "programs")
 
     def identity(self) -> str:
-        """What its runs are known by: a digest of its name, or of its source.
+        """Identification of its runs: a digest of its name, or of its source.
 
         Raises
         ------
         ValueError
-            If it has no name, and no source that can be read.
+            If it has no name, and its source cannot be read.
         """
         if self.name is not None:
             return hashlib.sha256(self.name.encode()).hexdigest()
@@ -168,7 +168,7 @@ class Program:
 
 
 def _source(run: Any) -> list:
-    """The text of the file in which a function stands, and the data that it holds."""
+    """The text of the file that contains a function, and the data that the function holds."""
     if isinstance(run, partial):
         return [_source(run.func), pickle.dumps((run.args, run.keywords))]
     if hasattr(run, "source"):

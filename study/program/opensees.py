@@ -19,7 +19,7 @@ _NAMES = {one.words[0]: name for name, one in reversed(INTEGRATORS.items())}
 
 
 def _name(given: str) -> str:
-    """The name among the integrators, of a scheme by OpenSees' name or one of the study's."""
+    """The name among the integrators of a scheme that is given by OpenSees' name or by the study's."""
     if not isinstance(given, str):
         raise TypeError(
             f"a scheme of OpenSees must be a name, such as 'hht_alpha', not an object of {type(given).__name__}."
@@ -61,7 +61,7 @@ def opensees(
     KeyError
         If OpenSees has no such scheme.
     TypeError
-        If a scheme is no name.
+        If a scheme is not a name.
     ImportError
         If OpenSees is not installed.
     """

@@ -1,6 +1,6 @@
 """A run of a model of OpenSees, in a process of its own: ``FILE SCHEME DT DURATION OUTPUT``.
 
-OpenSees has one model in a process, and what it fails on may end the process.
+OpenSees has one model in a process, and a failure may end the process.
 """
 
 import importlib
@@ -17,7 +17,7 @@ import numpy as np
 
 
 class Integrator(NamedTuple):
-    """OpenSees' integrator of a scheme, with what it needs.
+    """OpenSees' integrator of a scheme, with the settings that it needs.
 
     Attributes
     ----------
@@ -35,8 +35,8 @@ class Integrator(NamedTuple):
     parts: int = 1
 
 
-#: Integrators by the study's names, or by OpenSees' where the study has no such scheme. OpenSees takes its default
-#: integrator for a name that it does not know, and says so in passing only.
+#: Integrators by the study's names, or by OpenSees' if the study has no such scheme. OpenSees takes its default
+#: integrator for an unknown name, and only prints a note.
 INTEGRATORS = {
     "average_acceleration": Integrator(("Newmark", 0.5, 0.25)),
     "newmark_dissipative": Integrator(("Newmark", 0.6, 0.3025)),
@@ -53,7 +53,7 @@ INTEGRATORS = {
     "ExplicitDifference": Integrator(("ExplicitDifference",), "Linear", "Diagonal"),
 }
 
-#: Algorithms that are tried, one after the other, where Newton's iteration finds no balance.
+#: Algorithms that are tried one after the other if Newton's iteration finds no balance.
 OTHERS = (("NewtonLineSearch",), ("KrylovNewton",), ("ModifiedNewton", "-initial"))
 
 #: Norm of the last correction of the displacements, in the units of the model, if the file names no ``tolerance``; and

@@ -1,4 +1,4 @@
-"""The truth of a program: its steps are halved until two of its schemes agree, and its runs are repeated."""
+"""The reference of a program: its steps are halved until two of its schemes agree, and its runs are repeated."""
 
 import math
 from collections.abc import Iterable
@@ -11,20 +11,20 @@ from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS, Estimate, Truth, agreed, estimate
 from study.words import percent
 
-#: Least ratio of an error to the uncertainty of the truth.
+#: Least ratio of an error to the uncertainty of the reference.
 CERTAIN = 10.0
 
-#: Number of runs, one after the other, with one of these ends, after which a scheme is not run at finer steps: its
-#: program does not return what it must.
+#: Number of consecutive runs with one of these ends after which a scheme is not run at finer steps: its program returns
+#: invalid results.
 FRUITLESS, WITHOUT_USE = 4, ("nothing", "unusable")
 
 
 class NoTruth(ValueError):
-    """The runs of a program give no truth; the message says why, in one sentence."""
+    """The runs of a program give no reference; the message states why, in one sentence."""
 
 
 class Refinement:
-    """The runs of a program, and the truth that follows from those at steps that halve.
+    """The runs of a program, and the reference that follows from the runs with halved steps.
 
     Parameters
     ----------
@@ -36,11 +36,11 @@ class Refinement:
     Attributes
     ----------
     truth
-        What two schemes agree on.
+        The reference, on which two schemes agree.
     remarks
         Sentences on the program as a whole.
     seconds
-        Time of all runs that gave the truth.
+        Time of all runs that gave the reference.
     noise
         Relative difference of a repeated run of each scheme; infinite if the scheme ignores the step.
 
@@ -128,7 +128,7 @@ class Refinement:
         return runs[failed[-1] + 1 :] if failed else runs
 
     def _ends(self, scheme: str) -> bool:
-        """Whether finer runs of a scheme have no use."""
+        """Whether finer runs of a scheme are useless."""
         last = [run.status for run in self.of(scheme)[-FRUITLESS:]]
         fruitless = len(last) == FRUITLESS and all(status in WITHOUT_USE for status in last)
         return self.noise[scheme] > 0 or last[-1:] == ["timed_out"] or fruitless
@@ -154,7 +154,7 @@ class Refinement:
         return bool(self.noise[scheme])
 
     def _judge(self, truth: Truth, wanted: float, apart: bool) -> None:
-        """A remark if the truth is not as good as the smallest error needs."""
+        """A remark if the reference is not accurate enough for the smallest error."""
         name = max(truth.uncertainty, key=lambda one: truth.uncertainty[one])
         off = truth.uncertainty[name]
         if off <= wanted:

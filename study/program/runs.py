@@ -23,15 +23,15 @@ from study.program.attempt import Run, attempt
 from study.program.definition import Program
 from study.settings import cores
 
-#: Number of the form of a file; a run in another form is made again.
+#: Version of the file format; a run in another format is made again.
 FORM = 2
 
-#: Names of the scheme, the status and the reason, of the times that a run took, and of its own times, in its file.
+#: Names in the file of a run: scheme, status, reason, seconds of the run, and its own times.
 WORDS, NUMBERS, T = "words", "numbers", "t"
-#: A scheme and a step.
+#: Pair of a scheme and a step.
 Job = tuple[str, float]
 
-#: Before the names of quantities there.
+#: Prefix of the names of quantities in the file.
 QUANTITY = "quantity "
 
 
@@ -53,19 +53,19 @@ class Runs:
     seconds
         Wall time after which no run begins that would end later.
     report
-        Takes a sentence on what is being done, and the seconds that it will take if these are known.
+        Takes a sentence on the present work, and its expected seconds if these are known.
 
     Attributes
     ----------
     made
-        All runs that were wanted and for which there was time, by scheme and step.
+        All requested runs for which there was time, by scheme and step.
     late
-        Whether there was no time for one.
+        Whether there was no time for a run.
     interrupted
-        Whether Ctrl-C has ended the time.
+        Whether Ctrl-C has ended the runs.
     """
 
-    def __init__(self, program: Program, seconds: float = math.inf, report: Callable[..., None] = lambda *told: None):
+    def __init__(self, program: Program, seconds: float = math.inf, report: Callable[..., None] = lambda *words: None):
         self.program, self.made, self._report = program, dict[Job, Run](), report
         self._workers = program.workers or cores()
         self._identity, self._pool = program.identity(), self._start()
@@ -124,7 +124,7 @@ class Runs:
                     f"{run.scheme}, Δt = {run.dt:.4g} s: {run.seconds:.3g} s ({number} of {len(missing)} runs"
                     f"{_to_go(ends)}){ended}"
                 )
-        except KeyboardInterrupt:  # what is known is answered, and no other run begins
+        except KeyboardInterrupt:  # the results so far are returned, and no other run begins
             self._end, self.late, self.interrupted = -math.inf, True, True
             late |= waiting
         found = [_read(path) for job, path in jobs.items() if job not in late]
@@ -133,7 +133,7 @@ class Runs:
         return found
 
     def _expected(self, jobs: list[Job]) -> dict[Job, float]:
-        """Seconds of each run if a step takes as long as in the fastest run of its scheme; zero if there is none."""
+        """Estimated seconds of each run, by the fastest step of its scheme; zero if its scheme has no run."""
         work = dict[str, float]()  # seconds of a run at a step of one second
         for run in self.made.values():
             if run.completed:
@@ -141,7 +141,7 @@ class Runs:
         return {(s, dt): work.get(s, 0.0) / dt for s, dt in jobs}
 
     def _wait(self, each: list[float]) -> float:
-        """Wall time in s of runs that take so long, several at once."""
+        """Wall time in s of runs of these durations, several at once."""
         return max(max(each, default=0.0), sum(each) / self._at_once)
 
     def _in_time(self, expected: dict[Job, float]) -> list[Job]:
@@ -155,7 +155,7 @@ class Runs:
         return found
 
     def _waited_less(self, run: Run) -> bool:
-        """Whether a run was stopped before the limit that holds now."""
+        """Whether a run was stopped before the present limit."""
         limit = getattr(self.program.run, "time_limit", None)
         return run.status == "timed_out" and (limit is None or run.elapsed < limit)
 
@@ -189,7 +189,7 @@ class Runs:
 
 
 def _to_go(ends: float) -> str:
-    """About how long it is up to a time of the clock; empty if that is over, or nothing is known of it."""
+    """Remaining time up to a time of the clock, in words; empty if that is over or unknown."""
     left = ends - time.monotonic()
     return f", about {left:.2g} s to go" if left > 0 else ""
 

@@ -1,4 +1,4 @@
-"""The steps that the schemes of a program need for an error, from its truth and few runs."""
+"""The steps that the schemes of a program need for an error, from its reference and few runs."""
 
 import math
 import zlib
@@ -15,24 +15,24 @@ from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS
 from study.words import percent
 
-#: Ratio of two steps, of which one keeps an error and one does not, that is small enough.
+#: Sufficient ratio of a step that exceeds an error to one that keeps it.
 NEAR = 1.25
 
-#: Fewest and most random steps up to an octave below a recommended one, and the seconds that they may take in any case.
+#: Random steps up to an octave below a recommended one: minimum, maximum, and seconds that they may always take.
 FEWEST_CONFIRMING, MOST_CONFIRMING, CHEAP = 4, 64, 0.5
 
-#: Part of the finest step of the truth down to which a scheme that keeps no error is tried.
+#: Part of the finest step of the reference down to which a scheme that keeps no error is tried.
 FINER = 1 / 32
 
-#: Ratio of the errors of a run and of one with half its step from which on the scheme goes to another motion.
+#: Smallest ratio of the errors at half a step and at the step that shows convergence to another motion.
 STUCK = 0.9
 
-#: A quantity, and the error that it is allowed.
+#: Quantity and its allowed error.
 Limit = tuple[str, float]
 
 
 class Needed(NamedTuple):
-    """The largest step that keeps an error, the round one below it, and what confirms that; zero if there is none."""
+    """The largest step that keeps an error, the round one below it, and the confirming runs; zero if there is none."""
 
     largest: float
     recommended: float
@@ -54,14 +54,14 @@ class Search:
     seconds
         Wall time after which no run begins that would end later.
     report
-        Takes a sentence on what is being done, and the seconds that it will take if these are known.
+        Takes a sentence on the present work, and its expected seconds if these are known.
 
     Attributes
     ----------
     refinement
-        The runs, and what two schemes agree on.
+        The runs, and the reference.
     errors
-        Errors of every run, by scheme and step: of each quantity, NaN if it is of no use.
+        Errors of every run, by scheme and step: of each quantity, NaN if the run failed.
 
     Raises
     ------
@@ -105,24 +105,24 @@ class Search:
                 )
 
     def _search(self, error: float) -> bool:
-        """Run until all is known for an error; whether there was a run."""
+        """Run until an error has its verdict; whether there was a run."""
         before = len(self.errors)
         while self.refinement.run(job for scheme in self.program.schemes for job in self._wanted(scheme, error)):
             self._measure()
         return len(self.errors) > before
 
     def _measure(self) -> None:
-        """Errors of the runs that are new."""
+        """Errors of the new runs."""
         every = (run for scheme in self.program.all_schemes for run in self.refinement.of(scheme))
         new = [run for run in every if (run.scheme, run.dt) not in self.errors]
         self.errors |= {(run.scheme, run.dt): self.truth.errors(run) for run in new}
 
     def certain(self, scheme: str, limit: Limit) -> bool:
-        """Whether the truth, and the runs of a scheme, are good enough to judge an error."""
+        """Whether the reference and the runs of a scheme are accurate enough to judge an error."""
         return limit[1] >= CERTAIN * max(self.truth.uncertainty[limit[0]], self.refinement.noise[scheme])
 
     def largest(self, scheme: str, limit: Limit) -> tuple[float, float]:
-        """Largest step tried that keeps an error as all below it do, zero if there is none, and the next one above."""
+        """Largest step that keeps an error with all finer ones tried, zero if there is none, and the next one above."""
         name, allowed = limit
         dt, error = np.array([(dt, one[name]) for (s, dt), one in self.errors.items() if s == scheme]).T
         below = dt < dt[~(error <= allowed)].min(initial=math.inf)  # a failed run, NaN, counts as above
@@ -130,7 +130,7 @@ class Search:
         return largest, dt[dt > largest].min(initial=math.inf)
 
     def _wanted(self, scheme: str, error: float) -> list[Job]:
-        """The next runs of a scheme for an error; none if all is known."""
+        """The next runs of a scheme for an error; empty if none is needed."""
         limits = [(name, error) for name in self.truth.uncertainty]
         steps = {step for limit in limits if self.certain(scheme, limit) for step in self._next(scheme, limit)}
         return [(scheme, step) for step in sorted(steps, reverse=True)]
@@ -150,13 +150,13 @@ class Search:
         step = self._round(largest)
         if step not in tried:
             return [step]
-        # one of those that halve is there
+        # one of the halved steps is there
         wanted = self._confirming(scheme, step)
         missing = wanted + 1 - sum(step / 2 <= dt < step for dt in tried)
         return [one for one in self._random(scheme, step, wanted) if one not in tried][: max(missing, 0)]
 
     def _confirming(self, scheme: str, step: float) -> int:
-        """Number of random steps that confirm one, in ``CHEAP`` seconds or a share of a quarter of the truth's time."""
+        """Number of random steps that confirm one, in ``CHEAP`` seconds or a share of a quarter of the reference."""
         if self._late:
             return FEWEST_CONFIRMING
         limits = len(self.program.schemes) * len(self.allowed) * len(self.truth.uncertainty)
@@ -170,13 +170,13 @@ class Search:
         return self._round_step(step, self.program.spacing)
 
     def _random(self, scheme: str, step: float, count: int) -> list[float]:
-        """Random steps up to an octave below another one, the same whenever they are drawn."""
+        """Random steps up to an octave below another one, always the same."""
         random = np.random.default_rng(zlib.crc32(f"{scheme} {step:.12g}".encode()))
         drawn = dict.fromkeys(self.program.fitted(step * 2.0**-part) for part in random.random(count))
         return [one for one in drawn if one < step and one >= self.program.smallest]
 
     def _hopeless(self, scheme: str, name: str) -> bool:
-        """Whether halving does not help a scheme any more; a remark says so."""
+        """Whether halving no longer reduces the error of a scheme; a remark says so."""
         runs = self.refinement.of(scheme)
         if runs[-1].status == "timed_out":
             return True
@@ -185,7 +185,7 @@ class Search:
             if not finest or run.dt > 1.99 * finest[-1]:
                 finest.append(run.dt)
         last = [self.errors[scheme, dt][name] for dt in finest[:FEWEST_RUNS]]
-        # as fine as the truth, since errors of an impact may stay for octaves of coarser steps
+        # as fine as the reference, since errors of an impact may stay for octaves of coarser steps
         stuck = len(last) == FEWEST_RUNS and finest[0] <= self.truth.best.dt * (1 + 1e-9)
         stuck = stuck and all(fine > STUCK * coarse for fine, coarse in pairwise(last))
         if stuck:
@@ -198,11 +198,11 @@ class Search:
         return stuck
 
     def unfinished(self, scheme: str, limit: Limit) -> bool:
-        """Whether the time was over before the step for an error was known."""
+        """Whether the time ended before the step for an error was found."""
         return self._late and bool(self._next(scheme, limit))
 
     def needed(self, scheme: str, limit: Limit) -> Needed:
-        """What the runs say about an error."""
+        """The verdict of the runs on an error."""
         largest, _ = self.largest(scheme, limit)
         if not largest:
             return Needed(0.0, 0.0, 0, math.nan)

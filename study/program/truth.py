@@ -1,4 +1,4 @@
-"""The motion on which two schemes of a program agree as their steps are halved, and how far it is to be trusted."""
+"""The motion on which two schemes of a program agree as their steps are halved, and its uncertainty."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -10,33 +10,32 @@ import numpy as np
 from study.program.attempt import Run
 from study.program.curves import Curve, curves
 
-#: Fewest runs at steps that halve that say something of the error, and those that are looked at.
+#: Numbers of runs with halved steps that give an error: minimum, and maximum that is used.
 FEWEST_RUNS, RUNS = 3, 4
 
-#: Most by which the last two observed orders may be off a whole number, the last one first, if differences are
-#: extrapolated by it.
+#: Largest deviations of the last two observed orders (the last one first) from a whole number for extrapolation.
 OFF_ORDER = (0.15, 0.4)
 
-#: Range of the order by which the error of a run follows from its difference, if that is not extrapolated.
+#: Range of the order with which the error of a run follows from its difference, without extrapolation.
 ORDERS = (0.5, 1.0)
 
-#: Ratio of the difference of two schemes to the error of each, from which on they solve different problems.
+#: Least ratio of the difference of two schemes to the error of each that shows different problems.
 APART = 10.0
 
 
 class Estimate(NamedTuple):
-    """What one scheme says of the motion.
+    """The motion by one scheme.
 
     Attributes
     ----------
     dt
-        The finest step on which it rests.
+        The finest step on which it is based.
     motion
         Quantities of the finest run, or extrapolated from the finest two.
     order
-        Orders of the quantities that are extrapolated.
+        Orders of the extrapolated quantities.
     error
-        How far each is off, relative to its size.
+        Error of each quantity, relative to its size.
     """
 
     scheme: str
@@ -47,14 +46,14 @@ class Estimate(NamedTuple):
 
 
 class Truth(NamedTuple):
-    """What two schemes agree on.
+    """The motion on which two schemes agree.
 
     Attributes
     ----------
     best, witness
         The scheme that gives the motion, and the one with which it is compared.
     uncertainty
-        Difference of both, or the larger error of one if that is more, and the error between the steps; relative to the
+        The larger one of the difference of both and their errors, plus the error between the steps; relative to the
         size of each quantity.
     """
 
@@ -74,7 +73,7 @@ class Truth(NamedTuple):
         return {name: one.size for name, one in self.best.motion.items()}
 
     def errors(self, run: Run) -> dict[str, float]:
-        """Largest error of each quantity at any step of a run, relative to its size; NaN if the run is of no use."""
+        """Largest error of each quantity at any step of a run, relative to its size; NaN if the run failed."""
         if not run.completed:
             return dict.fromkeys(self.uncertainty, math.nan)
         found = curves(run)
@@ -88,7 +87,7 @@ def _extrapolated(coarser: Curve, finer: Curve, order: int) -> Curve:
 
 
 def estimate(runs: Sequence[Run]) -> Estimate | None:
-    """What a scheme says, from its completed runs at steps that halve, the finest last; None if these are too few."""
+    """The motion by a scheme, from its completed runs with halved steps, the finest last; None if these are too few."""
     if len(runs) < FEWEST_RUNS:
         return None
     of_runs = [curves(run) for run in runs[-RUNS:]]
@@ -105,12 +104,12 @@ def estimate(runs: Sequence[Run]) -> Estimate | None:
 
 
 def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
-    """Limit of a quantity, the order by which it was extrapolated, zero if it was not, and how far it may be off."""
+    """Limit of a quantity, the order of its extrapolation (zero without extrapolation), and its uncertainty."""
     apart = [coarser.distance(finer) for coarser, finer in pairwise(along)]
     observed = [math.log2(a / b) if a > 0 and b > 0 else math.nan for a, b in pairwise(apart)]
     order = round(observed[-1]) if observed[-1] > 0.5 else 0
     near = [abs(one - order) <= off for one, off in zip(reversed(observed), OFF_ORDER, strict=False)]
-    # the errors of a single number, such as a peak among steps, fall by no order
+    # the errors of a single number, such as a peak among steps, have no order
     if order and along[-1].values.ndim and len(near) == len(OFF_ORDER) and all(near):
         before, last = (_extrapolated(coarser, finer, order) for coarser, finer in list(pairwise(along))[-2:])
         return last, order, before.distance(last) / 2  # half, as where the motion has kinks

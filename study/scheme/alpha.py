@@ -1,4 +1,4 @@
-"""The α-methods: that of Hilber, Hughes and Taylor as Xie (1996) states it, and the generalized-α family."""
+"""The α-methods: Hilber, Hughes and Taylor's in the form of Xie (1996), and the generalized-α family."""
 
 import math
 from typing import ClassVar
@@ -12,7 +12,7 @@ from study.scheme.newmark import ROUND_OFF, bounded_at_infinite_frequency, predi
 
 
 def _stability_limit(alpha_m: float, alpha_f: float, beta: float, gamma: float) -> float | None:
-    """Infinite under the conditions of Chung and Hulbert for methods of second order; that of Newmark's without α."""
+    """Infinite under the conditions of Chung and Hulbert for methods of second order; Newmark's limit without α."""
     if alpha_m == alpha_f == 0:
         return stability_limit(beta, gamma)
     shift = alpha_f - alpha_m
@@ -33,8 +33,8 @@ class HHTAlpha1996(OneStep):
 
     Second order for γ = ½ − α without damping and load; first order with either, except for α = 0, which is Newmark's
     method. With β = (1 − α)²/4, γ = ½ − α and −⅓ ≤ α ≤ 0 it is unconditionally stable for linear systems. Carries u, u̇
-    and ü; one force a Newton iteration and one force a step. A force with a history commits it at u₁; p(u₀) is taken
-    from what was committed there.
+    and ü; one force a Newton iteration and one force a step. A force with a history commits it at u₁; p(u₀) follows
+    from the history committed there.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ class BackwardDifferences(Scheme):
     Raises
     ------
     ValueError
-        If the weights are not those of a derivative.
+        If the weights are not weights of a derivative.
 
     References
     ----------

@@ -115,10 +115,10 @@ class Scheme(eqx.Module):
         return "\n".join(lines)
 
     def refusal(self, problem: Problem) -> str | None:
-        """One sentence that says why the scheme cannot step this problem; None if it can."""
+        """One sentence on why the scheme cannot step this problem; None if it can."""
         if problem.massless and self.needs_mass:
             return (
-                f"'{self.title}' needs a mass at every unknown, and that of '{problem.title}' is singular: take an "
+                f"'{self.title}' needs a mass at every unknown, and the mass of '{problem.title}' is singular: take an "
                 "implicit scheme that is unconditionally stable, or give every unknown a mass."
             )
         return None
@@ -151,7 +151,7 @@ class OneStep(Scheme):
 
 
 class WrapperState(eqx.Module):
-    """State of a wrapper: that of the other scheme, ``inner``, and more."""
+    """State of a wrapper: the state of the other scheme, ``inner``, and additional fields."""
 
     inner: eqx.AbstractVar[Any]
 
@@ -167,7 +167,7 @@ class WrapperState(eqx.Module):
 
 
 class Wrapper(Scheme):
-    """A scheme that steps another one, ``scheme``, and adds to its state or changes it."""
+    """A scheme that steps another one, ``scheme``, and extends or changes its state."""
 
     scheme: eqx.AbstractVar[Scheme]
 

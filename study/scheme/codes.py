@@ -1,4 +1,4 @@
-"""What other codes call the schemes."""
+"""Names of the schemes in other codes."""
 
 import csv
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class NameInCode(NamedTuple):
-    """The name of a scheme in a code, as it stands in an input file, and where that is documented."""
+    """The name of a scheme in a code, as written in an input file, and its documentation."""
 
     scheme: str
     code: str

@@ -113,8 +113,8 @@ class EnergyMomentum(OneStep):
         M (\dot u_1 - \dot u_0)/\Delta t + C \dot u_m + \bar p(u_0, u_1) &= f(t_0 + \tfrac12 \Delta t) \\
         \dot u_m = (u_1 - u_0)/\Delta t &= (\dot u_0 + \dot u_1)/2
 
-    With u_m = (u₀ + u₁)/2, ε₀ = ε(u₀) and ε₁ = ε(u₁), the mean force of a strain energy, for each strain, and that of
-    any other potential are
+    With u_m = (u₀ + u₁)/2, ε₀ = ε(u₀) and ε₁ = ε(u₁), the mean force of a strain energy, for each strain, and the mean
+    force of any other potential are
 
     .. math::
 
@@ -148,7 +148,7 @@ class EnergyMomentum(OneStep):
 
     def refusal(self, problem):
         if problem.dissipative:
-            return f"'{self.title}' takes the force from the potential, and that of '{problem.title}' dissipates."
+            return f"'{self.title}' takes the force from the potential, and the force of '{problem.title}' dissipates."
         if problem.stiffness is not None:
             return _with_stiffness(self, problem)
         if problem.potential is None:

@@ -1,4 +1,4 @@
-"""What a scheme promises: states with u and v and the effort to find them, from functions that JAX can trace."""
+"""The contract of a scheme: states with u and v and the effort to find them, from functions that JAX can trace."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ _MINIMA = {"order": 1, "order_with_damping": 1, "forces_per_step": 0, "forces_pe
 
 
 def check_attributes(scheme: Any) -> None:
-    """Refuse a scheme whose title is not a string, or whose orders, stability limit or numbers of forces are unfit.
+    """Refuse a scheme whose title is not a string, or whose orders, stability limit or numbers of forces are invalid.
 
     Raises
     ------
@@ -27,7 +27,7 @@ def check_attributes(scheme: Any) -> None:
     for name, least in _MINIMA.items():
         try:
             value = getattr(scheme, name)
-        except Exception as error:  # whatever a property of somebody else's scheme raises
+        except Exception as error:  # any exception of a property of a user's scheme
             raise TypeError(f"{name} of {of} raises {type(error).__name__}: {error}") from error
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
             raise TypeError(f"{name} of {of} must be a whole number of at least {least}, not {value!r}.")
@@ -37,7 +37,7 @@ def check_attributes(scheme: Any) -> None:
 
 
 def _returned(scheme: Any, method: str, *arguments: Any) -> tuple[Any, Effort]:
-    """What a method of a scheme returns, a pair of a state and an effort."""
+    """The result of a method of a scheme, a pair of a state and an effort."""
     of = f"{method} of {type(scheme).__name__}"
     try:
         returned = getattr(scheme, method)(*arguments)
@@ -82,7 +82,7 @@ def stepped(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple[Any
     Raises
     ------
     TypeError
-        If ``step`` returns something else than a state like the one before and an effort.
+        If ``step`` returns something else than a state like the previous one and an effort.
     """
     returned = _returned(scheme, "step", problem, state, t, dt)
     of = f"step of {type(scheme).__name__}"
@@ -90,7 +90,7 @@ def stepped(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple[Any
     new, old = (jax.tree.flatten(one) for one in (returned[0], state))
     shapes, wanted = ([(jnp.shape(x), jnp.result_type(x)) for x in leaves] for leaves, _ in (new, old))
     if str(new[1]) != str(old[1]) or shapes != wanted:
-        raise TypeError(f"{of} must return a state like that of start, with the same fields, shapes and types.")
+        raise TypeError(f"{of} must return a state like the one of start, with the same fields, shapes and types.")
     return returned
 
 

@@ -13,7 +13,7 @@ from study.scheme.base import OneStep, check_ranges
 
 
 def _diagonal(s: int, rho_inf: float) -> float:
-    """The γ with ρ∞ of the unconditionally stable method of s sub-steps and order s, next to that with ρ∞ = 0."""
+    """The γ with ρ∞ of the unconditionally stable method of s sub-steps and order s, nearest to the γ with ρ∞ = 0."""
     polynomial = [(-1) ** j * math.comb(s, j) / math.factorial(s - j) for j in range(s, -1, -1)]
     polynomial[0] -= rho_inf * (-1) ** s
     roots = np.roots(polynomial)
@@ -32,9 +32,9 @@ def _explicit_part(c: np.ndarray, row: int, gamma: float, moments: list[float]) 
 
 @cache
 def _tableau(s: int, rho_inf: float) -> np.ndarray:
-    """The weights A (s + 1, s + 1); the last row is that of the end of the step."""
+    """The weights A (s + 1, s + 1); the last row belongs to the end of the step."""
     g = _diagonal(s, rho_inf)
-    # with these times between no weight exceeds three, whatever ρ∞ is; others come too near to 2γ
+    # with these inner times no weight exceeds three, whatever ρ∞ is; other times are too close to 2γ
     c = np.array([0, 2 * g, 0.6, 1] if s == 3 else [0, 2 * g, 0.7, 0.6, 1])
     weights = np.zeros((s + 1, s + 1))
     for row in range(1, s):
@@ -64,7 +64,7 @@ class DiagonallyImplicit(OneStep):
 
     Order s with damping and load too; unconditionally stable for linear systems, with the spectral radius ρ∞ at
     infinite frequency, and the same effective stiffness in all sub-steps. γ rises from 1/3 (ρ∞ = 1) to 0.436 (ρ∞ = 0)
-    for s = 3, and from 0.394 to 0.573 for s = 4: that of the first sub-step may end beyond t₁. Carries u, u̇ and ü;
+    for s = 3, and from 0.394 to 0.573 for s = 4: the first sub-step may end beyond t₁. Carries u, u̇ and ü;
     solves s balances a step, each with one force a Newton iteration. A force with a history commits it at u₁; the
     sub-steps all start from the history at u₀.
 

@@ -15,9 +15,9 @@ from study.scheme.base import OneStep
 class Tableau(NamedTuple):
     """Weights of an explicit Runge-Kutta-Nyström pair whose last stage is the first one of the next step.
 
-    ``c`` (s,) are the times of the stages, ``a`` (s, s) their weights, the last row of which is ``b``; ``b`` and
-    ``b_velocity`` (s,) are the weights of displacement and velocity, ``b_hat`` and ``b_hat_velocity`` those of the
-    embedded method.
+    ``c`` (s,) are the times of the stages, and ``a`` (s, s) their weights, with ``b`` as last row. ``b`` and
+    ``b_velocity`` (s,) are the weights of displacement and velocity, ``b_hat`` and ``b_hat_velocity`` the weights of
+    the embedded method.
     """
 
     c: tuple[float, ...]
@@ -43,7 +43,7 @@ class Tableau(NamedTuple):
 
 
 class EmbeddedNystrom(OneStep):
-    r"""An explicit Runge-Kutta-Nyström method with a second one of lower order from the same forces.
+    r"""An explicit Runge-Kutta-Nyström method with an embedded one of lower order from the same forces.
 
     For i = 1, ..., s, with the first k from the step before,
 
@@ -57,9 +57,9 @@ class EmbeddedNystrom(OneStep):
 
     The weights :math:`\hat b` and :math:`\hat b'` of ``tableau`` in place of b and b′ give the embedded method, whose
     difference from the other estimates the error of a step. The pair of Dormand and Prince has the orders six and four.
-    Without damping no step size is stable, though the motion grows in a step by :math:`4 \cdot 10^{-6} (\omega\Delta
-    t)^8` only. The pair is derived for ü that does not depend on u̇, and has no v_i. Here ā integrates the polynomial
-    through the k before, and the order is three with damping. Carries u, u̇ and ü; s − 1 forces a step, five for this
+    Without damping no step size is stable, but the motion grows in a step only by :math:`4 \cdot 10^{-6} (\omega\Delta
+    t)^8`. The pair is derived for ü that does not depend on u̇, and has no v_i. Here ā integrates the polynomial
+    through the previous k, and the order is three with damping. Carries u, u̇ and ü; s − 1 forces a step, five for this
     pair. A force with a history commits it at u₁; the stages all start from the history at u₀.
 
     Parameters

@@ -30,7 +30,7 @@ def _linear_acceleration(problem: Problem, u0, v0, dt):
     """Houbolt's own start: fictitious points that satisfy his central formulas for u̇₀ and ü₀.
 
     ü₀ = (u₁ − 2u₀ + u₋₁)/Δt² and u̇₀ = (2u₁ + 3u₀ − 6u₋₁ + u₋₂)/(6Δt). With eq. (11b) at t₁ they make the first step
-    exactly that of the linear acceleration method, which finds u₁ here.
+    exactly the step of the linear acceleration method, which finds u₁ here.
     """
     scheme = Newmark(beta=1 / 6, gamma=0.5)
     state, _ = scheme.start(problem, u0, v0, dt)
@@ -47,7 +47,7 @@ def _central_difference(problem: Problem, u0, v0, dt):
     second, more = central_difference.step(problem, first, dt, dt)
     effort = effort.then(more)
     u1, u2 = first.u, second.u
-    # eqs (11) solved for u₋₁ and u₋₂, which depend on the acceleration, as does the velocity that the damping acts on
+    # eqs (11) solved for u₋₁ and u₋₂, which depend on the acceleration, as does the velocity in the damping force
     a2, more = acceleration_within(problem, 2 * dt, u2, (7 * u2 - 8 * u1 + u0) / (6 * dt), dt / 3, guess=second.a)
     effort = effort.then(more)
     u_1 = 2 * u2 - 5 * u1 + 4 * u0 - dt**2 * a2
@@ -133,7 +133,7 @@ class Houbolt(Scheme):
 
     @property
     def needs_mass(self) -> bool:
-        # the method itself does not, with ρ∞ = 0; three of its starts solve with M alone
+        # the method itself does not need mass, with ρ∞ = 0; three of its starts solve with M alone
         return self.start_by != "linear_acceleration"
 
     def start(self, problem, u0, v0, dt):

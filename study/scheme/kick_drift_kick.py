@@ -73,7 +73,7 @@ class KickDriftKick(Alternating):
         first, *rest = self.kicks
         du: VectorLike = 0.0
         dv: VectorLike = first * dt * a
-        # the velocity in the last balance is that after the kick, from which the next step starts
+        # the last balance takes the velocity after the kick, from which the next step starts
         parts = [0.5] * (len(rest) - 1) + [1.0]
         effort = Effort()
         for at, drift, kick, part in zip(accumulate(self.drifts), self.drifts, rest, parts, strict=True):

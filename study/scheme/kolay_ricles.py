@@ -27,8 +27,8 @@ class KolayRicles(OneStep):
             \quad x_f = (1 - \alpha_f)\,x_1 + \alpha_f x_0 \quad\text{for } x = t, u, \dot u \\
         S \ddot u_m &= [(1 - \alpha_m) M + (1 - \alpha_f) G]\,\ddot u_1 + [\alpha_m M + \alpha_f G]\,\ddot u_0
 
-    α_m, α_f, β and γ are those of the generalized-α method for ρ∞. For a linear structure the eigenvalues are those of
-    that method too: of second order, and unconditionally stable. The modified method, MKR-α, has
+    α_m, α_f, β and γ are the parameters of the generalized-α method for ρ∞. For a linear structure the eigenvalues are
+    the same as in that method: of second order, and unconditionally stable. The modified method, MKR-α, has
 
     .. math::
 
@@ -41,7 +41,7 @@ class KolayRicles(OneStep):
     structures that soften. If the tangent k exceeds K, as in a structure that hardens, eigenvalues exceed one: without
     damping for ρ∞ = 1 if k > 4/Δt² M + K, and for ρ∞ = 0.8 at every step size, though slightly at small ones. Carries
     u, u̇ and ü; one force a step (the tangent at u = 0 is the same in all steps), and three solutions. A force with a
-    history commits it at u₁; the model stiffness is that at rest.
+    history commits it at u₁; the model has the stiffness at rest.
 
     Parameters
     ----------

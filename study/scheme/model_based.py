@@ -54,7 +54,7 @@ class ChenRicles(OneStep):
     and without numerical damping. The carried velocity lags by half a step, so a motion that starts with an
     acceleration is of first order. If the tangent k exceeds K, as in a structure that hardens, it is stable without
     damping only while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force a step, and two solutions. A force with a history
-    commits it at u₁, where the balance is; the model stiffness is that at rest.
+    commits it at u₁, where the balance is; the model has the stiffness at rest.
 
     References
     ----------
@@ -97,7 +97,7 @@ class Chang(OneStep):
     Second order. For a linear structure without load it is the trapezoidal rule: unconditionally stable, without
     numerical damping. If the tangent k exceeds K, as in a structure that hardens, it is stable without damping only
     while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force a step, and two solutions, without iteration unless the force
-    depends on the velocity. A force with a history commits it at u₁, where the balance is; the model stiffness is that
+    depends on the velocity. A force with a history commits it at u₁, where the balance is; the model has the stiffness
     at rest.
 
     References

@@ -29,7 +29,7 @@ OF_1996 = (
     "rk4",
 )
 
-#: Names by which codes and books call some schemes.
+#: Names of some schemes in codes and books.
 ALIASES = {
     "velocity_verlet": "central_difference",
     "verlet": "central_difference",
@@ -49,7 +49,7 @@ ALIASES = {
     "runge_kutta_4": "rk4",
 }
 
-#: Names of earlier versions, each with its name today.
+#: Names of earlier versions, each with its present name.
 RENAMED = {"hht_alpha_one_force": "hht_alpha"}
 
 #: The schemes of 1996 first, then the others, module by module.
@@ -67,9 +67,9 @@ def register_scheme(name: str, scheme: Scheme) -> None:
     Raises
     ------
     TypeError
-        If it is no :class:`study.Scheme`, or its title, order or number of forces is unfit.
+        If it is not a :class:`study.Scheme`, or its title, order or number of forces is invalid.
     ValueError
-        If the name is taken or unfit, or the scheme has no class variable ``family``, by which figures group schemes.
+        If the name is taken or invalid, or the scheme has no class variable ``family``, by which figures group schemes.
     """
     if not isinstance(scheme, Scheme):
         raise TypeError(f"{scheme!r} is no scheme: give an instance of a study.Scheme.")

@@ -9,7 +9,7 @@ from study.scheme.base import Scheme, Wrapper
 
 
 class Rederived(Wrapper):
-    r"""Another scheme, with its acceleration replaced by that of the equation of motion after every step.
+    r"""Another scheme, whose acceleration is recomputed from the equation of motion after every step.
 
     .. math::
 

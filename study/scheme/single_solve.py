@@ -33,7 +33,7 @@ class SingleSolve(OneStep):
 
     Second order, also with damping and load, which it takes explicitly. Stable without damping for
     :math:`\omega\Delta t \le \sqrt{(2C - 1)/(C^2/2 + CU - 1/4)}`. Linear systems of one unknown have the roots of
-    Hulbert and Chung's method for ρ_s = ρ_b, and those of Chung and Lee's for C = 1, which is ICL,
+    Hulbert and Chung's method for ρ_s = ρ_b, and the roots of Chung and Lee's for C = 1, which is ICL,
     :math:`\rho_s = (1/\rho_b - 1)/2`. ρ_s = 0 and ρ_b = 1 is central difference without damping. Carries u, u̇ and the
     algorithmic ü; one force a step, and one solution with M. A force with a history commits it at u₁, not at t₀ + CΔt
     where the balance is.

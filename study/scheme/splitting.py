@@ -14,7 +14,7 @@ from study.scheme.base import OneStep, as_tuple, check_numbers
 
 
 def check_weights(scheme: str, name: str, weights: Sequence[float]) -> None:
-    """Refuse weights that are no numbers, or do not add up to one."""
+    """Refuse weights that are not numbers, or do not add up to one."""
     check_numbers(scheme, name, weights)
     if abs(sum(weights) - 1) > 1e-12:
         raise ValueError(f"{scheme}({name}={weights}): {name} must be numbers that add up to one.")

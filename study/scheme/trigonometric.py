@@ -1,4 +1,4 @@
-"""Trigonometric methods, which move the linear part of a problem exactly: Gautschi's and its relatives."""
+"""Trigonometric methods, which solve the linear part of a problem exactly: Gautschi's and its relatives."""
 
 from collections.abc import Callable
 from typing import ClassVar, NamedTuple

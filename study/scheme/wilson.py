@@ -11,7 +11,7 @@ from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_ranges
 from study.scheme.newmark import corrected, stability_limit
 
-#: A root larger than one by more than this is growth. Where roots meet, half of their digits are lost to round-off.
+#: Largest excess of a root over one that is not growth. Where roots meet, half of their digits are lost to round-off.
 GROWTH = 1e-6
 
 
@@ -93,7 +93,7 @@ class WilsonTheta(OneStep):
     def increment(self, problem, state, t, dt):
         u, v, a = state
         tau = self.theta * dt
-        # not Newmark's increments, which would add up in another order and round otherwise
+        # not by Newmark's increments, whose sum would have another order and other round-off
         u_predicted = u + tau * v + tau**2 * (0.5 - self.beta) * a
         v_predicted = v + tau * (1 - self.gamma) * a
         a_theta, effort = balance(

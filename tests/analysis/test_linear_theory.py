@@ -113,7 +113,7 @@ def test_radii_at_infinite_frequency(name):
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
-    """The roots have the order that a scheme claims, except where errors of the start lower that of the motion."""
+    """The roots have the order that a scheme claims, except where errors of the start lower the order of the motion."""
     scheme = study.schemes[scheme_name]
     expected = {
         # conjugate to velocity Verlet, and to the generalized-α method: the map is as good, the start is not

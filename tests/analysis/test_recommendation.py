@@ -28,7 +28,7 @@ def test_what_else_is_wrong_at_a_step_is_told(assessed):
     table = study.recommend(assessed, error=0.01, quantity="energy")
     assert table.most_wrong.iloc[0] == "displacement" and table.most_wrong.isna().iloc[1]
     assert table.most_wrong_error.iloc[0] == pytest.approx(100 * 0.004)
-    assert "with Δt = 0.004 s (2500 steps, 12.5 µs), where displacement is off by 40 %." in answer(
+    assert "with Δt = 0.004 s (2500 steps, 12.5 µs), where displacement is wrong by 40\u00a0%." in answer(
         assessed, "energy", 0.01
     )
     assessed.error[:] = 0.1

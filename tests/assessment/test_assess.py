@@ -67,8 +67,8 @@ def test_a_recommended_step_keeps_its_error_against_another_solver(driven, asses
 @pytest.mark.parametrize("reduce", ["peak", "final", "rms"])
 def test_a_reduced_quantity_is_compared_up_to_the_end_of_the_run(driven, reduce):
     """A run ends with the last step that fits; the reference is reduced up to there."""
-    asked = errors.named({"x": study.Quantity(lambda u, v: jnp.stack([u, v]), reduce=reduce)})
-    found = certified(driven, DURATION, asked, tightest=1e-4, coarsest=1.0, periodic=False)
+    wanted = errors.named({"x": study.Quantity(lambda u, v: jnp.stack([u, v]), reduce=reduce)})
+    found = certified(driven, DURATION, wanted, tightest=1e-4, coarsest=1.0, periodic=False)
     search = Search(study.schemes["newmark"], {1.0: Case(driven, found.targets, None)}, DURATION, 0.1, 0.01, False)
     search.run(np.array([0.0123, 0.0237]))
     for dt, steps, error in search.runs[["dt", "steps", "x"]].itertuples(index=False):
@@ -97,14 +97,14 @@ def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
 @pytest.mark.parametrize(
     "problem, duration",
     [
-        # the start tells nothing of the frequency of the motion
+        # the start does not show the frequency of the motion
         (study.Problem(lambda u: 1e3 * u**3, 0.0, 10.0, damping=0.01, title="far out"), 5.0),
-        # nor do small motions of that of the load
+        # nor do small motions show the frequency of the load
         (study.Problem(lambda u: u + u**3, 0.0, load=lambda t: 50 * jnp.cos(60 * t), title="driven fast"), 5.0),
     ],
 )
 def test_errors_between_the_points_of_a_reference_are_part_of_its_uncertainty(problem, duration):
-    quantities = errors.named(None)
+    quantities = errors.named({name: errors.DEFAULT[name] for name in ("displacement", "velocity")})
     found = certified(problem, duration, quantities, tightest=0.001, coarsest=1.0, periodic=False)
     steps = 200_000
     ds = study.run(problem, "rk4", dt=duration / steps, steps=steps, every=100)
@@ -155,11 +155,11 @@ def test_no_recommended_step_contradicts_the_largest_safe_one(assessed):
 
 
 def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
-    """Displacement and energy over 20 periods, beside the observers by which the study compares with exact motions."""
+    """Displacement, acceleration and energy over 20 periods, against the observers that compare with exact motions."""
     problem, steps = study.problems["hardening"], 20 * 32
     exact = float(taylor.period(problem, 0.15))
     duration = 20 * exact
-    quantities = errors.named(None)
+    quantities = errors.named(errors.DEFAULT)
     reference = Reference(problem, duration)
     exactly = reference.solution(reference.routes[0], reference.grid(exact / 4), 1e-12)
     targets = {name: errors.target(q, problem, exactly) for name, q in quantities.items()}
@@ -170,13 +170,16 @@ def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
     once = taylor.trajectory(problem, np.arange(1, 33) * exact / 32).u
     wanted = np.concatenate([[1.5], np.tile(once, 20)])
     assert one.displacement == pytest.approx(np.abs(ds.u - wanted).max().item() / 1.5, rel=1e-8)
+    wanted_force, got = (np.asarray(problem.force(u)) for u in (wanted, ds.u.values))  # the mass cancels
+    assert one.acceleration == pytest.approx(np.abs(got - wanted_force).max() / np.abs(wanted_force).max(), rel=1e-8)
     assert one.energy == pytest.approx(ds.max_energy_error.item() / 100, rel=1e-12)
 
 
 def test_a_free_oscillator_is_judged_by_period_phase_and_amplitude():
     pendulum = study.Problem(jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=2.0, title="pendulum")
     ds = study.assess(pendulum, "bathe", errors=(0.01,), maps=False)
-    assert ds.quantity.values.tolist() == ["displacement", "velocity", "energy", "period", "phase", "amplitude"]
+    along, of_oscillation = ["displacement", "velocity", "acceleration", "energy"], ["period", "phase", "amplitude"]
+    assert ds.quantity.values.tolist() == along + of_oscillation
     assert ds.quantity_title.values[-1].startswith("relative loss of amplitude, geometric mean per oscillation")
     needed = dict(zip(ds.quantity.values, ds.recommended_dt.values.ravel(), strict=True))
     assert needed["displacement"] < needed["phase"] < needed["period"]
@@ -187,7 +190,7 @@ def test_chaos_ends_what_a_reference_can_say():
     with_chaos = study.problems["duffing_chaotic"]
     with pytest.warns(RuntimeWarning, match=r"the references of 'Duffing, chaotic' agree up to t = .* of 200 s"):
         ds = study.assess(with_chaos, "rk4", duration=200.0, errors=(0.05,), maps=False)
-    assert 20 < ds.attrs["duration"] < 150 and ds.attrs["duration_asked_for"] == 200.0
+    assert 20 < ds.attrs["duration"] < 150 and ds.attrs["duration_requested"] == 200.0
     assert "Beyond t = " in page(ds)
 
 
@@ -201,7 +204,7 @@ def test_chaos_ends_what_a_reference_can_say():
         ({"schemes": "verle"}, "there is no scheme 'verle'"),
         ({"quantities": {}}, "quantities must be a mapping from names to study.Quantity"),
         ({"quantities": {"u": lambda u: u}}, r"quantities\['u'\] must be a study.Quantity"),
-        ({"quantities": {"energy": QUANTITIES["peak"]}}, "the name 'energy' is that of the balance of energies"),
+        ({"quantities": {"energy": QUANTITIES["peak"]}}, "the name 'energy' belongs to the balance of energies"),
         ({"quantities": {"x": study.Quantity(lambda u: jnp.log(u))}}, "'x' of 'driven' is not finite at t = 0"),
         ({"quantities": {"x": study.Quantity(lambda u: 0 * u)}}, "'x' of 'driven' is zero all the time"),
         ({"quantities": {"x": study.Quantity(lambda u: u[3])}}, "the quantity 'x' cannot be computed for 'driven'"),

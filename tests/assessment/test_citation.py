@@ -1,4 +1,4 @@
-"""What a dataset rests on, as BibTeX."""
+"""The works on which a dataset is based, as BibTeX."""
 
 import re
 

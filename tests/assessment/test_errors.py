@@ -1,4 +1,4 @@
-"""What the reference says about a quantity."""
+"""The reference of a quantity."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def test_a_balance_without_energy_to_compare_with_is_left_out_and_told():
     hanging = study.Problem(lambda u: u - 1.0, 0.0, potential=lambda u: u**2 / 2 - u, damping=0.02, title="hanging")
     with pytest.warns(RuntimeWarning, match="the balance of energies of 'hanging' is left out: .* add a constant to"):
         ds = study.assess(hanging, "rk4", duration=5.0, errors=[0.1], maps=False)
-    assert ds.quantity.values.tolist() == ["displacement", "velocity"]
+    assert ds.quantity.values.tolist() == ["displacement", "velocity", "acceleration"]
     assert ds.starts == "No other start was tried: u, u̇ and the load are zero at the start."
 
 

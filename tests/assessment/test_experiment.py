@@ -1,4 +1,4 @@
-"""Problems and schemes of one's own that the configuration names, through the pipeline."""
+"""A user's problems and schemes in the configuration, through the pipeline."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from tests.pipeline.pipeline import SMALL, call_snakemake, copied, make
 
 
 @pytest.mark.parametrize(
-    "asked, sentence",
+    "wanted, sentence",
     [
         ({"problem": "examples/driven.py:drive", "duration": 20.0}, "has no 'drive'; did you mean 'driven'?"),
         ({"problem": "examples/driven.py:driven"}, "has no period to count in: give duration="),
@@ -20,8 +20,8 @@ from tests.pipeline.pipeline import SMALL, call_snakemake, copied, make
         ({"problem": "hardening", "quantities": "examples/driven.py:driven"}, "must be a dict, not Problem."),
     ],
 )
-def test_what_cannot_be_assessed_is_refused_before_any_work(asked, sentence):
-    assert sentence in str(_check(asked, {}))
+def test_what_cannot_be_assessed_is_refused_before_any_work(wanted, sentence):
+    assert sentence in str(_check(wanted, {}))
 
 
 def _edited(path: Path, old: str, new: str) -> None:
@@ -32,10 +32,10 @@ def _edited(path: Path, old: str, new: str) -> None:
 
 def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
     folder = copied(tmp_path)
-    asked = {"problem": "examples/driven.py:driven", "duration": 20.0, "schemes": ["rk4", "heun"], "errors": [0.05]}
+    wanted = {"problem": "examples/driven.py:driven", "duration": 20.0, "schemes": ["rk4", "heun"], "errors": [0.05]}
     overlay = {
         "own_schemes": ["examples/scheme.py:heun"],
-        "assess": {"mine": asked},
+        "assess": {"mine": wanted},
         "sensitivity": {"schemes": [*OF_1996, "heun"]},
     }
     (folder / "mine.yaml").write_text(yaml.safe_dump(overlay))
@@ -44,7 +44,7 @@ def test_the_pipeline_assesses_a_problem_and_a_scheme_in_files(tmp_path):
     spring = study.open_dataset("assessment/hardening", folder / "results")
     period = study.open_dataset("reference/hardening", folder / "results").period.item()
     assert spring.duration == spring.periods * period and (spring.verdict == 0).any()
-    assert "For 5 % of displacement: " in (folder / "results/assessment/mine.html").read_text()
+    assert "For 5\u00a0% of displacement: " in (folder / "results/assessment/mine.html").read_text()
     ds = study.open_dataset("assessment/mine", folder / "results")
     assert ds.scheme.values.tolist() == ["rk4", "heun"] and (ds.verdict == 0).any()
     assert study.open_dataset("sensitivity", folder / "results").scheme_title.values[-2:].tolist() == [

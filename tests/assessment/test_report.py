@@ -60,7 +60,7 @@ def assessed(model, tmp_path_factory):
 
 def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
     swing, printed = assessed
-    assert "For 5 % of displacement: " in printed and "force_evaluations" in printed
+    assert "For 5\u00a0% of displacement: " in printed and "force_evaluations" in printed
     ds = xr.load_dataset(swing.with_suffix(".nc"))
     assert ds.attrs["command"].startswith("study assess ") and ds.attrs["processor"]
     page = swing.with_suffix(".html").read_text()
@@ -68,7 +68,7 @@ def test_the_command_writes_a_dataset_and_a_page_of_its_own(assessed):
     text = re.sub("<svg.*?</svg>", "", page, flags=re.DOTALL)
     assert "a &lt;swing&gt; &amp; more" in text and "<swing>" not in text
     assert not re.search(r"(src|href)=(?!.data:,)|@import|url\(", text) and "http" not in text
-    assert text.index("For 5 % of displacement") < text.index("<h2>")
+    assert text.index("For 5\u00a0% of displacement") < text.index("<h2>")
     assert "heyoka" in text and study.__version__ in text
     assert "integrator Newmark 0.5 0.25" in text and "frequencies up to ω = " in text
 

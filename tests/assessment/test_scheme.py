@@ -1,4 +1,4 @@
-"""A scheme of one's own: its name, its contract, and its page."""
+"""Your own scheme: its name, its contract, and its page."""
 
 from pathlib import Path
 
@@ -122,7 +122,7 @@ class _Branching(_Plain):
         (_NoField(), "increment of _NoField raises AttributeError: 'Phase' object has no attribute 'w'"),
         (_NoNumbers(), "increment of _NoNumbers must return a study.building.Effort of iterations and"),
         (_NoEffort(), "step of _NoEffort must return a state and a study.building.Effort, not Phase."),
-        (_OtherState(), "step of _OtherState must return a state like that of start"),
+        (_OtherState(), "step of _OtherState must return a state like the one of start"),
         (_OtherShape(), r"start of _OtherShape must return a state with 'v' of shape \(\)."),
     ],
 )
@@ -183,8 +183,9 @@ def test_a_name_of_an_earlier_version_is_answered_by_its_name_today():
 
 def test_the_page_of_a_scheme_has_its_order_and_its_errors(tmp_path, capsys):
     page = tmp_path / "heun.html"
-    main(["assess-scheme", f"{EXAMPLE}:heun", "--beside", "rk4", "--problems", "hardening", "--output", str(page)])
+    words = ["--compare-with", "rk4", "--problems", "hardening", "--output", str(page)]
+    main(["assess-scheme", f"{EXAMPLE}:heun", *words])
     assert f"written: {page}" in capsys.readouterr().out
     text = page.read_text()
-    assert "<td>Heun</td><td>2</td><td>2.00</td>" in text and "For 10 % of displacement: " in text
+    assert "<td>Heun</td><td>2</td><td>2.00</td>" in text and "For 10\u00a0% of displacement: " in text
     assert "study assess-scheme" in text

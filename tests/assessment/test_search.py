@@ -107,7 +107,7 @@ def test_the_ends_of_a_search_are_said_as_such():
     allowed=st.lists(st.floats(1e-3, 0.3), min_size=1, max_size=3),
 )
 def test_all_that_was_tried_below_a_recommended_step_keeps_the_error(order, bumps, allowed):
-    """Whatever the error does between the steps, and whatever other errors are asked for: what was run decides."""
+    """The verdict follows from the runs alone, whatever the errors between the steps and the other allowed errors."""
 
     def error(dt, start):
         factor = np.prod([size for place, size in bumps if abs(np.log2(dt) - place) < 0.1], initial=1.0)

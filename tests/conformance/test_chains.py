@@ -23,7 +23,7 @@ def _written(write, case) -> str:
 
 
 def _assembled(n, links):
-    """Matrix of springs or dashpots between nodes, of which 0 is fixed."""
+    """Matrix of springs or dashpots between nodes; node 0 is fixed."""
     matrix = np.zeros((n + 1, n + 1))
     for i, j, value in links:
         matrix[np.ix_([i, j], [i, j])] += value * np.array([[1, -1], [-1, 1]])

@@ -60,11 +60,11 @@ def test_reversible_control_has_no_drift_and_the_usual_one_has():
     def density(u, v):
         return jnp.sqrt(jax.grad(HARDENING.force)(u) + 3.0)
 
-    asked = {"observe": ["energy_error"], "duration": 300.0}
+    wanted = {"observe": ["energy_error"], "duration": 300.0}
     reversible = study.run(
-        HARDENING, "average_acceleration", controller=study.Reversible(density), tolerance=0.2, **asked
+        HARDENING, "average_acceleration", controller=study.Reversible(density), tolerance=0.2, **wanted
     )
-    usual = study.run(HARDENING, "average_acceleration", tolerance=1e-4, **asked)
+    usual = study.run(HARDENING, "average_acceleration", tolerance=1e-4, **wanted)
     error, drift = abs(reversible.energy_error.values), abs(usual.energy_error.values)
     tenth = len(error) // 10
     assert error[-tenth:].max() == pytest.approx(error[:tenth].max(), rel=0.01)

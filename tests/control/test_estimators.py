@@ -87,8 +87,8 @@ def test_the_apparent_frequency_is_that_of_a_linear_structure():
 
 def test_the_iterations_are_those_that_an_observer_counts():
     problem = study.Problem(lambda u: u + 5 * u**3, u0=1.0)
-    asked = {"controller": study.Prescribed([0.1]), "duration": 3.0, "tolerance": 6.0, "estimator": "iterations"}
-    ds = study.run(problem, "average_acceleration", observe=["trajectory", "newton_iterations"], **asked)
+    wanted = {"controller": study.Prescribed([0.1]), "duration": 3.0, "tolerance": 6.0, "estimator": "iterations"}
+    ds = study.run(problem, "average_acceleration", observe=["trajectory", "newton_iterations"], **wanted)
     assert ds.estimate.sum() == ds.newton_iterations > 30
 
 
@@ -102,8 +102,8 @@ def test_an_estimate_is_relative_to_the_motion():
         for length, time in ((1.0, 1.0), (1000.0, 0.01)):
             problem = study.Problem(stiffness=stiffness / time**2, u0=[length, 0.5 * length])
             tolerance = 0.05 if name == "apparent_frequency" else 1e-3
-            asked = {"dt": 0.02 * time, "duration": 5 * time, "estimator": name, "tolerance": tolerance}
-            runs.append(study.run(problem, "average_acceleration", **asked))
+            wanted = {"dt": 0.02 * time, "duration": 5 * time, "estimator": name, "tolerance": tolerance}
+            runs.append(study.run(problem, "average_acceleration", **wanted))
         assert runs[0].steps == runs[1].steps
         np.testing.assert_allclose(runs[0].u[-1], runs[1].u[-1] / 1000, rtol=1e-6)
 

@@ -103,11 +103,11 @@ def test_the_verdict_follows_the_data():
         return verdict(library.subject(name), library)
 
     cheaper = of("central_difference", _kinks(32, 16))
-    assert "within 1 % on the yielding oscillator" in cheaper and "first order only" not in cheaper
+    assert "within 1\u00a0% on the yielding oscillator" in cheaper and "first order only" not in cheaper
     assert "| yielding oscillator | ≤\u00a016 (16) | 32 (32) | – | this one |" in cheaper
     assert "[Central difference](central_difference.md): 32 (32) |" in of("rk4", _kinks(32, 16))
     dearer = of("central_difference", _kinks(100, 16, first_order=1))
-    assert "within 1 %" not in dearer and "small errors on the yielding oscillator" in dearer
+    assert "within 1\u00a0%" not in dearer and "small errors on the yielding oscillator" in dearer
     assert "| – | – | [Runge-Kutta](rk4.md): ≤\u00a016 (64) |" in dearer
 
 
@@ -142,7 +142,7 @@ def test_numbers_as_they_stand_on_pages():
         "∞",
         "–",
     ]
-    assert (percent(0.0712), percent(-1e-12), percent(np.nan)) == ("7.1 %", "0 %", "–")
+    assert (percent(0.0712), percent(-1e-12), percent(np.nan)) == ("7.1\u00a0%", "0\u00a0%", "–")
 
 
 def test_the_table_has_every_scheme_and_column(library):

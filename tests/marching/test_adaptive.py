@@ -93,9 +93,9 @@ def test_a_family():
     def spring(hardening):
         return study.Problem(lambda u: u + hardening * u**3, u0=1.0)
 
-    asked = {"tolerance": 1e-4, "duration": 5.0}
-    ds = study.run(spring, "average_acceleration", over={"hardening": [0.0, 1.0, 9.0]}, **asked)
-    last = study.run(spring(9.0), "average_acceleration", **asked)
+    wanted = {"tolerance": 1e-4, "duration": 5.0}
+    ds = study.run(spring, "average_acceleration", over={"hardening": [0.0, 1.0, 9.0]}, **wanted)
+    last = study.run(spring(9.0), "average_acceleration", **wanted)
     assert ds.steps[2] == last.steps > ds.steps[0]
     assert ds.u.dropna("sample", how="all")[2, -1] == pytest.approx(last.u[-1].item(), abs=1e-6)
     assert ds.hardening.values.tolist() == [0, 1, 9]
@@ -157,9 +157,9 @@ def test_a_step_that_shrinks_to_nothing_is_a_status():
     ],
 )
 def test_a_wrong_argument_gets_a_sentence(given, message):
-    asked = {"scheme": "average_acceleration", "tolerance": 1e-3, "duration": 4.0} | given
+    wanted = {"scheme": "average_acceleration", "tolerance": 1e-3, "duration": 4.0} | given
     with pytest.raises((ValueError, KeyError, TypeError), match=message):
-        study.run(DRIVEN, asked.pop("scheme"), **asked)
+        study.run(DRIVEN, wanted.pop("scheme"), **wanted)
 
 
 def test_equal_steps_need_their_size_and_number():

@@ -23,7 +23,7 @@ def _cubic(coefficient, x):
 @given(u=finite, v=finite, rhs=finite, c_u=st.floats(1e-6, 1.0), weight=st.floats(0.5, 1.0), cubic=st.floats(0.0, 10.0))
 def test_newton_finds_the_root(u, v, rhs, c_u, weight, cubic):
     problem = study.Problem(eqx.Partial(_cubic, np.float64(cubic)), u0=0.0, mass=2.0, damping=0.3)
-    # arrays, since Python's numbers would each be compiled anew
+    # arrays, because each Python number would be compiled again
     numbers = [jnp.asarray(number) for number in (rhs, u, v, c_u, 0.5, 0.0, weight)]
     a, effort = eqx.filter_jit(balance)(problem, *numbers)
 

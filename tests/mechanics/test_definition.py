@@ -1,4 +1,4 @@
-"""What a problem with several unknowns is told, what it finds by itself, and what it refuses with a sentence."""
+"""Arguments of a problem with several unknowns, their detection, and the errors for invalid ones."""
 
 import equinox as eqx
 import jax
@@ -17,7 +17,7 @@ ZERO = np.zeros(N)
 
 
 def _chain(u):
-    """Springs r + r³ in a row, the first of which hangs on a wall."""
+    """Springs r + r³ in a row; the first one is fixed to a wall."""
     stretch = jnp.concatenate([u[:1], jnp.diff(u)])
     pull = stretch + stretch**3
     return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])
@@ -183,7 +183,7 @@ def test_a_narrow_mass_is_held_as_a_band():
 def test_schemes_with_a_limit_of_stability_need_a_mass_everywhere(scheme):
     with pytest.raises(ValueError) as caught:
         study.run(_problem(mass=[1.0, 1.0, 0.0, 1.0, 1.0]), scheme, dt=0.1, steps=1)
-    assert "needs a mass at every unknown, and that of 'tried' is singular: take an implicit scheme" in str(
+    assert "needs a mass at every unknown, and the mass of 'tried' is singular: take an implicit scheme" in str(
         caught.value
     )
 

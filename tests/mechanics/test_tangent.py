@@ -11,7 +11,7 @@ from study.mechanics.sparse_tangent import SparseTangent
 
 
 def _chain(u):
-    """Springs r + r³ in a row, the first of which hangs on a wall."""
+    """Springs r + r³ in a row; the first one is fixed to a wall."""
     stretch = jnp.concatenate([u[:1], jnp.diff(u)])
     pull = stretch + stretch**3
     return pull - jnp.concatenate([pull[1:], jnp.zeros(1)])

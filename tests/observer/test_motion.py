@@ -1,4 +1,4 @@
-"""Trajectories and quantities of one's own."""
+"""Trajectories, and a user's quantities."""
 
 from functools import partial
 

@@ -12,7 +12,7 @@ from paper.latex.__main__ import converted
 
 PAPER = Path(paper.__file__).parent
 #: Characters that pdfLaTeX prints with its usual encodings.
-PRINTED = set("–—‘’“”äöüÜøóí×±½√·†…\u2011\u00a0\u0307\u0308")
+PRINTED = set("–—‘’“”äöüÜøóíé×±½√·†…\u2011\u00a0\u0307\u0308")
 TEXT = """#import "layout.typ": holds, n, picture, printed, ruled, table-of, tabular
 #show: printed.with(title: [On steps], subtitle: [A test], authors: "A. Author", front: [*Abstract.* Short.])
 = Introduction <start>

@@ -10,7 +10,7 @@ STEPS = [10, 20, 40]
 
 
 def _runs(problem, name, errors, schemes=("one", "two")):
-    """Runs with errors over steps of each scheme: a force a step, or one an iteration of which a step takes two."""
+    """Runs with errors over steps of each scheme: one force a step, or two iterations a step with a force each."""
     data = filled(0.0, problem=[problem], scheme=list(schemes), steps_per_period=STEPS).to_dataset(name=name)
     data[name][0] = errors
     data["iterations_per_step"] = data[name] * 0 + [[0.0], [2.0]]

@@ -2,7 +2,7 @@
 
 #: Path in the project: text.
 ADDED = {
-    "study/scheme/mine.py": '''"""A scheme of one's own."""
+    "study/scheme/mine.py": '''"""A user's scheme."""
 
 from study.scheme.newmark import Newmark
 
@@ -19,7 +19,7 @@ from study.declaration.options import Count, Spring
 
 @experiment("last_displacement", reads=lambda options: ["reference/hardening"])
 def last_displacement(problem: Spring = "hardening", steps: Count = 100) -> xr.Dataset:
-    """Displacement of a scheme of one's own after a number of steps."""
+    """Displacement of a user's scheme after a number of steps."""
     end = run(problem, "mine", dt=0.001, steps=steps, every=steps).isel(t=-1)
     return xr.Dataset({"u": ((), end.u.item(), end.u.attrs)}, attrs={"title": "Last displacement"})
 ''',
@@ -49,7 +49,7 @@ def tabulate(last):
     """One row."""
     return pd.DataFrame({"u": [f"{last.u.item():.3f}"]})
 ''',
-    "paper/claims/last.py": '''"""A claim of one's own."""
+    "paper/claims/last.py": '''"""A user's claim."""
 
 from paper.claims.ledger import Finding, claim
 
@@ -60,7 +60,7 @@ def is_finite(last_displacement):
     size = abs(last_displacement.u.item())
     return Finding(f"{size:.2f}", size < 10)
 ''',
-    "paper/numbers/last.py": '''"""A number of one's own."""
+    "paper/numbers/last.py": '''"""A user's number."""
 
 from paper.products import numbers
 

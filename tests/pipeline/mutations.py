@@ -13,7 +13,7 @@ from pipeline import configuration
 from study.declaration.experiment import discover
 from tests.pipeline.pipeline import PROJECT, SMALL
 
-#: Sections on which most of the others depend, and which would all be made anew.
+#: Sections on which most of the others depend, so that all would be made again.
 DEEP = {"references", "agreement", "accuracy", "work_precision", "assess", "structures"}
 #: Numbers that are changed, and what they are multiplied by.
 NUMBERS, FACTORS = 5, (0.3, 0.5, 0.7, 1.4, 2.0)

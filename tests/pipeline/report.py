@@ -11,20 +11,20 @@ from tests.browser import set_width, wait
 def check_contents(report: Path, results: Path) -> None:
     """Check that the page of a report opens on a description and lists what was made."""
     text = report.read_text()
-    told = {
+    stated = {
         name: json.loads(re.findall(rf"<script id=.*>\s*var {name} = (.*);\s*</script>", text)[0])
         for name in ("categories", "results", "workflow_desc", "metadata")
     }
-    assert told["metadata"]  # without any, the page opens on the graph of rules
-    headings = set(told["categories"])
+    assert stated["metadata"]  # without any, the page opens on the graph of rules
+    headings = set(stated["categories"])
     assert headings == {"Article", "Assessments", "Explorer", "Figures", "Ledger of claims", "Tables"}
-    assert all(heading in told["workflow_desc"] for heading in headings)
-    listed = {Path(path).relative_to("results").as_posix() for path in told["results"]}
+    assert all(heading in stated["workflow_desc"] for heading in headings)
+    listed = {Path(path).relative_to("results").as_posix() for path in stated["results"]}
     assert {f"{name}.pdf" for name in ("manuscript", "supplement", "replication")} <= listed
     assert {"explorer.html", "tables.html", "claims.html", "claims.csv"} <= listed
     made = {*results.glob("figures/*.svg"), *results.glob("tables/*.csv")}
     assert {path.relative_to(results).as_posix() for path in made} <= listed
-    labels = [result["labels"]["content"] for result in told["results"].values()]
+    labels = [result["labels"]["content"] for result in stated["results"].values()]
     assert all(labels) and len(set(labels)) == len(labels)
 
 

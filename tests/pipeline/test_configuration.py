@@ -26,7 +26,7 @@ PRODUCTS = products.discover()
 
 
 def _shipped(name: str) -> dict:
-    """A configuration laid over that of the study, as Snakemake does."""
+    """A configuration that overrides the study's, as in Snakemake."""
     settings = yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())
     update_config(settings, yaml.safe_load((PROJECT / "config" / name).read_text()))
     return settings
@@ -127,8 +127,8 @@ def test_what_is_no_configuration_is_told(whole):
         (lambda c: c["stability"]["roots"].update(steps=4 * 10**14), "stability.roots.steps must be less than or"),
         (lambda c: c["stability"]["numerical_map"].update(steps=10**6, dt=[1, 2, 3]), "numbers at once, and more than"),
         (lambda c: c["energy_drift"]["steps_per_period"].update(step=1e-12), "step must be greater than or equal to"),
-        (lambda c: c["energy_drift"]["steps_per_period"].update(step=1e-5), "energy_drift asks for 3.6e+10 numbers"),
-        (lambda c: c["phase_portrait"]["double_well"].update(dt=2.5e-7), "phase_portrait.double_well asks for"),
+        (lambda c: c["energy_drift"]["steps_per_period"].update(step=1e-5), "energy_drift needs 3.6e+10 numbers"),
+        (lambda c: c["phase_portrait"]["double_well"].update(dt=2.5e-7), "phase_portrait.double_well needs"),
         (lambda c: c["spectral"]["exponents"].update(first=-3000), "spectral.exponents.first must be greater than"),
         (lambda c: c["spectral"].update(damping_ratios=[1.0]), "spectral.damping_ratios.0 must be less than 1, not"),
         (lambda c: c["long_times"].update(periods=[10**7], runs=900), "a law of growth takes three lengths"),

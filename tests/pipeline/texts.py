@@ -43,11 +43,11 @@ OVERLAPS = 2
 
 
 def check_pages(results: Path) -> None:
-    """The texts are short enough, and no page has words over others, or in its lower margin beside its number."""
+    """Texts are short enough; no page has overlapping words, or words in its lower margin next to its number."""
     for name, (least, most) in PAGES.items():
         command = ["pdftotext", "-bbox", str(results / f"{name}.pdf"), "-"]
-        told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-        pages = re.findall(r'<page width=".+?" height="(.+?)">(.*?)</page>', told, re.DOTALL)
+        stated = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        pages = re.findall(r'<page width=".+?" height="(.+?)">(.*?)</page>', stated, re.DOTALL)
         assert least <= len(pages) <= most, name
         for number, (height, page) in enumerate(pages, 1):
             found = [(*map(float, word[:4]), word[4]) for word in WORD.findall(page)]

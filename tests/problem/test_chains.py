@@ -5,6 +5,7 @@ import pytest
 
 import study
 from study.problem import chains
+from study.problem.named import known
 
 
 def test_a_soliton_keeps_its_form():
@@ -19,3 +20,15 @@ def test_a_bar_that_moves_as_a_whole_but_for_its_wall_strains_its_last_element_a
     n = bar.u0.size
     strain, h = 0.1 * n, 1 / n
     assert float(bar.potential(np.full(n, 0.1))) == pytest.approx(h * (strain**2 / 2 + 10 * strain**4 / 4))
+
+
+def test_central_difference_has_the_exact_motion_of_a_linear_bar():
+    at = known["loaded_bar"]
+    bar = study.problems["loaded_bar"]
+    n = bar.u0.size
+    exact = study.run(bar, "central_difference", dt=1 / n, steps=2 * n, every=n // 2)
+    np.testing.assert_allclose(exact.u[-1], at.u, rtol=0, atol=1e-13)
+    # the displacement at the end rises evenly until the wave is back
+    np.testing.assert_allclose(exact.u[:, 0], exact.t, rtol=0, atol=1e-13)
+    finer = study.run(bar, "central_difference", dt=0.25 / n, steps=8 * n, every=8 * n)
+    assert np.abs(finer.u[-1] - at.u).max() > 1e-3

@@ -1,10 +1,14 @@
 """Oscillators of one unknown."""
 
 import mpmath
+import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import study
+from reference import sundials
 from study.problem import oscillators
+from study.problem.named import known
 
 
 def test_period_of_the_pendulum_near_its_top():
@@ -15,3 +19,56 @@ def test_period_of_the_pendulum_near_its_top():
     end = study.run(problem, "gauss4", dt=period / 2 / 4000, steps=4000, every=4000).isel(t=-1)
     assert end.u.item() == pytest.approx(0, abs=1e-5)
     assert end.v.item() == pytest.approx(-speed, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "damping, amplitude, printed, within",
+    [
+        (0.05, 7.5, oscillators.UEDA_EXPONENT, 0.03),
+        # printed in 1979
+        (0.1, 10.0, 0.102, 0.11),
+        (0.1, 11.0, 0.114, 0.11),
+        (0.1, 12.0, 0.149, 0.11),
+        (0.1, 13.0, 0.182, 0.11),
+    ],
+)
+def test_ueda_s_oscillator_has_the_printed_exponents(damping, amplitude, printed, within):
+    problem, starts = oscillators.ueda(damping, amplitude), 2.5 + np.linspace(0, 1, 16)
+    half, whole = (
+        study.run(problem, "rk4", dt=2 * np.pi / 64, steps=n, u0=starts, observe=["lyapunov_exponent"])
+        for n in (32_000, 64_000)
+    )
+    rate = 2 * whole.lyapunov_exponent - half.lyapunov_exponent
+    assert rate.mean().item() == pytest.approx(printed, rel=within)
+
+
+def test_van_der_pol_has_the_printed_end():
+    problem, at = study.problems["van_der_pol"], known["van_der_pol"]
+    # CVODE's tolerance is one of each step
+    by_another = sundials.trajectory(problem, np.array([at.time]), rtol=1e-12, method="BDF")
+    assert by_another.u[-1] == pytest.approx(at.u, rel=1e-9)
+    assert by_another.v[-1] == pytest.approx(-0.8928097010247975, rel=1e-9)
+    errors = {}
+    for scheme in ("gauss4", "bathe"):
+        end = study.run(problem, scheme, dt=at.time / 2**22, steps=2**22, every=2**22).u.values[-1]
+        errors[scheme] = abs(end / at.u - 1)
+    assert errors["gauss4"] < 1e-3 < errors["bathe"] < 0.02
+
+
+def test_the_shallow_arch_turns_where_its_energy_says():
+    at = known["shallow_arch"]
+    by_another = solve_ivp(
+        lambda t, y: [y[1], oscillators.ARCH_LOAD - y[0] * (2 - y[0] * (3 - y[0]))],
+        (0, at.time), [0, 0], "DOP853", rtol=1e-13, atol=1e-15,
+    )  # fmt: skip
+    # five passages near the unstable equilibrium enlarge the error of each step
+    np.testing.assert_allclose(by_another.y[:, -1], [at.u, 0.0], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("part, snaps", [(0.999, False), (1.001, True)])
+def test_the_shallow_arch_snaps_through_at_eight_twentysevenths(part, snaps):
+    arch = study.problems["shallow_arch"]
+    load = part * 8 / 27
+    problem = study.Problem(arch.force, 0.0, load=lambda t: np.full((), load))
+    ds = study.run(problem, "rk4", dt=0.01, steps=5000)
+    assert bool((ds.u > 2 / 3).any()) == snaps

@@ -8,7 +8,7 @@ import study
 
 
 def test_the_potential_of_the_softening_spring_leaves_round_off():
-    """The potential is a difference of |u| and a logarithm; its round-off must not exceed that of |u|."""
+    """The potential is a difference of |u| and a logarithm; its round-off must not exceed the round-off of |u|."""
     u = np.concatenate([[0.0], np.geomspace(1e-8, 700, 300), -np.geomspace(1e-3, 30, 100)])
     with mpmath.workdps(40):
         exact = np.array([float(100 * mpmath.log(mpmath.cosh(mpmath.mpf(x)))) for x in u])

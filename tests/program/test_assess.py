@@ -44,7 +44,7 @@ def spring(request, tmp_path_factory):
 
 def test_the_truth_is_as_uncertain_as_it_says(spring):
     own, ds, hardening = spring
-    truth = Search(own, [0.1, 0.01, 0.001], round_step, math.inf, lambda *told: None).truth
+    truth = Search(own, [0.1, 0.01, 0.001], round_step, math.inf, lambda *words: None).truth
 
     def rate(t, y):
         return [y[1], -y[0] - hardening * y[0] ** 3]
@@ -59,11 +59,11 @@ def test_the_truth_is_as_uncertain_as_it_says(spring):
 
 
 def test_its_steps_are_those_of_the_same_problem(spring):
-    """Up to the ratio of steps that a sparing search leaves, and to that of two digits."""
+    """Up to the resolution of a search with few runs, and the rounding to two digits."""
     _, ds, hardening = spring
     problem = study.Problem(lambda u: u + hardening * u**3, u0=1.0, title="spring")
-    asked = {"displacement": study.Quantity(lambda u: u), "velocity": study.Quantity(lambda v: v)}
-    expected = study.assess(problem, models.SCHEMES, duration=models.DURATION, quantities=asked, maps=False)
+    wanted = {"displacement": study.Quantity(lambda u: u), "velocity": study.Quantity(lambda v: v)}
+    expected = study.assess(problem, models.SCHEMES, duration=models.DURATION, quantities=wanted, maps=False)
     ratio = ds.recommended_dt / expected.recommended_dt
     assert ((ratio > 1 / 1.25) & (ratio < 1.25)).all()
     assert (ds.recommended_error <= ds.allowed_error).all() and (ds.worst_error <= 1).all()

@@ -97,7 +97,7 @@ def test_the_example_in_c_is_assessed(tmp_path, monkeypatch):
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         main([*words, "--error", "0.01", "--output", str(tmp_path / "assessed")])
     ds = study.io.read(tmp_path / "assessed.nc")
-    assert "For 1 % of velocity: " in printed.getvalue() and (tmp_path / "assessed.html").is_file()
+    assert "For 1\u00a0% of velocity: " in printed.getvalue() and (tmp_path / "assessed.html").is_file()
     assert (ds.verdict == 0).all() and ds.attrs["problem"] == "oscillator"
     own = study.Program(models.hardening, models.SCHEMES, 10.0, folder=tmp_path, workers=1, coarsest=0.625)
     monkeypatch.setattr(models, "DURATION", 10.0)

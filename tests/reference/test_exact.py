@@ -63,7 +63,7 @@ def test_the_reference_after_a_hundred_thousand_periods_is_the_closed_form(name)
 
 def test_a_time_that_is_not_finite_is_refused():
     problem = study.problems["hardening"]
-    with pytest.raises(ValueError, match="'hardening spring' is asked for at a time that is not finite"):
+    with pytest.raises(ValueError, match="the exact solution of 'hardening spring' needs finite times"):
         exact.folded(problem, [np.nan], *exact.period(problem, 0.15))
 
 

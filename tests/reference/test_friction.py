@@ -50,7 +50,7 @@ def test_without_friction_it_swings_for_ever():
 
 
 def contact(stiffness):
-    """The spring beside a contact that slips: together one elastoplastic spring."""
+    """The spring parallel to a contact that slips: together one elastoplastic spring."""
     both = STIFFNESS + stiffness
     spring = study.materials.elastoplastic(both, SLIP * both / stiffness, hardening=STIFFNESS / both)
     # at the start the contact is strained as it is where the mass has slipped to its place

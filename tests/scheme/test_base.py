@@ -27,7 +27,7 @@ def test_forces_are_counted(scheme):
     calls.clear()
     _, effort = scheme.step(problem, state, 0.0, jnp.asarray(1e-3))
     jax.effects_barrier()
-    # the stiffness at u = 0, of which KR-α makes its model, is the same in every step
+    # the stiffness at u = 0, which is the model of KR-α, is the same in every step
     evaluated = [u for u in calls if np.any(u)]
     assert len(evaluated) == scheme.forces_per_step + int(effort.iterations) * scheme.forces_per_iteration
 

@@ -76,5 +76,5 @@ def test_a_force_without_velocity_compiles_as_before():
 
 def test_an_energy_from_a_potential_alone_is_refused():
     problem = study.Problem(lambda u, v: u + v, u0=1.0, potential=lambda u: u**2 / 2)
-    with pytest.raises(ValueError, match="'Energy-momentum' takes the force from the potential, and that of"):
+    with pytest.raises(ValueError, match="'Energy-momentum' takes the force from the potential, and the force of"):
         study.run(problem, "energy_momentum", dt=0.1, steps=1)

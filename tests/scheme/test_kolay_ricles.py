@@ -23,7 +23,7 @@ def test_stability_of_kr_alpha_is_that_of_its_model(scheme, factor, stable):
 @pytest.mark.parametrize("name", ["chen_ricles", "chang"])
 @pytest.mark.parametrize("factor, stable", [(0.5, True), (4.99, True), (5.01, False)])
 def test_stability_that_is_called_unconditional_ends_where_the_stiffness_has_risen(name, factor, stable):
-    """The tangent may exceed that of the model by 4/Δt² at most, here with Δt = 1 and a model of 1."""
+    """The tangent may exceed the model by 4/Δt² at most, here with Δt = 1 and a model of 1."""
     problem = study.Problem(lambda u: jnp.where(jnp.abs(u) < 1e-6, 1.0, factor) * u, u0=1.0)
     ds = study.run(problem, name, dt=1.0, steps=2000, on_failure="ignore")
     assert (np.abs(ds.u).max() < 1000) == stable

@@ -157,8 +157,8 @@ def _massless():
     ],
     ids=lambda scheme: f"{scheme.title} {getattr(scheme, 'start_by', '')}",
 )
-def test_a_mass_is_asked_for_before_the_run(scheme):
-    with pytest.raises(ValueError, match="needs a mass at every unknown, and that of 'joint' is singular"):
+def test_a_mass_is_required_before_the_run(scheme):
+    with pytest.raises(ValueError, match="needs a mass at every unknown, and the mass of 'joint' is singular"):
         study.run(_massless(), scheme, dt=0.1, steps=1)
 
 

@@ -1,4 +1,4 @@
-"""How fast the study is: ratios of times that are taken side by side, by turns, on one core unless said otherwise.
+"""Speed of the study: ratios of times that are measured in turns, on one core unless stated otherwise.
 
 ``make benchmark`` runs it, prints the ratios as a table and writes them to ``results/benchmark.nc``.
 """
@@ -22,7 +22,7 @@ from case import Case
 
 from study.io import provenance, write
 
-#: Turns of each case; ratios of fewer are not worth quoting.
+#: Least number of turns of each case for reliable ratios.
 REPEATS = int(os.environ.get("REPEATS", "9"))
 COMPILE_AT_MOST = 0.3
 

@@ -1,4 +1,4 @@
-"""What is timed, and for how long."""
+"""The timed cases, and their durations."""
 
 import importlib.util
 import time
@@ -14,14 +14,14 @@ STEPS = 100_000
 
 
 class Case(NamedTuple):
-    """Two things to time by turns, each a function that returns seconds for the same work, or their units."""
+    """Two functions to time in turns, each of which returns seconds for the same work, or their units."""
 
     name: str
     ours: Callable[[], float]
     baseline: Callable[[], float]
-    #: The most that the ratio should be.
+    #: Largest acceptable ratio.
     target: float
-    #: Nanoseconds are per this many steps.
+    #: Number of steps to which nanoseconds refer.
     steps: int
 
 

@@ -1,4 +1,4 @@
-"""Controlled steps: what a trial step costs next to an equal one of the same scheme."""
+"""Controlled steps: the cost of a trial step compared with an equal step of the same scheme."""
 
 from collections.abc import Iterator
 from functools import partial

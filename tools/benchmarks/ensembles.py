@@ -1,4 +1,4 @@
-"""Ensembles against single runs, against C, and against themselves in other numbers and company."""
+"""Ensembles against single runs, against C, and against ensembles of other sizes and mixtures."""
 
 import os
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ FEW, MANY = 1_024, 16_384
 
 
 def cases(folder: str) -> Iterator[Case]:
-    """Everything on ensembles that is timed; compiled C stands in the folder."""
+    """All timed cases of ensembles; compiled C is in the folder."""
 
     def run(spring, lanes, steps=STEPS, dt=1.0, scheme="average_acceleration", observe=("max_energy_error",)):
         u0 = np.linspace(0.5, 1.0, lanes) * float(study.problems[spring].u0)

@@ -19,7 +19,7 @@ DT = DURATION / STEPS
 
 
 def _by_hand(frame: study.Problem) -> Callable:
-    """Average acceleration on the frame with Newton's iteration, as one would write it for this problem alone."""
+    """Average acceleration on the frame with Newton's iteration, written by hand for this problem alone."""
     mass, damping = jnp.diag(jnp.asarray(frame.mass)), jnp.asarray(frame.damping)
     force, load, c_v, c_u = frame.force, frame.load, DT / 2, DT**2 / 4
     assert load is not None
@@ -52,7 +52,7 @@ def _by_hand(frame: study.Problem) -> Callable:
 
 
 def first(call: Callable[[], Any]) -> float:
-    """Seconds of a call that finds nothing compiled."""
+    """Seconds of a call without compiled programs."""
     jax.clear_caches()
     jax.config.update("jax_enable_compilation_cache", False)
     start = time.perf_counter()

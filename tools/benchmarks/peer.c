@@ -98,7 +98,7 @@ static inline int rk4(State *s, double dt) {
 #define RUN(NAME, STEP)                                                                          \
   double NAME(double u0, double dt, long steps) {                                                \
     State s = {u0, 0, -force(u0), 0, 0};                                                         \
-    /* Houbolt's fictitious points, with which the first step is that of linear acceleration */  \
+    /* Houbolt's fictitious points, which make the first step one of linear acceleration */      \
     State first = s;                                                                             \
     newmark(&first, dt, 1.0 / 6, 0.5);                                                           \
     s.u_1 = dt * dt * s.a + 2 * u0 - first.u;                                                    \

@@ -15,7 +15,7 @@ from study.problem.named import printed_periods
 
 #: Stages that one Newton iteration of a scheme solves for together.
 STAGES = {"gauss4": 2}
-#: The most that a ratio to C should be, by spring and scheme; other schemes in proportion.
+#: Largest acceptable ratio to C, by spring and scheme; other schemes in proportion.
 TO_C = {
     "hardening": {"average_acceleration": 1.2, "central_difference": 1.2, "rk4": 1.0},
     "softening": {"average_acceleration": 0.7},
@@ -23,7 +23,7 @@ TO_C = {
 
 
 def cases(folder: str) -> Iterator[Case]:
-    """Everything on single runs that is timed; compiled C stands in the folder."""
+    """All timed cases of single runs; compiled C is in the folder."""
     if peer.compiler():
         yield from against_c(folder)
     yield from tangents()
@@ -103,7 +103,7 @@ def against_heyoka() -> Iterator[Case]:
     run = Timed(problem, study.schemes["extrapolation12"], (EnergyDrift(),))
     yield Case(
         "extrapolation12, 100 periods to 1e-10 : heyoka",
-        # heyoka's time has neither its set-up nor the call in it: ours is taken over ten times the periods
+        # heyoka's time excludes its set-up and the call: ours is measured over ten times the periods
         lambda: run.run(period / parts, 10 * parts * periods)[0] / 10,
         lambda: taylor.trajectory(problem, t, 1e-13).seconds,
         1.0,
@@ -145,12 +145,12 @@ def many_steps() -> Iterator[Case]:
 
 
 def observers() -> Iterator[Case]:
-    """Every scheme with all observers against none: the cliff of XLA's loops is out of reach."""
+    """Every scheme with all observers against none: loops must stay below XLA's limit of native loops."""
 
     def run(spring, name, **more):
         return timed(lambda: study.run(spring, name, dt=step_size(spring), steps=STEPS * 10, **more))
 
-    # a neighbour along is a march of its own
+    # the march of a neighbour is another program
     every_one = [
         o for o in study.observers.values() if not o.refusal(study.problems["hardening"]) and not o.needs_neighbour
     ]
@@ -177,7 +177,7 @@ def observers() -> Iterator[Case]:
 
 
 def against_opensees() -> Iterator[Case]:
-    """OpenSees, where its extra is installed, against the same scheme here."""
+    """OpenSees, if its extra is installed, against the same scheme here."""
     try:
         opensees.load()
     except opensees.NotInstalled as reason:

@@ -1,4 +1,4 @@
-"""Structures: what an unknown and an iteration of Newton's cost."""
+"""Structures: the cost of an unknown and of a Newton iteration."""
 
 from collections.abc import Callable, Iterator
 
@@ -15,7 +15,7 @@ from study.problem import chains
 
 
 def cases() -> Iterator[Case]:
-    """Everything on structures that is timed."""
+    """All timed cases of structures."""
     yield from few_unknowns()
     yield from long_bars()
     yield from full_tangent()
@@ -47,7 +47,7 @@ def few_unknowns() -> Iterator[Case]:
 
 
 def _iterations(problem, dt, steps) -> tuple[Callable[[], float], int]:
-    """What gives the seconds of a run, and the number of its Newton iterations."""
+    """A function that returns the seconds of a run, and the number of its Newton iterations."""
     given = {"dt": dt, "steps": steps, "observe": ["newton_iterations"]}
     solved = study.run(problem, "average_acceleration", **given).newton_iterations.item()
     return (lambda: timed(lambda: study.run(problem, "average_acceleration", **given))), int(solved)

@@ -1,4 +1,4 @@
-"""The pipeline on a Slurm of one node: the bytes of a local run, and what a cluster does to jobs."""
+"""The pipeline on a Slurm of one node: the bytes of a local run, and interrupted jobs."""
 
 import os
 import platform
@@ -15,13 +15,13 @@ import pytest
 
 from tests.pipeline.pipeline import SMALL, call_snakemake, copied
 
-#: What is made: jobs on the node, figures that travel together, a table on the spot, and one that measures times.
+#: Products: jobs on the node, figures in one group, a table on the login node, and a job that measures times.
 PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "figures/roots.pdf", "cpu_time.nc"]
-#: Those whose bytes are those of a local run.
+#: Products whose bytes equal those of a local run.
 UNTIMED = PRODUCTS[:-1]
-#: Without accounting the state of a job is that in the queue.
+#: Options without accounting: the state of a job is read from the queue.
 OPTIONS = "--workflow-profile profiles/slurm --slurm-status-command squeue --slurm-no-account".split()
-#: Short runs look at the queue sooner than the profile says.
+#: Seconds between two looks at the queue, fewer than in the profile, for short runs.
 SOON = "--slurm-init-seconds-before-status-checks", "2"
 
 pytestmark = pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Compensated summation: each step corrects the round-off of the addition before."""
+"""Compensated summation: each step corrects the round-off of the previous addition."""
 
 from typing import Any, ClassVar
 

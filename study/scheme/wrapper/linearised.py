@@ -11,7 +11,7 @@ from study.scheme.base import Scheme, Wrapper, WrapperState
 
 
 class Neighbours(WrapperState):
-    """State of the scheme, and its distance δ = ``distance`` · 2^``exponent`` from that of a neighbour."""
+    """State of the scheme, and its distance δ = ``distance`` · 2^``exponent`` from the state of a neighbour."""
 
     distance: Any
     exponent: jax.Array

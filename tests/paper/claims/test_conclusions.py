@@ -78,7 +78,7 @@ def test_results_vary_greatly_and_one_is_far_better_by_the_same_factor(ratio, ve
 
 
 def _beyond(failing=(), error=1.0):
-    """Runs at Δt = T/10 and T/3 of which the named schemes fail at the larger step on the hardening spring."""
+    """Runs at Δt = T/10 and T/3; the named schemes fail at the larger step on the hardening spring."""
     along = {"problem": ["hardening", "softening"], "scheme": SCHEMES, "dt_over_period": [0.1, 0.3]}
     status = filled(0, **along)
     status.loc[{"problem": "hardening", "scheme": list(failing), "dt_over_period": 0.3}] = 1

@@ -15,7 +15,7 @@ STEPS = [round(0.01 * k, 2) for k in range(1, 82)]
 
 
 def _large_steps(*worse):
-    """Errors that rise with the step, but for some indices at which the smaller of two steps has the larger error."""
+    """Errors that rise with the step, except at some indices, where the smaller of two steps has the larger error."""
     error = filled(1.0, problem=["softening_large"], scheme=["average_acceleration"], dt_over_period=STEPS)
     error = error * np.arange(1, len(STEPS) + 1)
     for index in worse:
@@ -40,7 +40,7 @@ def test_a_smaller_step_is_unstable_beside_a_larger_reasonable_one(small, large,
 
 
 def _double_well(lost=900 / 7, gained=0.0, undamped=0.0):
-    """Signed energy errors of all schemes, given in percent, of which the damped ones end at rest."""
+    """Signed energy errors of all schemes, given in percent; the damped schemes end at rest."""
     error = filled(0.0, scheme=SCHEMES, t=[0.0, 2.5, 5.0])
     error.loc[{"scheme": DAMPED, "t": 5.0}] = -lost
     error.loc[{"scheme": "hht_alpha_1996", "t": 2.5}] = gained

@@ -21,7 +21,7 @@ SCHEMES = [
 
 
 def _spectral(variables):
-    """A dataset as spectral.nc has it, with ones but for the values of some schemes by variable."""
+    """A dataset like spectral.nc, of ones except for the values of some schemes by variable."""
     names = ["linear_order", "stability_limit", "infinite_frequency_radius"]
     over_steps = ["algorithmic_damping", "displacement_overshoot", "period_elongation"]
     along = {"scheme": SCHEMES, "damping_ratio": [0.0, 0.1]}

@@ -13,7 +13,7 @@ FOURTH = ["blanes_moan4", "mclachlan4"]
 
 
 def _later(**parts):
-    """A dataset as later_schemes.nc has it, of ones but for what is given by the name of a scheme."""
+    """A dataset like later_schemes.nc, of ones except for the values given by the name of a scheme."""
     along = {
         "largest_stiffening": {"with_model": ["chen_ricles", "chang", "kr_alpha"], "omega_step": [1.0, 10.0]},
         "trigonometric_error": {"member": MEMBERS, "steps": [16, 32, 64]},
@@ -34,7 +34,7 @@ def _later(**parts):
 
 
 def _reality(scheme, **orders):
-    """A dataset as order_under_reality.nc has it, with orders of four but for some circumstances or quantities."""
+    """A dataset like order_under_reality.nc, with orders of four except for some circumstances or quantities."""
     along = {
         "scheme": [scheme],
         "circumstance": ["plain", "damping", "load", "support_0"],
@@ -105,6 +105,14 @@ def test_orders_of_motion_and_acceleration(check, scheme):
         finding = check(_reality(scheme, **orders))
         assert (finding.holds, bool(finding.qualification)) == (holds, qualified)
     assert not check(_reality(scheme, load=np.nan)).holds
+
+
+@pytest.mark.parametrize("order, holds", [(4.0, False), (2.0, True)])
+def test_loose_tolerances_cost_the_order_or_not(order, holds):
+    plain = _reality("average_acceleration")
+    early = (plain * 0 + order).isel(circumstance=[0]).assign_coords(circumstance=["tolerance_0"])
+    finding = claims.order_with_loose_tolerances(xr.concat([plain, early], "circumstance"))
+    assert finding.holds == holds and bool(finding.qualification) != holds
 
 
 def test_reduction_by_a_load_and_by_a_support():

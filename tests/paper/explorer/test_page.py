@@ -43,11 +43,14 @@ def datasets():
     }
     errors["period_error"][..., -1] = np.nan
     errors["period_error"][4] = 0.5  # no step is safe
-    told = {"flag_meanings": " ".join(OUTCOME_STYLES), "flag_explanations": "; ".join("meant" for _ in OUTCOME_STYLES)}
+    stated = {
+        "flag_meanings": " ".join(OUTCOME_STYLES),
+        "flag_explanations": "; ".join("meant" for _ in OUTCOME_STYLES),
+    }
     outcome = random.integers(0, len(OUTCOME_STYLES), shape).astype(np.int8)
     of_scheme = {"scheme_title": TITLES, "explicit": EXPLICIT, "forces_per_step": [0, 1, 4, 0, 0, 0]}
     atlas = xr.Dataset(
-        {"outcome": (cell, outcome, told)} | {name: (cell, values) for name, values in errors.items()},
+        {"outcome": (cell, outcome, stated)} | {name: (cell, values) for name, values in errors.items()},
         {name: ("scheme", values) for name, values in of_scheme.items()}
         | {
             "scheme": SCHEMES,
@@ -92,7 +95,7 @@ def page(datasets, tmp_path_factory):
 
 
 def _open(browser, page, address="", width=800):
-    browser.get("about:blank")  # without it, another address of the page would not open it anew
+    browser.get("about:blank")  # without it, another address of the page would not open it again
     set_width(browser, width)
     browser.get(page.as_uri() + address)
     wait(browser, READY)
@@ -187,8 +190,8 @@ def test_a_run_is_computed_at_the_chosen_amplitude_and_step(browser, page):
     period = float(_text(browser, ".run .place").split(" = ")[2]) * 19
     rest = study.OutcomeObserver.of("softening")
     run = study.run("softening", "rk4", dt=period / 19, steps=380, u0=4.1, observe=[rest])
-    told = _text(browser, ".run[data-side='1'] dd")
-    assert float(told.split(" %")[0]) == pytest.approx(100 * run.max_height_error.item(), rel=0.02)
+    stated = _text(browser, ".run[data-side='1'] dd")
+    assert float(stated.split(" %")[0]) == pytest.approx(100 * run.max_height_error.item(), rel=0.02)
     assert browser.execute_script("return document.querySelectorAll('.run[data-side=\"1\"] figure').length") == 3
     # one that leaves all bounds
     _open(browser, page, "#u0=40&steps=1&schemes=rk4,central_difference")
@@ -256,7 +259,7 @@ def test_an_address_holds_the_whole_choice(browser, page):
 
 
 def test_the_page_leads_to_the_site_in_one_place(page):
-    # which the site, of which the page becomes a part, replaces
+    # which the site replaces when it includes the page
     assert page.read_text().count('href="site/') == 1
 
 

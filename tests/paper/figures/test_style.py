@@ -1,4 +1,4 @@
-"""Looks of curves, titles of panels, and how figures are saved."""
+"""Styles of curves, titles of panels, and saved figures."""
 
 import subprocess
 import sys
@@ -13,7 +13,7 @@ import study
 from paper.figures import style
 from paper.figures.large_steps import CLASSES
 from paper.figures.linear_accuracy import draw
-from paper.figures.style import OUTCOME_STYLES, letter, looks, save
+from paper.figures.style import OUTCOME_STYLES, curve_styles, letter, save
 from paper.published import SCHEMES
 from study.experiments.coordinates import scheme_coordinates
 from tests.paper.figures.printing import faults
@@ -29,25 +29,25 @@ def _members(number, family="Own"):
 
 
 def test_a_scheme_looks_the_same_in_every_figure():
-    every, few = looks(EVERY.scheme), xr.Dataset(coords=scheme_coordinates(["rk4", "bathe"]))
-    assert looks(few.scheme) == {name: every[name] for name in ("rk4", "bathe")}
+    every, few = curve_styles(EVERY.scheme), xr.Dataset(coords=scheme_coordinates(["rk4", "bathe"]))
+    assert curve_styles(few.scheme) == {name: every[name] for name in ("rk4", "bathe")}
     assert len({every[name]["color"] for name in SCHEMES}) == 7
 
 
 def test_all_schemes_look_different_also_those_that_are_added():
     families = {scheme.family for scheme in study.schemes.values()}
-    many = [look for family in families for look in looks(_members(8, family).scheme).values()]
-    many += looks(_members(50).scheme).values()
+    many = [look for family in families for look in curve_styles(_members(8, family).scheme).values()]
+    many += curve_styles(_members(50).scheme).values()
     assert len({str(look) for look in many}) == len(many)
 
 
-@pytest.mark.parametrize("family", [*style._LOOKS, "Own"])
+@pytest.mark.parametrize("family", [*style._STYLE_NUMBERS, "Own"])
 def test_eight_schemes_of_a_family_have_different_colours(family):
-    assert len({look["color"] for look in looks(_members(8, family).scheme).values()}) == 8
+    assert len({look["color"] for look in curve_styles(_members(8, family).scheme).values()}) == 8
 
 
 def test_every_family_has_its_looks():
-    assert set(style._LOOKS) == {scheme.family for scheme in study.schemes.values()}
+    assert set(style._STYLE_NUMBERS) == {scheme.family for scheme in study.schemes.values()}
 
 
 def _lightness(colour):

@@ -30,7 +30,11 @@ def test_every_table_but_the_ledger_is_on_the_page():
     declared = {name for kind, name in PRODUCTS if kind == "table"} - {"claims"}
     assert set(PRODUCTS["page", "tables"].reads) == declared
     page = tables(orders=WIDE, needs=LEDGER)
-    assert '<a href="#orders">' in page and '<h2 id="needs">Needs</h2>' in page and "column 3 &lt;&amp;&gt;" in page
+    assert (
+        '<a href="#orders">' in page
+        and '<h2 id="needs">Steps and time for an error</h2>' in page
+        and "column 3 &lt;&amp;&gt;" in page
+    )
 
 
 @needs_browser

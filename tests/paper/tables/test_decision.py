@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper.tables.decision import ERRORS, NO_BREAK, QUANTITIES, tabulate
+from paper.picks import ERRORS, NO_BREAK
+from paper.tables.decision import QUANTITIES, tabulate
 from study.io import flags
 
+KINDS = len(QUANTITIES)
+#: Rows of a spring: two classes of schemes for each quantity.
+ROWS = 2 * KINDS
 TITLES = ("scheme", ["Cheap", "Dear", "Fails"])
 
 
@@ -18,12 +22,12 @@ def _assessed(forces: float, energy: float) -> xr.Dataset:
     A step of the dear scheme takes one force, of the cheap one as many as given. The dear one has the smaller error,
     and takes less time. For the energy the steps are those of the other quantities, multiplied.
     """
-    steps = np.broadcast_to(np.array([[8.0, 16, np.nan], [16, 32, 64], [np.nan] * 3])[:, None], (3, 4, 3)).copy()
+    steps = np.broadcast_to(np.array([[8.0, 16, np.nan], [16, 32, 64], [np.nan] * 3])[:, None], (3, KINDS, 3)).copy()
     steps[:, QUANTITIES.index("energy")] *= energy
     dims = ("scheme", "quantity", "allowed_error")
     unused = dict.fromkeys(["recommended_error", "steps_tried", "worst_error"], (dims, steps))
     per_step, tried = np.array([forces, 1.0, 1.0])[:, None, None], np.unique(1 / steps[np.isfinite(steps)])
-    made = np.broadcast_to(np.array([0.2, 0.1, np.nan])[:, None, None], (3, 4, len(tried)))
+    made = np.broadcast_to(np.array([0.2, 0.1, np.nan])[:, None, None], (3, KINDS, len(tried)))
     verdict = np.where(np.isnan(steps), 2, steps == 8).astype(int)
     meanings = ("found", "already_the_coarsest_step", "not_even_the_finest_step")
     return xr.Dataset(
@@ -66,7 +70,9 @@ def _robustness(*needed: float) -> xr.Dataset:
     )
 
 
-def _runs(name: str, problem: str, imbalance: float = 0.01, velocity: float = 0.0) -> xr.Dataset:
+def _runs(
+    name: str, problem: str, imbalance: float = 0.01, velocity: float = 0.0, acceleration: float = 0.0
+) -> xr.Dataset:
     """Errors at two step sizes; a step of the dear scheme takes five forces, of the cheap one two."""
     dims = ("problem", "scheme", "steps_per_period")
     error = np.array([[[0.2, 0.005], [0.05, 1e-4], [np.nan, np.nan]]])
@@ -77,6 +83,7 @@ def _runs(name: str, problem: str, imbalance: float = 0.01, velocity: float = 0.
             "observed_order": (dims[:2], [[2.0, 1.2, np.nan]]),
             "max_energy_imbalance": (dims, np.full(error.shape, imbalance)),
             "velocity_error": (dims, np.full(error.shape, velocity)),
+            "acceleration_error": (dims, acceleration * np.array([[[1.0, 2.0]] * 3])),
             "status": (dims, np.where(np.isnan(error), 1, 0)),
             "unknowns": ("problem", [3]),
             "period": ("problem", [2.0]),
@@ -133,17 +140,17 @@ def _limits() -> xr.Dataset:
 
 @pytest.fixture
 def rows():
-    def of(forces=1.0, needed=(32.0, 64.0), energy=1.0, imbalance=0.01, velocity=0.0):
+    def of(forces=1.0, needed=(32.0, 64.0), energy=1.0, imbalance=0.01, velocity=0.0, acceleration=0.0):
         datasets = (
             _robustness(*needed),
             _runs("error", "yielding"),
             _limits(),
             _spectrum(),
-            _runs("displacement_error", "pendulum", imbalance, velocity),
+            _runs("displacement_error", "pendulum", imbalance, velocity, acceleration),
         )
         springs = [_assessed(forces, energy), _assessed(forces, energy)]
         table = tabulate(springs, *datasets).replace(NO_BREAK, " ", regex=True)
-        return table.to_dict("records")[8:]
+        return table.to_dict("records")[ROWS:]
 
     return of
 
@@ -160,7 +167,7 @@ def test_a_cell_of_a_spring_names_the_fewest_forces_whatever_the_time(rows):
     assert first["0.1 %"] == "Dear: 64 (64 forces, ωΔt 0.031)"
     assert _steps(first) == ["Cheap: ≤ 8", "Cheap: 16", "Dear: 64"]
     assert implicit["Scheme"] == "implicit" and {implicit[column] for column in ("10 %", "1 %", "0.1 %")} == {"–"}
-    assert [row["Right in"] for row in (first, velocity, *others[1:4:2])] == list(QUANTITIES)
+    assert [row["Right in"] for row in (first, velocity, *others[1 : ROWS - 3 : 2])] == list(QUANTITIES)
     # 17.6 and 16 forces tie, and the smaller error is named; 18.4 and 16 do not
     assert rows(forces=2.2)[0]["10 %"] == "Dear: 16 (16 forces, ωΔt 0.12); …"
     assert _steps(rows(forces=2.3)[0])[0] == "Dear: 16"
@@ -173,17 +180,17 @@ def test_the_energy_must_be_right_too(rows):
 
 
 def test_what_other_amplitudes_take_is_told(rows):
-    def told(*needed):
+    def stated(*needed):
         return rows(needed=needed)[0]["Beware of"]
 
     assert _steps(rows()[0])[0] == "Cheap: ≤ 8"
-    assert told(32.0, 64.0) == "at all amplitudes: 32"
-    assert told(8.0, 64.0) == ""
-    assert told(np.nan, 64.0) == "at all amplitudes: more than 128"
+    assert stated(32.0, 64.0) == "at all amplitudes: 32"
+    assert stated(8.0, 64.0) == ""
+    assert stated(np.nan, 64.0) == "at all amplitudes: more than 128"
 
 
 def test_elsewhere_the_fewest_forces_decide(rows):
-    explicit, structure, _, energy, _, kinked, record, implicit = rows()[8:]
+    explicit, structure, _, energy, _, kinked, record, implicit = rows()[ROWS:]
     assert explicit["Problem"] == "Swinging thing" and explicit["10 %"] == "–"
     # 20 steps of five forces against 80 of two
     assert structure["Scheme"] == "implicit" and structure["10 %"] == "Dear: ≤ 20 (100 forces, ωΔt 0.5)"
@@ -193,7 +200,7 @@ def test_elsewhere_the_fewest_forces_decide(rows):
     # a balance that is off by one percent; where the cheap scheme keeps it, its displacement is lost
     assert _steps(energy) == ["Dear: ≤ 20", "Dear: ≤ 20", "–"]
     assert kinked["Beware of"] == "only first order: Dear"
-    assert rows(imbalance=0.11)[9]["10 %"] == "–"
+    assert rows(imbalance=0.11)[ROWS + 1]["10 %"] == "–"
     # a finer step of the dear scheme loses what a coarse one had by accident
     assert _steps(record) == ["Cheap: 20 ms", "Cheap: 10 ms", "–"]
     assert record["10 %"] == "Cheap: 20 ms (50 forces/s, ωΔt 0.063 < 2)"
@@ -202,6 +209,16 @@ def test_elsewhere_the_fewest_forces_decide(rows):
     assert (record["Beware of"], implicit["Beware of"]) == ("other steps", "")
 
 
-def test_a_scheme_whose_velocity_is_wrong_is_not_recommended(rows):
-    assert _steps(rows(velocity=0.74)[9])[0] == "Dear: ≤ 20"
-    assert rows(velocity=0.76)[9]["10 %"] == "–"
+def test_a_scheme_whose_velocity_or_acceleration_is_wrong_is_not_recommended(rows):
+    assert _steps(rows(velocity=0.74)[ROWS + 1])[0] == "Dear: ≤ 20"
+    assert rows(velocity=0.76)[ROWS + 1]["10 %"] == "–"
+    # the finer step is twice as wrong, so that no step is left beyond half of the bound
+    assert _steps(rows(acceleration=0.62)[ROWS + 1])[0] == "Dear: ≤ 20"
+    assert rows(acceleration=0.63)[ROWS + 1]["10 %"] == "–"
+    assert rows(acceleration=0.63)[ROWS + 1]["Beware of"] == "lost by Fails; velocity or acceleration sets the step"
+
+
+def test_an_acceleration_that_is_wrong_at_the_steps_named_is_a_warning(rows):
+    # the cells of 10 and 1 % name the coarse and the fine step
+    assert rows(acceleration=0.4)[ROWS + 1]["Beware of"] == "lost by Fails; acceleration wrong by 40 to 80 %"
+    assert rows(acceleration=0.05)[ROWS + 1]["Beware of"] == "lost by Fails"

@@ -1,0 +1,107 @@
+"""Claims on problems whose answer is published or exact."""
+
+import numpy as np
+import xarray as xr
+
+from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
+from paper.claims.terms import GREATLY, REASONABLE, ROUND_OFF, RULE
+from paper.claims.wording import listed, number
+
+#: The small parameter of van der Pol's oscillator, its fastest time.
+FASTEST = 1e-6
+#: Error of an orbit that is closed.
+CLOSED = 0.01
+
+
+@claim(
+    "structures",
+    "Central difference at a step in which a wave crosses an element gives the exact motion of a linear bar.",
+    "least error of the displacement over all steps, and the number of steps",
+    whose="Belytschko et al. (2000)",
+    requires={
+        "published_numbers.coarsest.problem": ["loaded_bar"],
+        "published_numbers.schemes": ["central_difference"],
+    },
+)
+def exact_on_a_bar(published_numbers):
+    bar = published_numbers.sel(problem="loaded_bar")
+    error = bar.error.sel(scheme="central_difference")
+    steps = bar.steps[error.fillna(np.inf).argmin("refinement")].item()
+    holds = float(error.min()) <= ROUND_OFF
+    reason = when(not holds, "none of the steps that were tried is that of an element")
+    return Finding(f"{number(error.min().item(), '.0g')} at {steps}", holds, reason)
+
+
+def steps_of_orbit(published_numbers: xr.Dataset) -> dict[str, dict[str, float]]:
+    """Fewest equal and controlled steps that close Arenstorf's orbit within one percent, by scheme; NaN for none."""
+    orbit = published_numbers.sel(problem="arenstorf")
+    equal = orbit.steps.where(orbit.error <= CLOSED).min("refinement")
+    controlled = orbit.controlled_steps.where(orbit.controlled_error <= CLOSED).min("tolerance")
+    return {"equal": by_name(equal), "controlled": by_name(controlled)}
+
+
+@claim(
+    "adaptive",
+    "Step control closes Arenstorf's orbit with far fewer steps.",
+    "fewest equal steps of the Runge-Kutta method that close it within one percent, over fewest controlled ones",
+    whose="Hairer et al. (1993)",
+    requires={
+        "published_numbers.coarsest.problem": ["arenstorf"],
+        "published_numbers.controlled": ["arenstorf"],
+        "published_numbers.schemes": ["rk4"],
+    },
+)
+def fewer_controlled_steps(published_numbers):
+    equal, controlled = (steps["rk4"] for steps in steps_of_orbit(published_numbers).values())
+    if np.isnan(controlled):
+        return Finding("none", False, "no tolerance that was tried closes it")
+    if np.isnan(equal):
+        return Finding("none equal", True, "no number of equal steps that was tried closes it")
+    holds = equal / controlled >= GREATLY
+    return Finding(number(equal / controlled, ".0f"), holds, when(not holds, "equal steps are not far behind"))
+
+
+def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:
+    """Largest step over ε that keeps the displacement of van der Pol's oscillator, by implicit scheme; NaN for none."""
+    one = published_numbers.sel(problem="van_der_pol")
+    one = one.isel(scheme=np.flatnonzero(one.explicit.values == 0))
+    steps = (one.time / one.steps / FASTEST).where(100 * one.error <= REASONABLE)
+    return {name: steps.sel(scheme=name).max().item() for name in one.scheme.values}
+
+
+@claim(
+    "structures",
+    "The step of an implicit scheme can be far beyond the fastest time of a stiff problem.",
+    f"largest step with an error up to {REASONABLE:g} % on van der Pol's oscillator, over ε, of implicit schemes",
+    whose=PRACTICE,
+    requires={
+        "published_numbers.coarsest.problem": ["van_der_pol"],
+        "published_numbers.schemes": ["average_acceleration"],
+    },
+)
+def beyond_the_fastest_time(published_numbers):
+    steps = largest_step(published_numbers)
+    most = np.nanmax([0.0, *steps.values()])
+    reason = when(most <= GREATLY, "its jumps last about ε, and equal steps must resolve them")
+    return Finding(number(most, ".2g", "none"), bool(most > GREATLY), reason)
+
+
+def fewest_steps(ueda: xr.Dataset) -> dict[str, float]:
+    """Fewest steps in a period from which on all runs keep the printed exponent, by scheme; NaN for none."""
+    kept = 100 * abs(ueda.exponent / ueda.printed_exponent - 1) <= REASONABLE
+    onwards = kept.isel(steps_per_period=slice(None, None, -1)).cumprod("steps_per_period").astype(bool)
+    return {name: onwards.steps_per_period.where(onwards.sel(scheme=name)).min().item() for name in ueda.scheme.values}
+
+
+@claim(
+    "structures",
+    "Twenty steps in a period of the load keep the chaos of an oscillator.",
+    f"fewest steps from which on the Lyapunov exponent of Ueda's oscillator is the printed one up to {REASONABLE:g} %",
+    whose=PRACTICE,
+)
+def twenty_steps_keep_chaos(ueda):
+    steps = fewest_steps(ueda)
+    holds = all(value <= RULE for value in steps.values())
+    regular = ueda.scheme.values[(ueda.exponent < 0).any("steps_per_period").values]
+    reason = "at long steps the motion is regular" if len(regular) else "some schemes need more"
+    return Finding(listed(steps, {"ueda": ueda}, ".0f", "none"), holds, when(not holds, reason))

@@ -1,0 +1,75 @@
+"""Errors at known displacements, and the Lyapunov exponent of Ueda's oscillator, over the number of steps."""
+
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from paper.data import of_kinds
+from paper.figures.style import PAGE, curve_styles, legend_in_gap, letter, panels, wrapped
+from paper.products import figure
+
+#: Schemes of every kind.
+SHOWN = [
+    "average_acceleration",
+    "central_difference",
+    "houbolt",
+    "bathe",
+    "rk4",
+    "gauss4",
+    "dormand_prince6",
+]
+COLUMNS = 5
+#: Errors beyond this say no more than that the motion is another one.
+BEYOND = 3.0
+#: Error that is drawn in place of a smaller one, which has no logarithm if it is zero.
+SMALLEST = 1e-16
+
+
+def _errors(ax: Axes, one: xr.Dataset, styles: dict) -> None:
+    """Error of each scheme over the number of steps."""
+    for name, style in styles.items():
+        error = one.error.sel(scheme=name)
+        ax.plot(one.steps, error.where(error < BEYOND).clip(min=SMALLEST), label=error.scheme_title.item(), **style)
+    ax.set(xscale="log", yscale="log")
+    ends = one.steps.values[[0, -1]]
+    ax.set_xticks(ends, [f"{n:,}" for n in ends])
+    ax.minorticks_off()
+
+
+def _exponents(ax: Axes, ueda: xr.Dataset, styles: dict) -> None:
+    """Exponent of each scheme over the steps in a period of the load, and the printed one."""
+    for name, style in styles.items():
+        if name in ueda.scheme.values:
+            ax.plot(ueda.steps_per_period, ueda.exponent.sel(scheme=name), **style)
+    ax.axhline(ueda.printed_exponent.item(), color="0.7", linewidth=1.5, zorder=0)
+    ends = ueda.steps_per_period.values[[0, -1]]
+    ax.set(xscale="log", xlabel="steps per period", ylim=(-1.5 * ueda.printed_exponent, 1.5 * ueda.printed_exponent))
+    ax.set_xticks(ends, [f"{n:,}" for n in ends])
+    ax.minorticks_off()
+
+
+@figure(
+    "Error of the displacement against the number of steps at displacements that sources print or that are exact, and "
+    "the largest Lyapunov exponent of Ueda's oscillator; grey: as printed. A point is missing where a run failed or "
+    "its error exceeds 3; an error of zero stands at 1e-16.",
+)
+def draw(published_numbers: xr.Dataset, ueda: xr.Dataset) -> Figure:
+    """One panel per problem, the last one for the exponent."""
+    shown = of_kinds(published_numbers, SHOWN)
+    number = shown.sizes["problem"] + 1
+    columns = min(number, COLUMNS)
+    rows = -(-number // columns)
+    figure, axes = panels(rows, columns, PAGE, 4.0 * rows + 1.2)
+    styles = curve_styles(shown.scheme)
+    for index, (ax, problem) in enumerate(zip(axes.flat, shown.problem.values, strict=False)):
+        one = shown.sel(problem=problem)
+        _errors(ax, one, styles)
+        letter(ax, index, wrapped(one.problem_title.item(), 16))
+        if index + columns >= number:
+            ax.set_xlabel("steps")
+    last = axes.flat[number - 1]
+    _exponents(last, ueda, styles)
+    letter(last, number - 1, wrapped("Ueda's oscillator", 16))
+    figure.supylabel("error of the displacement; exponent", fontsize="medium")
+    legend_in_gap(figure, axes, number, columns=4)
+    return figure

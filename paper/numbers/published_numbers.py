@@ -1,0 +1,50 @@
+"""Numbers of the text: displacements that are known, and chaos of Ueda's oscillator."""
+
+import numpy as np
+import xarray as xr
+
+from paper.claims.published_numbers import fewest_steps, largest_step, steps_of_orbit
+from paper.claims.terms import ROUND_OFF
+from paper.picks import sentence
+from paper.products import numbers
+from study.words import span
+
+_NEEDED = ["arenstorf", "van_der_pol", "loaded_bar"]
+
+
+@numbers(
+    requires={
+        "published_numbers.coarsest.problem": _NEEDED,
+        "published_numbers.controlled": ["arenstorf"],
+        "published_numbers.schemes": ["average_acceleration", "central_difference", "rk4"],
+    }
+)
+def of_published_numbers(published_numbers: xr.Dataset, ueda: xr.Dataset) -> dict:
+    """What the known displacements and the exponent cost."""
+    orbit = steps_of_orbit(published_numbers)
+    bar = published_numbers.sel(problem="loaded_bar", scheme="central_difference")
+    stiff = np.array(list(largest_step(published_numbers).values()))
+    fewest = np.array(list(fewest_steps(ueda).values()))
+    last = ueda.isel(steps_per_period=-1)
+    plate = None
+    if "thin_plate" in published_numbers.problem.values:
+        fine = published_numbers.error.sel(problem="thin_plate").isel(refinement=-1)
+        plate = f"{100 * fine.min().item():.1f}"
+    return {
+        "known_titles": "; ".join(map(sentence, [*published_numbers.problem_title.values, "Ueda's oscillator"])),
+        **{
+            f"orbit_{kind}_{name}": f"{steps[name]:,.0f}" if np.isfinite(steps[name]) else None
+            for kind, steps in orbit.items()
+            for name in ("average_acceleration", "rk4")
+        },
+        "bar_exact_steps": f"{bar.steps[bar.error.fillna(np.inf).argmin('refinement')].item():,}",
+        "bar_is_exact": bool(bar.error.min() <= ROUND_OFF),
+        "bar_fine_error": f"{100 * bar.error[-1].item():.2g}",
+        "stiff_largest_step": f"{np.nanmax(stiff):.2g}" if np.isfinite(stiff).any() else None,
+        "plate_differs": plate,
+        "ueda_printed": f"{ueda.printed_exponent.item():.4f}",
+        "ueda_steps": span(fewest[np.isfinite(fewest)], ".0f") if np.isfinite(fewest).any() else None,
+        "ueda_finest": span(last.exponent, ".3f"),
+        "ueda_uncertainty": f"{last.uncertainty.max().item():.0e}",
+        "ueda_periods": f"{ueda.attrs['periods']:,}",
+    }

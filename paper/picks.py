@@ -1,0 +1,127 @@
+"""The scheme that keeps an error with the fewest forces, its step, and their cell in a table."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from paper.data import steps_of_period
+from study.analysis.recommendation import recommend
+from study.words import number
+
+#: Errors of the columns.
+ERRORS = (0.1, 0.01, 0.001)
+#: Largest relative error of an energy.
+LEVEL = 0.1
+#: Verdict of a search that ends at the coarsest step.
+COARSEST = "already the coarsest step"
+#: Largest errors of a structure's motion over its size. An unresolved oscillation that is left out costs half of a
+#: velocity and all of an acceleration; a sawtooth costs more.
+BOUNDS = {"displacement_error": LEVEL, "velocity_error": 0.75, "acceleration_error": 1.25}
+#: Numbers of evaluations of the force up to this multiple of the fewest tie.
+TIED = 1.1
+
+NO_BREAK = "\u00a0"
+#: Mark of the coarsest step that was tried.
+AT_MOST = f"≤{NO_BREAK}"
+
+
+class Pick(NamedTuple):
+    """A scheme with its step, in the form of a cell.
+
+    ``step`` and ``forces`` are texts: the step or the number of steps, and the evaluations of the force in a time.
+    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` its limit in linear theory.
+    ``acceleration_error`` is the error of the acceleration of a structure at the step.
+    """
+
+    title: str
+    step: str
+    forces: str
+    omega_step: float
+    limit: float
+    acceleration_error: float = np.nan
+
+
+def cell(picks: list[Pick]) -> str:
+    """The first of the schemes that tie, and ``…`` if there are others; a dash of none."""
+    if not picks:
+        return "–"
+    one = picks[0]
+    below = f" < {one.limit:.3g}" if np.isfinite(one.limit) else ""
+    work, condition = (part.replace(" ", NO_BREAK) for part in (one.forces, f"ωΔt {number(one.omega_step, 2)}{below}"))
+    return f"{one.title}: {one.step} ({work}, {condition})" + ("; …" if len(picks) > 1 else "")
+
+
+def first_of(titles: list[str]) -> str:
+    """The first of some schemes, and ``…`` if there are others."""
+    return titles[0] + ("; …" if len(titles) > 1 else "")
+
+
+def tied(forces: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Places of the fewest forces and of those that tie with them, ordered by their errors; NaN does not count."""
+    places = np.flatnonzero(forces <= TIED * np.fmin.reduce(forces, initial=np.inf))
+    return places[np.argsort(error[places], kind="stable")]
+
+
+def sentence(title: str) -> str:
+    """A title as the beginning of a sentence."""
+    return title[0].upper() + title[1:]
+
+
+def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataFrame:
+    """Rows of ``study.recommend``, each for the finest step that a scheme needs for a quantity, energy and phase.
+
+    Schemes that keep one of the errors at no step have no row. ``steps`` are those in a period, ``forces`` the
+    evaluations in it, and ``made`` is the error of the quantity.
+    """
+    wanted = {(error, quantity), (LEVEL, "energy"), (LEVEL, "phase")}
+    needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
+    needs = needs.sort_values("step_size")
+    kept = needs[needs.step_size.groupby(level="scheme").transform("count") == len(wanted)]
+    finer = kept[~kept.index.duplicated()]
+    made = [spring.error.sel(scheme=name, dt=dt, quantity=quantity).item() for name, dt in finer.step_size.items()]
+    steps = [steps_of_period(spring, dt) for dt in finer.step_size]
+    forces = [row.force_evaluations / row.number_of_steps * n for row, n in zip(finer.itertuples(), steps, strict=True)]
+    return finer.assign(steps=steps, forces=forces, made=made)
+
+
+def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tuple[np.ndarray, np.ndarray]:
+    """Fewest forces in a period with which each scheme and all its finer steps keep an error, and the step's place.
+
+    A run does not count if its balance of energies is wrong by more than ``LEVEL``, or if one of its errors exceeds its
+    bound in ``BOUNDS``. The number is NaN if no step keeps the error.
+    """
+    sound = runs.max_energy_imbalance <= LEVEL
+    for name, level in BOUNDS.items():
+        if name in runs:
+            sound &= runs[name] <= level
+    dims, steps = ("scheme", "steps_per_period"), runs.steps_per_period.values
+    kept = ((error <= allowed) & sound).transpose(*dims).values
+    keeps = np.logical_and.accumulate(kept[:, ::-1], axis=1)[:, ::-1]
+    per_step = (runs.forces_per_step + runs.forces_per_iteration * runs.iterations_per_step).transpose(*dims).values
+    forces = np.where(keeps, per_step * steps, np.inf)
+    best = forces.argmin(axis=1)
+    return np.where(keeps.any(axis=1), forces[np.arange(len(best)), best], np.nan), best
+
+
+def marked(steps: np.ndarray, place: int) -> str:
+    """A number of steps; ``≤`` marks the coarsest step that was tried, and ``†`` the finest."""
+    return f"{AT_MOST if place == 0 else ''}{steps[place]:,}{' †' if place == len(steps) - 1 else ''}"
+
+
+def picks_of(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapping[str, float]) -> list[Pick]:
+    """The schemes that keep an error with the fewest forces in a period, with their steps."""
+    dims = ("scheme", "steps_per_period")
+    runs, error = runs.transpose(*dims, ...), error.transpose(*dims)
+    fewest, best = fewest_forces(runs, error, allowed)
+    steps = runs.steps_per_period.values
+    picks = []
+    for k in tied(fewest, error.values[np.arange(len(best)), best]):
+        per_period = steps[best[k]]
+        step, work = marked(steps, best[k]), f"{fewest[k]:,.0f} forces"
+        omega_step = runs.highest_frequency.item() * runs.period.item() / per_period
+        off = runs.acceleration_error.values[k, best[k]] if "acceleration_error" in runs else np.nan
+        picks.append(Pick(runs.scheme_title.values[k], step, work, omega_step, limits[runs.scheme.values[k]], off))
+    return picks

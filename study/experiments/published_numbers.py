@@ -1,0 +1,116 @@
+"""Errors of schemes at displacements that sources print or that are exact."""
+
+from collections.abc import Mapping
+from typing import Annotated
+
+import numpy as np
+import xarray as xr
+from annotated_types import Ge, Le, Len
+from typing_extensions import TypedDict
+
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, FallingTolerances, KnownProblem, Schemes, section
+from study.experiments import coordinates
+from study.marching.result import STATUS_ATTRIBUTES
+from study.marching.run import run
+from study.problem.named import known, problems
+from study.problem.naming import Known
+from study.scheme.named import schemes as schemes_by_name
+
+#: Factor between the numbers of steps of two runs.
+FINER = 4
+
+
+@section
+class _Coarsest(TypedDict):
+    problem: KnownProblem
+    steps: Count
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    # a step of many unknowns counts as one of each
+    coarsest = sum(one["steps"] * np.size(problems[one["problem"]].u0) for one in options["coarsest"])
+    return coarsest * len(options["schemes"]) * (FINER ** options["refinements"] - 1) / (FINER - 1)
+
+
+def _error(at: Known, u: np.ndarray) -> float:
+    """Error of the known displacement over its size."""
+    found = u if at.weights is None else at.weights @ u
+    return float(np.linalg.norm(found - at.u) / np.linalg.norm(at.u))
+
+
+def _equal(problem: str, scheme: str, steps: int) -> tuple[float, int]:
+    """Error and status of a run with equal steps."""
+    at = known[problem]
+    ds = run(problem, scheme, dt=at.time / steps, steps=steps, every=steps, on_failure="ignore")
+    return _error(at, ds.u.values[-1]), ds.status.item()
+
+
+def _controlled(problem: str, scheme: str, tolerance: float) -> tuple[float, float]:
+    """Error of a run with controlled steps, and their number; NaN if it failed."""
+    at = known[problem]
+    ds = run(problem, scheme, tolerance=tolerance, duration=at.time, on_failure="ignore")
+    return (_error(at, ds.u.values[-1]), ds.steps.item()) if ds.status == 0 else (np.nan, np.nan)
+
+
+@experiment("published_numbers", steps=_number_of_steps)
+def published_numbers(
+    coarsest: Annotated[list[_Coarsest], Len(1, 100)],
+    refinements: Annotated[int, Ge(2), Le(10)],
+    schemes: Schemes,
+    controlled: Annotated[list[KnownProblem], Len(1, 100)],
+    tolerances: FallingTolerances,
+) -> xr.Dataset:
+    """Compute errors at displacements that sources print or that are exact.
+
+    The error is |u − u_known| / |u_known| at the time of ``study.problem.named.known``, with Euclidean norms. It is NaN
+    if the run failed or the scheme refuses the problem.
+
+    Parameters
+    ----------
+    coarsest
+        Problems, and the fewest steps of a run of each.
+    refinements
+        Runs of each scheme and problem, each with four times the steps of the one before.
+    controlled, tolerances
+        Problems that are also run with steps that ``study.run`` controls by default, and the tolerances.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables of shape (problem, scheme, refinement) with equal steps, and (problem, scheme, tolerance) with
+        controlled ones, NaN for problems that are not ``controlled``.
+    """
+    names = [one["problem"] for one in coarsest]
+    steps = np.array([one["steps"] for one in coarsest])[:, None] * FINER ** np.arange(refinements)
+    error = np.full((len(names), len(schemes), refinements), np.nan)
+    status = np.zeros(error.shape, np.int32)
+    for (p, s, k), _ in np.ndenumerate(error):
+        if k == 0:
+            progress(f"{schemes[s]} on {names[p]}")
+        if not schemes_by_name[schemes[s]].refusal(problems[names[p]]):
+            error[p, s, k], status[p, s, k] = _equal(names[p], schemes[s], int(steps[p, k]))
+    control = np.full((2, len(names), len(schemes), len(tolerances)), np.nan)
+    for (p, s, k), _ in np.ndenumerate(control[0]):
+        scheme = schemes_by_name[schemes[s]]
+        if names[p] in controlled and not (scheme.needs_equal_steps or scheme.refusal(problems[names[p]])):
+            control[:, p, s, k] = _controlled(names[p], schemes[s], tolerances[k])
+    dims, of_control = ("problem", "scheme", "refinement"), ("problem", "scheme", "tolerance")
+    points = [known[name] for name in names]
+    return xr.Dataset(
+        {
+            "error": (dims, error, {"long_name": "error of the displacement over its size", "units": "1"}),
+            "status": (dims, status, STATUS_ATTRIBUTES),
+            "steps": (("problem", "refinement"), steps, {"long_name": "number of steps", "units": "1"}),
+            "controlled_error": (of_control, control[0], {"long_name": "error with controlled steps", "units": "1"}),
+            "controlled_steps": (of_control, control[1], {"long_name": "number of controlled steps", "units": "1"}),
+            "time": ("problem", [one.time for one in points], {"long_name": "time of the displacement", "units": "s"}),
+        },
+        coords={
+            **coordinates.problem_coordinates(names),
+            **coordinates.scheme_coordinates(schemes),
+            "tolerance": ("tolerance", list(tolerances), {"long_name": "tolerance of the control", "units": "1"}),
+            "known_from": ("problem", [one.source for one in points], {"long_name": "source of the displacement"}),
+        },
+        attrs={"title": "Errors at displacements that sources print or that are exact"},
+    )

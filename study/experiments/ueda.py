@@ -1,0 +1,71 @@
+"""The largest Lyapunov exponent of Ueda's oscillator by scheme and step."""
+
+from collections.abc import Mapping
+from typing import Annotated
+
+import numpy as np
+import xarray as xr
+from annotated_types import Ge, Le
+
+from study.declaration.experiment import Options, experiment, progress
+from study.declaration.options import Count, RisingCounts, Schemes
+from study.experiments import coordinates
+from study.marching.run import run
+from study.problem.named import problems, time_scales
+from study.problem.oscillators import UEDA_EXPONENT
+
+OBSERVED = ["lyapunov_exponent"]
+
+
+def _number_of_steps(options: Options, configuration: Mapping) -> float:
+    return 1.5 * len(options["schemes"]) * options["runs"] * options["periods"] * sum(options["steps_per_period"])
+
+
+@experiment("ueda", steps=_number_of_steps)
+def ueda(
+    schemes: Schemes,
+    steps_per_period: RisingCounts,
+    periods: Count,
+    runs: Annotated[int, Ge(2), Le(64)],
+) -> xr.Dataset:
+    """Measure the largest Lyapunov exponent of the numerical map of Ueda's oscillator.
+
+    It is that over the second half of the runs, as the mean and its standard error over ``runs`` initial displacements.
+
+    Parameters
+    ----------
+    steps_per_period, periods
+        Steps in a period of the load, and the length of a run in periods.
+
+    Returns
+    -------
+    xarray.Dataset
+        Variables of shape (scheme, steps_per_period), NaN where a run failed.
+    """
+    problem, period = problems["ueda"], time_scales["ueda"]
+    u0 = problem.u0 + np.linspace(0.0, 1.0, runs)
+    exponent, uncertainty = np.empty((2, len(schemes), len(steps_per_period)))
+    for s, scheme in enumerate(schemes):
+        progress(f"exponent of {scheme}")
+        for k, parts in enumerate(steps_per_period):
+            steps = periods * parts
+            half, whole = (
+                run(problem, scheme, dt=period / parts, steps=n, u0=u0, observe=OBSERVED, on_failure="ignore")
+                for n in (steps // 2, steps)
+            )
+            rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
+            exponent[s, k], uncertainty[s, k] = rate.mean(skipna=False), rate.std(ddof=1, skipna=False) / np.sqrt(runs)
+    dims = ("scheme", "steps_per_period")
+    return xr.Dataset(
+        {
+            "exponent": (dims, exponent, {"long_name": "largest Lyapunov exponent", "units": "s-1"}),
+            "uncertainty": (dims, uncertainty, {"long_name": "standard error of the exponent", "units": "s-1"}),
+            "printed_exponent": ((), UEDA_EXPONENT, {"long_name": "exponent of Sprott (2003)", "units": "s-1"}),
+            "period": ((), period, {"long_name": "period of the load", "units": "s"}),
+        },
+        coords={
+            **coordinates.scheme_coordinates(schemes),
+            **coordinates.steps_per_period_coordinate(steps_per_period),
+        },
+        attrs={"title": "Largest Lyapunov exponent of Ueda's oscillator by scheme and step", "periods": periods},
+    )

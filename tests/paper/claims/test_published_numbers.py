@@ -1,0 +1,67 @@
+"""Claims on problems whose answer is known: each check can come out either way."""
+
+import numpy as np
+import xarray as xr
+
+from paper.claims import published_numbers as claims
+from tests.paper.claims.made_up import filled
+
+SCHEMES = ["average_acceleration", "central_difference"]
+
+
+def _errors(error):
+    """A dataset as published_numbers.nc has it, with the errors of both schemes by refinement."""
+    along = {"problem": ["van_der_pol", "loaded_bar"], "scheme": SCHEMES, "refinement": [0, 1, 2]}
+    data = filled(1.0, **along).to_dataset(name="error")
+    data["error"][:] = error
+    data["steps"] = ("problem", "refinement"), [[20_000, 200_000, 2_000_000], [32, 128, 512]]
+    data["time"] = "problem", [2.0, 2.0]
+    return data.assign_coords(explicit=("scheme", [0, 1]))
+
+
+def test_central_difference_is_exact_or_not():
+    found = claims.exact_on_a_bar(_errors([np.nan, 0.0, 1e-3]))
+    assert found.holds and found.ours == "0 at 128"
+    missed = claims.exact_on_a_bar(_errors([np.nan, 1e-3, 1e-4]))
+    assert not missed.holds and missed.qualification
+    assert not claims.exact_on_a_bar(_errors(np.nan)).holds
+
+
+def test_control_needs_fewer_steps_or_not():
+    data = _errors([1.0, 1e-3, 1e-4]).assign_coords(problem=["arenstorf", "other"], scheme=["rk4", "bathe"])
+    along = {"problem": data.problem.values, "scheme": data.scheme.values, "tolerance": [1e-3, 1e-5]}
+    data["controlled_error"], data["controlled_steps"] = filled(1e-3, **along), filled(100.0, **along)
+    assert claims.fewer_controlled_steps(data).ours == "2000"
+    assert claims.fewer_controlled_steps(data).holds
+    never = data.assign(error=data.error + 1)
+    assert claims.fewer_controlled_steps(never).holds and claims.fewer_controlled_steps(never).qualification
+    data["controlled_steps"][:] = 1e5
+    late = claims.fewer_controlled_steps(data)
+    assert not late.holds and late.qualification
+    data["controlled_error"][:] = np.nan
+    without = claims.fewer_controlled_steps(data)
+    assert not without.holds and without.qualification
+
+
+def test_the_step_of_an_implicit_scheme_is_bound_or_not():
+    found = claims.beyond_the_fastest_time(_errors([np.nan, 1.0, 1e-3]))
+    assert not found.holds and found.ours == "1" and found.qualification
+    found = claims.beyond_the_fastest_time(_errors([1e-2, 1e-3, 1e-4]))
+    assert found.holds
+    assert not claims.beyond_the_fastest_time(_errors(np.nan)).holds
+
+
+def _ueda(exponents):
+    """A dataset as ueda.nc has it."""
+    data = filled(0.0, scheme=SCHEMES, steps_per_period=[16, 32, 64]).to_dataset(name="exponent")
+    data["exponent"][:] = exponents
+    data["printed_exponent"] = xr.DataArray(0.1)
+    return data
+
+
+def test_twenty_steps_keep_chaos_or_not():
+    assert claims.twenty_steps_keep_chaos(_ueda([0.1, 0.1, 0.1])).holds
+    late = claims.twenty_steps_keep_chaos(_ueda([0.1, -0.02, 0.105]))
+    assert not late.holds and "64" in late.ours and "regular" in late.qualification
+    assert claims.fewest_steps(_ueda([0.1, -0.02, 0.105])) == dict.fromkeys(SCHEMES, 64.0)
+    assert not claims.twenty_steps_keep_chaos(_ueda(np.nan)).holds
