@@ -1,6 +1,7 @@
 """What catalogues read agrees with CITATION.cff, which ``make citation`` validates, and with pyproject.toml."""
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import yaml
 PROJECT = Path(__file__).parents[1]
 CITATION = yaml.safe_load((PROJECT / "CITATION.cff").read_text())
 METADATA = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
+RECIPE = yaml.safe_load((PROJECT / "recipe" / "recipe.yaml").read_text())
 CODEMETA, ZENODO = (json.loads((PROJECT / name).read_text()) for name in ("codemeta.json", ".zenodo.json"))
 
 
@@ -17,7 +19,8 @@ CODEMETA, ZENODO = (json.loads((PROJECT / name).read_text()) for name in ("codem
 def test_what_catalogues_read_is_that_of_the_citation(catalogue, title, authors):
     assert catalogue[title] == CITATION["title"]
     assert [one["name"] for one in catalogue[authors]] == [one["name"] for one in CITATION["authors"]]
-    assert catalogue["version"] == CITATION["version"]
+    assert catalogue["version"] == CITATION["version"] == METADATA["version"]
+    assert str(CITATION["date-released"]) in catalogue.values()
     assert CITATION["license"] in str(catalogue["license"])
     assert catalogue["description"] == CITATION["abstract"]
     assert catalogue["keywords"] == CITATION["keywords"] == METADATA["keywords"]
@@ -26,3 +29,18 @@ def test_what_catalogues_read_is_that_of_the_citation(catalogue, title, authors)
 
 def test_the_requirements_are_those_of_the_package():
     assert CODEMETA["softwareRequirements"] == [f"python{METADATA['requires-python']}", *METADATA["dependencies"]]
+
+
+def test_the_changelog_begins_with_the_release():
+    text = (PROJECT / "CHANGELOG.md").read_text()
+    assert re.findall("^## (.*)$", text, re.MULTILINE)[0] == f"{CITATION['version']} - {CITATION['date-released']}"
+
+
+def test_the_conda_recipe_is_that_of_the_package():
+    assert RECIPE["context"] == {"version": METADATA["version"], "python_min": METADATA["requires-python"].strip(">=")}
+    assert RECIPE["about"]["license"] == METADATA["license"] and RECIPE["package"]["name"] == METADATA["name"]
+    assert RECIPE["about"]["summary"] == METADATA["description"]
+    _, *run = RECIPE["requirements"]["run"]
+    assert run == [one.lower().replace(">=", " >=") for one in METADATA["dependencies"]]
+    (name, command), *others = METADATA["scripts"].items()
+    assert not others and RECIPE["build"]["python"]["entry_points"] == [f"{name} = {command}"]

@@ -24,7 +24,7 @@ def draw(structures: xr.Dataset) -> Figure:
         for ax, scheme in zip(row, schemes, strict=True):
             one = structures.outcome.sel(problem=problem, scheme=scheme)
             ax.imshow(one, **IMAGE)
-        title = wrapped(structures.problem_title.sel(problem=problem).item(), 14)
+        title = wrapped(structures.problem_title.sel(problem=problem).item(), 10)
         row[0].set_ylabel(title, rotation=0, ha="right", va="center")
     # a row has room for two labels
     ends = sorted({0, len(excitations) - 1})

@@ -36,24 +36,26 @@ def check_latex(project: Path, folder: Path) -> None:
 
 #: A word of a page, as Poppler finds it: its place from the left and the top, and its letters.
 WORD = re.compile(r'<word xMin="(.+?)" yMin="(.+?)" xMax="(.+?)" yMax="(.+?)">(.*?)</word>')
-#: Height of the lower margin in points, and how far a word may reach into it.
+#: Lower and right margin in points, and how far a word may reach into it.
 MARGIN, INTO_MARGIN = 54, 6
 #: Words of a page that may lie over others, as signs of an equation do.
 OVERLAPS = 2
 
 
 def check_pages(results: Path) -> None:
-    """The texts are short enough. No page has overlapping words, or words in its lower margin next to its number."""
+    """Texts are short enough; no page has overlapping words, or words in its lower or right margin."""
     for name, (least, most) in PAGES.items():
         command = ["pdftotext", "-bbox", str(results / f"{name}.pdf"), "-"]
         stated = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-        pages = re.findall(r'<page width=".+?" height="(.+?)">(.*?)</page>', stated, re.DOTALL)
+        pages = re.findall(r'<page width="(.+?)" height="(.+?)">(.*?)</page>', stated, re.DOTALL)
         assert least <= len(pages) <= most, name
-        for number, (height, page) in enumerate(pages, 1):
+        for number, (width, height, page) in enumerate(pages, 1):
             found = [(*map(float, word[:4]), word[4]) for word in WORD.findall(page)]
             lowest = float(height) - MARGIN + INTO_MARGIN
             low = [word for *_, bottom, word in found if bottom > lowest and not word.isdigit()]
             assert not low, (name, number, low)
+            outside = [word for _, _, right, _, word in found if right > float(width) - MARGIN + INTO_MARGIN]
+            assert not outside, (name, number, outside)
             over = [(one[4], other[4]) for one, other in combinations(found, 2) if _overlap(one, other)]
             assert len(over) <= OVERLAPS, (name, number, over)
 
