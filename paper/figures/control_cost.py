@@ -22,8 +22,8 @@ def draw(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> Figure:
     """One panel per problem."""
     shown = [name for name in SHOWN if name in control_cost.scheme]
     problems = control_cost.problem.values[:MOST]
-    columns = min(len(problems), COLUMNS)
-    rows = -(-len(problems) // columns)
+    rows = -(-len(problems) // COLUMNS)
+    columns = -(-len(problems) // rows)
     figure, axes = panels(rows, columns, PAGE, 5.4 * rows + 1.2, sharey=True)
     for index, (ax, problem) in enumerate(zip(axes.flat, problems, strict=False)):
         of_problem = control_cost.sel(problem=problem)

@@ -1,0 +1,38 @@
+"""Estimates and true errors under a load and with a stiff mode, where steps start again at later times."""
+
+import numpy as np
+import pytest
+
+import study
+from study.experiments.estimates import estimates, true_errors
+
+SCHEMES = ["average_acceleration", "generalized_alpha"]
+
+
+def test_true_errors_under_a_load_are_those_of_the_closed_form():
+    """A forced oscillator, whose motion from any state and time is known."""
+    problem = study.Problem(lambda u: u, 0.3, 0.1, load=lambda t: t * t)
+    ds = study.run(problem, "average_acceleration", controller=study.Prescribed([0.2]), duration=2.0)
+    t, u, v, h = ds.t.values, ds.u.values, ds.v.values, 0.2
+    # t² − 2 solves the equation, and what differs from it is free
+    free, speed = u[:-1] - (t[:-1] ** 2 - 2), v[:-1] - 2 * t[:-1]
+    exact_u = t[1:] ** 2 - 2 + free * np.cos(h) + speed * np.sin(h)
+    exact_v = 2 * t[1:] + speed * np.cos(h) - free * np.sin(h)
+    of_u, of_both = true_errors(problem, ds)
+    expected = abs(u[1:] - exact_u) / abs(u).max()
+    np.testing.assert_allclose(of_u, expected, rtol=1e-6)
+    np.testing.assert_allclose(of_both, np.maximum(expected, abs(v[1:] - exact_v) / abs(v).max()), rtol=1e-6)
+
+
+def test_a_stiff_mode_fools_the_estimate_and_a_kink_the_parabola():
+    ds = estimates(["pulse", "stiff_soft", "yielding"], SCHEMES, ["zienkiewicz_xie", "three_point"], [20, 40])
+    ratio = ds.estimate / ds.true_displacement_error
+    assert ratio.sel(problem="pulse", estimator="zienkiewicz_xie").values == pytest.approx(1, abs=0.2)
+    stiff = ratio.sel(problem="stiff_soft", estimator="zienkiewicz_xie")
+    average, generalized = (stiff.sel(scheme=one) for one in SCHEMES)
+    assert (generalized > 10).all() and (average > 5 * generalized).all()
+    kink = (ds.estimate / ds.true_error).sel(problem="pulse", estimator="three_point", scheme="average_acceleration")
+    assert kink[1] > 1.5 * kink[0]
+    assert ds.estimate.sel(problem="yielding").isnull().all()
+    blind = ds.linear_ratio.sel(scheme="average_acceleration", estimator="zienkiewicz_xie")
+    assert blind.sel(phase=0.5) == pytest.approx(0, abs=1e-12) and blind.sel(phase=0.25) == pytest.approx(1)
