@@ -1,6 +1,6 @@
 """Input files of Abaqus and code_aster for linear structures: masses on a line, with springs and dashpots in between.
 
-They are written from the manuals of both codes and have been run by neither. The comment at the head of a file says how
+They follow the manuals of both codes, and neither code has run them. The comment at the head of a file describes how
 its motion becomes the table ``NAME.csv``.
 """
 

@@ -1,4 +1,4 @@
-"""The command: run a code over the cases, print what was found and write a report."""
+"""The command: run a code over the cases, print the verdicts and write a report."""
 
 import argparse
 import json
@@ -14,7 +14,7 @@ from conformance.writers import write
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add what the command takes."""
+    """Add the arguments of the command."""
     parser.add_argument("code", nargs="?", metavar="MODULE:FUNCTION", help="a Python function of your code")
     parser.add_argument("--command", metavar="TEXT", help="a command with {case} and {out}, which writes a CSV file")
     parser.add_argument("--collect", type=Path, metavar="FOLDER", help="a folder of CSV files that exist already")

@@ -59,7 +59,7 @@ class Entry(NamedTuple):
     schemes
         Codes of schemes; None for all.
     kind
-        What is expected: ``identical``, ``bound`` or ``order``.
+        Kind of expectation: ``identical``, ``bound`` or ``order``.
     tags
         Further tags.
     sizes

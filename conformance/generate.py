@@ -1,8 +1,8 @@
 """Make all cases: ``python -m conformance.generate`` writes ``cases/*.json`` from 50 digits.
 
-A case is a problem and a scheme of the tables in ``contents.py``. It holds what the scheme gives, what the alternatives
-and mistakes of ``variants.py`` give where that differs, and the slopes of the values in the numbers of the scheme, by
-which a number that is slightly off is found.
+A case is a problem and a scheme of the tables in ``contents.py``. It holds the values of the scheme, the values of the
+alternatives and mistakes of ``variants.py`` if they differ, and the slopes of the values in the numbers of the scheme,
+which identify a slightly wrong number.
 """
 
 import json
@@ -48,7 +48,7 @@ def _quantities(entry: Entry, scheme: Mapping[str, str]) -> list[tuple[str, int]
 
 
 def _identical(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
-    """What is expected of each quantity of each unknown."""
+    """Expected values of each quantity of each unknown."""
     exact, double = _march(entry, scheme), _march(entry, scheme, numbers=FLOAT)
     expected = []
     for name, unknown in _quantities(entry, scheme):

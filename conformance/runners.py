@@ -33,7 +33,7 @@ def of_function(place: str) -> Runner:
 
     The function takes the problem, the scheme as a dictionary, the step and the number of steps, and returns u, v and,
     if it has them, a at the start and after every step, each (steps + 1, n). The step is an array (steps,) where steps
-    are not equal. The function raises ``NotImplementedError`` for what it does not do.
+    are not equal. The function raises ``NotImplementedError`` for an unsupported case.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def of_function(place: str) -> Runner:
 
 
 def _arrays(found: Any) -> Motion:
-    """What a function returns as arrays (steps + 1, n), with None for a velocity or acceleration that is missing."""
+    """The result of a function as arrays (steps + 1, n), with None for a missing velocity or acceleration."""
     if not isinstance(found, Sequence | np.ndarray) or len(found) not in (2, 3):
         raise ValueError("the function must return u, v and, if it has it, a")
     motion: dict[str, np.ndarray | None] = {"a": None}
@@ -118,7 +118,7 @@ def of_command(template: str) -> Runner:
 
 
 def _ended(command: list[str]) -> tuple[int, str]:
-    """Exit status of a command, negative for a signal, and what it writes to its standard error."""
+    """Exit status of a command, negative for a signal, and its standard error."""
     try:
         # a group of its own, so that the programs that a script starts end with it
         started = subprocess.Popen(
@@ -158,7 +158,7 @@ def of_folder(folder: Path) -> Runner:
 
 
 def divided(case: Mapping[str, Any], part: int) -> dict[str, Any]:
-    """A case with a part of its step and as many times its steps, without what it expects."""
+    """A case with a part of its step and as many times its steps, without expected values."""
     run = case["run"]
     if part > 1:
         run = {**run, "dt": repr(float(run["dt"]) / part), "steps": run["steps"] * part}

@@ -1,7 +1,7 @@
 """Input files from the same cases, for codes that read no JSON: of OpenSees here, of others in ``chains``.
 
-Those of OpenSees are linear and cubic oscillators without a moving ground. Each file writes its motion as ``NAME.csv``
-into the folder where it runs; a case without a file is skipped, as it has no result.
+The files of OpenSees are linear and cubic oscillators without moving ground. Each one writes its motion as ``NAME.csv``
+into the folder where it runs; a case without a file is skipped, because it has no result.
 """
 
 import math

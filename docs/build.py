@@ -99,7 +99,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
             if build_main([*options, "-d", str(Path(folder, "trees")), str(sources), str(unfinished)]):
                 raise SystemExit("the site is not built: the lines above say what Sphinx warns of.")
         accessible.complete(unfinished)
-        (unfinished / ".buildinfo").unlink()  # a sum over paths of this machine, for builds that go on
+        (unfinished / ".buildinfo").unlink()  # a checksum with paths of this machine, for incremental builds
         for name in PRODUCTS:
             (unfinished / name).parent.mkdir(exist_ok=True)
             shutil.copy(results / name, unfinished / name)

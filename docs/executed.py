@@ -1,6 +1,6 @@
 """Pages whose numbers come from the datasets.
 
-The Python of some pages runs when the site is built, and what a block prints follows it. In any page the role ``eval``
+The Python of some pages runs when the site is built, and its output follows each block. In any page the role ``eval``
 is the value of an expression in the names that this Python defines, in ``n``, the numbers of the article, and in
 functions of :mod:`docs.text`.
 """

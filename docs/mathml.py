@@ -10,7 +10,7 @@ from docutils import nodes
 from latex2mathml.converter import convert
 from sphinx.util import logging
 
-#: What the converter leaves of a command or a sign that it does not set.
+#: Output of the converter for an unsupported command or sign.
 _NOT_SET = re.compile(r"<mi>(\\\w+|&)</mi>")
 
 

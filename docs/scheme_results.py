@@ -109,12 +109,12 @@ def _times_of_1996(scheme: str, titles: dict[str, str]) -> str:
     """The seconds printed in 1996, and their ratio to average acceleration."""
     seconds = printed_cpu_times().sel(problem=list(titles))
     ratio = seconds / seconds.sel(scheme="average_acceleration")
-    took = []
+    times = []
     for name, title in titles.items():
-        times = f" ({number(ratio.sel(problem=name, scheme=scheme).item())} times average acceleration)"
-        other = times if scheme != "average_acceleration" else ""
-        took.append(f"{number(seconds.sel(problem=name, scheme=scheme).item())} s on the {title}{other}")
-    return f"In 1996, 100,000 steps took {listed(took)} on a Pentium of 90 MHz."
+        ratio_of = f" ({number(ratio.sel(problem=name, scheme=scheme).item())} times average acceleration)"
+        other = ratio_of if scheme != "average_acceleration" else ""
+        times.append(f"{number(seconds.sel(problem=name, scheme=scheme).item())} s on the {title}{other}")
+    return f"In 1996, 100,000 steps took {listed(times)} on a Pentium of 90 MHz."
 
 
 def maps(subject: "Subject", data: Mapping[str, Any]) -> str:

@@ -3,7 +3,7 @@
     study assess examples/opensees_frame.py --opensees --duration 8 --spacing 0.02 \
         --schemes average_acceleration hht_alpha bathe --error 0.1 0.01 --output opensees_frame
 
-The columns stand on a fixed base and carry gravity before the ground moves. Forces are in N, lengths in m.
+The columns have a fixed base and carry gravity before the ground moves. Forces are in N, lengths in m.
 """
 
 from pathlib import Path

@@ -44,7 +44,7 @@ def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
 
 
 def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
-    """The part of a dataset with the given schemes that it has, or with as many others if it has none of them."""
+    """The part of a dataset with those of the given schemes that it has; if it has none, its first schemes."""
     there = [name for name in schemes if name in dataset.scheme.values]
     return dataset.sel(scheme=there or dataset.scheme.values[: len(schemes)])
 

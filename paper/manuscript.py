@@ -7,10 +7,10 @@ from pathlib import Path
 from paper.products import Product, enter
 from paper.requirements import as_many
 
-#: Layout of the texts, and the texts, each of which becomes a PDF of its name.
+#: Common part of the texts, and the texts; each text becomes a PDF of its name.
 LAYOUT = Path(__file__).parent / "text" / "layout.typ"
 TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ", "replication.typ")]
-#: What else they include.
+#: Files that they include.
 SHARED = [LAYOUT, *(LAYOUT.with_name(name) for name in ("energy_errors.typ", "metadata.yaml"))]
 
 _COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)

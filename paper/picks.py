@@ -73,8 +73,8 @@ def sentence(title: str) -> str:
 def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataFrame:
     """Rows of ``study.recommend``, each for the finest step that a scheme needs for a quantity, energy and phase.
 
-    Schemes that keep one of the errors at no step have no row. ``steps`` are those in a period, ``forces`` the
-    evaluations in it, and ``made`` is the error of the quantity.
+    Schemes that exceed one of the errors at every step have no row. ``steps`` and ``forces`` are numbers of steps and
+    evaluations in a period, and ``made`` is the error of the quantity.
     """
     wanted = {(error, quantity), (LEVEL, "energy"), (LEVEL, "phase")}
     needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])

@@ -32,7 +32,7 @@ PLACES = ("claims", "explorer", "figures", "manuscript", "numbers", "pages", "ta
 
 @dataclass(frozen=True)
 class Product:
-    """A figure, table, page, set of numbers or claim; or the text of the manuscript, which only requires.
+    """A figure, table, page, set of numbers or claim; or the text of the manuscript, which only has requirements.
 
     Attributes
     ----------
@@ -161,7 +161,7 @@ def discover(places: Iterable[str] = PLACES) -> list[Product]:
 
 
 def check(products: Iterable[Product], config: dict) -> None:
-    """Refuse a configuration that lacks what a product requires.
+    """Refuse a configuration that lacks a requirement of a product.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def reader(results: Path) -> Callable[[str], Any]:
 
 
 def made(product: Product, read: Callable[[str], Any]) -> Any:
-    """What the function of a product returns for its datasets."""
+    """The result of the function of a product for its datasets."""
     return product.function(
         **{
             argument: read(name) if isinstance(name, str) else [read(one) for one in name]

@@ -31,7 +31,7 @@ _STRICT = ConfigDict(extra="forbid", strict=True)
 
 
 def _registries() -> dict[str, Registry]:
-    """What a configuration can name, by kind."""
+    """Names that a configuration may use, by kind."""
     return {
         "spring": Registry("spring", {name: problems.resolve(name) for name in approximate_periods}),
         "structure": Registry("structure", {name: problems.resolve(name) for name in time_scales}),
@@ -92,7 +92,7 @@ def _nested(name: str, tree: dict[str, Any]) -> type[BaseModel]:
     return create_model(name, __config__=_STRICT, **fields)
 
 
-#: What pydantic calls a type, and what a reader does.
+#: Plain names of pydantic's types.
 _TYPES = {
     "int_type": "a whole number",
     "float_type": "a number",
@@ -130,7 +130,7 @@ def _sentence(mistake: Any, model: type[BaseModel]) -> str:
 
 
 def _place(location: Iterable[Any]) -> str:
-    """The dotted key of a place; a part that is no plain name stands in quotation marks."""
+    """The dotted key of a place; a part that is not a plain name is put in quotation marks."""
     return ".".join(str(part) if re.fullmatch(r"\w+", str(part)) else repr(part) for part in location)
 
 
@@ -173,7 +173,7 @@ def check_form(model: type[BaseModel], configuration: Any) -> None:
 
 
 def _strange_keys(section: Any, place: str):
-    """Keys that are no texts, as YAML makes of ``1:`` or ``yes:``."""
+    """Keys that are not texts, as YAML makes of ``1:`` or ``yes:``."""
     if isinstance(section, Mapping):
         for key, value in section.items():
             if not isinstance(key, str):
@@ -190,7 +190,7 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
     Raises
     ------
     ValueError
-        With one sentence that names the key or the dataset, and says what would be right.
+        With one sentence that names the key or the dataset, and the expected value.
     """
     declared = tuple(experiments)
     _register_own_schemes(configuration)
@@ -235,7 +235,7 @@ def register_own(place: str) -> None:
     Raises
     ------
     ValueError
-        If there is no such scheme, it cannot have that name, or one of its attributes is unfit.
+        If there is no such scheme, its name is taken, or one of its attributes is invalid.
     """
     try:
         register_scheme(place.rpartition(":")[2], load(place, (Scheme,)))

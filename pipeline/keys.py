@@ -20,7 +20,7 @@ stands for all schemes. `own_schemes` lists schemes in your own files as `FILE.p
 
 
 def _value(kind: Mapping[str, Any]) -> str:
-    """What a key holds, in a phrase."""
+    """Type and bounds of a key, in a phrase."""
     if "enum" in kind or "const" in kind:
         return " or ".join(f"`{one}`" for one in kind.get("enum", [kind.get("const")]))
     if "anyOf" in kind:
@@ -32,7 +32,7 @@ def _value(kind: Mapping[str, Any]) -> str:
 
 
 def _rows(key: str, kind: Mapping[str, Any], needed: bool, schema: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """The key, and those below it, with what they hold and whether they may be left out."""
+    """The key and the keys below it, with their types and whether they may be left out."""
     kind = schema["$defs"][kind["$ref"].rpartition("/")[2]] if "$ref" in kind else kind
     if "properties" in kind:
         for name, one in kind["properties"].items():

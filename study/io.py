@@ -148,7 +148,7 @@ def check_writable(path: str | Path) -> Path:
     Raises
     ------
     NotWritten
-        If it cannot; the message says why.
+        If it cannot; the message states why.
     """
     path = Path(path)
     try:
@@ -183,7 +183,7 @@ def write(content: xr.Dataset | str | bytes, path: str | Path) -> None:
     """Write a file whole or not at all.
 
     The content is written to a temporary file next to ``path``, which then takes its place. Of several writers the last
-    one wins, and readers see one of the complete files.
+    one wins, and readers get one of the complete files.
 
     Raises
     ------

@@ -127,7 +127,7 @@ def _set_cache() -> None:
     if getattr(sys.modules["jax"].config, option) if "jax" in sys.modules else os.environ.get(option.upper()):
         return
     cache = platformdirs.user_cache_path("time-integration-study") / platform.node()
-    # the folder may not exist yet, be pruned by another process too, or belong to somebody else; JAX reports a folder
+    # the folder may not exist yet, be pruned by another process too, or belong to another user; JAX reports a folder
     # that it cannot use
     with suppress(OSError):
         _prune(cache)

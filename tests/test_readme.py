@@ -157,7 +157,7 @@ def test_a_target_stands_before_the_configuration(name):
     assert commands or name != "docs/pages/how_to/pipeline.md"
 
 
-def test_the_study_on_many_cores_takes_what_is_told():
+def test_the_study_on_many_cores_takes_the_stated_time():
     table, stated = pd.read_csv(PROJECT / "docs" / "scaling.csv"), TEXTS["docs/pages/how_to/pipeline.md"]
     on = table.set_index("cores")
     assert "95 minutes of one core" in stated and on.seconds[1] / 60 == pytest.approx(95, abs=0.5)
@@ -166,7 +166,7 @@ def test_the_study_on_many_cores_takes_what_is_told():
     assert on.seconds[64] == pytest.approx(on.seconds[128], rel=0.01)
 
 
-def test_the_torture_has_the_number_of_kills_and_differences_that_are_told():
+def test_the_torture_has_the_stated_kills_and_differences():
     table, stated = pd.read_csv(PROJECT / "docs" / "torture.csv"), TEXTS["docs/pages/how_to/pipeline.md"]
     stated = " ".join(stated.split())
     assert "kills a small study a hundred times" in stated and "no difference" in stated

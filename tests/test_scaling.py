@@ -27,7 +27,7 @@ def test_of_a_group_one_runs_at_a_time(cores, seconds):
     assert makespan(figures | _graph(other=(3.0, ())), cores) == seconds
 
 
-def test_a_profile_asks_for_more_than_was_measured():
+def test_a_profile_requests_more_than_was_measured():
     jobs = [Job("a", 400.0, (), rule="long", memory=900.0), Job("b", 20.0, (), rule="long", memory=1400.0)]
     jobs.append(Job("c", 10.0, (), rule="short", memory=500.0))
     text = resources({job.name: job for job in jobs})

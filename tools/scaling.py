@@ -33,7 +33,7 @@ PLAN, BENCHMARKS = Path(".snakemake", "plan.json"), Path("results", "benchmarks"
 
 
 class Job(NamedTuple):
-    """A job: its time, the jobs that make its inputs, and its group, of which only one runs at a time, if any."""
+    """A job: its time, the jobs that make its inputs, and its group, if any, whose jobs run one at a time."""
 
     name: str
     seconds: float

@@ -1,7 +1,7 @@
 """Kill the pipeline at random moments, and compare the products of the next calls with an undisturbed run.
 
 ``python tools/torture.py KILLS OUTPUT`` works in copies of the project. Before every kill some products are removed, so
-that there is work; after it a plain call must end well. OUTPUT is a table of kills, restarts and differences.
+that there is work; after it a plain call must succeed. OUTPUT is a table of kills, restarts and differences.
 """
 
 import hashlib

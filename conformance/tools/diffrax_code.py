@@ -47,7 +47,7 @@ def _solver(rows, weights) -> Any:
 
 
 def _tableau(scheme):
-    """Rows and weights of the tableau of a scheme; None if it is no such method."""
+    """Rows and weights of the tableau of a scheme; None if it is not such a method."""
     family = scheme["family"]
     if family == "rk4":
         return [[0.0], [0.5, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 1.0, 0.0]], [1 / 6, 1 / 3, 1 / 3, 1 / 6]

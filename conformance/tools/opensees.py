@@ -32,7 +32,7 @@ INTEGRATORS: dict[str, Callable[..., tuple]] = {
 }
 
 
-#: Other integrators that stand for the same families.
+#: Other integrators of the same families.
 OTHERS: dict[str, Callable[..., tuple]] = {
     "newmark": lambda beta, gamma: ("Newmark", gamma, beta, "-form", "A"),
     "generalized_alpha": lambda alpha_m, alpha_f, beta, gamma: (
@@ -61,7 +61,7 @@ MORE: dict[str, Callable[..., tuple]] = {
 
 
 def _springs(text):
-    """A material of every pair of nodes with a spring or a dashpot; node 1 is fixed."""
+    """A material for every pair of nodes with a spring or a dashpot; node 1 is fixed."""
     form, n = text["form"], len(text["u0"])
     numbers = {name: np.array(value, float) for name, value in text["parameters"].items()}
     damping = np.array(text["damping"], float)
@@ -69,7 +69,7 @@ def _springs(text):
     tag = 0
     for i in range(n):
         for j in range(-1, i):
-            # to the ground goes what the springs to other nodes leave of the row
+            # the spring to the ground has the rest of the row after the springs to other nodes
             k, c = (m[i].sum() if j < 0 else -m[i, j] for m in (stiffness, damping))
             if k or c:
                 tag += 1

@@ -5,8 +5,12 @@ from paper.claims.terms import ALMOST, REASONABLE
 from paper.claims.wording import listed, number
 from paper.numbers.step_control import ALLOWED, CLEARLY, STIFF, forces_needed, ratio_of_forces, with_control
 from paper.published import PROBLEMS
+from study.words import span
 
 AVERAGE = "average_acceleration"
+
+#: Error in tolerances times steps that the tests of OrdinaryDiffEqNewmark report for the linear oscillator.
+OF_SCIML = 0.2, 3.0
 
 
 @claim(
@@ -111,3 +115,17 @@ def a_halved_step_disturbs(control_of_codes):
     disturbs = bool((largest > ALMOST).any())
     reason = when(not disturbs, "the energy error stays as with the larger step")
     return Finding(listed(by_name(largest), control_of_codes, ".3f"), disturbs, reason)
+
+
+@claim(
+    "adaptive",
+    "On the linear oscillator the largest error over tolerance times steps is between 0.2 and 3.",
+    "largest error of displacement or velocity over the tolerance times the number of steps, average acceleration with "
+    "the estimator of 1991",
+    whose="SciML",
+)
+def errors_are_tolerances_times_steps(control_of_codes):
+    ratio = control_of_codes.error_in_tolerances
+    inside = bool(((ratio >= OF_SCIML[0]) & (ratio <= OF_SCIML[1])).all())
+    reason = when(not inside, "another controller takes other steps")
+    return Finding(span(ratio.values, ".2f"), inside, reason)

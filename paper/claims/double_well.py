@@ -117,7 +117,7 @@ def damping_is_the_cause(portrait):
     lost = by_name(-damped.isel(t=-1) / _HEIGHT)
     gained = damped.max().item()
     undamped = abs(error.sel(scheme="average_acceleration")).max().item()
-    of_the_step = f"average acceleration, which has no damping, is off by up to {undamped:.0f} % of the energy"
+    of_the_step = f"average acceleration, which has no damping, is wrong by up to {undamped:.0f} % of the energy"
     holds = min(lost.values()) > 100 - REASONABLE and gained < REASONABLE
     reason = when(undamped > REASONABLE, f"the step is to blame as well: {of_the_step}")
     return Finding(listed(lost, portrait, ".0f"), holds, reason)

@@ -1,4 +1,4 @@
-"""Claims of practice about forces that yield and remember, and about records, decided by our runs."""
+"""Claims of practice about forces with yielding and memory, and about records, decided by our runs."""
 
 import numpy as np
 

@@ -46,7 +46,7 @@ RESONANT = 0.05
 AT_REST = 0.01
 #: Least order found of a scheme that "is of second order", and of one that is of third.
 SECOND_ORDER, THIRD_ORDER = 1.5, 2.5
-#: Largest relative size of what is zero up to round-off.
+#: Largest relative size that counts as zero up to round-off.
 ROUND_OFF = 1e-10
 #: Least error of a displacement, in percent, that matters, and largest error of a balance of energies that does not.
 MATTERS, UNNOTICED = 0.1, 1e-6

@@ -70,7 +70,7 @@ def _cases(cases: list[xr.Dataset]) -> list[dict[str, Any]]:
 
 
 def _as_script(value: object) -> str:
-    """JSON that may stand in a page: no text in it can end the script."""
+    """JSON that is safe in a page: no text in it can end the script."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 

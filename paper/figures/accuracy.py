@@ -30,7 +30,7 @@ PERIODS, SHORTER = 100, 3
     },
 )
 def draw(accuracy: xr.Dataset) -> Figure:
-    """One row per problem, one column per measure, over 100 periods; errors within the reference's own are left out."""
+    """One row per problem, one column per measure, over 100 periods, without errors within the uncertainty."""
     accuracy = of_the_paper(accuracy)
     losses = loss_of_amplitude(accuracy, SHORTER, PERIODS)
     accuracy = accuracy.sel(periods=PERIODS)

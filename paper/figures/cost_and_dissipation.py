@@ -14,8 +14,8 @@ LIMITED, COLUMNS = 1.3, 5
 
 
 @figure(
-    "Forces in a period that one percent of the displacement costs, against the spectral radius at infinite frequency. "
-    "Schemes with a stability limit stand to the right of the line; bars at the top: no step that was tried is enough.",
+    "Forces in a period for one percent of the displacement, against the spectral radius at infinite frequency. "
+    "Schemes with a stability limit are to the right of the line; bars at the top: no step that was tried is enough.",
 )
 def draw(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """One panel per problem, one marker per scheme."""

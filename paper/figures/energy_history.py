@@ -8,7 +8,7 @@ from paper.figures.style import COLUMN, curve_styles, legend_below, letter, pane
 from paper.products import figure
 from paper.requirements import steps_of_portrait
 
-#: Steps of which the largest error is drawn.
+#: Number of steps in a stretch whose largest error is drawn.
 STRETCH = 20
 
 

@@ -1,4 +1,4 @@
-"""Error against the step on forces that are smooth, yield, remember and touch, and under a record."""
+"""Error against the step on smooth forces, with yielding, memory and contact, and under a record."""
 
 import numpy as np
 import xarray as xr

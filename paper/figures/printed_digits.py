@@ -1,4 +1,4 @@
-"""How the numbers of 1996 were rounded: our value less the printed one, for all 98 cells."""
+"""Rounding of the numbers of 1996: our value less the printed one, for all 98 cells."""
 
 import numpy as np
 import xarray as xr

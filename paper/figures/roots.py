@@ -1,4 +1,4 @@
-"""How many roots the effective equation of a step has in the double well, and which of them Newton finds."""
+"""Number of roots of the effective equation of a step in the double well, and the root that Newton finds."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -99,12 +99,12 @@ def thinned(widest: float, by: float, index: int) -> float:
 
 
 def panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Figure, np.ndarray]:
-    """A figure of a size in cm, and its panels by row and column."""
+    """A figure of a given size in cm, and its panels by row and column."""
     return plt.subplots(rows, columns, figsize=(width * _CM, height * _CM), squeeze=False, **options)
 
 
 def empty(width: float, height: float) -> Figure:
-    """A figure of a size in cm without panels."""
+    """A figure of a given size in cm, without panels."""
     return plt.figure(figsize=(width * _CM, height * _CM))
 
 

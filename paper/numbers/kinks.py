@@ -1,4 +1,4 @@
-"""Numbers of the text: forces that yield, remember and touch."""
+"""Numbers of the text: forces with yielding, memory and contact."""
 
 import numpy as np
 import xarray as xr

@@ -6,7 +6,7 @@ import xarray as xr
 from paper.products import numbers
 from study.words import number, percent, span
 
-#: Periods in s from which on the record, not the oscillator, is what a step has to resolve.
+#: Least period in s at which a step has to resolve the record rather than the oscillator.
 LONG = 1.0
 #: Period in s of an oscillator that itself sets the step.
 SHORT = 0.2

@@ -15,8 +15,10 @@ DRIFTS, KEPT = 3.0, 1.1
 CELL = 50
 #: Error of the displacement at which forces are compared, and the ratio of forces that counts as a difference.
 ALLOWED, CLEARLY = 0.01, 1.25
-#: A linear structure with a stiff mode that the accuracy does not need.
-STIFF = ["stiff_soft"]
+#: Estimate over true error above which an estimator is fooled.
+FOOLED = 2.0
+#: A linear structure with a stiff mode that the accuracy does not need, and an oscillator under a load with a kink.
+STIFF, PULSE = ["stiff_soft"], "pulse"
 
 
 def growth(step_control: xr.Dataset) -> xr.DataArray:
@@ -84,11 +86,17 @@ def of_step_control(
     ratio = ratio_at_equal_steps(controlled_1996, energy_error).sel(scheme=SCHEME)
     generalized = step_control.energy_drift.sel(problem=PROBLEM, scheme="generalized_alpha", control="pi")
     gained = 100 * generalized.max("tolerance")
+    on_stiff = None
+    if STIFF[0] in estimates.problem:
+        stiff = estimates.sel(problem=STIFF[0], scheme=SCHEME, estimator="zienkiewicz_xie").isel(steps_per_period=-1)
+        on_stiff = (stiff.estimate / stiff.true_error).item()
     others = [one for one in ("pi", "dead_band") if one in grown.with_equal]
     return {
         "control_zx_displacement": f"{of_u.sel(estimator='zienkiewicz_xie').item():.2f}",
         "control_zx_state": f"{of_both.sel(estimator='zienkiewicz_xie').item():.2f}",
         "control_zx_least": f"{finest.ratio.sel(estimator='zienkiewicz_xie').min().item():.2f}",
+        "control_zx_stiff": None if on_stiff is None else f"{on_stiff:.2g}",
+        "control_zx_is_fooled": on_stiff is not None and bool(on_stiff > FOOLED),
         "control_three_point": f"{of_both.sel(estimator='three_point').item():.2f}",
         "control_residual": f"{of_both.sel(estimator='half_step_residual').item():.0f}",
         "control_finest": int(estimates.steps_per_period[-1]),

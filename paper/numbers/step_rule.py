@@ -11,7 +11,7 @@ from study.words import number
 #: Allowed error of energy and period.
 ERROR = 0.01
 SCHEMES = ["central_difference", "average_acceleration", "rk4"]
-#: Ratio of the largest to the smallest Δt ωmax from which on it is no rule.
+#: Largest ratio of the largest to the smallest Δt ωmax that still makes a rule.
 NO_RULE = 3.0
 
 

@@ -8,7 +8,7 @@ from paper.pages import STYLE
 from paper.products import discover, page
 from study.words import document, text_of
 
-#: The tables by name; the ledger has a page of its own.
+#: The tables by name; the ledger has a separate page.
 _TABLES = {one.name: one for one in discover(["tables"]) if one.kind == "table" and one.name != "claims"}
 _FILES: dict[str, Any] = {name: f"tables/{name}.csv" for name in _TABLES}
 

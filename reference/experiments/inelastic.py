@@ -9,6 +9,7 @@ from reference import diffrax, exact, piecewise, sundials
 from reference.solution import Solution, Times
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Kinked
+from study.declaration.samples import KINKED
 from study.mechanics.definition import Problem
 from study.problem.inelastic import PERIOD
 from study.problem.named import approximate_periods
@@ -45,21 +46,28 @@ _WAYS = {
     "bouncing": _in_pieces,
     "hysteretic": from_kink_to_kink,
     "shaken": from_kink_to_kink,
+    "pulse": from_kink_to_kink,
 }
+
+
+#: Sections of the configuration whose runs are compared with these motions.
+_READERS = ("kinks", "control_cost", "solver_cost")
 
 
 def _options(configuration: Mapping) -> Options:
     section = configuration["kinks"]
-    return {key: section[key] for key in ("problems", "periods", "samples_per_period")}
+    problems = [one for reader in _READERS for one in configuration[reader]["problems"] if one in KINKED]
+    lengths = {key: section[key] for key in ("periods", "samples_per_period")}
+    return {"problems": list(dict.fromkeys(problems))} | lengths
 
 
 @experiment("reference/inelastic", section="kinks", options=_options)
 def inelastic(problems: Kinked, periods: int, samples_per_period: int) -> xr.Dataset:
     """Compute the motion of oscillators with kinks and memory.
 
-    Yielding and bouncing are exact from event to event. Smooth hysteresis and the motion under a record are solved by
-    diffrax and CVODE from one kink of force or load to the next. The uncertainty is the largest difference of two
-    such solutions. A smooth spring with a closed form is included for comparison.
+    Yielding and bouncing are exact from event to event. Smooth hysteresis and the motions under a record and a pulse
+    are solved by diffrax and CVODE from one kink of force or load to the next. The uncertainty is the largest
+    difference of two such solutions. A smooth spring with a closed form is included for comparison.
     """
     u, uncertainty, route, scale = [], [], [], []
     for name in problems:

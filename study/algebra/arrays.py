@@ -19,10 +19,10 @@ ScalarLike = float | Scalar
 #: A number for each unknown, shape () or (n,).
 Vector = Float[Array, "*n"]
 
-#: What can be made into such a vector: a number, a list or an array.
+#: Values that can be converted to such a vector: a number, a list or an array.
 VectorLike = Float[Any, "*n"]
 
-#: What can be made into the positions of points, shape (points, directions).
+#: Values that can be converted to the positions of points, shape (points, directions).
 PositionsLike = Float[Any, "points directions"]
 
 #: A full matrix, shape (n, n).

@@ -184,7 +184,7 @@ def of_jax(matrix: Any) -> ScipySparse | Sparse:
 
 
 def as_sparse(matrix: Any) -> ScipySparse:
-    """A matrix of :mod:`scipy.sparse`, of any kind, with float64 and without entries twice."""
+    """A matrix of :mod:`scipy.sparse`, of any kind, as float64 and without duplicate entries."""
     columns = scipy.sparse.csc_array(matrix).astype(np.float64)
     columns.sum_duplicates()
     return columns

@@ -1,7 +1,7 @@
 """Linear theory of a scheme, derived from its code.
 
 On the linear oscillator ü + 2ξω u̇ + ω² u = 0, a step is a linear map of the scheme's state. Its matrix, the
-amplification matrix, is the derivative of the step by automatic differentiation, so no formula stands in the code
+amplification matrix, is the derivative of the step by automatic differentiation, so no formula is in the code
 twice. Here ω = 1, so Ω = ωΔt = 2π Δt/T is the step size.
 
 References
@@ -53,7 +53,7 @@ OVERSHOOT_STEPS = 64
 #: Values of Ω between which the growth of the first step is measured.
 LONG = (1e4, 1e6)
 
-#: Δt/T that stands for infinity.
+#: Δt/T that represents infinity.
 INFINITE = 1e12
 
 #: Values of Ω searched for the stability limit: densely where explicit schemes have theirs, because symmetric
@@ -78,7 +78,7 @@ def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.A
     Multi-step schemes, whose state holds their history, appear in companion form.
     """
     problem, dt = oscillator(damping_ratio), 2 * jnp.pi * dt_over_period
-    # the map is linear, so any state serves; discrete gradients need one that moves in short and in long steps
+    # the map is linear, so any state is valid; discrete gradients need one that moves in short and in long steps
     state, _ = started(scheme, problem, jnp.ones(()), jnp.ones(()), dt)
     flat, unflatten = ravel_pytree(state)
 

@@ -13,7 +13,7 @@ from study.observer.outcome import ACCURATE, AT_REST, GROWN
 
 
 class Outcome(enum.IntEnum):
-    """How a run can end, from best to worst.
+    """Outcome of a run, from best to worst.
 
     ``ACCURATE``, ``BOUNDED``, ``DAMPED_TO_REST``, ``IN_THE_WRONG_WELL``, ``CHAOTIC``, ``GROWING``,
     ``NO_SOLUTION_FOUND`` and ``UNBOUNDED``, with the values 0 to 7.

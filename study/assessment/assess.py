@@ -131,8 +131,8 @@ def assess(
                 "a program has its own quantities, duration and steps; leave quantities, duration and controller out."
             )
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
-        return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).tell)
-    # as a multiple of itself it shares what is compiled with its neighbours
+        return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).report)
+    # as a multiple of itself it shares the compiled program with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
     wanted = _wanted(quantities, equation)
@@ -149,7 +149,7 @@ def assess(
         if control is not None:
             raise ValueError(f"controlled steps are assessed for up to {large.MOST:,} unknowns; leave controller out.")
         program = large.program_of(equation, fit, length, quantities, search.spacing(equation, length))
-        ds = assess_program(program, allowed, seconds, Progress(len(fit)).tell).assign_attrs(record_of(equation.load))
+        ds = assess_program(program, allowed, seconds, Progress(len(fit)).report).assign_attrs(record_of(equation.load))
         if quantities is None and np.size(equation.u0) > large.SHOWN:
             compared = f"{large.SHOWN} of {np.size(equation.u0):,} unknowns"
             ds.attrs["starts"] += f" Errors were compared at {compared}; others may have larger ones."
@@ -158,11 +158,11 @@ def assess(
     coarsest = slowest / search.COARSEST
     if length / coarsest > search.MOST_STEPS:
         raise ValueError(
-            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps of which "
-            f"{search.COARSEST} are in a period of the slowest small motion of '{equation.title}', not {length:g} s."
+            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps at "
+            f"{search.COARSEST} in a period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
     progress, end = Progress(len(fit)), time.monotonic() + seconds
-    progress.tell(f"solving for a reference of '{equation.title}'")
+    progress.report(f"solving for a reference of '{equation.title}'")
     reference = certified(equation, length, wanted, allowed[-1], coarsest, periodic=quantities is None)
     length = reference.horizon
     if length < requested:
@@ -184,7 +184,7 @@ def assess(
 
     def of(scheme: Scheme) -> Assessed:
         runs = Search(scheme, cases, length, min(coarsest, length), finest, of_energy, end)
-        runs.search(limits, lambda top: progress.tell(f"{scheme.title}: steps of {top / 2:.3g} to {top:.3g} s"))
+        runs.search(limits, lambda top: progress.report(f"{scheme.title}: steps of {top / 2:.3g} to {top:.3g} s"))
         verdicts = {limit: runs.verdict(*limit) for limit in limits}
         recommended = np.unique([one.recommended for one in verdicts.values() if one.recommended > 0])
         map_of_failures = (
@@ -194,7 +194,7 @@ def assess(
             return Assessed(runs.runs, verdicts, map_of_failures)
         with_control = ToleranceSearch(scheme, control, cases, length, of_energy, end)
         along = [limit for limit in limits if limit[0] not in oscillation.QUANTITIES]
-        with_control.search(along, lambda top: progress.tell(f"{scheme.title}: tolerances up to {top:.3g}"))
+        with_control.search(along, lambda top: progress.report(f"{scheme.title}: tolerances up to {top:.3g}"))
         tolerances = {limit: with_control.verdict(*limit) for limit in along}
         return Assessed(runs.runs, verdicts, map_of_failures, tolerances)
 

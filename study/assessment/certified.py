@@ -118,13 +118,13 @@ def cases_of(
         neighbour = excited(problem, factor, displaced=True)
         own, grid = Reference(neighbour, reference.horizon), reference.solution.t
         try:
-            if problem.kinked or problem.history is not None:  # its kinks have times of their own
+            if problem.kinked or problem.history is not None:  # its kinks have other times
                 one, *_ = own.solutions(own.with_kinks(grid), reference.rtol, AIMED * tightest)
             else:
                 one = own.solution(own.routes[0], grid, reference.rtol)
         except (ValueError, RuntimeError) as error:
             raise NoReference(
-                f"no reference of a start one percent from that of '{problem.title}' was found: {error}"
+                f"no reference was found for '{problem.title}' from a start one percent away: {error}"
             ) from error
         targets = {name: errors.target(quantity, neighbour, one) for name, quantity in quantities.items()}
         swing = oscillation.oscillation(neighbour, one) if reference.oscillation else None

@@ -36,8 +36,8 @@ def _cure(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
 def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, recommended: np.ndarray) -> xr.Dataset:
     """Outcome, Lyapunov exponent and Newton iterations over excitation and step size, with the largest safe step.
 
-    Excitation multiplies the start and the load. A step is safe if at no excitation up to that of the problem, and at
-    no finer step, a run fails, grows or turns chaotic.
+    Excitation multiplies the start and the load. A step is safe if no run fails, grows or turns chaotic at this and at
+    all finer steps, at any excitation up to the problem's own.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ class Progress:
         self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
         self.stopped, self.done, self._told, self._start = False, 0, -PAUSE, time.monotonic()
 
-    def tell(self, what: str, ahead: float = 0.0) -> None:
+    def report(self, what: str, ahead: float = 0.0) -> None:
         """Report the present work, immediately if it takes long. A thread ends here after Ctrl-C."""
         if self.stopped:
             raise KeyboardInterrupt

@@ -213,7 +213,7 @@ class Search:
         self.run(self._drawn(bottom, top, count))
 
     def _drawn(self, bottom: float, top: float, count: int) -> np.ndarray:
-        """Random steps, one in each of as many equal parts between two steps on a logarithmic scale."""
+        """A number of random steps: one in each of equal parts between two steps on a logarithmic scale."""
         return top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count)
 
     def _unconfirmed(self, steps: Iterable[float]) -> np.ndarray:
@@ -241,14 +241,14 @@ class Search:
         below = dt < self.runs.dt.to_numpy()[fails].min(initial=np.inf)
         return with_room(dt[below], error[below], allowed)
 
-    def search(self, limits: Sequence[Limit], tell: Callable[[float], None] = lambda top: None) -> None:
+    def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
         """Run down to a twentieth of each step that keeps an error, from all starts at round steps, and below these."""
         top = self.coarsest
         while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
             least = TWENTIETH * min(largest, default=np.inf)
             if top > ENOUGH * max(least, self.finest):
-                tell(top)
+                report(top)
                 bottom = max(top / 2, least, self.finest)
                 self._stretch(bottom, top)
                 top, self.late = bottom, time.monotonic() > self._end
@@ -257,7 +257,7 @@ class Search:
             new, missing = np.array(sorted(steps - {*self._arrays()[0]})), self._unconfirmed(steps)
             if not len(new) + len(missing):
                 return
-            tell(max(steps))
+            report(max(steps))
             self.run(np.append(new, missing))
             for start in self._cases:
                 if start != 1.0 and len(new):

@@ -159,13 +159,13 @@ class ToleranceSearch:
         # the step is proportional to this root of the tolerance
         return with_room(own.tolerance.to_numpy() ** (1 / self._power), own[name].to_numpy(), allowed) ** self._power
 
-    def search(self, limits: Sequence[Limit], tell: Callable[[float], None]) -> None:
+    def search(self, limits: Sequence[Limit], report: Callable[[float], None]) -> None:
         """Run down to a hundredth of the tolerance that keeps each error, and from all starts with round tolerances."""
         top, steps = LOOSEST, 0.0
         while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
             if top > max(HUNDREDTH * min(largest, default=1.0), TIGHTEST) and steps < MOST_STEPS / 2:
-                tell(top)
+                report(top)
                 bottom = top / 2**self._power
                 self._run(1.0, self._drawn(bottom, top))
                 top, steps = bottom, self.runs.steps.max()

@@ -2,6 +2,7 @@
 
 from study.control.controllers import Controller, DeadBand, Filtered, Integral, ProportionalIntegral
 from study.control.estimators import EmbeddedPair, Estimator, StepDoubling, ThreePoint, ZienkiewiczXie
+from study.control.of_balance import ZienkiewiczXieOfBalance
 from study.control.of_codes import (
     ApparentFrequency,
     HalfIncrement,
@@ -17,6 +18,7 @@ estimators: Registry[Estimator] = Registry(
     "estimator",
     {
         "zienkiewicz_xie": ZienkiewiczXie(),
+        "zienkiewicz_xie_balance": ZienkiewiczXieOfBalance(),
         "three_point": ThreePoint(),
         "half_step_residual": HalfStepResidual(),
         "apparent_frequency": ApparentFrequency(),

@@ -17,11 +17,12 @@ class HalfStepResidual(Estimator):
     .. math::
 
         \ddot u_h &= (\ddot u_0 + \ddot u_1)/2, \quad
-        u_h = u_0 + \tfrac{\Delta t}{2} \dot u_0 + \tfrac{\Delta t^2}{16} (3 \ddot u_0 + \ddot u_h) \\
+        u_h = u_0 + \tfrac{\Delta t}{2} \dot u_0 + \tfrac{\Delta t^2}{16} (\ddot u_0 + \ddot u_h) \\
         \eta &= \max |M \ddot u_h + C \dot u_h + p(u_h) - f(t_h)| / \max |M \ddot u|
 
-    with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. One more force a step. The estimate is of second order in Δt and the error of the
-    step of third.
+    with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. An α-method carries the acceleration of the time t₁ + s Δt with s = α_m − α_f, so
+    that ü₀ and ü₁ are first moved back by s (ü₁ − ü₀). One more force a step. The estimate is of second order in Δt and
+    the error of the step of third.
 
     References
     ----------
@@ -48,6 +49,8 @@ class HalfStepResidual(Estimator):
 
     def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
         before, after = ends_of_step(old, new)
+        shift = scheme.acceleration_offset * (after - before)
+        before, after = before - shift, after - shift
         half, a = dt / 2, (before + after) / 2
         u = old.u + half * old.v + half**2 / 4 * (before + a)
         v = old.v + half / 2 * (before + a)

@@ -11,7 +11,7 @@ LARGEST_SAMPLE = 600
 
 
 def unlisted(key: str, values: Iterable, source: str, listed: Collection) -> str | None:
-    """Refuse a value that the list ``listed`` lacks; ``source`` says which list that is."""
+    """Refuse a value that the list ``listed`` lacks; ``source`` names the list."""
     for value in values:
         if value not in listed:
             return f"{key}: there is no {value} among {source}, {', '.join(map(str, listed))}."

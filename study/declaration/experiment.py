@@ -112,7 +112,7 @@ class Experiment:
 
     @property
     def folders(self) -> tuple[str, ...]:
-        """Where the datasets of the jobs lie, one folder for each dataset."""
+        """Folders of the datasets of the jobs, one for each dataset."""
         return self.parts or self.makes
 
 

@@ -16,7 +16,7 @@ from typing_extensions import TypedDict
 
 
 def section(kind: type) -> type:
-    """A section of the configuration, a TypedDict: it takes no key but its own, and no number of another type."""
+    """A section of the configuration, a TypedDict: it accepts only its own keys, and numbers of the declared types."""
     kind.__pydantic_config__ = {"extra": "forbid", "strict": True}  # type: ignore[attr-defined]
     return kind
 
@@ -152,7 +152,7 @@ OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
 Springs = Annotated[list[Spring], _FEW, _DISTINCT]
 Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
 #: Problems whose force has kinks or memory or whose load has kinks, and a smooth one for comparison.
-KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken"], Names("problem")]
+KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken", "pulse"], Names("problem")]
 Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
 #: Problems whose exact motion has samples: those of the section ``kinks``, and structures.
 Sampled = Annotated[list[KinkedName | Structure], _FEW, _DISTINCT]
@@ -195,7 +195,7 @@ PowersOfTen = Annotated[_PowersOfTen, IN_ORDER]
 
 @section
 class StructureLength(TypedDict):
-    """How long a structure is run, in its time scale."""
+    """Duration of a run of a structure, in its time scale."""
 
     problem: Structure
     periods: Annotated[float, Gt(0), Le(10_000)]

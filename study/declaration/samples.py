@@ -53,13 +53,10 @@ def known(problem: str) -> Known:
 
 
 def check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse problems without samples."""
-    of_kinks = [one for one in options["problems"] if one in KINKED]
+    """Refuse structures without samples."""
     others = [one for one in options["problems"] if one not in KINKED]
     lengths = [one["problem"] for one in configuration["structures"]["lengths"]]
-    return unlisted("problems", of_kinks, "kinks.problems", configuration["kinks"]["problems"]) or unlisted(
-        "problems", others, "structures.lengths", lengths
-    )
+    return unlisted("problems", others, "structures.lengths", lengths)
 
 
 def jobs(options: Options) -> dict[str, Options]:

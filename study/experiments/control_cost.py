@@ -62,7 +62,7 @@ def control_cost(
     a controlled run are the forces of all its trial steps and of the estimate. A trial step counts the mean number of
     Newton iterations of the accepted steps. The estimator is the default one of the scheme.
 
-    Variables have the shape (problem, scheme, tolerance), and of equal steps (problem, scheme, steps_per_sample).
+    Variables have the shape (problem, scheme, tolerance); with equal steps (problem, scheme, steps_per_sample).
     """
     shape = len(problems), len(schemes)
     controlled = {name: np.full((*shape, len(tolerances)), np.nan) for name in ("error", "forces", "steps", "rejected")}

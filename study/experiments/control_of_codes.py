@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from study.control.controllers import Controller, Prescribed
-from study.control.estimators import Estimator
+from study.control.estimators import Estimator, ZienkiewiczXie
 from study.control.of_codes import (
     ApparentFrequency,
     HalfIncrement,
@@ -20,6 +20,7 @@ from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, Counts, Springs
 from study.experiments import coordinates
 from study.marching.run import run
+from study.mechanics.definition import Problem
 from study.scheme.alpha import hht_alpha
 from study.scheme.base import Scheme
 from study.scheme.newmark import average_acceleration
@@ -46,6 +47,9 @@ RULES = {
 }
 CLASSES = ("tight", "middle", "loose")
 
+#: Tolerances and duration of the runs of a linear oscillator by which SciML tests its adaptive method of Newmark.
+SCIML, LINEAR_DURATION = (1e-4, 1e-6, 1e-8), 5.0
+
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
     return sum(options["steps_per_period"]) * len(options["problems"]) * options["periods"]
@@ -62,7 +66,9 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
     ``steps_per_period`` and ``max_energy_error``, eq. (17) of Xie (1996), have the shape (problem, code, class). The
     class belongs to the tolerance; the first step is a hundredth of the period. ``halved_energy_error`` is a ratio: the
     energy error of average acceleration whose step is halved in the middle of the run, over its error with the first
-    step throughout.
+    step throughout. ``error_in_tolerances`` is the largest error of displacement or velocity of average acceleration
+    on the oscillator ü + u = 0 from u̇₀ = 1, a test of SciML, over the tolerance times the number of steps. Our
+    tolerance is relative to the largest displacement, and the one of SciML to one plus the displacement.
     """
     shape = (len(problems), len(RULES), len(CLASSES))
     steps, energy = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -96,6 +102,7 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
             )
             whole = run(problem, average_acceleration, dt=dt, steps=parts * periods, observe=["max_energy_error"])
             halved[p, k] = ds.max_energy_error / whole.max_energy_error
+    of_sciml = [_error_in_tolerances(tolerance) for tolerance in SCIML]
     dims = ("problem", "code", "class")
     percent = {"long_name": "largest relative error of the total energy, eq. (17) of Xie (1996)", "units": "percent"}
     return xr.Dataset(
@@ -115,6 +122,11 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
                     "units": "1",
                 },
             ),
+            "error_in_tolerances": (
+                "linear_tolerance",
+                of_sciml,
+                {"long_name": "largest error over the tolerance times the number of steps", "units": "1"},
+            ),
         },
         coords={
             **coordinates.problem_coordinates(problems),
@@ -125,6 +137,27 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
                 list(steps_per_period),
                 {"long_name": "steps in a period before the step is halved", "units": "1"},
             ),
+            "linear_tolerance": (
+                "linear_tolerance",
+                list(SCIML),
+                {"long_name": "tolerance on the linear oscillator", "units": "1"},
+            ),
         },
         attrs={"title": "Automatic steps of codes on springs", "periods": periods},
     )
+
+
+def _error_in_tolerances(tolerance: float) -> float:
+    """Largest error of displacement or velocity of the linear oscillator, over the tolerance times the steps."""
+    oscillator = Problem(lambda u: u, 0.0, 1.0)
+    ds = run(
+        oscillator,
+        average_acceleration,
+        tolerance=tolerance,
+        duration=LINEAR_DURATION,
+        dt=0.1,
+        estimator=ZienkiewiczXie(),
+    )
+    t = ds.t.values
+    error = max(np.abs(ds.u.values - np.sin(t)).max(), np.abs(ds.v.values - np.cos(t)).max())
+    return error / (tolerance * ds.steps.item())

@@ -67,7 +67,7 @@ def cpu_time(
             "ratio": (
                 dims,
                 ratio[1],
-                {"long_name": f"median ratio of the time to that of {BASELINE} in the same repeat", "units": "1"},
+                {"long_name": f"median ratio of the time to the time of {BASELINE} in the same repeat", "units": "1"},
             ),
             "ratio_low": (dims, ratio[0], {"long_name": "lower quartile of these ratios", "units": "1"}),
             "ratio_high": (dims, ratio[2], {"long_name": "upper quartile of these ratios", "units": "1"}),

@@ -1,61 +1,89 @@
 """Estimates of the error of a step, compared with the true one."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
 
+import equinox as eqx
 import numpy as np
 import xarray as xr
 
 from study.control.controllers import Prescribed
+from study.control.leading import linear_ratio
 from study.control.named import estimators as estimators_by_name
 from study.declaration.experiment import Options, experiment, progress
-from study.declaration.options import Counts, Estimators, Schemes, Springs
+from study.declaration.options import Counts, Estimators, Problems, Schemes
 from study.experiments import coordinates
 from study.marching.run import run
+from study.mechanics.definition import Problem
+from study.problem.inelastic import PERIOD
+from study.problem.named import approximate_periods, time_scales
 from study.problem.named import problems as problems_by_name
+from study.scheme.embedded_nystrom import dormand_prince6
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.splitting import kahan_li8
 
-#: Scheme and number of its steps that solve for the true motion over one step of another scheme.
-FINE, FINE_STEPS = kahan_li8, 16
+#: Schemes that solve for the true motion over one step of another scheme, without damping and with it.
+UNDAMPED, DAMPED = dormand_prince6, kahan_li8
+
+#: Smallest number of their steps in a step, and in a period of the stiffest mode.
+FINE_STEPS = 16
+
+#: Number of periods of the stiffest mode in the time scale of a problem that has one.
+STIFFEST = {"stiff_soft": 2635, "stiff_soft_sine": 2635, "elastic_pendulum": 7086}
 
 #: Part of the period at which the curve along the motion has a value.
 PHASES = np.linspace(0, 1, 101)
 
 
+def _fine_steps(problem: str, steps: int) -> int:
+    """Number of steps that solve for the true motion over a step of which there are so many in a period."""
+    return math.ceil(FINE_STEPS * max(1.0, STIFFEST.get(problem, 0) / steps))
+
+
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    return FINE_STEPS * len(options["problems"]) * len(options["schemes"]) * sum(options["steps_per_period"])
+    pairs = ((problem, steps) for problem in options["problems"] for steps in options["steps_per_period"])
+    runs = len(options["schemes"]) * (1 + ("step_doubling" in options["estimators"]))
+    return runs * sum(steps * _fine_steps(problem, steps) for problem, steps in pairs)
 
 
 @experiment(
-    "estimates", reads=lambda options: [f"reference/{one}" for one in options["problems"]], steps=_number_of_steps
+    "estimates",
+    reads=lambda options: [f"reference/{one}" for one in options["problems"] if one in approximate_periods],
+    steps=_number_of_steps,
 )
-def estimates(problems: Springs, schemes: Schemes, estimators: Estimators, steps_per_period: Counts) -> xr.Dataset:
+def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, steps_per_period: Counts) -> xr.Dataset:
     """Measure estimates of the error of a step over one period, next to the true error.
 
-    The true error of a step is its difference from the motion with the same start, solved with 16 steps of
-    Kahan and Li's composition of eighth order. It is the larger error of displacement and velocity, each relative to
-    the largest value, like the estimates. ``true_displacement_error`` ignores the velocity, as does the estimate of
-    Zienkiewicz and Xie. ``estimate`` and the errors are the largest of the period, after its first tenth;
-    ``ratio`` is the estimate over the true error along the period, at the smallest step.
+    The true error of a step is its difference from the motion with the same start, solved with at least 16 steps of
+    Dormand and Prince's method of sixth order, or of Kahan and Li's composition of eighth order with damping. It is the
+    larger error of displacement and velocity, each relative to the largest value, like the estimates.
+    ``true_displacement_error`` ignores the velocity, as does the estimate of Zienkiewicz and Xie. ``estimate`` and the
+    errors are the largest of the period, after its first tenth; ``ratio`` is the estimate over the true error along the
+    period, at the smallest step. ``linear_ratio`` is its closed form for a linear undamped oscillator that starts from
+    a displacement (:mod:`study.control.leading`), and NaN if there is none. The period of a structure is its time
+    scale. A force with a history is left out, because the motion cannot start again within a run.
     """
     shape = (len(problems), len(schemes), len(estimators), len(steps_per_period))
     estimate, true, displacement = (np.full(shape, np.nan) for _ in range(3))
     ratio = np.full((*shape[:3], len(PHASES)), np.nan)
     for p, problem in enumerate(problems):
-        period = coordinates.periods(problem)["exact"]
+        equations = problems_by_name[problem]
+        if equations.history is not None:
+            continue
+        period = _period(problem)
         for s, scheme in enumerate(schemes):
             progress(f"estimates for {scheme} on {problem}")
             for k, steps in enumerate(steps_per_period):
                 errors = None
                 for e, estimator in enumerate(estimators):
-                    method, equations = schemes_by_name[scheme], problems_by_name[problem]
-                    if estimators_by_name[estimator].refusal(method, equations) is not None:
+                    if estimators_by_name[estimator].refusal(schemes_by_name[scheme], equations) is not None:
                         continue
                     dt = period / steps
                     equal = Prescribed(np.array([dt]))
-                    ds = run(problem, scheme, controller=equal, duration=period, estimator=estimator)
+                    ds = run(equations, scheme, controller=equal, duration=period, estimator=estimator)
                     if errors is None or estimator == "step_doubling":
-                        errors = _errors(problem, ds)
+                        errors = true_errors(equations, ds, _fine_steps(problem, steps))
                     of_u, of_both = errors
                     late = ds.t.values[1:] > 0.1 * period
                     at = p, s, e, k
@@ -64,6 +92,10 @@ def estimates(problems: Springs, schemes: Schemes, estimators: Estimators, steps
                     if steps == max(steps_per_period):
                         middle = (ds.t.values[1:] - dt / 2) / period
                         ratio[at[:3]] = np.interp(PHASES, middle, ds.estimate.values[1:] / of_both)
+    closed = [
+        [linear_ratio(schemes_by_name[one], name, PHASES, max(steps_per_period)) for name in estimators]
+        for one in schemes
+    ]
     dims = ("problem", "scheme", "estimator", "steps_per_period")
     largest = "largest in a period after its first tenth"
     return xr.Dataset(
@@ -80,6 +112,11 @@ def estimates(problems: Springs, schemes: Schemes, estimators: Estimators, steps
                 ratio,
                 {"long_name": "estimate over true error at the smallest step", "units": "1"},
             ),
+            "linear_ratio": (
+                ("scheme", "estimator", "phase"),
+                np.array(closed),
+                {"long_name": "closed form of that ratio for a linear oscillator", "units": "1"},
+            ),
         },
         coords={
             **coordinates.problem_coordinates(problems),
@@ -92,10 +129,45 @@ def estimates(problems: Springs, schemes: Schemes, estimators: Estimators, steps
     )
 
 
-def _errors(problem: str, ds: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+def _period(problem: str) -> float:
+    """Exact period of a spring, or the time that measures the steps of another problem."""
+    if problem in approximate_periods:
+        return coordinates.periods(problem)["exact"]
+    return time_scales.get(problem, PERIOD)
+
+
+class _Later(eqx.Module):
+    """A load whose time counts from a later start."""
+
+    load: Callable
+    start: float
+
+    def __call__(self, t):
+        return self.load(self.start + t)
+
+
+def true_errors(problem: Problem, ds: xr.Dataset, steps: int = FINE_STEPS) -> tuple[np.ndarray, np.ndarray]:
     """True errors of the displacement, and of displacement or velocity, of each step, over their largest values."""
     u, v, h = ds.u.values, ds.v.values, ds.step_size.values[1:]
-    fine = run(problem, FINE, dt=h / FINE_STEPS, steps=FINE_STEPS, every=FINE_STEPS, u0=u[:-1], v0=v[:-1])
-    of_u = np.abs(u[1:] - fine.u.values[:, -1]) / np.abs(u).max()
-    of_v = np.abs(v[1:] - fine.v.values[:, -1]) / np.abs(v).max()
+    scheme = UNDAMPED if problem.damping is None else DAMPED
+    fine: dict[str, Any] = {"dt": h / steps, "steps": steps, "every": steps}
+    load = problem.load
+    if load is None:
+        true = run(problem, scheme, u0=u[:-1], v0=v[:-1], **fine)
+    else:
+
+        def restarted(now, here, speed):
+            later = _Later(load, now)
+            return eqx.tree_at(lambda p: (p.u0, p.v0, p.load), problem, (here, speed, later))
+
+        true = run(restarted, scheme, over={"now": ds.t.values[:-1], "here": u[:-1], "speed": v[:-1]}, **fine)
+    of_u, of_v = (
+        _size(numerical[1:] - exact.values[:, -1]) / _size(numerical).max()
+        for numerical, exact in ((u, true.u), (v, true.v))
+    )
     return of_u, np.maximum(of_u, of_v)
+
+
+def _size(values: np.ndarray) -> np.ndarray:
+    """Euclidean norm over the unknowns, along time."""
+    return np.linalg.norm(values.reshape(len(values), -1), axis=1)

@@ -45,7 +45,7 @@ REACHED = 0.7
 
 
 def _offset(stiffness):
-    """A force with the tangent 1 at u = 0, and a tangent of its own about the equilibrium u = 10."""
+    """A force with the tangent 1 at u = 0, and another tangent about the equilibrium u = 10."""
     return lambda u: stiffness * (u - 10) + (1 - stiffness) * u * jnp.exp(-u * u)
 
 

@@ -162,7 +162,7 @@ def long_runs(
     runs: int,
     arithmetics: PlainNames,
 ) -> xr.Dataset:
-    """Measure the errors of energy and phase at the end of very long runs, one by one.
+    """Measure the errors of energy and phase at the end of each very long run.
 
     Every length is run in every arithmetic with ``runs`` step sizes close to T/N, with T the exact period and
     N = ``steps_per_period``, once with 24 bits and once with 12.

@@ -30,7 +30,7 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
         for k, length in enumerate(lengths):
             if not open_still[:, k].any():
                 continue
-            # each length has a run of its own, because a run that fails has no errors of its earlier steps
+            # each length has a separate run, because a run that fails has no errors of its earlier steps
             runs = run(
                 definition,
                 scheme,
@@ -41,7 +41,7 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
                 on_failure="ignore",
             )
             kept = np.array([np.isinf(runs[name]).all() for name in observer.variables])
-            open_still[:, k:] &= kept[:, None]  # a longer run leaves the level where a shorter one does
+            open_still[:, k:] &= kept[:, None]  # if a shorter run exceeds the level, so does a longer one
             needed[open_still[:, k], k] = steps
     return needed
 

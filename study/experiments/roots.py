@@ -182,7 +182,7 @@ def roots(
                 _steps_together(problem, step_sizes, steps, tolerances),
                 {
                     "long_name": f"steps of the average acceleration method until a displacement differs by {PARTED} "
-                    f"from that of the finest tolerance, {steps} where it never does",
+                    f"from the run of the finest tolerance, {steps} where it never does",
                     "units": "1",
                 },
             ),

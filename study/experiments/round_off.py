@@ -50,7 +50,7 @@ def round_off(problem: Spring, schemes: Schemes, steps_per_period: RisingCounts,
     Raises
     ------
     ValueError
-        If a number of steps per period is no multiple of 8, or the reference lacks the phase 1/8.
+        If a number of steps per period is not a multiple of 8, or the reference lacks the phase 1/8.
     FileNotFoundError
         If the reference of the problem has not been made.
     """

@@ -144,7 +144,7 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
     Raises
     ------
     ValueError
-        If a number of steps per period is no multiple of the samples of the reference in a period.
+        If a number of steps per period is not a multiple of the samples of the reference in a period.
     FileNotFoundError
         If the reference of the structure has not been made.
     """

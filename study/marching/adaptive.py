@@ -15,7 +15,7 @@ from study.marching.march import March
 from study.marching.result import NO_SOLUTION, NOT_FINITE, UNBOUNDED
 from study.scheme.contract import started
 
-#: A run that goes on, and how it ends in addition to the ways of a run with equal steps.
+#: Status of a running march, and the ends of a run in addition to those with equal steps.
 RUNNING, STEP_TOO_SMALL, TOO_MANY_STEPS = -1, 4, 5
 
 #: Factor of a step whose balance was not found, or whose end is not finite, as in Abaqus.
@@ -229,7 +229,7 @@ def proceed(
             return jnp.all(trial.place == before) & (count < turns) & jnp.any(goes_on(trial))
 
         sample = {name: jnp.zeros(x.shape[:1] * lanes + x.shape[1 + lanes :]) for name, x in stored.items()}
-        # a loop of its own: next to large arrays XLA would run the small ones of a step by a pool of threads
+        # a separate loop: next to large arrays XLA would run the small ones of a step by a pool of threads
         trial, sample, count = lax.while_loop(unaccepted, again, (trial, sample, count))
         # the place after the last one takes the samples that are not stored
         return trial, store(stored, sample, jnp.where(trial.place > before, before, room)), count

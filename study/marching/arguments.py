@@ -183,7 +183,7 @@ def number_of_lanes(
 
 
 def check_memory(records: Mapping[str, int], samples: int) -> None:
-    """Refuse records that exceed the free memory of this machine, of which they take twice their size.
+    """Refuse records whose double size exceeds the free memory of this machine.
 
     Parameters
     ----------

@@ -99,7 +99,7 @@ def checked_control(
         inside = kinks[(kinks > 0) & (kinks < duration)]
     else:
         inside = real_numbers("times", times).ravel()
-        if np.any((inside <= 0) | (inside > duration)):
+        if not np.all((inside > 0) & (inside <= duration)):
             raise ValueError(f"times must lie between zero and the duration, {duration:g} s, not {times!r}.")
     first = checked_step_size(FIRST_STEP * duration if dt is None else dt)
     most = MOST_STEPS if steps is None else positive_integer("steps", steps)

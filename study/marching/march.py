@@ -39,7 +39,7 @@ class Progress(NamedTuple):
     step
         Number of steps taken.
     failure
-        0 while the run goes on. After a failure at step k: 3 (k + 1), plus 0 if no balance was found, 1 if the state
+        0 without a failure. After a failure at step k: 3 (k + 1), plus 0 if no balance was found, 1 if the state
         was not finite, or 2 if the displacement left its bound.
     state
         State of the scheme.

@@ -35,7 +35,7 @@ LABELS = ("title", "source", "doi")
 def unlabelled(part: Any) -> Any:
     """A copy of a march, problem or scheme, and of its parts, without labels; other objects unchanged.
 
-    Labels would be part of what is compiled.
+    Otherwise other labels would compile the program again.
     """
     if not isinstance(part, March | Problem | Scheme):
         return part

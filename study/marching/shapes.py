@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float, Int, Shaped
 
-#: What can be made into a number or one per lane, shape () or (lanes,).
+#: Values that can be converted to a number or one per lane, shape () or (lanes,).
 PerRunLike = Float[Any, "*lanes"]
 
-#: What can be made into a count or one per lane, shape () or (lanes,).
+#: Values that can be converted to a count or one per lane, shape () or (lanes,).
 CountPerRunLike = Int[Any, "*lanes"]
 
-#: What can be made into a displacement or one per lane, shape () or (n,), with the axis of lanes in front.
+#: Values that can be converted to a displacement or one per lane, shape () or (n,), with the axis of lanes in front.
 DisplacementsLike = Float[Any, "*lanes_and_n"]
 
 #: A number or one per lane, shape () or (lanes,).

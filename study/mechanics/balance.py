@@ -284,7 +284,7 @@ def balance(
     found, unfinished, iterations = first, jnp.ones((), bool), jnp.zeros((), int)
     if not jnp.ndim(first) and tolerances.near > 0:
         # most steps need two iterations, one to correct and one to confirm. These two are written out before the loop,
-        # which for several unknowns would double what is compiled and save little
+        # which for several unknowns would double the program and save little
         once, _, moved = opened((first, nothing), given)
         (found, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)
     found, unfinished, iterations = iterated(opened, given, (found, unfinished, iterations))

@@ -58,7 +58,7 @@ class GroundMotion(eqx.Module):
     Raises
     ------
     ValueError
-        If there are fewer than two samples, one is no finite real number, or ``dt`` is not greater than zero.
+        If there are fewer than two samples, one is not a finite real number, or ``dt`` is not greater than zero.
     """
 
     acceleration: Samples

@@ -122,7 +122,7 @@ def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array)
 def switches(force: Callable, *arguments: Any) -> Float[Array, "switches"]:
     """Numbers whose sign changes where the slope of a force may jump.
 
-    Where the force compares two numbers, or takes the larger or smaller of them, it is their difference. Where the
+    If the force compares two numbers, or takes the larger or smaller of them, it is their difference. If the
     force takes the size or the sign of a number, it is that number. Loops, branches and tables are not searched.
 
     Parameters

@@ -63,6 +63,22 @@ def record_of(load: Callable | None) -> dict[str, str]:
     return {"record": load.ground.title, "record_source": load.ground.source}
 
 
+class HalfSine(eqx.Module):
+    """A load of half a period of a sine, f(t) = amplitude · sin(πt/duration), then zero."""
+
+    amplitude: float = eqx.field(converter=np.float64)
+    duration: float = eqx.field(converter=np.float64)
+
+    def __call__(self, t: Scalar) -> Scalar:
+        """f(t)."""
+        return jnp.where(t < self.duration, self.amplitude * jnp.sin(jnp.pi * t / self.duration), 0.0)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """The time of the jump of the slope."""
+        return (self.duration,)
+
+
 class Pulse(eqx.Module):
     """A force on the first unknown: half a period of a sine, then zero."""
 

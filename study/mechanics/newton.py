@@ -208,7 +208,7 @@ def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance:
 def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:
     """The function with its captured arrays as further arguments, and these arrays.
 
-    Batching sees the lanes of arguments, but not those of captured arrays.
+    Batching covers the lanes of arguments, but not the lanes of captured arrays.
     """
     closed, structure = jax.tree.flatten(eqx.filter_closure_convert(function, *examples))
     arrays, rest = eqx.partition(closed, eqx.is_array)

@@ -18,7 +18,7 @@ class Observer(eqx.Module):
     needs_energy: ClassVar[bool] = False
     #: Whether the problem must have positions.
     needs_positions: ClassVar[bool] = False
-    #: Whether the problem must stand on moving ground.
+    #: Whether the problem must have moving ground.
     needs_ground: ClassVar[bool] = False
     #: Whether all steps must have one size.
     needs_equal_steps: ClassVar[bool] = False
@@ -26,7 +26,7 @@ class Observer(eqx.Module):
     needs_neighbour: ClassVar[bool] = False
 
     def marched(self) -> "Observer":
-        """What a march takes in place of this observer: a reduction or a record, the observer itself by default."""
+        """The reduction or record that a march runs for this observer; by default the observer itself."""
         return self
 
     def refusal(self, problem: Problem) -> str | None:
@@ -51,11 +51,11 @@ class Reduction(Observer):
 
     @abc.abstractmethod
     def start(self, problem: Problem, state: Any) -> Any:
-        """What the reduction carries, at t = 0: any arrays, whose shapes and types stay the same."""
+        """State of the reduction at t = 0: any arrays, whose shapes and types stay the same."""
 
     @abc.abstractmethod
     def update(self, carried: Any, problem: Problem, state: Any, t: Any, effort: Effort) -> Any:
-        """What the reduction carries after a step that ended at the time ``t`` and took that effort."""
+        """State of the reduction after a step that ended at the time ``t`` and took that effort."""
 
     @abc.abstractmethod
     def result(self, carried: Any, problem: Problem, state: Any) -> dict[str, Any]:

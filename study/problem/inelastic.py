@@ -1,4 +1,4 @@
-"""Oscillators whose force has kinks or memory: yielding, smooth hysteresis, contact, and a load with kinks.
+"""Oscillators whose force has kinks or memory: yielding, smooth hysteresis, contact, and loads with kinks.
 
 All have a unit mass and a period of about one second.
 """
@@ -8,6 +8,7 @@ import numpy as np
 from study.materials import bouc_wen, elastoplastic, gap
 from study.mechanics.definition import Problem
 from study.mechanics.ground import GroundMotion
+from study.mechanics.loads import HalfSine
 from study.problem.naming import named
 
 #: Period in seconds of small motions of all of them except the bouncing mass, and their stiffness.
@@ -76,4 +77,29 @@ def shaken() -> Problem:
         damping=2.5 * _DAMPING,
         ground=GroundMotion.el_centro(),
         title="shaken oscillator",
+    )
+
+
+@named()
+def pulse() -> Problem:
+    r"""A linear oscillator from rest under half a sine, ü + ω² u = ω² sin(πt/t_d) up to t_d = 0.2, ω = 2π.
+
+    .. math::
+
+        u = \frac{\sin(\pi t/t_d) - r \sin \omega t}{1 - r^2} \quad\text{for } t \le t_d, \quad
+        r = \frac{\pi}{\omega t_d}
+
+    The motion is free afterwards.
+
+    References
+    ----------
+    A. K. Chopra, Dynamics of structures: theory and applications to earthquake engineering, 4th ed., Prentice Hall,
+    2012, chapter 4.
+    """
+    return Problem(
+        lambda u: _STIFFNESS * u,
+        0.0,
+        potential=lambda u: _STIFFNESS * u**2 / 2,
+        load=HalfSine(_STIFFNESS, duration=0.2),
+        title="oscillator under a pulse",
     )

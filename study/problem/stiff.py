@@ -14,7 +14,9 @@ SUPPORT_PERIOD = 2 * np.pi / 1.2
 
 @named(time_scale=SUPPORT_PERIOD)
 def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "stiff and soft springs") -> Problem:
-    r"""Two masses in a row on a moving support: a stiff spring holds the first mass, a soft one the second.
+    r"""The problem of Bathe and Noh with three degrees of freedom: two masses in a row on a moving support.
+
+    A stiff spring holds the first mass, a soft one the second.
 
     .. math::
 
@@ -22,7 +24,7 @@ def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "
         \ddot u_3 + k_2 (u_3 - u_2) &= 0, \quad u_1 = \sin(1.2 t)
 
     with u = (u₂, u₃) from rest, k₁ = 10⁷ and k₂ = 1. The motion u₁ of the support enters as the load k₁ u₁. The first
-    mass follows the support. Its own mode on the stiff spring, of period 0.002, stands for the rigid links of a
+    mass follows the support. Its own mode on the stiff spring, of period 0.002, represents the rigid links of a
     structure.
 
     References

@@ -114,7 +114,7 @@ def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
 
 
 def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, dict[str, Values]]:
-    """Times and quantities of what a run returned.
+    """Times and quantities in the result of a run.
 
     Raises
     ------

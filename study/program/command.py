@@ -53,7 +53,7 @@ class Command:
         return " ".join([self.template, self.more, *digests])
 
     def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
-        """Run it in a process, and read what it writes."""
+        """Run it in a process, and read its output."""
         with tempfile.TemporaryDirectory() as folder:
             output, said = Path(folder) / "output.csv", Path(folder) / "said"
             given = {

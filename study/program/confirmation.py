@@ -6,8 +6,8 @@ from jaxtyping import Float
 #: Part of a recommended step down to which finer steps count as tried.
 TWENTIETH = 1 / 20
 
-#: Quantile of the errors up to an octave below a step. Steps that were not tried may exceed the worst error by as much
-#: as the worst error exceeds this quantile.
+#: Quantile of the errors up to an octave below a step. The margin for untried steps is the worst error less this
+#: quantile.
 USUAL = 0.9
 
 #: Pairs of a step and its error.
@@ -15,7 +15,7 @@ Steps = Float[np.ndarray, "step"]
 
 
 def with_room(dt: Steps, error: Steps, allowed: float) -> float:
-    r"""Largest of some steps, each of which keeps an error, with room for the scatter below it; zero if there is none.
+    r"""Largest step that keeps an error together with all finer ones, with room for scatter; zero if there is none.
 
     .. math::
 

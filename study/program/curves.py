@@ -73,7 +73,7 @@ class Curve:
         return float(np.abs(self.from_(finer)).max(initial=0.0))
 
     def between(self) -> float:
-        """Error of the values between its steps: half of that between every second one."""
+        """Error of the values between its steps: half of the error of interpolation between every second step."""
         if len(self.t) < FEWEST:
             return 0.0
         return self.distance(Curve(self.t[::2], self.values[::2])) / 2

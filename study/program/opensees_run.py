@@ -1,4 +1,4 @@
-"""A run of a model of OpenSees, in a process of its own: ``FILE SCHEME DT DURATION OUTPUT``.
+"""A run of a model of OpenSees in a separate process: ``FILE SCHEME DT DURATION OUTPUT``.
 
 OpenSees has one model in a process, and a failure may end the process.
 """

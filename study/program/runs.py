@@ -44,7 +44,7 @@ def _picklable(program: Program) -> bool:
 
 
 class Runs:
-    """Runs of a program, each of which is made once.
+    """Runs of a program; each run is made once.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ class Runs:
         return self._pool.submit(attempt, self.program.run, *job, self.program.duration)
 
     def _alone(self, job: Job) -> Run:
-        """A run while no other is made; one that ends its process is recorded."""
+        """Make a run alone, and record it as failed if it ends its process."""
         with suppress(BrokenProcessPool):
             return self._submit(job).result()
         self._pool = self._start()

@@ -70,7 +70,7 @@ class Trigonometric(OneStep):
     - ``garcia_archilla``, ψ = sinc², φ = sinc, symplectic, called mollified impulse;
     - ``hairer_lubich``, ψ = sinc², φ = 1, which nearly conserves the energy over long times.
 
-    Second order, and without K velocity Verlet. For problems without damping whose M and K are numbers or diagonals.
+    Second order; without K it is velocity Verlet. For problems without damping whose M and K are numbers or diagonals.
     Carries u, u̇ and g; one force a step. A force with a history commits it at u₁.
 
     Parameters

@@ -24,7 +24,7 @@ def test_the_fastest_scheme_is_first_and_those_without_a_step_are_last(assessed)
     assert without.verdict.tolist() == ["found", "not even the finest step"] and without.step_size.isna().tolist()[1]
 
 
-def test_what_else_is_wrong_at_a_step_is_told(assessed):
+def test_the_other_errors_at_a_step_are_stated(assessed):
     table = study.recommend(assessed, error=0.01, quantity="energy")
     assert table.most_wrong.iloc[0] == "displacement" and table.most_wrong.isna().iloc[1]
     assert table.most_wrong_error.iloc[0] == pytest.approx(100 * 0.004)

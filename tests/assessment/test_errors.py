@@ -28,7 +28,7 @@ def test_a_peak_between_the_points_of_the_reference_is_found():
     assert _peak(two, 6.0, lambda u: u) == pytest.approx([np.hypot(0.5, 1.0), 2.0], rel=1e-8)
 
 
-def test_a_balance_without_energy_to_compare_with_is_left_out_and_told():
+def test_a_balance_without_energy_to_compare_with_is_left_out_with_a_warning():
     # a mass that hangs on a spring, from rest at zero: E₀ = 0
     hanging = study.Problem(lambda u: u - 1.0, 0.0, potential=lambda u: u**2 / 2 - u, damping=0.02, title="hanging")
     with pytest.warns(RuntimeWarning, match="the balance of energies of 'hanging' is left out: .* add a constant to"):
@@ -44,7 +44,7 @@ def test_a_duration_of_more_steps_than_a_search_has_is_refused_at_once():
         study.assess("pendulum", {}, duration=5.0)
 
 
-def test_a_motion_that_ends_in_infinity_is_told_with_its_time():
+def test_a_motion_that_ends_in_infinity_is_reported_with_its_time():
     # u̇² = (u⁴ − 1)/2 from rest at 1, which reaches infinity at t = 1.854
     runaway = study.Problem(lambda u: -(u**3), 1.0, potential=lambda u: -(u**4) / 4, title="runaway")
     with pytest.raises(ValueError, match="the motion of 'runaway' is no longer finite after t = 1.85"):

@@ -10,10 +10,10 @@ def test_lines_are_rare_and_what_takes_long_is_announced(capsys, monkeypatch):
     monkeypatch.setattr(time, "monotonic", lambda: now)
     progress = Progress(4)
     progress.bar.disable = True
-    progress.tell("first")
-    progress.tell("soon after")
-    progress.tell("long", ahead=2 * PAUSE)
+    progress.report("first")
+    progress.report("soon after")
+    progress.report("long", ahead=2 * PAUSE)
     now += 12.0
     progress.update()
-    progress.tell("later")
+    progress.report("later")
     assert capsys.readouterr().err.splitlines() == ["first", "long", "later (1 of 4 schemes, about 36 s to go)"]

@@ -166,7 +166,7 @@ class _RaisingOrder(_Plain):
         (_RaisingOrder(), "order of _RaisingOrder raises ZeroDivisionError: integer division or modulo by zero"),
     ],
 )
-def test_what_a_scheme_tells_of_itself_is_checked(scheme, sentence):
+def test_the_attributes_of_a_scheme_are_checked(scheme, sentence):
     for called in (
         study.assess_scheme,
         lambda one: study.assess("hardening", one),

@@ -56,7 +56,7 @@ def test_what_needs_equal_steps_has_no_tolerance(assessed):
         assert (one.tolerance_verdict == EQUAL_ONLY).all() and one.tolerance.isnull().all()
 
 
-def test_recommend_tells_whether_equal_steps_are_cheaper(assessed):
+def test_recommend_states_whether_equal_steps_are_cheaper(assessed):
     table = study.recommend(assessed, error=ALLOWED, quantity="displacement")
     both = table.controlled_force_evaluations / table.force_evaluations
     np.testing.assert_array_equal(table.control_over_equal, both)

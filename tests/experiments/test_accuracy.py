@@ -1,4 +1,4 @@
-"""Errors over step sizes, and where the reference is too coarse to tell them."""
+"""Errors over step sizes, and where the reference is too coarse to resolve them."""
 
 import numpy as np
 import pytest

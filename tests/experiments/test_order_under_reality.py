@@ -24,7 +24,7 @@ def test_schemes_have_their_order_where_all_is_smooth(found):
         np.testing.assert_allclose(one.sel(scheme="rk4"), 4.0, atol=0.4)
 
 
-def test_circumstances_cost_the_order_that_theory_tells(found):
+def test_circumstances_cost_the_order_of_theory(found):
     order = found.observed_order
     # the carried acceleration belongs to a time within the step
     late = order.sel(scheme="generalized_alpha", quantity="acceleration", circumstance=["damping", "load"])

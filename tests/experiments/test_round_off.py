@@ -6,7 +6,7 @@ from study import io
 from study.experiments.round_off import round_off
 
 
-def test_round_off_asks_for_steps_that_meet_its_end(cosine, monkeypatch):
+def test_round_off_requires_steps_that_meet_its_end(cosine, monkeypatch):
     monkeypatch.setattr(io, "open_dataset", lambda name: cosine)
     with pytest.raises(ValueError, match=r"round_off.steps_per_period: 20 is no multiple of 8"):
         round_off("hardening", ["rk4"], [64, 20], 10)

@@ -148,6 +148,7 @@ def test_a_step_that_shrinks_to_nothing_is_a_status():
         ({"tolerance": 1e-17}, "greater than round-off"),
         ({"duration": None}, "duration must be a time greater than zero, not None"),
         ({"times": [9.0]}, r"times must lie between zero and the duration, 4 s, not \[9.0\]"),
+        ({"times": [np.nan]}, r"times must lie between zero and the duration, 4 s, not \[nan\]"),
         ({"dt": -1.0}, "dt must be finite and greater than zero"),
         ({"scheme": "houbolt"}, "'Houbolt' carries earlier steps"),
         ({"observe": ["oscillations"]}, "crossings.* needs steps of one size"),

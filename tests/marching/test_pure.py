@@ -80,7 +80,7 @@ def test_lanes_by_vmap():
     assert ends == pytest.approx([float(_end([4.0, 2.0])), float(_end([1.0, 0.0]))], abs=1e-14)
 
 
-def test_a_failure_is_told():
+def test_a_failure_is_reported():
     found = study.final_state("hardening", "central_difference", dt=1.0, steps=100)
     assert int(found["failed_at_step"]) > 0
 

@@ -26,7 +26,7 @@ def pair():
     )
 
 
-def test_a_quantity_knows_time_and_acceleration(pair):
+def test_a_quantity_has_time_and_acceleration(pair):
     force = study.Quantity(lambda t, v, a: jnp.cos(t) - a - 0.1 * v, "internal", units="N")
     ds = study.run(pair, "average_acceleration", dt=0.05, steps=40, observe=["trajectory", force], every=4)
     np.testing.assert_allclose(ds.internal, ds.u * [1.0, 4.0], atol=1e-13)

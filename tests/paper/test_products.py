@@ -56,7 +56,7 @@ def test_an_argument_takes_the_dataset_of_its_name_or_another(empty):
         table(name="other", other="x")(lambda data: None)
 
 
-def test_a_key_that_must_be_a_list_is_told():
+def test_a_key_that_must_be_a_list_is_named():
     product = Product("table", "own", "here", lambda: None, {}, "", {"energy_error.periods": [100]})
     with pytest.raises(ValueError, match="energy_error.periods must be a list for table 'own', not 100."):
         check([product], {"energy_error": {"periods": 100}})

@@ -70,7 +70,7 @@ def _unbounded(samples: np.ndarray):
         (_unbounded, "the type of an argument of '_unbounded' is none that a configuration can hold: "),
     ],
 )
-def test_an_experiment_with_an_option_without_bounds_is_told(function, sentence):
+def test_an_experiment_with_an_option_without_bounds_is_refused(function, sentence):
     one = Experiment(("own",), function, "own")
     with pytest.raises(ValueError) as caught:
         model_of((one,))

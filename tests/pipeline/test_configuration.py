@@ -49,7 +49,7 @@ def test_what_is_shipped_is_accepted(config):
     assert _check(config)["energy_error"] == config["energy_error"]
 
 
-def test_an_own_scheme_that_tells_an_unfit_order_is_refused(config, tmp_path):
+def test_a_users_scheme_with_an_invalid_order_is_refused(config, tmp_path):
     heun = (PROJECT / "examples" / "scheme.py").read_text()
     (tmp_path / "scheme.py").write_text(heun.replace("order = 2", 'order = "two"').replace("heun", "unfit"))
     config["own_schemes"] = [f"{tmp_path}/scheme.py:unfit"]
@@ -64,7 +64,7 @@ def test_all_schemes_are_written_out(config):
     assert _check(config)["accuracy"]["schemes"] == list(study.schemes)
 
 
-def test_the_schema_knows_every_section():
+def test_the_schema_has_every_section():
     schema = configuration.schema()
     assert set(schema["properties"]) == set(SHIPPED["study.yaml"]) and schema["additionalProperties"] is False
     assert set(schema["properties"]) - set(schema["required"]) == {"own_schemes"}
@@ -77,7 +77,7 @@ def test_every_dataset_is_made_once(config):
 
 
 @pytest.mark.parametrize("whole", [{}, [], None, "x", 3, [{}]])
-def test_what_is_no_configuration_is_told(whole):
+def test_an_invalid_configuration_is_refused(whole):
     with pytest.raises(ValueError, match="^the configuration (must be a mapping|lacks '\\w+')"):
         _check(whole)
 

@@ -118,7 +118,7 @@ def test_a_second_call_has_nothing_to_do(project):
     assert _would_run(project) == set()
 
 
-def test_a_failed_job_tells_why_and_is_made_again(copy):
+def test_a_failed_job_states_why_and_is_made_again(copy):
     product, module = copy / "results" / "houbolt_start.nc", copy / "study" / "experiments" / "houbolt_start.py"
     before, source = product.read_bytes(), module.read_text()
     module.write_text(source.replace("error = np.empty(", "raise ValueError('broken')\n    error = np.empty("))

@@ -74,7 +74,23 @@ def test_schemes_converge_to_the_motion_of_a_damper():
     assert errors[1] < errors[0] / 100 and errors[1] < 1e-4
 
 
+def test_the_pulse_has_a_closed_form():
+    """Forced up to the end of the half sine, and free from there."""
+    omega, end = 2 * np.pi / PERIOD, 0.2
+    r = np.pi / (omega * end)
+
+    def forced(t):
+        u = (np.sin(np.pi * t / end) - r * np.sin(omega * t)) / (1 - r**2)
+        return u, r * omega * (np.cos(np.pi * t / end) - np.cos(omega * t)) / (1 - r**2)
+
+    (u, v), since = forced(end), T - end
+    free = u * np.cos(omega * since) + v / omega * np.sin(omega * since)
+    expected = np.where(T < end, forced(T)[0], free)
+    ds = inelastic.inelastic(["pulse"], 2, 8)
+    assert ds.u.values[0] == pytest.approx(expected, abs=1e-11)
+
+
 def test_the_references_are_certain_to_many_digits():
-    ds = inelastic.inelastic(["hardening", "yielding", "hysteretic", "bouncing", "shaken"], 2, 8)
-    assert ds.u.shape == (5, 16) and np.isfinite(ds.u).all()
+    ds = inelastic.inelastic(["hardening", "yielding", "hysteretic", "bouncing", "shaken", "pulse"], 2, 8)
+    assert ds.u.shape == (6, 16) and np.isfinite(ds.u).all()
     assert (ds.u_uncertainty < 1e-9).all()

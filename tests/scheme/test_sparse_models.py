@@ -54,7 +54,7 @@ def test_every_kind_of_state_gives_the_numbers_of_full_matrices(state_kind):
 
 
 @pytest.mark.parametrize("scheme", ["average_acceleration", "bathe", "rk4"])
-def test_a_stiffness_beside_the_force_is_the_force_with_it(scheme):
+def test_a_stiffness_next_to_the_force_is_the_force_with_it(scheme):
     full = STIFFNESS.toarray()
     inside = _model(
         force=lambda u: _force(u) + full @ u,

@@ -14,7 +14,7 @@ STEPS = 100_000
 
 
 class Case(NamedTuple):
-    """Two functions to time in turns, each of which returns seconds for the same work, or their units."""
+    """Two functions to time in turns, which return seconds for the same work, or their units."""
 
     name: str
     ours: Callable[[], float]

@@ -67,7 +67,7 @@ def _as_often(call: Callable[[], Any]) -> float:
 
 
 def cases() -> Iterator[Case]:
-    """First calls, alone and of eight lanes, and eight lanes against eight runs."""
+    """First calls of one run and of eight lanes, and eight lanes against eight runs."""
     frame = example("frame").frame
     by_hand = _by_hand(frame)
     u0 = np.linspace(0.0, 1e-3, LANES)[:, None] * np.ones(3)

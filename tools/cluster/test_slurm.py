@@ -21,7 +21,7 @@ PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "
 UNTIMED = PRODUCTS[:-1]
 #: Options without accounting: the state of a job is read from the queue.
 OPTIONS = "--workflow-profile profiles/slurm --slurm-status-command squeue --slurm-no-account".split()
-#: Seconds between two looks at the queue, fewer than in the profile, for short runs.
+#: Seconds between two checks of the queue, fewer than in the profile, for short runs.
 SOON = "--slurm-init-seconds-before-status-checks", "2"
 
 pytestmark = pytest.mark.slow

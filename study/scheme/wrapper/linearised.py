@@ -19,7 +19,7 @@ class Neighbours(WrapperState):
 
     @property
     def history(self) -> Any:
-        """History of the force, of a scheme that commits one."""
+        """History of the force, if the scheme commits one."""
         return self.inner.history
 
 

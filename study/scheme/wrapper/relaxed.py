@@ -31,7 +31,7 @@ def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
 
     def corrected(gamma):
         quotient, slope = jax.jvp(lambda gamma: (energy(gamma) - before) / gamma, (gamma,), (one,))
-        # a structure in balance does not move: any γ will do
+        # a structure in balance does not move: any γ is valid
         return gamma - jnp.where(slope == 0, 0.0, quotient / jnp.where(slope == 0, 1.0, slope))
 
     def iterate(gamma, last):
@@ -57,11 +57,11 @@ class Relaxed(Wrapper):
         h &= t_1 - \tau_0, \quad y_1 = y_0 + \gamma\,\Delta y, \quad \tau_1 = \tau_0 + \gamma h \\
         E(y_1) &= E(y_0), \quad \gamma = 1 + O(h^{p-1})
 
-    The motion y₁ belongs to τ₁, and there the order p of the scheme holds; y₀ + γ Δy taken as the motion at τ₀ + h has
-    the order p − 1. Each step makes up for the last one, so that τ₁ − t₁ = (γ − 1) h stays of the order p and does not
-    add up: the motion that is taken for that at t₁ has the order p too. Stability for linear systems is that of the
-    scheme. For problems without damping, load and history; needs the potential. Carries the state of the scheme, scaled
-    in the same way, and τ₁ − t₁; as many forces a step as the scheme, and some potentials.
+    The motion y₁ belongs to τ₁, where the scheme has its order p; as the motion at τ₀ + h it would have the order
+    p − 1. The next step compensates for this difference, so that τ₁ − t₁ = (γ − 1) h stays of the order p and does not
+    accumulate: y₁ as the motion at t₁ has the order p too. Stability for linear systems is unchanged. For problems
+    without damping, load and history; needs the potential. Carries the state of the scheme, scaled in the same way, and
+    τ₁ − t₁; as many forces a step as the scheme, and some potentials.
 
     Parameters
     ----------

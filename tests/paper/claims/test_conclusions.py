@@ -94,7 +94,7 @@ def test_both_explicit_schemes_fail_somewhere_at_large_steps(failing, holds):
         assert finding.ours.startswith("central difference: hardening: 0.30; softening: none. rk4: ")
 
 
-def test_runs_that_fail_below_a_fifth_of_the_period_are_told():
+def test_runs_that_fail_below_a_fifth_of_the_period_are_stated():
     data = _beyond(["central_difference", "rk4"])
     data.status.loc[{"scheme": "rk4", "dt_over_period": 0.1}] = 1
     data.status.loc[{"dt_over_period": 0.3, "scheme": "rk4"}] = 1

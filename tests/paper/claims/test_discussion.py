@@ -31,7 +31,7 @@ def test_not_uncommon_is_more_than_one_case_in_twenty(worse, holds):
 
 
 @pytest.mark.parametrize("small, large, holds", [(102.0, 9.9, True), (100.0, 9.9, False), (150.0, 10.1, False)])
-def test_a_smaller_step_is_unstable_beside_a_larger_reasonable_one(small, large, holds):
+def test_a_smaller_step_is_unstable_next_to_a_larger_reasonable_one(small, large, holds):
     data = _large_steps()
     data.max_energy_error[..., :] = 50.0
     data.max_energy_error[..., 3] = small

@@ -155,7 +155,7 @@ def test_it_opens_on_a_plain_run_at_every_width(browser, page, width):
 
 
 @needs_browser
-def test_the_largest_safe_step_of_every_scheme_is_told_best_first(browser, page, datasets):
+def test_the_largest_safe_step_of_every_scheme_is_listed_best_first(browser, page, datasets):
     (atlas,) = datasets["atlas"]
     _open(browser, page, f"#problem=softening&u0={4 * AMPLITUDES[5]}&error=10")
     tables = browser.execute_script(ROWS)

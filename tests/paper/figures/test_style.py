@@ -28,7 +28,7 @@ def _members(number, family="Own"):
     return xr.Dataset(coords={name: ("scheme", values) for name, values in of.items()})
 
 
-def test_a_scheme_looks_the_same_in_every_figure():
+def test_a_scheme_has_the_same_style_in_every_figure():
     every, few = curve_styles(EVERY.scheme), xr.Dataset(coords=scheme_coordinates(["rk4", "bathe"]))
     assert curve_styles(few.scheme) == {name: every[name] for name in ("rk4", "bathe")}
     assert len({every[name]["color"] for name in SCHEMES}) == 7
@@ -46,7 +46,7 @@ def test_eight_schemes_of_a_family_have_different_colours(family):
     assert len({look["color"] for look in curve_styles(_members(8, family).scheme).values()}) == 8
 
 
-def test_every_family_has_its_looks():
+def test_every_family_has_its_styles():
     assert set(style._STYLE_NUMBERS) == {scheme.family for scheme in study.schemes.values()}
 
 

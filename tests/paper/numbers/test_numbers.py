@@ -25,7 +25,7 @@ def test_one_key_of_two_functions_is_refused():
         gathered([_product("first", cells=1), _product("second", cells=1)], str)
 
 
-def test_the_commits_of_all_datasets_are_told():
+def test_the_commits_of_all_datasets_are_stated():
     known = {"a": "1" * 40, "b": "2" * 40 + "-dirty", "c": "unknown", "d": "1" * 40}
     reads = {"one": ["a", "b"], "another": "c", "third": "d", "table": "claims.csv"}
     product = Product("numbers", "of", "here", dict, reads, "", {})

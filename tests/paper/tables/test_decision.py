@@ -179,7 +179,7 @@ def test_the_energy_must_be_right_too(rows):
     assert _steps(first) == ["Cheap: 16", "Cheap: 16", "Dear: 64"]
 
 
-def test_what_other_amplitudes_take_is_told(rows):
+def test_the_steps_at_other_amplitudes_are_stated(rows):
     def stated(*needed):
         return rows(needed=needed)[0]["Beware of"]
 

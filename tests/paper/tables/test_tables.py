@@ -69,7 +69,7 @@ def test_the_longest_runs_count_and_the_most_steps_stand_for_failure():
 _ROW = {"number": "1", "claim": "It grows.", "quantity": "size", "printed": "", "ours": "2", "verdict": "reproduced"}
 
 
-def test_the_table_tells_whose_a_claim_is():
+def test_the_table_states_whose_a_claim_is():
     ledger = pd.DataFrame(
         [
             _ROW | {"section": "3.1", "whose": "Xie", "words": "is growing", "reason": "but slowly"},
