@@ -66,5 +66,5 @@ def document(title: str, parts: Iterable[str], style: str) -> str:
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">'
         f"<title>{text_of(title)}</title><style>\n{style}</style></head>\n"
-        f"<body><h1>{text_of(title)}</h1>\n{''.join(parts)}</body></html>\n"
+        f"<body><main><h1>{text_of(title)}</h1>\n{''.join(parts)}</main></body></html>\n"
     )

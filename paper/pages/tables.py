@@ -23,7 +23,7 @@ def _section(name: str, frame: pd.DataFrame) -> str:
     # a table scrolls by itself where the screen is narrower
     return (
         f'<h2 id="{name}">{_title(name)}</h2><p class="note">{text_of(about)}</p>'
-        f'<div class="scroll" tabindex="0" role="region" aria-label="table">{rows}</div>\n'
+        f'<div class="scroll" tabindex="0" role="region" aria-label="table: {_title(name)}">{rows}</div>\n'
     )
 
 

@@ -47,12 +47,13 @@ def _time(seconds: float) -> str:
 def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[int, ...] = ()) -> str:
     """A table; the columns in ``text`` hold sentences."""
 
-    def row_of(tag: str, row: Iterable[object]) -> str:
+    def row_of(tag: str, row: list[object]) -> str:
         kinds = (' class="text"' if i in text else "" for i in itertools.count())
-        return "".join(f"<{tag}{kind}>{text_of(one)}</{tag}>" for kind, one in zip(kinds, row, strict=False))
+        tags = (tag if one else "td" for one in row)  # an empty heading is none
+        return "".join(f"<{t}{kind}>{text_of(one)}</{t}>" for t, kind, one in zip(tags, kinds, row, strict=False))
 
-    cells, body = row_of("th", head), "".join(f"<tr>{row_of('td', row)}</tr>" for row in rows)
-    return f'<div class="scroll"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
+    cells, body = row_of("th", list(head)), "".join(f"<tr>{row_of('td', list(row))}</tr>" for row in rows)
+    return f'<div class="scroll" tabindex="0"><table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
 def answer(assessed: xr.Dataset, quantity: str, error: float) -> str:
@@ -276,7 +277,7 @@ def made_by(attributes: dict) -> list[str]:
             parts.append(f"<dt>{text_of(key.replace('_', ' '))}</dt><dd>{text_of(attributes[key])}</dd>")
     parts.append("</dl>")
     if attributes.get("command"):
-        parts.append(f"<p>To run it again:</p><pre>{text_of(attributes['command'])}</pre>")
+        parts.append(f'<p>To run it again:</p><pre tabindex="0">{text_of(attributes["command"])}</pre>')
     return parts
 
 
