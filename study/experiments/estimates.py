@@ -21,10 +21,10 @@ from study.problem.named import approximate_periods, time_scales
 from study.problem.named import problems as problems_by_name
 from study.scheme.embedded_nystrom import dormand_prince6
 from study.scheme.named import schemes as schemes_by_name
-from study.scheme.splitting import kahan_li8
+from study.scheme.runge_kutta import rk4
 
 #: Schemes that solve for the true motion over one step of another scheme, without damping and with it.
-UNDAMPED, DAMPED = dormand_prince6, kahan_li8
+UNDAMPED, DAMPED = dormand_prince6, rk4
 
 #: Smallest number of their steps in a step, and in a period of the stiffest mode.
 FINE_STEPS = 16
@@ -56,8 +56,8 @@ def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, step
     """Measure estimates of the error of a step over one period, next to the true error.
 
     The true error of a step is its difference from the motion with the same start, solved with at least 16 steps of
-    Dormand and Prince's method of sixth order, or of Kahan and Li's composition of eighth order with damping. It is the
-    larger error of displacement and velocity, each relative to the largest value, like the estimates.
+    Dormand and Prince's method of sixth order, or of the Runge-Kutta method with damping. It is the larger error of
+    displacement and velocity, each relative to the largest value, like the estimates.
     ``true_displacement_error`` ignores the velocity, as does the estimate of Zienkiewicz and Xie. ``estimate`` and the
     errors are the largest of the period, after its first tenth; ``ratio`` is the estimate over the true error along the
     period, at the smallest step. ``linear_ratio`` is its closed form for a linear undamped oscillator that starts from
