@@ -146,7 +146,7 @@ def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
         (
             models.two_motions,
             models.SCHEMES,
-            r"agree to .*\s% of '.*' only, at .* so they solve different problems: no step is named for its errors below",
+            "agree to .* only, at .* so they solve different problems: no step is named for its errors below",
         ),
     ],
 )
