@@ -64,12 +64,12 @@ def record_of(load: Callable | None) -> dict[str, str]:
 
 
 class HalfSine(eqx.Module):
-    """A load of half a period of a sine, f(t) = amplitude · sin(πt/duration), then zero."""
+    """Half a period of a sine, f(t) = amplitude · sin(πt/duration), then zero, with an amplitude of the shape of u."""
 
-    amplitude: float = eqx.field(converter=np.float64)
+    amplitude: VectorLike = eqx.field(converter=np.asarray)
     duration: float = eqx.field(converter=np.float64)
 
-    def __call__(self, t: Scalar) -> Scalar:
+    def __call__(self, t: Scalar) -> Vector:
         """f(t)."""
         return jnp.where(t < self.duration, self.amplitude * jnp.sin(jnp.pi * t / self.duration), 0.0)
 
@@ -77,16 +77,3 @@ class HalfSine(eqx.Module):
     def kinks(self) -> tuple[float, ...]:
         """The time of the jump of the slope."""
         return (self.duration,)
-
-
-class Pulse(eqx.Module):
-    """A force on the first unknown: half a period of a sine, then zero."""
-
-    n: int = eqx.field(static=True)
-    amplitude: float = eqx.field(converter=np.float64)
-    duration: float = eqx.field(converter=np.float64)
-
-    def __call__(self, t: Scalar) -> Vector:
-        """f(t)."""
-        pulse = jnp.where(t < self.duration, self.amplitude * jnp.sin(jnp.pi * t / self.duration), 0.0)
-        return jnp.zeros(self.n).at[0].set(pulse)

@@ -6,7 +6,7 @@ import numpy as np
 from study.algebra.arrays import Scalar, Vector
 from study.algebra.matrices import shifted
 from study.mechanics.definition import Problem
-from study.mechanics.loads import Pulse
+from study.mechanics.loads import HalfSine
 from study.mechanics.terms import StrainEnergy
 from study.problem.naming import Known, named
 
@@ -122,8 +122,8 @@ def impact_bar(n: int = 200) -> Problem:
     energy = StrainEnergy(strains, lambda e: h * (e * e / 2 + hardening * e**4 / 4))
     mass = np.full(n, h)
     mass[0] = h / 2
-    pulse = Pulse(n, amplitude=0.5, duration=0.2)
     zero = np.zeros(n)
+    pulse = HalfSine(0.5 * np.eye(n)[0], duration=0.2)
     return Problem(
         potential=energy, u0=zero, v0=zero, mass=mass, load=pulse, tangent="tridiagonal", title="bar under impact"
     )
