@@ -122,10 +122,16 @@ def impact_bar(n: int = 200) -> Problem:
     energy = StrainEnergy(strains, lambda e: h * (e * e / 2 + hardening * e**4 / 4))
     mass = np.full(n, h)
     mass[0] = h / 2
-    zero = np.zeros(n)
-    pulse = HalfSine(0.5 * np.eye(n)[0], duration=0.2)
+    zero, impact = np.zeros(n), np.zeros(n)
+    impact[0] = 0.5
     return Problem(
-        potential=energy, u0=zero, v0=zero, mass=mass, load=pulse, tangent="tridiagonal", title="bar under impact"
+        potential=energy,
+        u0=zero,
+        v0=zero,
+        mass=mass,
+        load=HalfSine(impact, duration=0.2),
+        tangent="tridiagonal",
+        title="bar under impact",
     )
 
 
