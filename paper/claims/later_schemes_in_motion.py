@@ -208,18 +208,18 @@ def order_with_an_auxiliary_variable(later_schemes):
 
 
 def _uniformity(later_schemes: xr.Dataset, member: str) -> float:
-    """Largest over smallest error / Δt², where the error is the largest over all frequencies."""
+    """Largest over smallest error / Δt², where the error is the largest over all ωΔt."""
     scaled = later_schemes.trigonometric_error.sel(member=member) * later_schemes.steps**2
     return (scaled.max() / scaled.min()).item()
 
 
-_OVER_FREQUENCIES = "largest over smallest error/Δt² of steps, where the error is the largest over all frequencies"
+_OVER_PHASES = "largest over smallest error/Δt² of steps, where the error is the largest over ωΔt of π/2 to 2π"
 
 
 @claim(
     "schemes",
     "The error of Gautschi's method is of the size Δt², whatever ωΔt is.",
-    _OVER_FREQUENCIES,
+    _OVER_PHASES,
     whose=PRACTICE,
 )
 def uniform_error_of_gautschi(later_schemes):
@@ -231,7 +231,7 @@ def uniform_error_of_gautschi(later_schemes):
 @claim(
     "schemes",
     "The error of the mollified impulse method is of the size Δt², whatever ωΔt is.",
-    _OVER_FREQUENCIES,
+    _OVER_PHASES,
     whose="García-Archilla et al. (1998)",
 )
 def uniform_error_of_mollified_impulse(later_schemes):
@@ -242,7 +242,7 @@ def uniform_error_of_mollified_impulse(later_schemes):
 @claim(
     "schemes",
     "The impulse method errs more at some ωΔt, which mollifying cures.",
-    _OVER_FREQUENCIES,
+    _OVER_PHASES,
     whose="García-Archilla et al. (1998)",
 )
 def resonances_of_impulse(later_schemes):
