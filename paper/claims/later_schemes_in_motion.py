@@ -289,7 +289,9 @@ def least_error_of_fourth_order(later_schemes):
     error = later_schemes.fourth_order_error
     others = error.drop_sel(of_fourth_order="blanes_moan4").min("of_fourth_order")
     ratio = (others / error.sel(of_fourth_order="blanes_moan4")).median().item()
-    reason = when(ratio < 1, "McLachlan's method errs less on this oscillator")
+    best = set(error.idxmin("of_fourth_order").values.tolist())
+    whose = "McLachlan's" if best == {"mclachlan4"} else "another"
+    reason = when(ratio < 1, f"{whose} method errs less on this oscillator")
     return Finding(number(ratio, ".2f"), ratio >= 1, reason)
 
 

@@ -11,15 +11,18 @@ from jax.flatten_util import ravel_pytree
 from scipy.integrate import solve_ivp
 
 from study.analysis.eigenvalues import eigenvalues
+from study.analysis.linear_theory import LinearTheory
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Counts, Length, RisingCounts, Sizes
 from study.experiments.circumstances import DURATION, QUANTITIES, SPEEDS, TOLERANCES, circumstances_with
 from study.marching.run import run
 from study.mechanics.definition import Problem
+from study.mechanics.loads import HarmonicLoad
 from study.observer.motion import Quantity
 from study.scheme.auxiliary_variable import AuxiliaryVariable
 from study.scheme.base import Scheme
 from study.scheme.kolay_ricles import KolayRicles
+from study.scheme.mixed_pade import MixedPade
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.trigonometric import Trigonometric, filters
 
@@ -39,6 +42,9 @@ OF_FOURTH_ORDER = ("blanes_moan4", "mclachlan4", "yoshida4", "nystrom4")
 
 #: ωΔt of the stiff part in the test of trigonometric methods, of which two are resonances, and duration of its runs.
 PHASES, OSCILLATES = np.pi * np.array([0.5, 1.0, 2.0]), 2.0
+
+#: Orders M of mixed Padé methods and their ρ∞, and numbers of steps of their runs.
+TERMS, RHO_INF, LONG = (1, 2, 3, 4), 0.5, (8, 16, 32)
 
 #: Part of the bar behind the front at the end.
 REACHED = 0.7
@@ -132,6 +138,28 @@ def _error_of_wave(scheme: str, courant: float, elements: int) -> float:
     return float(np.sqrt(np.mean((v - (np.arange(elements) * h < REACHED)) ** 2)))
 
 
+def _errors_of_mixed_pade() -> np.ndarray:
+    """Errors of displacement and velocity on ü + 0.2u̇ + u = cos(1.5t − 0.7) from u = 1 at rest, (terms, steps)."""
+    problem = Problem(
+        stiffness=1.0, damping=0.2, u0=1.0, load=HarmonicLoad(1.0, frequency=1.5, phase=0.7), title="linear oscillator"
+    )
+
+    def rates(t, y):
+        return [y[1], np.cos(1.5 * t - 0.7) - 0.2 * y[1] - y[0]]
+
+    exact = solve_ivp(rates, (0.0, DURATION), [1.0, 0.0], "DOP853", **TOLERANCES).y[:, -1]
+    errors = np.empty((len(TERMS), len(LONG)))
+    for (m, k), _ in np.ndenumerate(errors):
+        ds = run(problem, MixedPade(TERMS[m], RHO_INF), dt=DURATION / LONG[k], steps=LONG[k], every=LONG[k])
+        errors[m, k] = np.linalg.norm([ds.u.values[-1] - exact[0], ds.v.values[-1] - exact[1]])
+    return errors
+
+
+def _radius_of_mixed_pade(terms: int) -> float:
+    """Spectral radius without damping at ωΔt = 10⁶."""
+    return LinearTheory(MixedPade(terms, RHO_INF), [1e6 / (2 * np.pi)]).spectral_radius.item()
+
+
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
     waves = sum(REACHED * options["elements"] / courant for courant in options["courant"]) * len(OF_WAVES)
     trigonometric, auxiliary = (number * sum(options["steps"]) for number in (len(PHASES) * len(filters), 2))
@@ -198,6 +226,16 @@ def later_schemes(
                 peaks,
                 {"long_name": "largest displacement of a thousand steps of the auxiliary variable", "units": "1"},
             ),
+            "pade_error": (
+                ("terms", "long_steps"),
+                _errors_of_mixed_pade(),
+                {"long_name": "error of a linear oscillator by mixed Padé methods", "units": "1"},
+            ),
+            "pade_radius": (
+                "terms",
+                [_radius_of_mixed_pade(terms) for terms in TERMS],
+                {"long_name": "spectral radius of mixed Padé methods at ωΔt = 10⁶", "units": "1"},
+            ),
             "fourth_order_error": (("of_fourth_order", "forces"), [one[displacement] for one in fourth], error),
         },
         coords={
@@ -209,8 +247,14 @@ def later_schemes(
             "courant": ("courant", list(courant), {"long_name": "Courant number", "units": "1"}),
             "auxiliary": ("auxiliary", list(auxiliary), {"long_name": "scheme to compare with the auxiliary variable"}),
             "long_step": ("long_step", list(long_steps), {"long_name": "step", "units": "s"}),
+            "terms": ("terms", list(TERMS), {"long_name": "order of the Padé expansions"}),
+            "long_steps": ("long_steps", list(LONG), {"long_name": "number of steps", "units": "1"}),
             "of_fourth_order": ("of_fourth_order", list(OF_FOURTH_ORDER), {"long_name": "scheme of fourth order"}),
             "forces": ("forces", list(forces), {"long_name": "forces evaluated", "units": "1"}),
         },
-        attrs={"title": "What the authors of later schemes claim beyond linear theory", "duration": DURATION},
+        attrs={
+            "title": "What the authors of later schemes claim beyond linear theory",
+            "duration": DURATION,
+            "rho_inf": RHO_INF,
+        },
     )

@@ -33,3 +33,9 @@ def test_the_auxiliary_variable_bounds_the_motion_at_every_step(found):
     assert (found.auxiliary_peak < 10).all() and (found.auxiliary_error.sel(auxiliary="auxiliary_variable") > 0).all()
     finer = found.fourth_order_error
     assert (finer[:, 1] < finer[:, 0] / 10).all()
+
+
+def test_mixed_pade_methods_have_their_order_and_radius(found):
+    orders = np.log2(found.pade_error[:, -2] / found.pade_error[:, -1].values)
+    np.testing.assert_allclose(orders, 2 * found.terms - 1, atol=0.2)
+    np.testing.assert_allclose(found.pade_radius, found.attrs["rho_inf"], atol=1e-10)
