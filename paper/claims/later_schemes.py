@@ -100,7 +100,7 @@ def third_order_with_damping(spectral):
     "schemes",
     "ESDIRK methods of s sub-steps are of order s, unconditionally stable and of controlled dissipation at once.",
     "order of their principal roots, least over damping; largest stable ωΔt; spectral radius at infinite frequency",
-    whose="Li et al. (2023)",
+    whose="Li et al. (2023), abstract",
     requires={"spectral.schemes": ["esdirk3", "esdirk4"], "spectral.damping_ratios": [0.0]},
 )
 def order_stability_and_dissipation_at_once(spectral):
@@ -135,7 +135,7 @@ def order_and_dissipation_of_mixed_pade(later_schemes):
     "schemes",
     "With relaxation Runge-Kutta keeps the energy to round-off.",
     "largest error of the energy at the steps of the paper, in percent; largest error of the motion after the periods",
-    whose="Ketcheson (2019)",
+    whose="Ranocha and Ketcheson (2020), abstract",
 )
 def energy_by_relaxation(relaxation):
     relaxed = relaxation.sel(variant="relaxed")

@@ -60,7 +60,7 @@ _SMOOTH, _MOTION = ["plain", "damping", "load"], ["displacement", "velocity"]
     "schemes",
     "MKR-α is of second order.",
     "least order of displacement and velocity, and order of the principal roots",
-    whose="Kolay and Ricles (2019)",
+    whose="Kolay and Ricles (2019), abstract",
     requires={_REALITY: ["mkr_alpha"], "spectral.schemes": ["mkr_alpha"]},
 )
 def order_of_mkr(order_under_reality, spectral):
@@ -134,7 +134,7 @@ def third_order_in_motion(order_under_reality):
     "schemes",
     "ESDIRK methods do not lose their order in forced vibration.",
     "least order of the method of fourth order under a load; on a moving support that a stiff spring holds",
-    whose="Li et al. (2023)",
+    whose="Li et al. (2023), abstract",
     requires={_REALITY: ["esdirk4"]},
 )
 def no_reduction_under_a_load(order_under_reality):
@@ -299,7 +299,7 @@ def least_error_of_fourth_order(later_schemes):
     "schemes",
     "Relaxation keeps the order.",
     "order of the motion by the two finest steps, least over springs",
-    whose="Ketcheson (2019)",
+    whose="Ranocha et al. (2020), abstract",
 )
 def order_with_relaxation(relaxation):
     fine = relaxation.motion_error.sel(variant="relaxed").isel(steps_per_period=slice(-2, None))
@@ -311,7 +311,7 @@ def order_with_relaxation(relaxation):
     "schemes",
     "Relaxation makes the motion more accurate.",
     "springs and steps with a smaller error, of all; error without over error with, in the median",
-    whose="Ranocha et al. (2020)",
+    whose="Ranocha and Ketcheson (2020), abstract",
 )
 def motion_with_relaxation(relaxation):
     error = relaxation.motion_error.stack(cell=["problem", "steps_per_period"])
