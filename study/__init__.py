@@ -68,8 +68,8 @@ A scheme with other parameters
     ``SingleSolve``, ``KolayRicles``, ``ChenRicles``, ``Chang``, ``Bathe``, ``BetaBathe``, ``NohBathe``,
     ``WangAdamsTamma``, ``TchamwaWielgosz``, ``BackwardDifferences``, ``TwoStep``, ``AuxiliaryVariable``,
     ``DiagonallyImplicit``, ``RungeKutta4``, ``Nystrom4``, ``EmbeddedNystrom``, ``Gauss4``, ``Splitting``,
-    ``KickDriftKick``, ``Composition``, ``Extrapolation``, ``Trigonometric``, ``EnergyMomentum``,
-    ``AverageVectorField``, ``ImplicitMidpoint``, ``Compensated``, ``Relaxed``.
+    ``KickDriftKick``, ``Composition``, ``Extrapolation``, ``Trigonometric``, ``MixedPade``,
+    ``EnergyMomentum``, ``AverageVectorField``, ``ImplicitMidpoint``, ``Compensated``, ``Relaxed``.
 
 A scheme of your own
     ``Scheme``, or ``OneStep`` for one-step schemes, is the base class. ``building`` states what a scheme must return,

@@ -57,6 +57,7 @@ from study.scheme.extrapolation import Extrapolation as Extrapolation
 from study.scheme.houbolt import Houbolt as Houbolt
 from study.scheme.kick_drift_kick import KickDriftKick as KickDriftKick
 from study.scheme.kolay_ricles import KolayRicles as KolayRicles
+from study.scheme.mixed_pade import MixedPade as MixedPade
 from study.scheme.model_based import Chang as Chang
 from study.scheme.model_based import ChenRicles as ChenRicles
 from study.scheme.named import register_scheme as register_scheme

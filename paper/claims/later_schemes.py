@@ -100,7 +100,7 @@ def third_order_with_damping(spectral):
     "schemes",
     "ESDIRK methods of s sub-steps are of order s, unconditionally stable and of controlled dissipation at once.",
     "order of their principal roots, least over damping; largest stable ωΔt; spectral radius at infinite frequency",
-    whose="Li et al. (2023)",
+    whose="Li et al. (2023), abstract",
     requires={"spectral.schemes": ["esdirk3", "esdirk4"], "spectral.damping_ratios": [0.0]},
 )
 def order_stability_and_dissipation_at_once(spectral):
@@ -118,9 +118,24 @@ def order_stability_and_dissipation_at_once(spectral):
 
 @claim(
     "schemes",
+    "Mixed Padé methods of M terms are of order 2M − 1, with a prescribed spectral radius at infinite frequency.",
+    "order with damping and load for M = 1, 2, ...; largest deviation of the radius at ωΔt = 10⁶ from its prescription",
+    whose="Song et al. (2023)",
+)
+def order_and_dissipation_of_mixed_pade(later_schemes):
+    before, last = (later_schemes.pade_error.isel(long_steps=place) for place in (-2, -1))
+    finer = later_schemes.long_steps.values[-1] / later_schemes.long_steps.values[-2]
+    orders = np.log(before.values / last.values) / np.log(finer)
+    off = abs(later_schemes.pade_radius - later_schemes.attrs["rho_inf"]).max().item()
+    holds = bool((orders > 2 * later_schemes.terms.values - 1.5).all()) and off < ROUND_OFF
+    return Finding(f"{', '.join(map(number, orders.tolist()))}; {number(off, '.0e')}", holds)
+
+
+@claim(
+    "schemes",
     "With relaxation Runge-Kutta keeps the energy to round-off.",
     "largest error of the energy at the steps of the paper, in percent; largest error of the motion after the periods",
-    whose="Ketcheson (2019)",
+    whose="Ranocha and Ketcheson (2020), abstract",
 )
 def energy_by_relaxation(relaxation):
     relaxed = relaxation.sel(variant="relaxed")

@@ -9,35 +9,39 @@ from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.respects import costs
 
-#: Place of schemes with a stability limit on the axis of ρ∞, and panels in a row.
-LIMITED, COLUMNS = 1.3, 5
+#: Places on the axis of ρ∞ of the schemes with the lowest and the highest stability limit, and most panels in a row.
+LIMITED, MOST = (1.3, 1.8), 5
 
 
 @figure(
     "Forces in a period for one percent of the displacement, against the spectral radius at infinite frequency. "
-    "Schemes with a stability limit are to the right of the line; bars at the top: no step that was tried is enough.",
+    "Schemes with a stability limit are to the right of the line, in the order of that limit. Bars at the top: no step "
+    "that was tried is enough.",
 )
 def draw(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """One panel per problem, one marker per scheme."""
     forces = costs(kinks, structures)
     free = spectral.sel(damping_ratio=0, scheme=forces.scheme.values)
-    radius = free.infinite_frequency_radius.where(np.isinf(free.stability_limit), LIMITED)
+    limited = free.stability_limit[np.isfinite(free.stability_limit)].sortby(free.stability_limit).scheme.values
+    places = dict(zip(limited, np.linspace(*LIMITED, len(limited)), strict=True))
     number = forces.sizes["problem"]
-    rows = -(-number // COLUMNS)
-    figure, axes = panels(rows, min(number, COLUMNS), PAGE, 4.4 * rows + 2.2, sharex=True, sharey=True)
+    rows = -(-number // MOST)
+    columns = -(-number // rows)
+    figure, axes = panels(rows, columns, PAGE, 4.4 * rows + 2.2, sharex=True, sharey=True)
     for unused in axes.flat[number:]:
         unused.remove()
     highest = 2 * float(forces.max())
     for index, (ax, problem) in enumerate(zip(axes.flat, forces.problem.values, strict=False)):
         for name, look in curve_styles(forces.scheme).items():
-            cost, at = float(forces.sel(problem=problem, scheme=name)), radius.sel(scheme=name).item()
+            cost = float(forces.sel(problem=problem, scheme=name))
+            at = places.get(name, free.infinite_frequency_radius.sel(scheme=name).item())
             found = np.isfinite(cost)
             ax.plot(at, cost if found else highest, look["marker"] if found else "_", color=look["color"])
-        ax.axvline((1 + LIMITED) / 2, color="0.7", linestyle="-", linewidth=0.6)
+        ax.axvline((1 + LIMITED[0]) / 2, color="0.7", linestyle="-", linewidth=0.6)
         ax.set_yscale("log")
-        ax.set_xticks([0, 0.5, 1, LIMITED], ["0", "0.5", "1", "limit"])
+        ax.set_xticks([0, 0.5, 1, sum(LIMITED) / 2], ["0", "0.5", "1", "limit"])
         letter(ax, index, wrapped(forces.problem_title.sel(problem=problem).item(), 13))
-        if index + COLUMNS >= number:
+        if index + columns >= number:
             ax.set_xlabel("ρ∞")
             ax.tick_params(labelbottom=True)
     for ax in axes[:, 0]:
@@ -46,5 +50,5 @@ def draw(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> Fig
         Line2D([], [], linestyle="", marker=look["marker"], color=look["color"], label=str(title))
         for look, title in zip(curve_styles(forces.scheme).values(), forces.scheme_title.values, strict=True)
     ]
-    legend_below(figure, columns=5, handles=handles)
+    legend_below(figure, columns=4, handles=handles)
     return figure

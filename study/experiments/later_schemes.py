@@ -11,15 +11,18 @@ from jax.flatten_util import ravel_pytree
 from scipy.integrate import solve_ivp
 
 from study.analysis.eigenvalues import eigenvalues
+from study.analysis.linear_theory import LinearTheory
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Counts, Length, RisingCounts, Sizes
-from study.experiments.circumstances import DURATION, QUANTITIES, TOLERANCES, circumstances_with
+from study.experiments.circumstances import DURATION, QUANTITIES, SPEEDS, TOLERANCES, circumstances_with
 from study.marching.run import run
 from study.mechanics.definition import Problem
+from study.mechanics.loads import HarmonicLoad
 from study.observer.motion import Quantity
 from study.scheme.auxiliary_variable import AuxiliaryVariable
 from study.scheme.base import Scheme
 from study.scheme.kolay_ricles import KolayRicles
+from study.scheme.mixed_pade import MixedPade
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.trigonometric import Trigonometric, filters
 
@@ -37,8 +40,11 @@ RATIOS, GROWTH = np.geomspace(1.0001, 1e4, 20_000), 1e-7
 OF_WAVES = ("rho_bathe", "beta_bathe", "average_acceleration", "noh_bathe", "central_difference")
 OF_FOURTH_ORDER = ("blanes_moan4", "mclachlan4", "yoshida4", "nystrom4")
 
-#: Circular frequencies of the stiff part in the test of trigonometric methods, and the duration of its runs.
-FREQUENCIES, OSCILLATES = np.geomspace(1.0, 200.0, 48), 2.0
+#: ωΔt of the stiff part in the test of trigonometric methods, of which two are resonances, and duration of its runs.
+PHASES, OSCILLATES = np.pi * np.array([0.5, 1.0, 2.0]), 2.0
+
+#: Orders M of mixed Padé methods and their ρ∞, and numbers of steps of their runs.
+TERMS, RHO_INF, LONG = (1, 2, 3, 4), 0.5, (8, 16, 32)
 
 #: Part of the bar behind the front at the end.
 REACHED = 0.7
@@ -86,17 +92,18 @@ def _exact_oscillatory(omega: float) -> np.ndarray:
 
 
 def _errors_of_trigonometric(steps: list[int]) -> np.ndarray:
-    """Largest error of the displacements over all frequencies, (member, steps)."""
-    exact = np.array([_exact_oscillatory(omega) for omega in FREQUENCIES])
+    """Largest error of the displacements over all ωΔt, (member, steps)."""
     final = Quantity(lambda u: u, name="end", reduce="final")
     errors = np.empty((len(filters), len(steps)))
-    for m, member in enumerate(filters):
-        progress(f"error of {member}")
-        for k, count in enumerate(steps):
+    for k, count in enumerate(steps):
+        progress(f"error of trigonometric methods with {count} steps")
+        frequencies = PHASES * count / OSCILLATES
+        exact = np.array([_exact_oscillatory(omega) for omega in frequencies])
+        for m, member in enumerate(filters):
             ds = run(
                 _oscillatory,
                 Trigonometric(member),
-                over={"omega": FREQUENCIES},
+                over={"omega": frequencies},
                 dt=OSCILLATES / count,
                 steps=count,
                 observe=[final],
@@ -131,9 +138,33 @@ def _error_of_wave(scheme: str, courant: float, elements: int) -> float:
     return float(np.sqrt(np.mean((v - (np.arange(elements) * h < REACHED)) ** 2)))
 
 
+def _errors_of_mixed_pade() -> np.ndarray:
+    """Errors of displacement and velocity on ü + 0.2u̇ + u = cos(1.5t − 0.7) from u = 1 at rest, (terms, steps)."""
+    problem = Problem(
+        stiffness=1.0, damping=0.2, u0=1.0, load=HarmonicLoad(1.0, frequency=1.5, phase=0.7), title="linear oscillator"
+    )
+
+    def rates(t, y):
+        return [y[1], np.cos(1.5 * t - 0.7) - 0.2 * y[1] - y[0]]
+
+    exact = solve_ivp(rates, (0.0, DURATION), [1.0, 0.0], "DOP853", **TOLERANCES).y[:, -1]
+    errors = np.empty((len(TERMS), len(LONG)))
+    for (m, k), _ in np.ndenumerate(errors):
+        ds = run(problem, MixedPade(TERMS[m], RHO_INF), dt=DURATION / LONG[k], steps=LONG[k], every=LONG[k])
+        errors[m, k] = np.linalg.norm([ds.u.values[-1] - exact[0], ds.v.values[-1] - exact[1]])
+    return errors
+
+
+def _radius_of_mixed_pade(terms: int) -> float:
+    """Spectral radius without damping at ωΔt = 10⁶."""
+    return LinearTheory(MixedPade(terms, RHO_INF), [1e6 / (2 * np.pi)]).spectral_radius.item()
+
+
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
     waves = sum(REACHED * options["elements"] / courant for courant in options["courant"]) * len(OF_WAVES)
-    return 64 * len(filters) * sum(options["steps"]) + waves
+    trigonometric, auxiliary = (number * sum(options["steps"]) for number in (len(PHASES) * len(filters), 2))
+    fourth = sum(options["forces"]) * sum(1 / schemes_by_name[name].forces_per_step for name in OF_FOURTH_ORDER)
+    return trigonometric + waves + 1000 * len(options["long_steps"]) + len(SPEEDS) * (auxiliary + fourth)
 
 
 @experiment("later_schemes", steps=_number_of_steps)
@@ -178,7 +209,7 @@ def later_schemes(
             "trigonometric_error": (
                 ("member", "steps"),
                 _errors_of_trigonometric(steps),
-                {"long_name": "largest error of the displacements over all frequencies", "units": "1"},
+                {"long_name": "largest error of the displacements over all ωΔt", "units": "1"},
             ),
             "wave_error": (
                 ("wave_scheme", "courant"),
@@ -195,6 +226,16 @@ def later_schemes(
                 peaks,
                 {"long_name": "largest displacement of a thousand steps of the auxiliary variable", "units": "1"},
             ),
+            "pade_error": (
+                ("terms", "long_steps"),
+                _errors_of_mixed_pade(),
+                {"long_name": "error of a linear oscillator by mixed Padé methods", "units": "1"},
+            ),
+            "pade_radius": (
+                "terms",
+                [_radius_of_mixed_pade(terms) for terms in TERMS],
+                {"long_name": "spectral radius of mixed Padé methods at ωΔt = 10⁶", "units": "1"},
+            ),
             "fourth_order_error": (("of_fourth_order", "forces"), [one[displacement] for one in fourth], error),
         },
         coords={
@@ -206,8 +247,14 @@ def later_schemes(
             "courant": ("courant", list(courant), {"long_name": "Courant number", "units": "1"}),
             "auxiliary": ("auxiliary", list(auxiliary), {"long_name": "scheme to compare with the auxiliary variable"}),
             "long_step": ("long_step", list(long_steps), {"long_name": "step", "units": "s"}),
+            "terms": ("terms", list(TERMS), {"long_name": "order of the Padé expansions"}),
+            "long_steps": ("long_steps", list(LONG), {"long_name": "number of steps", "units": "1"}),
             "of_fourth_order": ("of_fourth_order", list(OF_FOURTH_ORDER), {"long_name": "scheme of fourth order"}),
             "forces": ("forces", list(forces), {"long_name": "forces evaluated", "units": "1"}),
         },
-        attrs={"title": "What the authors of later schemes claim beyond linear theory", "duration": DURATION},
+        attrs={
+            "title": "What the authors of later schemes claim beyond linear theory",
+            "duration": DURATION,
+            "rho_inf": RHO_INF,
+        },
     )

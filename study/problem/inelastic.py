@@ -1,15 +1,15 @@
-"""Oscillators whose force has kinks or memory: yielding, smooth hysteresis, contact, and loads with kinks.
+"""Oscillators whose force has kinks or memory: yielding, hysteresis, contact, dry friction, and loads with kinks.
 
 All have a unit mass and a period of about one second.
 """
 
 import numpy as np
 
-from study.materials import bouc_wen, elastoplastic, gap
+from study.materials import bouc_wen, elastoplastic, friction, gap
 from study.mechanics.definition import Problem
 from study.mechanics.ground import GroundMotion
 from study.mechanics.loads import HalfSine
-from study.problem.naming import named
+from study.problem.naming import Known, named
 
 #: Period in seconds of small motions of all of them except the bouncing mass, and their stiffness.
 PERIOD = 1.0
@@ -43,6 +43,47 @@ def bouncing() -> Problem:
     stop = gap(25 * _STIFFNESS)
     weight = GroundMotion(np.array([-9.81, -9.81]), 1e6, title="gravity")
     return Problem(stop, -0.5, 0.0, potential=stop.potential, ground=weight, title="bouncing mass")
+
+
+#: Speed of the belt, and the time of the first turn of the mass on it after it has stuck.
+BELT, TURN = _YIELD * np.pi, (2 * np.pi / 3 + np.sqrt(3)) / (2 * np.pi)
+
+
+@named(known=Known(TURN, "harmonic pieces", u=np.array(1.5 * _YIELD - BELT * TURN)))
+def belt() -> Problem:
+    r"""A mass on a spring that a moving belt drags by dry friction: it slips, sticks and slips again.
+
+    .. math::
+
+        \ddot x + k\,(x + V t) + p(x) = 0, \quad |p| \le k u_s
+
+    x = u − Vt is the displacement relative to the belt, k = 4π², u_s = 0.1, V = 0.1π, and p the friction of a contact
+    of stiffness 10⁶ k. From rest the mass slips, u = u_s (1 − cos ωt), until it has the speed of the belt at
+    ωt = π/6. It sticks until its spring overcomes the friction in u = u_s, at :math:`\omega t = \pi/6 + \sqrt3`, and
+    swings about u_s with the amplitude V/ω = u_s/2. It turns at u = 0.15, :math:`\omega t = 2\pi/3 + \sqrt3`. The
+    contact leaves a relative error of less than 1e-5 from this rigid friction.
+
+    References
+    ----------
+    R. I. Leine, D. H. van Campen, A. de Kraker, L. van den Steen, Stick-slip vibrations induced by alternate friction
+    models, Nonlinear Dyn. 16(1), 1998, 41-54 (the mass on a belt).
+    """
+    rigid = 1e6 * _STIFFNESS
+    contact = friction(_STIFFNESS * _YIELD, rigid)
+
+    def force(u, v, history):
+        p, history = contact(u, v, history)
+        return _STIFFNESS * u + p, history
+
+    return Problem(
+        force,
+        0.0,
+        -BELT,
+        # the contact slips at the start
+        history=_STIFFNESS * _YIELD / rigid,
+        load=lambda t: -_STIFFNESS * BELT * t,
+        title="mass on a belt",
+    )
 
 
 def ground_motions(number: int) -> list[GroundMotion]:

@@ -77,6 +77,8 @@ class Relaxed(Wrapper):
     ----------
     D. I. Ketcheson, Relaxation Runge-Kutta methods: conservation and stability for inner-product norms, SIAM J. Numer.
     Anal. 57(6), 2019, 2850-2870.
+    H. Ranocha, D. I. Ketcheson, Relaxation Runge-Kutta methods for Hamiltonian problems, J. Sci. Comput. 84(1), 2020,
+    17.
     H. Ranocha, L. Lóczi, D. I. Ketcheson, General relaxation methods for initial-value problems with application to
     multistep schemes, Numer. Math. 146(4), 2020, 875-906.
     """

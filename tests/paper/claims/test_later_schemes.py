@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from paper.claims import later_schemes
 from tests.paper.claims.made_up import filled
@@ -102,3 +103,14 @@ def test_energy_by_relaxation(energy, motion, holds, qualified):
     data.motion_error.loc[{"variant": "relaxed"}] = motion
     finding = later_schemes.energy_by_relaxation(data)
     assert (finding.holds, bool(finding.qualification)) == (holds, qualified)
+
+
+@pytest.mark.parametrize("power, off, holds", [(0.0, 0.0, True), (1.0, 0.0, False), (0.0, 1e-3, False)])
+def test_order_and_dissipation_of_mixed_pade(power, off, holds):
+    terms, steps = xr.DataArray([1, 2, 3], dims="terms"), xr.DataArray([8, 16, 32], dims="long_steps")
+    data = xr.Dataset(
+        {"pade_error": (1.0 * steps) ** (power + 1 - 2 * terms).T, "pade_radius": 0.5 + off + 0.0 * terms},
+        {"terms": terms, "long_steps": steps},
+        {"rho_inf": 0.5},
+    )
+    assert later_schemes.order_and_dissipation_of_mixed_pade(data.transpose("terms", ...)).holds == holds
