@@ -117,8 +117,10 @@ def picks_of(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapp
     runs, error = runs.transpose(*dims, ...), error.transpose(*dims)
     fewest, best = fewest_forces(runs, error, allowed)
     steps = runs.steps_per_period.values
+    ties = tied(fewest, error.values[np.arange(len(best)), best])
     picks = []
-    for k in tied(fewest, error.values[np.arange(len(best)), best]):
+    # of ties, a step that a finer one confirms comes before the finest step
+    for k in sorted(ties, key=lambda k: best[k] == len(steps) - 1):
         per_period = steps[best[k]]
         step, work = marked(steps, best[k]), f"{fewest[k]:,.0f} forces"
         omega_step = runs.highest_frequency.item() * runs.period.item() / per_period

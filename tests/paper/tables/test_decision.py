@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from paper.picks import ERRORS, NO_BREAK
+from paper.picks import ERRORS, NO_BREAK, picks_of
 from paper.tables.decision import QUANTITIES, tabulate
 from study.io import flags
 
@@ -207,6 +207,17 @@ def test_elsewhere_the_fewest_forces_decide(rows):
     assert implicit["0.1 %"] == "Fails: 40 ms (75 forces/s, ωΔt 0.13)"
     # a step of 15 ms is beyond the error in all runs, one of the spacing in half of them
     assert (record["Beware of"], implicit["Beware of"]) == ("other steps", "")
+
+
+def test_of_schemes_that_tie_a_step_that_a_finer_one_confirms_comes_first():
+    runs = _runs("error", "swinging thing").isel(problem=0)
+    # 20 steps of eight forces, and 80 of two with a smaller error
+    runs["iterations_per_step"].loc["dear"] = 3.5
+    picks = picks_of(runs, runs.error, 0.1, dict.fromkeys(runs.scheme.values, np.inf))
+    assert [(pick.title, pick.step, pick.forces) for pick in picks] == [
+        ("Dear", "≤\u00a020", "160 forces"),
+        ("Cheap", "80 †", "160 forces"),
+    ]
 
 
 def test_a_scheme_whose_velocity_or_acceleration_is_wrong_is_not_recommended(rows):
