@@ -50,9 +50,8 @@ def _by_class(runs: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
         yield name, runs.isel(scheme=np.flatnonzero(runs.explicit.values == flag))
 
 
-def _steps_of_spring(spring: xr.Dataset, kind: str, error: float, quantity: str) -> pd.DataFrame:
+def _fewest(needs: pd.DataFrame, kind: str) -> pd.DataFrame:
     """The schemes of a class with the fewest forces."""
-    needs = needs_of_spring(spring, error, quantity)
     needs = needs[needs.kind == kind]
     return needs.iloc[tied(needs.forces_per_time.to_numpy(), needs.made.to_numpy())]
 
@@ -86,8 +85,9 @@ def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: pd.DataFrame) -
 def _springs(springs: list[xr.Dataset], robustness: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dict]:
     for problem, spring in zip(PROBLEMS, springs, strict=True):
         for k, quantity in enumerate(QUANTITIES):
+            needs = {error: needs_of_spring(spring, error, quantity) for error in ERRORS}
             for c, kind in enumerate(CLASSES):
-                choices = {error: _steps_of_spring(spring, kind, error, quantity) for error in ERRORS}
+                choices = {error: _fewest(needed, kind) for error, needed in needs.items()}
                 yield {
                     "Problem": sentence(spring.attrs["problem"]) if k == c == 0 else "",
                     "Right in": quantity if c == 0 else "",
@@ -217,9 +217,10 @@ def tabulate(
     """One row per kind of problem and quantity; a dash where no scheme keeps the error.
 
     Explicit and implicit schemes have a row each. A cell names the scheme of its class with the fewest evaluations of
-    the force; numbers within a tenth tie, and then the smallest error decides. Energy and phase of a spring
-    must be right to ``LEVEL`` too. Numbers are steps in a period, in brackets the forces in it and Δt·ω with the
-    highest ω of the motion, below the stability limit of the linear theory if there is one.
+    the force. Numbers within a tenth tie; then the smallest error decides, on structures among the steps that a finer
+    one confirms. Energy and phase of a spring must be right to ``LEVEL`` too. Numbers are steps in a period, in
+    brackets the forces in it and Δt·ω with the highest ω of the motion, below the stability limit of the linear theory
+    if there is one.
     """
     limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()
     return pd.DataFrame(

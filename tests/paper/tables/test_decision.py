@@ -1,6 +1,7 @@
 """What the table of decisions takes from its datasets."""
 
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -138,8 +139,9 @@ def _limits() -> xr.Dataset:
     return xr.Dataset({"stability_limit": limits}, {"scheme": ["cheap", "dear", "fails"], "damping_ratio": [0.0]})
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def rows():
+    @cache
     def of(forces=1.0, needed=(32.0, 64.0), energy=1.0, imbalance=0.01, velocity=0.0, acceleration=0.0):
         datasets = (
             _robustness(*needed),
