@@ -132,7 +132,7 @@ def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tup
 def checked_bound(
     bound: float | None, problems: Sequence[Problem], u0: Displacements, v0: Displacements, duration: float
 ) -> float:
-    """Largest displacement of a run: as given, or far beyond the motions that start and load of the problems cause.
+    """Bound of the displacement of a run: as given, or a large multiple of the motion that start and load cause.
 
     Raises
     ------

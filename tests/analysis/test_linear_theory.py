@@ -18,7 +18,7 @@ PARTS = np.logspace(-3, 3, 121)
 STEPS = 2000
 
 
-#: Schemes with other parameters than the named ones have, whose limits follow from formulas.
+#: Schemes with parameters that no named one has; their limits follow from formulas.
 OTHERS = [
     study.Newmark(beta=0.1, gamma=0.6),
     study.Newmark(beta=0.25, gamma=0.4),
