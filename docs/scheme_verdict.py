@@ -189,7 +189,7 @@ def _dominates(other: "Subject", one: "Subject") -> bool:
         and s.order_with_damping >= t.order_with_damping
         and a.limit >= b.limit
         and (not math.isinf(b.limit) or a.at_infinity <= b.at_infinity + ROUND_OFF)
-        # only a scheme that keeps the amplitude too is better than one that keeps it
+        # a scheme that keeps the amplitude is surpassed only by one that keeps it too
         and (abs(b.decay_of_rule) > ROUND_OFF or abs(a.decay_of_rule) <= ROUND_OFF)
         and _error(other) < BETTER * _error(one)
     )
