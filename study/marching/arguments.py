@@ -56,7 +56,7 @@ def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
 
 
 def _most_steps() -> int:
-    """A quarter of the largest integer, which in single precision has 32 bits: a march counts three times the steps."""
+    """Maximum number of steps, a quarter of the largest integer: a march counts up to three times the steps."""
     return jnp.iinfo(jnp.result_type(int)).max // 4
 
 
