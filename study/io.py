@@ -109,7 +109,7 @@ def processor() -> str:
 
 
 def flags(long_name: str, meanings: Sequence[str], dtype: type[np.integer]) -> dict[str, Any]:
-    """Attributes of a variable whose values are places in ``meanings``, as the CF conventions have them.
+    """Attributes of a variable whose values are indices into ``meanings``, by the CF conventions.
 
     Parameters
     ----------
