@@ -113,7 +113,7 @@ def test_lanes_compensated_sums_and_neighbours_remember():
     compensated = study.Compensated(study.schemes["average_acceleration"])
     ds = study.run(YIELDING, compensated, dt=0.01, steps=100, observe=["lyapunov_exponent", "internal_force"])
     np.testing.assert_allclose(ds.internal_force, lanes.internal_force[0], atol=1e-10)
-    # what has come to rest after yielding keeps a memory: a neighbour neither parts nor returns
+    # a motion at rest after yielding keeps its plastic part: neighbouring runs neither separate nor approach
     assert abs(float(ds.lyapunov_exponent)) < 2.0
 
 
