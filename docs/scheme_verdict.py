@@ -223,7 +223,7 @@ def _items(reasons: Iterator[str], none: str) -> str:
 def _not_run(subject: "Subject") -> str:
     """A sentence on missing runs of a scheme."""
     missing = (
-        "The study that made this page has no steps by error of this scheme, and sections without data are left out"
+        "The study that made this page has no steps by error of this scheme, and sections without data are omitted"
     )
     if subject.name in study.schemes:
         return f"{missing}; the full study runs all schemes that have names."
