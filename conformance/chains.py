@@ -49,7 +49,7 @@ def _pairs(problem: Mapping[str, Any]) -> Iterator[tuple[int, int, float, float]
     matrices = [[*map(_numbers, matrix)] for matrix in (problem["parameters"]["stiffness"], problem["damping"])]
     for i in range(len(problem["u0"])):
         for j in range(-1, i):
-            # the spring to the ground has what those to other nodes leave of the row
+            # stiffness of the spring to the ground: the sum of the row, as those to other nodes cancel
             k, c = (sum(m[i]) if j < 0 else -m[i][j] for m in matrices)
             if k or c:
                 yield j + 1, i + 1, k, c

@@ -155,7 +155,9 @@ def _order(entry: Entry, scheme: Mapping[str, str], end: Any) -> list[dict]:
         errors.append(abs(motion["u"][-1, 0] - end))
     slope = float(np.polyfit([0, 1, 2, 3], [-float(mp.log(error, 2)) for error in errors], 1)[0])
     if abs(slope - round(slope)) > 0.08:
-        raise ArithmeticError(f"{entry.name}, {scheme}: the slope {slope:.3f} is no order yet; make the steps smaller.")
+        raise ArithmeticError(
+            f"{entry.name}, {scheme}: the slope {slope:.3f} is not yet an order; make the steps smaller."
+        )
     value = _decimal(end, EXPECTED)
     return [
         {"kind": "order", "quantity": "u", "unknown": 0, "value": value, "order": str(round(slope)), "tolerance": "0.1"}

@@ -203,7 +203,7 @@ LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[s
     ("the cubic term of the force leaves out S1", (), _cubic_alone),
 )
 
-#: What shows where steps are not equal; the cases hold no values of the others there.
+#: Variants of a scheme that differ with unequal steps; cases with such steps have values of these only.
 UNEQUAL = (
     _alternative(
         "the carried acceleration is moved to the new step", ("hht", "generalized_alpha"), "corrected for step"

@@ -184,6 +184,7 @@ def scheme_page(subject: Subject, library: Library) -> str:
         found_by([subject.name, *library.aliases.get(subject.name, [])]),
         summary,
         scheme_verdict.verdict(subject, library),
-        *(f"## {heading}\n\n{text}" for heading, text in sections.items()),
+        # a study may not run the scheme for all sections
+        *(f"## {heading}\n\n{text}" for heading, text in sections.items() if text),
     ]
     return described(description, "\n\n".join(parts) + "\n")

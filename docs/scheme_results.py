@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-import study
 from docs.drawing import ACCENT, OTHER, figure_of, map_legend, panel, svg
 from docs.text import table
 from docs.theory import ROUND_OFF, Theory
@@ -40,25 +39,15 @@ def _of(subject: "Subject", dataset: xr.Dataset) -> xr.Dataset | None:
     return dataset.sel(scheme=subject.name) if subject.name in dataset.scheme.values else None
 
 
-def not_run(subject: "Subject", what: str) -> str:
-    """A sentence on a missing kind of run of a scheme."""
-    missing = f"The study that made this page has no {what} of this scheme"
-    if subject.name in study.schemes:
-        return f"{missing}; the full study runs all schemes that have names."
-    return f"{missing}; the key `own_schemes` of the configuration takes it into the datasets."
-
-
 def _titles(one: xr.Dataset) -> dict[str, str]:
     return dict(zip(one.problem.values.tolist(), map(str, one.problem_title.values), strict=True))
 
 
 def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Observed orders on non-linear springs, and on forces with kinks."""
+    """Observed orders on non-linear springs, and on forces with kinks; empty if they were not measured."""
     parts = []
     one = _of(subject, data["accuracy"])
-    if one is None:
-        parts.append(not_run(subject, "accuracy runs"))
-    else:
+    if one is not None:
         rows = []
         for problem, title in _titles(one).items():
             found = (
@@ -78,13 +67,10 @@ def orders(subject: "Subject", data: Mapping[str, Any]) -> str:
 
 
 def energy(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Largest energy errors as printed in 1996 and as found here, and the computing times of 1996."""
+    """Largest energy errors as printed in 1996 and as found here, and the computing times of 1996; empty if not run."""
     one = _of(subject, data["energy_error"])
     if one is None:
-        return (
-            "The paper of 1996 prints nothing of this scheme, and the study that made this page did not run it with "
-            "the step sizes of that paper; the key `energy_error.schemes` of the configuration adds it."
-        )
+        return ""
     one = one.max_energy_error.sel(period_used="printed")
     printed = printed_energy_errors()
     known = subject.name in printed.scheme.values
@@ -118,11 +104,14 @@ def _times_of_1996(scheme: str, titles: dict[str, str]) -> str:
 
 
 def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Outcome of runs over step size and amplitude, in words and as maps; steps for the energy at all amplitudes."""
+    """Outcome of runs over step size and amplitude, in words and as maps; steps for the energy at all amplitudes.
+
+    Empty if they were not run.
+    """
     atlas = data["stability/atlas"]
     one = _of(subject, atlas)
     if one is None:
-        return not_run(subject, "maps of stability")
+        return ""
     names = atlas.outcome.flag_meanings.split()
     panels, rows = [], []
     for problem, title in _titles(one).items():
@@ -188,11 +177,11 @@ def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
 
 
 def work(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Error over forces evaluated, among the other schemes, and the cost of a step."""
+    """Error over forces evaluated, among the other schemes, and the cost of a step; empty if they were not run."""
     everything = data["work_precision"]
     one = _of(subject, everything)
     if one is None:
-        return not_run(subject, "measured times")
+        return ""
     panels, rows = [], []
     for problem, title in _titles(one).items():
         figure, axes = panel("xy")

@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 
 import study
-from docs.scheme_results import not_run
 from docs.text import definitions, table
 from docs.theory import ROUND_OFF, STEPS
 from paper.data import ASSESSED
@@ -189,7 +188,7 @@ def _dominates(other: "Subject", one: "Subject") -> bool:
         and s.order_with_damping >= t.order_with_damping
         and a.limit >= b.limit
         and (not math.isinf(b.limit) or a.at_infinity <= b.at_infinity + ROUND_OFF)
-        # only a scheme that keeps the amplitude too is better than one that keeps it
+        # a scheme that keeps the amplitude is surpassed only by one that keeps it too
         and (abs(b.decay_of_rule) > ROUND_OFF or abs(a.decay_of_rule) <= ROUND_OFF)
         and _error(other) < BETTER * _error(one)
     )
@@ -221,6 +220,16 @@ def _items(reasons: Iterator[str], none: str) -> str:
     return f"<ul>{items}</ul>" if items else none
 
 
+def _not_run(subject: "Subject") -> str:
+    """A sentence on missing runs of a scheme."""
+    missing = (
+        "The study that made this page has no steps by error of this scheme, and sections without data are omitted"
+    )
+    if subject.name in study.schemes:
+        return f"{missing}; the full study runs all schemes that have names."
+    return f"{missing}; the key `own_schemes` of the configuration takes it into the datasets."
+
+
 def verdict(subject: "Subject", library: "Library") -> str:
     """The first screen of the page: uses, limits, the nearest better scheme, and steps by problem and error."""
     facts = {
@@ -230,5 +239,5 @@ def verdict(subject: "Subject", library: "Library") -> str:
     }
     steps = _steps(subject, library)
     if not steps:
-        steps = not_run(subject, "steps by error")
+        steps = _not_run(subject)
     return f"{definitions(facts)}\n\n{steps}"

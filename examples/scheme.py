@@ -1,8 +1,9 @@
 """Your own scheme, compared with those of the study.
 
-    study assess examples/driven.py:driven --schemes examples/scheme.py:heun rk4 --duration 100 --output heun
+    study assess examples/driven.py:driven --schemes examples/scheme.py:heun rk4 \
+        --duration 100 --output heun
 
-Heun's method is of second order, and unstable for free motion without damping at any step.
+Heun's method is of second order. Without damping it is unstable at any step.
 """
 
 from typing import ClassVar
@@ -15,13 +16,17 @@ from study.building import Effort, Phase, acceleration
 
 
 class Heun(study.OneStep):
-    r"""Heun's method on u̇ = v, v̇ = F(t, u, v): a step by Euler's rule, then the mean of both slopes.
+    r"""Heun's method on u̇ = v, v̇ = F(t, u, v): the mean of two slopes.
+
+    The second slope follows from a step by Euler's rule.
 
     .. math::
 
-        u_* &= u_0 + \Delta t\,\dot u_0, \quad \dot u_* = \dot u_0 + \Delta t\,F(t_0, u_0, \dot u_0) \\
+        u_* &= u_0 + \Delta t\,\dot u_0 \\
+        \dot u_* &= \dot u_0 + \Delta t\,F(t_0, u_0, \dot u_0) \\
         u_1 &= u_0 + \tfrac12 \Delta t\,(\dot u_0 + \dot u_*) \\
-        \dot u_1 &= \dot u_0 + \tfrac12 \Delta t\,(F(t_0, u_0, \dot u_0) + F(t_1, u_*, \dot u_*))
+        \dot u_1 &= \dot u_0 + \tfrac12 \Delta t\,
+            (F(t_0, u_0, \dot u_0) + F(t_1, u_*, \dot u_*))
     """
 
     title: str = eqx.field(default="Heun", kw_only=True, static=True)

@@ -236,7 +236,7 @@ def _width(text: str) -> float:
     with suppress(ValueError):
         if 20 <= float(text) <= 2000:
             return float(text)
-    raise argparse.ArgumentTypeError(f"'{text}' is no number of millimetres between 20 and 2000")
+    raise argparse.ArgumentTypeError(f"'{text}' is not a number of millimetres between 20 and 2000")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 The archive is a Workflow Run RO-Crate: the sources, the configuration that was used, with the files that it names, the
 results, and a description of the run in ``ro-crate-metadata.json``: inputs of each product, versions, machine and
-time. Datasets themselves contain neither. See https://w3id.org/ro/wfrun/workflow.
+time. Datasets themselves contain neither machine nor time. See https://w3id.org/ro/wfrun/workflow.
 """
 
 import io

@@ -78,7 +78,7 @@ def _made_at() -> str:
 
 
 def provenance(title: str, made_by: str) -> dict[str, str]:
-    """Global attributes of a dataset: its title, what made it, and the versions of the sources and packages.
+    """Global attributes of a dataset: its title, its origin, and the versions of the sources and packages.
 
     Their names are those of the CF conventions and of the Attribute Convention for Data Discovery (ACDD).
     """
@@ -109,7 +109,7 @@ def processor() -> str:
 
 
 def flags(long_name: str, meanings: Sequence[str], dtype: type[np.integer]) -> dict[str, Any]:
-    """Attributes of a variable whose values are places in ``meanings``, as the CF conventions have them.
+    """Attributes of a variable whose values are indices into ``meanings``, by the CF conventions.
 
     Parameters
     ----------
@@ -239,15 +239,16 @@ def read(path: str | Path) -> Any:
     path = Path(path)
     again = f"move it away, and `snakemake {path}` makes it again."
     if not path.is_file():
-        raise NotRead(f"there is no file '{path}'; `snakemake {path}` makes those of the study.")
+        raise NotRead(f"there is no file '{path}'; `snakemake {path}` makes it if the study has it.")
     if path.stat().st_size == 0:
-        raise NotRead(f"'{path}' cannot be used, it is empty: {again}")
+        raise NotRead(f"'{path}' cannot be used, because it is empty: {again}")
     try:
         content = _READERS[path.suffix](path)
     except (OSError, RuntimeError, ValueError) as error:
-        raise NotRead(f"'{path}' cannot be used, it is damaged or no {path.suffix} file ({error}): {again}") from None
+        damage = f"it is damaged or not a {path.suffix} file ({error})"
+        raise NotRead(f"'{path}' cannot be used, because {damage}: {again}") from None
     if isinstance(content, xr.Dataset) and content.attrs.get("source") != SOURCE:
-        raise NotRead(f"'{path}' cannot be used, it was not written by this study: {again}")
+        raise NotRead(f"'{path}' cannot be used, because it was not written by this study: {again}")
     return content
 
 
@@ -296,7 +297,7 @@ def open_dataset(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
         near = nearest(str(name), present)
         question = f"did you mean {' or '.join(map(repr, near))}? If not, " if near else ""
         raise FileNotFoundError(
-            f"there is no dataset '{path}'; {question}`snakemake {path}` makes those of the study, in the folder of "
-            "its sources, and `folder` names results elsewhere."
+            f"there is no dataset '{path}'; {question}`snakemake {path}` makes it if the study has it. "
+            "The command runs in the folder of the sources; `folder` names results in another one."
         )
     return read(path)

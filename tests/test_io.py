@@ -164,10 +164,10 @@ def test_a_file_in_place_of_a_name_is_refused(tmp_path):
     [
         ("one.nc", None, "there is no file '"),
         ("one.nc", b"", "it is empty: move it away, and `snakemake "),
-        ("one.nc", b"CDF?", "it is damaged or no .nc file "),
-        ("one.csv", b"\xff\xfe\x00a,b\n", "it is damaged or no .csv file "),
-        ("one.json", b"{", "it is damaged or no .json file "),
-        ("one.pdf", b"%PDF-1.7 half", "it is damaged or no .pdf file "),
+        ("one.nc", b"CDF?", "it is damaged or not a .nc file "),
+        ("one.csv", b"\xff\xfe\x00a,b\n", "it is damaged or not a .csv file "),
+        ("one.json", b"{", "it is damaged or not a .json file "),
+        ("one.pdf", b"%PDF-1.7 half", "it is damaged or not a .pdf file "),
     ],
 )
 def test_a_file_that_cannot_be_read_is_refused_with_the_command_that_makes_it(tmp_path, name, content, reason):
@@ -182,7 +182,9 @@ def test_a_file_that_cannot_be_read_is_refused_with_the_command_that_makes_it(tm
 def test_half_a_dataset_and_a_foreign_one_are_refused(dataset, tmp_path):
     io.write(dataset, tmp_path / "one.nc")
     (tmp_path / "one.nc").write_bytes((tmp_path / "one.nc").read_bytes()[:2000])
-    with pytest.raises(ValueError, match="one.nc' cannot be used, it is damaged or no .nc file .* `snakemake"):
+    with pytest.raises(
+        ValueError, match="one.nc' cannot be used, because it is damaged or not a .nc file .* `snakemake"
+    ):
         study.open_dataset("one", tmp_path)
     xr.Dataset({"x": ("y", np.arange(3))}).to_netcdf(tmp_path / "two.nc")
     with pytest.raises(ValueError, match="was not written by this study"):

@@ -12,7 +12,7 @@ from paper.figures.style import PAGE, letter, panels
 from paper.products import figure
 
 _REACH = 4.0
-#: Colours of elapsed time, from light to dark without the yellow that is lost on white: the end of a run is seen best.
+#: Colours of elapsed time, from light to dark, so that the end of a run stands out; yellow is invisible on white.
 _TIME = ListedColormap(plt.get_cmap("viridis_r")(np.linspace(0.15, 1, 256)))
 _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 1}
 

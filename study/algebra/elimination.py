@@ -11,7 +11,7 @@ from study.algebra.host import on_host
 from study.algebra.matrices import SMALL, Form, MatrixFree, form_of
 from study.algebra.sparse import Sparse
 
-#: Rows of a tridiagonal system that one pass of its loop eliminates.
+#: Number of rows of a tridiagonal system that one pass of the loop eliminates.
 UNROLL = 4
 
 #: Relative residual at which the iteration for a matrix-free system ends, and its largest number of steps.

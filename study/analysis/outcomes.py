@@ -72,8 +72,8 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     runs
         Ensemble from :func:`study.run`, observed by ``OutcomeObserver.of(problem)`` and ``"lyapunov_exponent"``.
     period
-        Exact period of each run (lanes,). An accurate run must then keep it too, for which ``"oscillations"`` are to be
-        observed; otherwise only the energy counts.
+        Exact period of each run (lanes,). If it is given, an accurate run must keep it too, and the ensemble must
+        observe ``"oscillations"``; otherwise only the energy counts.
 
     Returns
     -------

@@ -71,7 +71,7 @@ def _switches(load, times):
 
 
 def _switches_of_load(load: Callable | None, duration: float) -> Times:
-    """Times at which a comparison in the program of a load changes; a record declares its own kinks.
+    """Times at which a condition in the program of a load changes; a record declares its own kinks.
 
     Without them, both solvers would step over a short pulse.
     """

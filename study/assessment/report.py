@@ -160,7 +160,7 @@ def figure_of(svg: str, caption: str) -> str:
 
 
 def _input_lines(assessed: xr.Dataset) -> list[str]:
-    """Names in other codes of the schemes recommended for any quantity and error; empty if there are none."""
+    """Names that other codes give to the recommended schemes; empty if there are none."""
     recommended = assessed.recommended_dt.notnull().any(["quantity", "allowed_error"]).values
     titles = set(assessed.scheme_title.values[recommended])
     named = ((schemes[one.scheme].title, one.code, one.name, one.note) for one in names_in_codes())

@@ -44,7 +44,7 @@ def linear_ratio(scheme: Scheme, estimator: str, part: np.ndarray, steps: float)
     """
     unknown = np.full_like(part, np.nan)
     if estimator == "step_doubling":
-        # a shifted acceleration that half a step leaves is not the one that a whole step leaves
+        # a shifted acceleration after half a step differs from the one after a whole step
         exact = not scheme.acceleration_offset and scheme.order == scheme.order_with_damping
         return np.ones_like(part) if exact else unknown
     weights = _weights(scheme)

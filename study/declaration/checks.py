@@ -22,7 +22,7 @@ def no_multiple(key: str, values: Iterable[int], divisor: int, source: str = "")
     """Refuse a value that ``divisor`` does not divide; ``source`` is the key of the divisor, if it has one."""
     for value in values:
         if value % divisor:
-            return f"{key}: {value} is no multiple of {source + ', ' if source else ''}{divisor}."
+            return f"{key}: {value} is not a multiple of {source + ', ' if source else ''}{divisor}."
     return None
 
 

@@ -24,7 +24,7 @@ from study.scheme.wrapper.with_history import WithHistory
 #: Largest number of steps of a controlled run, as a multiple of the largest number of equal steps.
 MOST = 4
 
-#: Ends of a run; a scheme that does not fit a problem has no run.
+#: Outcomes of a run; a scheme that does not fit a problem has no run.
 STATUSES = (*ENDS, "not_run")
 NOT_RUN = STATUSES.index("not_run")
 

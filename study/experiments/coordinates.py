@@ -76,7 +76,7 @@ def steps_per_period_coordinate(values: Iterable[float]) -> dict:
 
 
 def periods(problem: str) -> dict[str, float]:
-    """The rounded period of a spring (of 1996 the printed one), and the exact one of the dataset of its reference."""
+    """The rounded period of a spring, printed for those of 1996, and the exact one of its reference."""
     problems.resolve(problem)  # an unknown name is a clearer message than a missing dataset
     exact = io.open_dataset(f"reference/{problem}").period.item()
     return {"printed": approximate_periods[problem], "exact": exact}

@@ -56,7 +56,7 @@ def _offset(stiffness):
 
 
 def _largest_stiffening(scheme: Scheme, dt: float) -> float:
-    """Largest tried ratio of the tangent to the model up to which the step is stable without damping; one if none."""
+    """Largest ratio tried of tangent to model stiffness up to which all steps are stable undamped; one if none is."""
 
     def matrix(ratio):
         problem = Problem(_offset(ratio), 10.0)

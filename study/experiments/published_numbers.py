@@ -28,7 +28,7 @@ class _Coarsest(TypedDict):
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    # a step of many unknowns counts as one of each
+    # a step counts once for each unknown
     coarsest = sum(one["steps"] * np.size(problems[one["problem"]].u0) for one in options["coarsest"])
     return coarsest * len(options["schemes"]) * (FINER ** options["refinements"] - 1) / (FINER - 1)
 

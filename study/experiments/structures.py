@@ -152,7 +152,7 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
     for steps in steps_per_period:
         if steps % reference.samples_per_period:
             raise ValueError(
-                f"steps_per_period {steps} is no multiple of the {reference.samples_per_period} samples that the "
+                f"steps_per_period {steps} is not a multiple of the {reference.samples_per_period} samples that the "
                 f"reference of '{problem}' has in a period."
             )
     dims = ("problem", "scheme", "steps_per_period")

@@ -131,7 +131,7 @@ def _itself(adaptive: AdaptiveMarch, arguments: Any) -> AdaptiveMarch:
 
 
 class _Family(eqx.Module):
-    """Makes the march of a lane whose problem is made from the lane's arguments."""
+    """Function that replaces the problem of a march by the one that a lane's arguments make."""
 
     make: Callable = eqx.field(static=True)
 

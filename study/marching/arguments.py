@@ -56,7 +56,7 @@ def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
 
 
 def _most_steps() -> int:
-    """A quarter of the largest integer, which in single precision has 32 bits: a march counts three times the steps."""
+    """Maximum number of steps, a quarter of the largest integer: a march counts up to three times the steps."""
     return jnp.iinfo(jnp.result_type(int)).max // 4
 
 
@@ -132,7 +132,7 @@ def checked_observers(observe: str | Observer | Sequence[str | Observer]) -> tup
 def checked_bound(
     bound: float | None, problems: Sequence[Problem], u0: Displacements, v0: Displacements, duration: float
 ) -> float:
-    """Largest displacement of a run: as given, or far beyond the motions that start and load of the problems cause.
+    """Bound of the displacement of a run: as given, or a large multiple of the motion that start and load cause.
 
     Raises
     ------

@@ -144,7 +144,7 @@ class Labels:
         }
         for name, value in result.values.items():
             along_lanes = failed.reshape(failed.shape + (1,) * (value.ndim - failed.ndim))
-            # NaN turns whole numbers into doubles, which hold all of them
+            # NaN needs doubles, which represent all of these integers exactly
             values[name] = np.where(along_lanes, np.nan, value)
         ends_early = failed.any() or samples * every > steps.min()
         for name, value in result.samples.items():

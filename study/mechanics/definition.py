@@ -154,7 +154,7 @@ class Problem(eqx.Module):
 
         checks.check_symmetry("mass", self.mass)
         checks.check_symmetry("stiffness", self.stiffness)
-        # conjugate gradients need a symmetric one; otherwise damping may be gyroscopic
+        # conjugate gradients need a symmetric matrix; other solvers also accept gyroscopic damping
         if isinstance(self.tangent, str) and self.tangent == "matrix_free":
             checks.check_symmetry("damping", self.damping)
         self.massless = checks.is_singular(self.mass)

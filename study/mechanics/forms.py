@@ -77,7 +77,7 @@ def form_of_tangent(
 def entries_of(matrix: Matrix, name: str) -> ScipySparse | None:
     """A sparse matrix with the pattern and symmetry of stiffness, mass or damping; None if that is not sparse.
 
-    If JAX traces the numbers of a matrix, its places are still known. Stiffness and mass are symmetric.
+    The positions of entries are known even if JAX traces their values. Stiffness and mass are symmetric.
     """
     if is_sparse(matrix):
         return matrix

@@ -32,7 +32,7 @@ Lines = Float[np.ndarray, "lines two"]
 _RECORDS = Path(__file__).parent / "records"
 
 _NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
-#: Forms of the last line of an AT2 file's header, of today and of before.
+#: Formats of the last header line of an AT2 file, current and older.
 _HEADERS = [
     re.compile(rf"NPTS\s*=\s*(\d+).*?DT\s*=\s*{_NUMBER}", re.IGNORECASE),
     re.compile(rf"(\d+)\s+{_NUMBER}\s+NPTS,\s*DT", re.IGNORECASE),

@@ -59,7 +59,7 @@ def ending_at(tolerance: float) -> Iterator[None]:
 
 
 def tolerances_of(dtype: np.dtype) -> Tolerances:
-    """Tolerances of one precision, or those of :func:`ending_at`, which predict no correction."""
+    """Tolerances of a precision, or within :func:`ending_at` its tolerance alone, without the prediction."""
     loose = _LOOSE.get()
     return TOLERANCES[dtype] if loose is None else Tolerances(loose, 0.0, 0.0, loose, loose)
 

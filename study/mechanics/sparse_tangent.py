@@ -38,7 +38,7 @@ class SparseTangent:
     Attributes
     ----------
     pattern
-        The places of the tangent and of the others.
+        Positions of the entries of the tangent and of the other matrices.
     entries
         Numbers in the pattern of the entries of the tangent.
     colours

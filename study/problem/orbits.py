@@ -18,8 +18,8 @@ def arenstorf() -> Problem:
 
     .. math::
 
-        \ddot x - 2\dot y = -\partial V/\partial x, \quad \ddot y + 2\dot x = -\partial V/\partial y, \quad
-        V = -\frac{x^2 + y^2}{2} - \frac{1 - \mu}{\sqrt{(x + \mu)^2 + y^2}}
+        \ddot x - 2\dot y &= -\partial V/\partial x, \quad \ddot y + 2\dot x = -\partial V/\partial y \\
+        V &= -\frac{x^2 + y^2}{2} - \frac{1 - \mu}{\sqrt{(x + \mu)^2 + y^2}}
             - \frac{\mu}{\sqrt{(x - 1 + \mu)^2 + y^2}}
 
     u = (x, y), μ = 0.012277471. Distances are in that of earth and moon, a month is 2π. The Coriolis force is a damping

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-#: Ends of a run of a program, and the mark of steps that were not tried.
+#: Outcomes of a run of a program, and the mark for steps that were not tried.
 STATUSES = (
     "completed",
     "raised",

@@ -106,7 +106,7 @@ def _quantities(output: Path) -> dict[str, np.ndarray]:
     try:
         table = pd.read_csv(output, skipinitialspace=True, comment="#")
     except ValueError as error:
-        raise Unusable("unusable", f"its output is no CSV file ({error})") from None
+        raise Unusable("unusable", f"its output is not a CSV file ({error})") from None
     if table.empty:
         raise Unusable("nothing", "its output has a header and no row")
     if TIME in table:

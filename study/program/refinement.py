@@ -103,8 +103,8 @@ class Refinement:
             short = [s for s in self._program.all_schemes if len(self.last_completed(s)) < FEWEST_RUNS]
             reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in short if not self.noise[s]])
             raise NoTruth(
-                f"there is no truth for '{self._program.title}', as fewer than two schemes complete {FEWEST_RUNS} runs "
-                f"at steps that halve{' in the time that was given' * self._runs.late}: {reasons}."
+                f"there is no reference for '{self._program.title}', as fewer than two schemes complete "
+                f"{FEWEST_RUNS} runs at steps that halve{' in the time that was given' * self._runs.late}: {reasons}."
             )
         self._judge(truth, wanted, apart > 1)
         return truth

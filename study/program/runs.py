@@ -211,4 +211,5 @@ def _read(path: Path) -> Run:
             values = {key.removeprefix(QUANTITY): file[key] for key in file.files if key.startswith(QUANTITY)}
             return Run(scheme, dt, status, reason, seconds, elapsed, file[T], values)
     except (OSError, ValueError, KeyError, BadZipFile) as error:
-        raise NotRead(f"'{path}' cannot be used, it is damaged ({error}): remove it, and it is made again.") from None
+        again = "remove it, and it is made again."
+        raise NotRead(f"'{path}' cannot be used, because it is damaged ({error}): {again}") from None

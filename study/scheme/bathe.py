@@ -110,7 +110,8 @@ class BetaBathe(Composite):
 
         y_\gamma &= y_0 + \tfrac12 \gamma\Delta t\,(\dot y_0 + \dot y_\gamma) \quad\text{for } y = u, \dot u \\
         y_1 &= y_0 + \gamma\Delta t\,[(1 - \beta_1)\,\dot y_0 + \beta_1 \dot y_\gamma]
-            + (1 - \gamma)\Delta t\,[(1 - \beta_2)\,\dot y_\gamma + \beta_2 \dot y_1] \quad\text{for } y = u, \dot u \\
+            \\ &\quad + (1 - \gamma)\Delta t\,[(1 - \beta_2)\,\dot y_\gamma + \beta_2 \dot y_1]
+            \quad\text{for } y = u, \dot u \\
         M \ddot u + C \dot u + p(u) &= f \quad\text{at } t_0 + \gamma\Delta t \text{ and at } t_1
 
     With γ = ½ it is unconditionally stable for linear systems if β₁ + β₂ ≥ 1 and β₁ ≤ β₂. It is of second order if β₁ +

@@ -28,8 +28,8 @@ class WangAdamsTamma(OneStep):
         \dot u(t_1) &= \dot u_0 + \Delta t\left[\frac{1}{4D} \ddot u_1
             + \left(1 - \frac{1}{4D}\right) \ddot u_2\right] \\
         \ddot u(t_1) &= A_0 \ddot u_0 + A_1 \ddot u_1 + (1 - A_0 - A_1)\,\ddot u_2 \\
-        U_0 &= \frac{4C_1 - 1}{12 C_1}, \quad U_1 = \frac{6C_1^2 - 5C_1 + 2}{24 C_1 D}, \quad
-            A_0 = \frac{1 - 3C_1}{C_1}, \quad A_1 = \frac{4C_1 - 3C_1^2 - 1}{C_1 D}
+        U_0 &= \frac{4C_1 - 1}{12 C_1}, \quad U_1 = \frac{6C_1^2 - 5C_1 + 2}{24 C_1 D} \\
+        A_0 &= \frac{1 - 3C_1}{C_1}, \quad A_1 = \frac{4C_1 - 3C_1^2 - 1}{C_1 D}
 
     Third order, with damping and load too; the principal roots of undamped linear systems are of fourth order. Stable
     without damping for :math:`\omega\Delta t \le \sqrt{6(4 - 1/C_1)}`, from 2 (C₁ = 0.3) to 3 (C₁ = 0.4), which damps

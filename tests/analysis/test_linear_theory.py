@@ -18,7 +18,7 @@ PARTS = np.logspace(-3, 3, 121)
 STEPS = 2000
 
 
-#: Schemes with other parameters than the named ones have, whose limits follow from formulas.
+#: Schemes with parameters that no named one has; their limits follow from formulas.
 OTHERS = [
     study.Newmark(beta=0.1, gamma=0.6),
     study.Newmark(beta=0.25, gamma=0.4),
@@ -222,7 +222,7 @@ def test_wilson_overshoots_and_the_generalized_alpha_method_does_not():
 
 def test_an_overshoot_that_comes_late_is_seen():
     """Symplectic Euler keeps u² ± Ω u u̇/ω + (u̇/ω)² = 1, by which both reach 1/√(1 − Ω²/4)."""
-    part = 0.158  # of the period, with which it takes them more than 32 steps
+    part = 0.158  # step over the period, at which both need more than 32 steps to reach it
     overshoot = LinearTheory("symplectic_euler", np.array([part])).overshoot()
     np.testing.assert_allclose(overshoot[:, 0], 1 / np.sqrt(1 - (np.pi * part) ** 2) - 1, rtol=0.01)
 

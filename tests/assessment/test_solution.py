@@ -33,7 +33,7 @@ def test_the_interpolant_is_exact_for_polynomials_of_fifth_degree():
 
 
 def test_a_load_that_acts_for_a_moment_is_not_stepped_over():
-    # a blow of one newton second in a millisecond on an oscillator in free motion
+    # an impulse of one newton second within a millisecond on an oscillator in free motion
     begins, lasts = 10.003, 1e-3
     blow = study.Problem(
         lambda u: u, 0.1, load=lambda t: jnp.where((t > begins) & (t < begins + lasts), 1 / lasts, 0.0), title="blow"

@@ -81,7 +81,7 @@ def test_a_failure_ends_a_run_at_its_pause(monkeypatch):
 def test_a_long_run_can_be_interrupted(tmp_path, u0):
     """Ctrl-C ends a run of a million million steps, and files written before stay."""
     code = (
-        # who runs the tests in the background has interrupts switched off
+        # a shell that runs the tests in the background ignores interrupts
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
         "import study; study.io.write(study.run('hardening', 'rk4', dt=1e-4, steps=10), 'kept.nc'); "
         "print('ready', flush=True); "

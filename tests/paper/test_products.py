@@ -167,7 +167,7 @@ def test_a_figure_is_one_new_file(tmp_path):
         done = subprocess.run(
             [*command, "--width", width], cwd=tmp_path, env=environment, capture_output=True, text=True
         )
-        assert f"'{width}' is no number of millimetres between 20 and 2000" in done.stderr
+        assert f"'{width}' is not a number of millimetres between 20 and 2000" in done.stderr
 
 
 def test_a_page_has_no_width():

@@ -38,7 +38,7 @@ def running(folder, undisturbed):
     """A run that has begun to make the datasets again."""
     for target in TARGETS:
         (folder / "results" / target).unlink(missing_ok=True)
-    # who runs the tests in the background has interrupts switched off
+    # a shell that runs the tests in the background ignores interrupts
     code = (
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
         "from snakemake.cli import main; main()"

@@ -112,7 +112,7 @@ def test_an_invalid_configuration_is_refused(whole):
         ),
         (lambda c: c["structures"]["lengths"].append(c["structures"]["lengths"][0]), "is listed twice."),
         (lambda c: c["structures"]["lengths"][0].update(periods=0.001), "are no whole number of samples, 10 in each."),
-        (lambda c: c["structures"].update(steps_per_period=[25]), "25 is no multiple of samples_per_period, 10."),
+        (lambda c: c["structures"].update(steps_per_period=[25]), "25 is not a multiple of samples_per_period, 10."),
         (lambda c: c["large_steps"].update(problems=["pendulum"]), "large_steps.problems.0: there is no spring"),
         (lambda c: c["atlas"].update(tiles=1000), "atlas.tiles: there are more of them, 1000, than amplitudes"),
         (lambda c: c["atlas"]["dt_over_period"].update(last=5), "atlas.dt_over_period: a step is longer than the"),

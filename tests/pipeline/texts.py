@@ -30,7 +30,7 @@ def check_latex(project: Path, folder: Path) -> None:
         assert source.count("\\includegraphics") == text.count("#picture(")
         assert source.count("\\caption") == sum(text.count(f"#{one}(") for one in ("picture", "tabular", "decided"))
         cited = ",".join(re.findall(r"\\citep{([^}]*)}", source)).replace(" ", "")
-        # a sentence that the data do not bear is left out with its citations
+        # a sentence that the data do not support is omitted with its citations
         assert set(cited.split(",")) <= set(re.findall(r"@([a-z]+\d{4}[a-z]*)", text))
 
 

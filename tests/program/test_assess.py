@@ -236,7 +236,7 @@ def test_a_cheap_program_confirms_its_steps_by_many(tmp_path, monkeypatch):
 
 def test_a_program_that_never_runs_has_no_truth(tmp_path):
     own = program(partial(models.fails, "nothing"), tmp_path, ["wrong", "average_acceleration"])
-    with pytest.raises(NoTruth, match=r"no truth for 'model', as fewer than two .* 'wrong' ends at Δt = 1.25 s: it"):
+    with pytest.raises(NoTruth, match=r"no reference for 'model', as fewer .* 'wrong' ends at Δt = 1.25 s: it"):
         study.assess(replace(own, finest=1.0))
     with pytest.raises(NoTruth, match=r"'wrong' ends at Δt = 0.1562 s: it returned nothing.$"):
         study.assess(own)

@@ -13,7 +13,7 @@ SPRING = materials.elastoplastic(stiffness=40.0, yield_force=10.0, hardening=0.1
 YIELDING = study.Problem(SPRING, u0=0.2, v0=3.0, damping=0.3, potential=SPRING.potential, title="yielding")
 #: Schemes whose order is one on any motion, or falls to one where the force is not smooth.
 FIRST = {name for name, one in study.schemes.items() if one.order_with_damping == 1} | {"yoshida4", "yoshida6"}
-#: Steps backwards within a step meet a history of their own; their orders lie between one and two.
+#: Schemes with backward sub-steps, in which a force with history unloads; their orders lie between one and two.
 BACKWARDS = {"yoshida4", "yoshida6", "kahan_li8", "mclachlan4", "extrapolation12"}
 
 
@@ -113,7 +113,7 @@ def test_lanes_compensated_sums_and_neighbours_remember():
     compensated = study.Compensated(study.schemes["average_acceleration"])
     ds = study.run(YIELDING, compensated, dt=0.01, steps=100, observe=["lyapunov_exponent", "internal_force"])
     np.testing.assert_allclose(ds.internal_force, lanes.internal_force[0], atol=1e-10)
-    # what has come to rest after yielding keeps a memory: a neighbour neither parts nor returns
+    # a motion at rest after yielding keeps its plastic part: neighbouring runs neither separate nor approach
     assert abs(float(ds.lyapunov_exponent)) < 2.0
 
 

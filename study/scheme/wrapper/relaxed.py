@@ -15,7 +15,7 @@ from study.scheme.base import OneStep, Wrapper, WrapperState
 
 
 class Late(WrapperState):
-    """State of the scheme itself, and its own time less the time of the march."""
+    """State of the scheme itself, and its own time minus the time of the march."""
 
     inner: Any
     lead: Scalar

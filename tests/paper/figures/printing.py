@@ -36,7 +36,7 @@ def printed(figure: Figure) -> list[Printed]:
     found = []
 
     def draw(text, renderer, *args, **kwargs):
-        # of an annotation the words without the arrow
+        # the words of an annotation, without its arrow
         if text.get_visible() and text.get_text().strip():
             found.append(Printed(text.get_text(), text.get_fontsize(), Text.get_window_extent(text, renderer)))
 

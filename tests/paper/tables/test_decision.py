@@ -203,7 +203,7 @@ def test_elsewhere_the_fewest_forces_decide(rows):
     assert _steps(energy) == ["Dear: ≤ 20", "Dear: ≤ 20", "–"]
     assert kinked["Beware of"] == "only first order: Dear"
     assert rows(imbalance=0.11)[ROWS + 1]["10 %"] == "–"
-    # a finer step of the dear scheme loses what a coarse one had by accident
+    # at a coarse step the dear scheme keeps the error by accident, and at a finer one it does not
     assert _steps(record) == ["Cheap: 20 ms", "Cheap: 10 ms", "–"]
     assert record["10 %"] == "Cheap: 20 ms (50 forces/s, ωΔt 0.063 < 2)"
     assert implicit["0.1 %"] == "Fails: 40 ms (75 forces/s, ωΔt 0.13)"
