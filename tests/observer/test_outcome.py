@@ -13,6 +13,10 @@ from study.observer.outcome import OutcomeObserver
         (study.Problem(lambda u: u, 1.0, title="own"), "needs Problem(potential=...)"),
         (study.Problem(lambda u: u, [1.0, 2.0], potential=lambda u: (u * u).sum() / 2, title="own"), "more than one"),
         (study.Problem(lambda u: -u, 1.0, potential=lambda u: -u * u / 2, title="own"), "has no minimum downhill"),
+        (
+            study.Problem(lambda u: -2 * u / (1 + u * u) ** 2, 1.0, potential=lambda u: 1 / (1 + u * u), title="hill"),
+            "has no minimum downhill",
+        ),
         (study.Problem(lambda u: 1.0 + 0 * u, 1.0, potential=lambda u: u, title="own"), "has no minimum downhill"),
         ("duffing_chaotic", "damping or a load change its energy"),
     ],
