@@ -135,5 +135,5 @@ def test_a_limit_of_steps_names_the_route():
 @pytest.mark.parametrize("route", ROUTES)
 def test_a_turning_point_that_is_not_met_says_so(route):
     _, period = agreement.ROUTES[route]
-    with pytest.raises(RouteFailed, match="met no turning point of 'hardening spring'"):
+    with pytest.raises(RouteFailed, match="met no turning point of 'hardening spring' up to t = 0.0075"):
         period(study.problems["hardening"], 0.01, 1e-9)
