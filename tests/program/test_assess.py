@@ -271,3 +271,14 @@ def test_a_curve_at_its_steps_needs_no_spline():
     assert curve.at(t[:-1] + 0.05) == pytest.approx(
         np.stack([np.sin(t[:-1] + 0.05), np.cos(t[:-1] + 0.05)], 1), abs=1e-5
     )
+
+
+def _on_another_branch(scheme, dt):
+    """A number of two schemes that agree, and of one that goes to another solution."""
+    return {"drift": {"a": 1 + dt**2, "b": 1 - dt**2 / 2, "stray": 1.5 + dt**2}[scheme]}
+
+
+def test_a_scheme_that_goes_to_another_motion_says_so(tmp_path):
+    with pytest.warns(RuntimeWarning, match="goes to another motion: halving its steps to .* leaves an error of 50"):
+        ds = study.assess(program(_on_another_branch, tmp_path, ["a", "b", "stray"]), errors=[0.1])
+    assert [VERDICTS[code] for code in ds.verdict.values.ravel()] == ["found", "found", "not_even_the_finest_step"]
