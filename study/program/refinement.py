@@ -85,15 +85,18 @@ class Refinement:
             estimates = {s: estimate(self.last_completed(s)) for s in refined if not self._ignores(s)} | {
                 s: estimate(self.last_completed(s)) for s in done
             }
-            truth = agreed(one for one in estimates.values() if one)
+            known = {s: one for s, one in estimates.items() if one}
+            truth = agreed(known.values())
             if truth:
                 self._check_sizes(truth)
                 apart = apart + 1 if truth.apart and all(estimates.values()) else 0
                 if max(truth.uncertainty.values()) <= wanted or apart > 1:
                     break
-                work = {s: self._work(one, wanted) for s, one in estimates.items() if one}
-                # as long as schemes agree, the two that need the least work decide
-                done = set() if truth.apart else set(sorted(work, key=work.__getitem__)[2:])
+                work = {s: self._work(one, wanted) for s, one in known.items()}
+                # the two that need the least work decide, unless they go to different motions
+                pair = sorted(work, key=work.__getitem__)[:2]
+                of_pair = agreed(known[s] for s in pair)
+                done = set() if truth.apart or (of_pair and of_pair.apart) else known.keys() - pair
             steps.append(steps[-1] / 2)
             if not refined or self._runs.late or steps[-1] < self._program.smallest * (1 - 1e-9):
                 break
