@@ -28,7 +28,7 @@ def check_latex(project: Path, folder: Path) -> None:
         text = (project / "paper" / "text" / f"{name}.typ").read_text()
         source = (folder / f"{name}.tex").read_text()
         assert source.count("\\includegraphics") == text.count("#picture(")
-        assert source.count("\\caption") == sum(text.count(f"#{one}(") for one in ("picture", "tabular", "decided"))
+        assert source.count("\\caption") == sum(text.count(f"#{one}(") for one in ("picture", "tabular", "choices"))
         cited = ",".join(re.findall(r"\\citep{([^}]*)}", source)).replace(" ", "")
         # a sentence that the data do not support is omitted with its citations
         assert set(cited.split(",")) <= set(re.findall(r"@([a-z]+\d{4}[a-z]*)", text))
