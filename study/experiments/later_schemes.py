@@ -247,7 +247,7 @@ def later_schemes(
             "courant": ("courant", list(courant), {"long_name": "Courant number", "units": "1"}),
             "auxiliary": ("auxiliary", list(auxiliary), {"long_name": "scheme to compare with the auxiliary variable"}),
             "long_step": ("long_step", list(long_steps), {"long_name": "step", "units": "s"}),
-            "terms": ("terms", list(TERMS), {"long_name": "order of the Padé expansions"}),
+            "terms": ("terms", list(TERMS), {"long_name": "order of the Padé expansions", "units": "1"}),
             "long_steps": ("long_steps", list(LONG), {"long_name": "number of steps", "units": "1"}),
             "of_fourth_order": ("of_fourth_order", list(OF_FOURTH_ORDER), {"long_name": "scheme of fourth order"}),
             "forces": ("forces", list(forces), {"long_name": "forces evaluated", "units": "1"}),
