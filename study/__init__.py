@@ -60,7 +60,7 @@ A problem of your own
 
 An observer of your own
     ``Quantity`` observes a function of t, u, u̇ and ü, along time or as its peak, its final value or its root mean
-    square. ``Reduction`` and ``Record`` are the base classes of every ``Observer``: one value a run, or values along
+    square. ``Reduction`` and ``Record`` are the base classes of every ``Observer``: one value per run, or values along
     time.
 
 A scheme with other parameters

@@ -1,4 +1,4 @@
-"""Files of the study: datasets, tables and pages are read here, and written whole or not at all."""
+"""Files of the study: reading and atomic writing of datasets, tables and pages."""
 
 import json
 import os
@@ -41,7 +41,7 @@ _NAME = "time-integration-study"
 
 
 def _version() -> str:
-    """Version of this package: of the checkout if there is one, whose installation may be older, or as installed."""
+    """Version of the checkout, whose installation may be older, or without a checkout of the installed package."""
     pyproject = Path(__file__).parent.parent / "pyproject.toml"
     project = tomllib.loads(pyproject.read_text()).get("project", {}) if pyproject.exists() else {}
     return project["version"] if project.get("name") == _NAME else version(_NAME)
@@ -180,7 +180,7 @@ def _encoding(dataset: xr.Dataset) -> dict:
 
 
 def write(content: xr.Dataset | str | bytes, path: str | Path) -> None:
-    """Write a file whole or not at all.
+    """Write a file atomically.
 
     The content is written to a temporary file next to ``path``, which then takes its place. Of several writers the last
     one wins, and readers get one of the complete files.
@@ -252,13 +252,13 @@ def read(path: str | Path) -> Any:
     return content
 
 
-#: The datasets that may be opened by name; all of them outside of an experiment.
+#: Datasets that may be opened by name; None, outside of an experiment, allows all of them.
 _READABLE: ContextVar[frozenset[str] | None] = ContextVar("readable", default=None)
 
 
 @contextmanager
 def reading_only(names: Iterable[str]) -> Iterator[None]:
-    """Refuse to open any other dataset by name, so that an experiment reads what it declares."""
+    """Allow only these datasets to be opened by name, so that an experiment reads only what it declares."""
     token = _READABLE.set(frozenset(names))
     try:
         yield

@@ -37,7 +37,7 @@ def _check(name: str, value: Any, low: float, strict: bool, high: float = np.inf
 
 
 def _check_shapes(**parameters: Any) -> None:
-    """Refuse parameters that are numbers for different numbers of elements."""
+    """Refuse parameters whose shapes belong to different numbers of elements."""
     shapes = {name: np.shape(value) for name, value in parameters.items()}
     if len({shape for shape in shapes.values() if shape != ()}) > 1:
         each = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
@@ -65,7 +65,7 @@ class Elastoplastic(eqx.Module):
 
     @property
     def history(self) -> np.ndarray:
-        """No plastic displacement."""
+        """Zero plastic displacement."""
         return np.zeros(np.broadcast_shapes(*map(np.shape, (self.stiffness, self.yield_force, self.hardening))))
 
     def _elastic(self, u, plastic):
@@ -168,7 +168,7 @@ class BoucWen(eqx.Module):
 
 
 def bouc_wen(stiffness, yield_force, hardening=0.0, exponent: int = 1) -> BoucWen:
-    """Smooth hysteresis: stiffness k at first, force p_y that the hysteretic part approaches, b, and exponent n.
+    """Smooth hysteresis: initial stiffness k, yield force p_y, ratio b of the final stiffness to k, and exponent n.
 
     Raises
     ------

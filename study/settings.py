@@ -4,17 +4,17 @@
     JAX computes in double precision (``jax_enable_x64``).
 ``compiler``
     An option is added to ``XLA_FLAGS``, unless the user has set it. XLA compiles a loop natively only if its body is
-    small, and otherwise walks it operation by operation, up to ten times slower. The option raises the threshold, so
-    that a whole march is one native loop. A loop with calls of LAPACK, as for several unknowns, is never native. XLA
-    reads ``XLA_FLAGS`` when JAX first computes; if JAX has already computed, a warning says so.
+    small, and otherwise executes it operation by operation, which is up to ten times slower. The option raises the
+    threshold, so that a whole march is one native loop. A loop with calls of LAPACK, as for several unknowns, is never
+    native. XLA reads ``XLA_FLAGS`` when JAX first computes; if JAX has already computed, a warning says so.
 ``cache``
     Compiled programs are kept for the next process, unless the user has set a cache for JAX. They lie in the user's
     cache folder, in a folder named after this machine, since another processor may lack instructions. When the folder
     exceeds 1 GiB, the older half of its programs is removed.
 
-The environment variable ``STUDY_SETTINGS`` names the wanted ones, for instance ``precision,cache``; ``none`` changes
-nothing, and without the variable all three are made. JAX's own switches keep working: ``with jax.enable_x64(False):
-study.run(...)`` computes in single precision.
+The environment variable ``STUDY_SETTINGS`` names the settings to make, for instance ``precision,cache``; ``none`` makes
+none. Without the variable all three are made. JAX's own switches keep working:
+``with jax.enable_x64(False): study.run(...)`` computes in single precision.
 
 This module does not import JAX, which takes half a second. Where JAX is not imported yet, its settings are made as
 environment variables, which JAX reads when it is imported, and which child processes inherit.
@@ -38,7 +38,7 @@ _THRESHOLD = 1 << 24
 #: Largest size of the cache in bytes when a process starts.
 _CACHE_SIZE = 1 << 30
 
-#: Seconds between two checks of its size, which inspect every file.
+#: Seconds between two checks of the size of the cache, which inspect every file.
 _DAY = 86_400
 
 
@@ -106,7 +106,7 @@ def _set_compiler() -> None:
 
 
 def _prune(cache: Path) -> None:
-    """Remove the older half of the programs in a cache that exceeds its size, once a day.
+    """Remove the older half of the programs if the cache exceeds its largest size, once a day.
 
     JAX's own limit is not used, because it inspects every file whenever a program is added; with ten thousand files
     that takes a third of a second.

@@ -10,7 +10,7 @@ from typing import Any
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # digits within a word, such as the name of a commit, are not a number
 _POWER = re.compile(r"(?<![\w.])(\d(?:\.\d+)?)e([+-]?)0*(\d{1,3})(?!\w)")
-#: Below this a fraction is zero to round-off.
+#: Largest fraction that counts as zero, for round-off.
 _ZERO = 1e-6
 
 
@@ -24,7 +24,7 @@ def _power_of_ten(match: re.Match) -> str:
 
 
 def printed(text: str) -> str:
-    """A text as it is printed: ``5e-05`` as 5 × 10⁻⁵, and a minus sign before numbers, but no hyphen of a name."""
+    """A text as it is printed: ``5e-05`` becomes 5 × 10⁻⁵, and the hyphen of a negative number a minus sign."""
     return re.sub(r"(?<![^\W\de])-(?=\d)", "−", _POWER.sub(_power_of_ten, text))
 
 

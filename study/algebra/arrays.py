@@ -1,4 +1,4 @@
-"""Shapes of arrays, for annotations, which nothing checks at run time; and numbers as arrays.
+"""Array shapes for annotations, which are not checked at run time, and conversions of numbers to arrays.
 
 n is the number of unknowns. A vector of a problem with one unknown is a number: its shape is ().
 """
@@ -39,7 +39,7 @@ ScipySparse: TypeAlias = Any
 
 
 def as_float64(value: Any) -> Any:
-    """A number or an array as float64; one that JAX traces as it is."""
+    """A number or an array as float64; a traced value unchanged."""
     return value if isinstance(value, jax.core.Tracer) else np.asarray(value, np.float64)[()]
 
 

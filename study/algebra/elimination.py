@@ -123,8 +123,8 @@ def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
     diagonal = jnp.broadcast_to(matrix.diagonal, rhs.shape)
     size = jnp.sqrt(jnp.where(diagonal == 0, 1.0, jnp.abs(diagonal)))
     scaled = rhs / size
-    # lineax compares entry by entry and would stop at once for zeros of the right side: with a right side whose largest
-    # entry is one, an absolute tolerance measures the whole vector
+    # lineax compares entry by entry, and stops at once if the right side has zeros. The right side is scaled to a
+    # largest entry of one, so that an absolute tolerance measures the whole vector
     largest = jnp.abs(scaled).max()
     largest = jnp.where(largest == 0, 1.0, largest)
     tags = lineax.positive_semidefinite_tag if symmetric else ()

@@ -26,7 +26,7 @@ from study.algebra.sparse import Pattern
 #: Largest half bandwidth at which LAPACK is faster than CHOLMOD, whatever the number of unknowns.
 WIDEST_BAND = 100
 
-#: Number of factorisations that are kept: those of a step with sub-steps, and the factorisation of the mass.
+#: Number of factorisations that are kept: two for a step with two sub-steps, and one for the mass.
 KEPT = 3
 
 
@@ -65,7 +65,7 @@ class BandCholesky(Method):
         one, other = self.place[pattern.rows], self.place[pattern.columns]
         low, high = np.minimum(one, other), np.maximum(one, other)
         self.shape = pattern.size, half_bandwidth + 1
-        # LAPACK has the entry (high, low) of the lower triangle here
+        # place of the entry (high, low) in LAPACK's storage of the lower triangle
         self.entry = low * (half_bandwidth + 1) + (high - low)
 
     def factor(self, values, spare):

@@ -7,8 +7,8 @@ from typing import Any
 import jax
 
 #: Options of XLA for CPUs. The first uses the full width of vector registers, which speeds up ensembles. The second
-#: selects the older generator of loops: the newer one takes one and a half to two times as long to compile a march, for
-#: the same numbers at a speed within a sixth.
+#: selects the older generator of loops: the newer one takes one and a half to two times as long to compile a march. The
+#: compiled marches give the same numbers, and their speeds differ by less than a sixth.
 _OPTIONS = {"xla_cpu_prefer_vector_width": 512, "xla_cpu_use_fusion_emitters": False}
 
 
@@ -38,6 +38,6 @@ def jit(function: Callable, compiler: Callable = jax.jit, **arguments: Any) -> C
     compiler
         ``jax.jit`` or ``equinox.filter_jit``.
     """
-    # when it is first called, because the options are tried by a computation
+    # compiled at the first call, because trying the options takes a computation
     compiled = functools.cache(lambda: compiler(function, compiler_options=_known_options(), **arguments))
     return functools.wraps(function)(lambda *args, **kwargs: compiled()(*args, **kwargs))

@@ -173,7 +173,7 @@ def is_sparse_of_jax(matrix: Any) -> bool:
 
 
 def of_jax(matrix: Any) -> ScipySparse | Sparse:
-    """A ``BCOO`` as a matrix of :mod:`scipy.sparse`, or where JAX traces its entries as one with their pattern."""
+    """A ``BCOO`` as a matrix of :mod:`scipy.sparse`, or as a :class:`Sparse` if JAX traces its entries."""
     rows, columns = np.asarray(matrix.indices).T
     if not isinstance(matrix.data, jax.core.Tracer):
         return as_sparse(scipy.sparse.coo_array((np.asarray(matrix.data), (rows, columns)), matrix.shape))

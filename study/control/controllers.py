@@ -18,7 +18,7 @@ from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.scheme.base import check_ranges
 
-#: Limits of the factor between two steps, and part of the step that the estimate allows.
+#: Limits of the factor between two steps, and the safety factor of the step that the estimate allows.
 SMALLEST, LARGEST, SAFETY = 0.2, 5.0, 0.9
 
 #: Smallest estimate relative to the tolerance, which keeps the next step finite where the estimate is zero.
@@ -62,7 +62,7 @@ def _limited(factor):
 class Integral(Controller):
     r"""The elementary controller, :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`.
 
-    A step is accepted if r ≤ 1, and grows or shrinks by at most five.
+    A step is accepted if r ≤ 1, and grows or shrinks by at most a factor of five.
 
     References
     ----------
@@ -191,8 +191,8 @@ class Reversible(Controller):
         \rho_{n+1/2} = \rho_{n-1/2} + \varepsilon G(y_n), \quad \Delta t_n = \varepsilon/\rho_{n+1/2},
         \quad G = \frac{1}{\rho} \frac{d\rho}{dt}
 
-    along the flow, with the tolerance ε. Symmetric schemes on reversible problems then show no drift of energy. One
-    more force a step.
+    along the flow, with the tolerance ε. Symmetric schemes on reversible problems then show no drift of energy. It
+    takes one additional force per step.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Estimators of the error of a step.
 
-An estimator returns one or several sizes of an estimate η, each relative to the largest value so far of a size of the
-motion. It states the power k of Δt with which the estimate falls, so that a controller can choose the next step.
+An estimator returns one or several sizes of an estimate η. Each is relative to the largest value so far of a size of
+the motion. It states the power k of Δt with which the estimate falls, so that a controller can choose the next step.
 """
 
 import abc
@@ -44,7 +44,7 @@ class Estimator(eqx.Module):
         return None
 
     def forces_per_step(self, scheme: Scheme) -> int:
-        """Forces that a trial step evaluates, with those of the estimate, next to those of Newton's iterations."""
+        """Forces that a trial step and its estimate evaluate, in addition to those of Newton's iterations."""
         return scheme.forces_per_step
 
     def sizes(self, problem: Problem, state: Any) -> Sizes:
@@ -226,7 +226,7 @@ class StepDoubling(Estimator):
 
         \eta = \frac{|y_{2 \times \Delta t/2} - y_{\Delta t}|}{(2^p - 1) \max |y|} \quad\text{for } y = u, \dot u
 
-    for a scheme of order p. Three times the forces of a step.
+    for a scheme of order p. It takes three times the forces of a step.
 
     References
     ----------
@@ -267,7 +267,8 @@ class EmbeddedPair(Estimator):
 
         \eta = |\hat y_1 - y_1| / \max |y| \quad\text{for } y = u, \dot u
 
-    The estimate is the error of the method of lower order; the run continues with the other. No additional forces.
+    The estimate is the error of the method of lower order; the run continues with the method of higher order. It takes
+    no additional forces.
 
     References
     ----------

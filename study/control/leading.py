@@ -1,4 +1,4 @@
-r"""Closed form of estimates over the true error of a step, to leading order in ωΔt.
+r"""Closed form of the ratio of an estimate to the true error of a step, to leading order in ωΔt.
 
 The motion is :math:`u = \cos \varphi` of a linear undamped oscillator, and φ the phase in the middle of a step. A
 second-order method of the generalized-α family, such as Newmark's with γ = ½, carries an acceleration
@@ -33,12 +33,12 @@ def _weights(scheme: Scheme) -> tuple[float, float, float] | None:
 
 
 def linear_ratio(scheme: Scheme, estimator: str, part: np.ndarray, steps: float) -> np.ndarray:
-    """Estimate over the true error of a step along a period, NaN where no closed form is known.
+    """Ratio of the estimate to the true error of a step along a period, NaN where no closed form is known.
 
     Parameters
     ----------
     part
-        Part of the period in the middle of the step, from the largest displacement on.
+        Phase in the middle of the step, as a part of the period from the largest displacement.
     steps
         Steps in a period.
     """

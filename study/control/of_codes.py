@@ -21,8 +21,8 @@ class HalfStepResidual(Estimator):
         \eta &= \max |M \ddot u_h + C \dot u_h + p(u_h) - f(t_h)| / \max |M \ddot u|
 
     with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. An α-method carries the acceleration of the time t₁ + s Δt with s = α_m − α_f, so
-    that ü₀ and ü₁ are first moved back by s (ü₁ − ü₀). One more force a step. The estimate is of second order in Δt and
-    the error of the step of third.
+    that ü₀ and ü₁ are first moved back by s (ü₁ − ü₀). It takes one additional force per step. The estimate is of
+    second order in Δt and the error of the step of third.
 
     References
     ----------
@@ -67,8 +67,8 @@ class ApparentFrequency(Estimator):
 
         \omega^2 = \frac{\Delta u^T \Delta p}{\Delta u^T M \Delta u}, \quad \eta = \frac{\omega\,\Delta t}{2 \pi}
 
-    with the changes of displacement and internal force over the step: a tolerance of 0.05 gives twenty steps a period.
-    It does not estimate an error.
+    with the changes of displacement and internal force over the step: a tolerance of 0.05 gives twenty steps per
+    period. It does not estimate an error.
 
     References
     ----------
@@ -132,7 +132,9 @@ class Iterations(Estimator):
 
 
 class HalfIncrement(Controller):
-    r"""The controller of Abaqus: repeated with :math:`0.85\,\Delta t/r` if r > 1, grown by 1.25 after three good steps.
+    r"""The controller of Abaqus: a step is repeated with :math:`0.85\,\Delta t/r` if r > 1.
+
+    The step grows by a factor of 1.25 after three consecutive steps with r ≤ 0.85.
 
     References
     ----------

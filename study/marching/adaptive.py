@@ -15,17 +15,17 @@ from study.marching.march import March
 from study.marching.result import NO_SOLUTION, NOT_FINITE, UNBOUNDED
 from study.scheme.contract import started
 
-#: Status of a running march, and the ends of a run in addition to those with equal steps.
+#: Status of a running march, and the two final statuses that runs with equal steps do not have.
 RUNNING, STEP_TOO_SMALL, TOO_MANY_STEPS = -1, 4, 5
 
-#: Factor of a step whose balance was not found, or whose end is not finite, as in Abaqus.
+#: Factor of the step size after a step without convergence or with a state that is not finite, as in Abaqus.
 AFTER_FAILURE = 0.25
 
 #: Smallest step, as a part of the duration.
 SMALLEST_STEP = 1e-13
 
-#: Stored values of each step: its end and its size, the estimate, and the trial steps rejected so far by the estimate
-#: and for lack of a balance or a finite state; and the name of their array.
+#: Names of the values stored for each step, and the name of their array: its end and its size, the estimate, and the
+#: numbers of trial steps rejected so far by the estimate, and because of no balance or a state that is not finite.
 OF_EACH_STEP = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_by_solver")
 OF_STEP = "of each step"
 
@@ -126,7 +126,7 @@ class AdaptiveMarch(eqx.Module):
         """The run after a trial step, and the sample of that step."""
         march, scheme = self.march, self.march.scheme
         t, end = trial.t, self.times[-1]
-        # a step that would leave a rest of less than its size is halved, so that the next one is not tiny
+        # the last two steps before a stated time share the way to it, so that neither is tiny
         way = self.times[trial.target] - t
         lands = trial.dt >= way * (1 - ROUND_OFF)
         dt = jnp.where(lands, way, jnp.where(trial.dt > way / 2, way / 2, trial.dt))
@@ -141,7 +141,7 @@ class AdaptiveMarch(eqx.Module):
         k = self.estimator.exponent(scheme)
         decision = self.controller.decide(trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance)
         accepted = solved & decision.accepted
-        # a step that was shortened to meet a time does not change the next size
+        # a step that was shortened to meet a time does not reduce the next size
         next_dt = jnp.where(accepted & (dt < trial.dt), jnp.maximum(decision.dt, trial.dt), decision.dt)
         next_dt = jnp.where(solved, jnp.minimum(next_dt, end), AFTER_FAILURE * dt)
 
@@ -188,14 +188,14 @@ class AdaptiveMarch(eqx.Module):
         }
 
 
-#: Makes the march of a lane from its arguments.
+#: Function that makes the march of a lane from its arguments.
 Of = Callable[[Any], AdaptiveMarch]
 
 
 def proceed(
     of: Of, lanes: bool, arguments, trial: Trial, stored, initial, tolerance, room: int, turns
 ) -> tuple[Trial, dict[str, jax.Array]]:
-    """March until every run has ended, the room of one is full, or ``most`` trial steps were made.
+    """March until every run has ended or filled its room, or ``turns`` trial steps were made.
 
     With ``lanes`` all arrays have an axis of lanes in front. A lane that has ended or has no room waits for the others.
     """
@@ -229,7 +229,7 @@ def proceed(
             return jnp.all(trial.place == before) & (count < turns) & jnp.any(goes_on(trial))
 
         sample = {name: jnp.zeros(x.shape[:1] * lanes + x.shape[1 + lanes :]) for name, x in stored.items()}
-        # a separate loop: next to large arrays XLA would run the small ones of a step by a pool of threads
+        # a separate loop: in a loop with large arrays XLA would run the small operations of a step on a pool of threads
         trial, sample, count = lax.while_loop(unaccepted, again, (trial, sample, count))
         # the place after the last one takes the samples that are not stored
         return trial, store(stored, sample, jnp.where(trial.place > before, before, room)), count

@@ -37,7 +37,7 @@ from study.scheme.base import Scheme
 from study.scheme.newmark import average_acceleration
 from study.scheme.wrapper.unequal_steps import UnequalSteps
 
-#: Number of samples of one run that a call stores.
+#: Maximum number of samples of one run that a call stores.
 MOST_ROOM = 2**15
 
 #: Number of equal steps of the trial run that finds the size of a motion from rest.
@@ -142,7 +142,7 @@ class _Family(eqx.Module):
 def _joined(parts: Sequence[tuple[np.ndarray, dict]], lanes: bool) -> dict[str, np.ndarray]:
     """The samples of all calls, one after the other, of each lane; NaN after the end of a lane that is shorter.
 
-    A part is the number of its samples, of each lane if there are lanes, and the samples.
+    A part is a pair of the number of its samples, one per lane if there are lanes, and the samples.
     """
     if not parts:
         return {}
@@ -170,7 +170,7 @@ class Adaptive:
     starts
         Initial displacement and velocity, of one run or of all lanes.
     make, over
-        Of a family, the function that makes the problem of a lane, and its arguments.
+        Function that makes the problem of a lane of a family, and its arguments.
     lanes
         Number of lanes, 0 for a single run.
     bound
@@ -205,7 +205,7 @@ class Adaptive:
         status = np.asarray(trial.status).astype(np.int32)
         failed, steps, t = status != COMPLETED, np.asarray(trial.taken), np.asarray(trial.t)
         if on_failure != "ignore" and failed.any():
-            self._tell(status, steps, t, np.asarray(trial.dt), on_failure)
+            self._report_failures(status, steps, t, np.asarray(trial.dt), on_failure)
         lane = ("lane",) if self._lanes else ()
         data: dict[str, Any] = {
             "status": (lane, status, _STATUS),
@@ -271,7 +271,7 @@ class Adaptive:
             if ended:
                 return trial, _joined(parts, lanes), {n: np.asarray(x) for n, x in values.items()}
 
-    def _tell(self, status, steps, t, dt, on_failure: str) -> None:
+    def _report_failures(self, status, steps, t, dt, on_failure: str) -> None:
         """Warn of runs that failed, or raise."""
         failed = np.flatnonzero(status)
         first = failed[0]

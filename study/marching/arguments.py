@@ -172,7 +172,7 @@ def _sizes(load, times):
 def number_of_lanes(
     problem: Problem, u0: Displacements, v0: Displacements, own: Mapping[str, np.ndarray], over: Mapping
 ) -> int:
-    """Number of lanes of an ensemble, 0 for a single run; ``own`` may have one number a run or one per lane."""
+    """Number of lanes of an ensemble, 0 for a single run; ``own`` holds one value per run or per lane."""
     lengths = {name: len(value) for name, value in own.items() if value.ndim}
     lengths |= {name: len(value) for name, value in (("u0", u0), ("v0", v0)) if value.ndim > np.ndim(problem.u0)}
     lengths |= {f"over['{name}']": len(value) for name, value in over.items()}

@@ -57,7 +57,7 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
 def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) -> list[Problem]:
     """The problems of the first lane and of the lanes where an argument is least or largest.
 
-    Only there is the problem made with numbers, so that its checks can examine them.
+    Only for these lanes is the problem made with numbers, which its checks can examine.
 
     Raises
     ------

@@ -20,9 +20,9 @@ from study.scheme.wrapper.linearised import Linearised
 from study.scheme.wrapper.with_history import WithHistory
 
 #: Steps per turn of the loop, for a single run with one unknown. Within a turn, values pass from step to step in
-#: registers; between turns they pass through memory. That matters at ten nanoseconds a step, but not with two unknowns.
-#: Twice as many steps would save a twentieth if a step is one polynomial, and double the time of a step
-#: with several forces or sines, which no longer fits into registers.
+#: registers; between turns they pass through memory. That matters at ten nanoseconds per step, but not with two
+#: unknowns. Twice as many steps would save a twentieth if a step is one polynomial, and double the time of a step with
+#: several forces or sines, which no longer fits into registers.
 BLOCK = 3
 
 #: Number of steps of a tile between two checks whether any of its lanes still runs.
@@ -189,7 +189,7 @@ class March(eqx.Module):
         every, each_step
             Steps between two samples, and whether that is one.
         first
-            Number of the sample that belongs to the first place of ``stored``; those beyond its end share the last
+            Number of the sample that belongs to the first place of ``stored``; samples beyond its end share the last
             place.
         steps
             Last step of each lane, if the lanes do not all end at ``until``. Records are not allowed then.
@@ -212,7 +212,7 @@ class March(eqx.Module):
             return p, stored_at(number - first, p, stored)
 
         def next_step(carry):
-            # the same, in a loop without another one in it
+            # the same without an inner loop
             p, stored, place, due = carry
             p = step(p)
             stored = stored_at(place, p, stored)

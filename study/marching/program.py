@@ -18,8 +18,8 @@ from study.marching.shapes import CountPerRun, Displacements, PerRun
 from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 
-#: Room for samples, so that few programs are compiled: for a run of one call, and for a run of several calls. The
-#: overhead of a call is a tenth of a millisecond.
+#: Numbers of samples for which a program has room, in a run of one call and in a run of several calls. Few different
+#: numbers keep the number of compiled programs small. The overhead of a call is a tenth of a millisecond.
 AT_ONCE, IN_STRETCHES = 2**13, 2**17
 
 #: Largest number of values of one variable in these samples.
@@ -35,7 +35,7 @@ LABELS = ("title", "source", "doi")
 def unlabelled(part: Any) -> Any:
     """A copy of a march, problem or scheme, and of its parts, without labels; other objects unchanged.
 
-    Otherwise other labels would compile the program again.
+    A program with labels would be compiled again if a label changes.
     """
     if not isinstance(part, March | Problem | Scheme):
         return part
@@ -72,7 +72,7 @@ _forms: dict[_Form, _Form] = {}
 
 
 def _each_tile(march: March, function: Callable, lanes: tuple) -> Any:
-    """``function(*lanes)``; of an ensemble for each of the tiles along the first axis of ``lanes``."""
+    """``function(*lanes)``, or for an ensemble, its results for each of the tiles along the first axis of ``lanes``."""
     return lax.map(lambda tile: function(*tile), lanes) if march.lanes else function(*lanes)
 
 
@@ -85,7 +85,7 @@ def _proceed(march: March, counts, each_step: bool, stored, progress, initial, d
 
 @partial(jit, static_argnums=(0, 4, 5))
 def _whole(form: _Form, numbers: list, counts, begin: tuple, room: int, each_step: bool, own):
-    """Samples and result of a run in one stretch, without the time to pass its progress in and out."""
+    """Samples and result of a run in one stretch, which saves the time to pass its progress in and out."""
     march = form.march(numbers)
 
     def one(u0, v0, dt, own):
@@ -179,7 +179,7 @@ class Program:
             NumPy arrays; NaN where there are no samples, because the run or all its lanes ended before.
         """
         room = self._room(u0, AT_ONCE)
-        # a loop without another one in it pays off where steps are short
+        # a loop without an inner loop pays off where steps are short
         each_step = every == 1 and self._is_scalar
         if pause is None:
             lanes = math.prod(u0.shape[:2]) if self._lanes else 1

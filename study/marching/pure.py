@@ -37,7 +37,7 @@ def final_state(
     Newton's iteration is differentiated by the implicit function theorem, exactly and not iteration by iteration.
     Backward derivatives keep about 2√steps states and march twice.
 
-    Newton's iteration has no safeguard here unless the problem is one of ``with_safeguard()``, and a run has no bound.
+    Newton's iteration has no safeguard here unless the problem comes from ``with_safeguard()``. A run has no bound.
 
     Second derivatives of implicit schemes are right if the first is taken forward: ``jax.jacfwd(jax.jacfwd(f))`` or
     ``jax.grad(jax.jacfwd(f))``. They are wrong if the first is taken backward: JAX 0.10 ignores the rule for
@@ -92,7 +92,7 @@ def final_state(
         name = next(iter(march.records[0].variables))
         fit = [known for known in named_observers if not March.of(equation, method, [named_observers[known]]).records]
         raise ValueError(
-            f"'{name}' is recorded along time, and final_state returns one value a run: observe a reduction, such as "
+            f"'{name}' is recorded along time, and final_state returns one value per run: observe a reduction, such as "
             f"{', '.join(fit[:3])}, or a Quantity with reduce=."
         )
     progress = march.start(starts[0], starts[1], jnp.asarray(dt, float), 0)[0]

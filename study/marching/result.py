@@ -32,7 +32,7 @@ OF_LANE = {
     "v0": {"long_name": "initial velocity", "units": "s-1"},
 }
 
-#: Largest number of values of a start that an attribute may hold.
+#: Largest number of values of an initial condition that an attribute may hold.
 MOST_IN_ATTRIBUTE = 1000
 
 

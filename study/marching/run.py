@@ -44,7 +44,7 @@ from study.scheme.named import schemes
 #: Largest samples × lanes × unknowns whose records fit into the memory of any machine.
 ANY_MEMORY = 10_000_000
 
-#: Least steps × unknowns of a run that shows a progress bar.
+#: Minimum steps × unknowns of a run that shows a progress bar.
 LONG = 2**24
 
 
@@ -74,8 +74,8 @@ def _samples(records: Sequence[Record], steps: CountPerRun, every: int, samples:
     """Number of samples to store after the first."""
     if records and steps.ndim:
         raise ValueError(
-            f"'{next(iter(records[0].variables))}' is recorded along time, which takes one number of steps for all "
-            "lanes; give steps as a number, or observe what has one value a run."
+            f"'{next(iter(records[0].variables))}' is recorded along time, which needs one number of steps for all "
+            "lanes: give steps as a number, or observe quantities with one value per run."
         )
     if samples is None and np.any(steps % every):
         raise ValueError(f"every must divide the number of steps; {every} does not divide {steps[()]}.")
@@ -260,12 +260,12 @@ def run(
     except TypeError as error:  # of a scheme or an observer: the traceback through the march is useless
         raise error.with_traceback(None) from error.__cause__
     unsolved = result.status == NO_SOLUTION
-    if not (method.explicit or equation.linear):  # the force may not be finite after a correction
+    if not (method.explicit or equation.linear):  # a correction may lead to where the force is not finite
         unsolved |= result.status == NOT_FINITE
     if unsolved.any():
         again = marched(Problem.with_safeguard, unsolved)
         result = jax.tree.map(lambda all_, new: _replaced(all_, unsolved, new), result, again) if lanes else again
-    _tell(result, equation, method, step_size, on_failure)
+    _report_failures(result, equation, method, step_size, on_failure)
     labels = Labels(equation, method, chosen)
     ds = labels.dataset(result, start, velocity, step_size, count, every, room, bool(lanes))
     if not values:
@@ -284,7 +284,7 @@ def _replaced(values: np.ndarray, place: np.ndarray, new: np.ndarray) -> np.ndar
 
 
 def _check_not_traced(arguments: Any) -> None:
-    """Refuse a call within ``jit``, where all arrays are traced, ``grad`` or ``vmap``, where some of them are."""
+    """Refuse a call within ``jit``, which traces all arrays, ``grad`` or ``vmap``, which trace some of them."""
     leaves = [jnp.zeros(()), *jax.tree.leaves(arguments)]
     for leaf in leaves.copy():
         leaves += [cell.cell_contents for cell in getattr(leaf, "__closure__", None) or ()]
@@ -297,7 +297,7 @@ def _check_on_failure(on_failure: str) -> None:
         raise ValueError(f"on_failure must be one of {', '.join(map(repr, ON_FAILURE))}, not {on_failure!r}.")
 
 
-def _tell(result: Result, problem: Problem, scheme: Scheme, dt: PerRun, on_failure: str) -> None:
+def _report_failures(result: Result, problem: Problem, scheme: Scheme, dt: PerRun, on_failure: str) -> None:
     """Warn of failed runs, raise, or ignore them."""
     if on_failure != "ignore" and np.any(result.status):
         what = failure.sentence(result, problem, scheme, dt)

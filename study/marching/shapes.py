@@ -1,4 +1,4 @@
-"""Shapes of arrays with an axis of lanes, for annotations; nothing checks them at run time."""
+"""Array shapes with an axis of lanes, for annotations, which are not checked at run time."""
 
 from typing import Any
 
@@ -35,5 +35,5 @@ DisplacementsOfLanes = Float[np.ndarray, "lanes *n"]
 #: Status or step of a run, of each lane if there are lanes, shape () or (lanes,).
 Flags = Int[Any, "*lanes"]
 
-#: What an observer returned, of each lane if there are lanes.
+#: Values that an observer returned, of each lane if there are lanes.
 Observed = Shaped[Any, "..."]

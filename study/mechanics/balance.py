@@ -11,10 +11,11 @@ The schemes differ in ũ, ṽ, c_u and c_v, in the weight w of the internal forc
 the velocity ṽ + c_v a too, and a history, which the iteration does not change. A problem may have a constant
 stiffness K, so that its internal force is K u + p; then only p is differentiated.
 
-Newton corrections are not shortened if the force is smooth. If the slope of the force may jump, the iteration
-could oscillate between two branches without end. With one unknown it is then kept between two accelerations with
-residuals of opposite signs, and bisects if Newton's correction leaves them or does not halve. With several unknowns
-a correction that is too long is shortened to where the residual along it is nearly zero.
+Newton corrections are not shortened if the force is smooth. If the slope of the force may jump, the iteration could
+oscillate between two branches without end. With one unknown the iterate is then kept in a bracket, between two
+accelerations with residuals of opposite signs. The bracket is bisected if Newton's correction leaves it or is longer
+than half of the last change. With several unknowns a correction that is too long is shortened to where the residual
+along it is nearly zero.
 
 An iteration of a problem that is ``safeguarded`` starts again if it fails. With one unknown it seeks a bracket,
 which finds a root of every continuous residual that changes its sign. With several unknowns a correction is halved
@@ -99,7 +100,7 @@ class System(Protocol):
 
 
 def _inertia(problem: System, c_v: Matrix, n: int) -> Matrix:
-    """M + c_v C; without c_v, M keeps its form, a diagonal where C is a band."""
+    """M + c_v C; M itself if c_v is zero, so that it keeps its form, such as a diagonal where C is a band."""
     mass = 1.0 if problem.mass is None else problem.mass
     without = problem.damping is None or (isinstance(c_v, float) and c_v == 0)
     return mass if without else add(mass, product(problem.damping, c_v, n), n=n)
@@ -189,8 +190,8 @@ def balance(
     symmetric
         Whether the tangent is symmetric if M and C are.
     tolerance
-        The iteration ends at the latest when a correction changes the displacement by less than this part of it, or
-        the velocity if the force depends on it; by default the value of ``TOLERANCES``.
+        Relative change of the displacement, or of the velocity if the force depends on it, below which a correction is
+        the last one; by default the value of ``TOLERANCES``, which also has further criteria.
 
     Returns
     -------

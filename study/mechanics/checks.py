@@ -98,7 +98,7 @@ def check_symmetry(name: str, matrix) -> None:
 def is_singular(mass) -> bool:
     """Whether the mass is singular; a negative or zero one is refused.
 
-    A sparse mass may be singular only because unknowns have none.
+    A sparse mass may be singular only because some unknowns have no mass.
     """
     if is_sparse(mass):
         return _is_singular(mass)

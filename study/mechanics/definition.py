@@ -1,4 +1,4 @@
-"""Equation (1): M ü + C u̇ + K u + p = f(t), with u(0) and u̇(0); p is of u, or also of u̇ and of a history."""
+"""Equation (1): M ü + C u̇ + K u + p = f(t), with u(0) and u̇(0); p depends on u, and may depend on u̇ and a history."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -44,17 +44,17 @@ class Problem(eqx.Module):
         Displacement and velocity at t = 0, both of shape () or (n,). The default velocity is zero.
     history
         Memory of a force, at rest: any arrays of real numbers, in any containers. By default the attribute ``history``
-        of the force, as in :mod:`study.materials`. ``force(u, u̇, history)`` is the force after the motion from the end
-        of the last step, where the history was committed, to u and u̇. Newton's iterations and the stages of a scheme
-        start from the committed history; the end of the step commits the new one. At u and u̇ where it was committed,
-        the new history must give the same force and return itself.
+        of the force, as in :mod:`study.materials`. ``force(u, u̇, history)`` returns the force, and the new history,
+        after a motion to u and u̇ from the end of the last step, where the history was committed. Newton's iterations
+        and the stages of a scheme start from the committed history; the end of the step commits the new one. Called
+        again with the same u and u̇ and the new history, the force must return the same force and the same history.
     stiffness
         K, the constant part of the internal force, which is K u + p then: a number, a diagonal (n,), or a symmetric
-        matrix (n, n), dense, of :mod:`scipy.sparse`, or a ``BCOO`` of :mod:`jax.experimental.sparse`, whose entries
-        may depend on what JAX differentiates or on the lane of a family. Only p is differentiated. A problem with a
-        stiffness and no force is linear, and takes one solution a step without iteration. With sparse matrices p should
-        act on few unknowns or couple neighbours; the factorisation follows the pattern, and is kept while the matrix
-        stays.
+        matrix (n, n), dense, of :mod:`scipy.sparse`, or a ``BCOO`` of :mod:`jax.experimental.sparse`, whose entries may
+        depend on parameters that JAX differentiates or on the lane of a family. Only p is differentiated. A problem
+        with a stiffness and no force is linear, and takes one solution per step without iteration. With sparse matrices
+        p should act on few unknowns or couple neighbours; the factorisation is suited to the pattern, and is reused
+        while the matrix stays the same.
     potential
         V(u) with p = ∂V/∂u, a scalar, or a :class:`study.StrainEnergy`; V(u, history) for a force with a history. For a
         force that dissipates it is the stored energy. Only energies and conserving schemes need it.
@@ -67,19 +67,19 @@ class Problem(eqx.Module):
         C: a number, a diagonal, a matrix (dense or sparse; symmetric if the tangent is matrix-free) or
         :class:`study.Rayleigh`; zero by default.
     load
-        f(t), of the shape of ``u``. If its slope jumps, an attribute ``kinks`` may hold the times, which references
-        then step on.
+        f(t), of the shape of ``u``. If its slope jumps, an attribute ``kinks`` may hold the times of the jumps, on
+        which steps of references then end.
     ground, influence
         Motion of the ground, and the displacement ι (of the shape of ``u``) of the unknowns for a unit displacement of
-        the ground, one for each by default. The unknowns are then relative to the ground, whose acceleration a adds the
-        load −M ι a(t).
+        the ground, by default one for each unknown. The unknowns are then relative to the ground, whose acceleration a
+        adds the load −M ι a(t).
     tangent
         Form of ∂p/∂u with several unknowns: ``diagonal``, ``tridiagonal``, ``dense``, ``matrix_free`` (for symmetric
         tangents), the half bandwidth as a number, or a sparse matrix with an entry wherever ∂p/∂u has one. By default
         it is found from the tangent at two displacements, and is sparse for more than a thousand unknowns. Declare it
         if the force couples other unknowns later, as in contact. Bands are eliminated without pivoting between rows
-        that are far apart; a saddle point needs such pivoting, and is ``dense``. Number the joints of a mesh along its
-        short side: a narrow band is much faster. Of sparse matrices the order does not matter.
+        that are far apart; declare ``dense`` for a saddle point, which needs such pivoting. Number the joints of a mesh
+        along its short side: a narrow band is much faster. For sparse matrices the order does not matter.
     positions
         Positions of the masses at u = 0, of shape (points, directions); u is their change, point by point. Only
         momenta need them.
@@ -273,7 +273,7 @@ class Problem(eqx.Module):
 
     @property
     def dissipative(self) -> bool:
-        """Whether the internal force has a velocity or a history, so that it may dissipate."""
+        """Whether the internal force takes a velocity or a history, so that it may dissipate."""
         return self.arguments > 1
 
     @property

@@ -44,17 +44,17 @@ def form_of_tangent(
                 f"tangent={declared!r} of '{title}': the tangent of one unknown is a number; leave it out."
             )
         return None
-    beside_sparse = bool(others) or is_sparse(declared)
-    if force is None and not beside_sparse:
+    next_to_sparse = bool(others) or is_sparse(declared)
+    if force is None and not next_to_sparse:
         return 0
-    known = None if declared is None or beside_sparse else tangent.form_named(declared, len(u0), title)
-    coupling = _declared_coupling(declared, len(u0), title) if beside_sparse and declared is not None else None
-    if known == "dense" or (known is None and not beside_sparse and len(u0) <= SMALL):
+    known = None if declared is None or next_to_sparse else tangent.form_named(declared, len(u0), title)
+    coupling = _declared_coupling(declared, len(u0), title) if next_to_sparse and declared is not None else None
+    if known == "dense" or (known is None and not next_to_sparse and len(u0) <= SMALL):
         return "dense"
     try:
         with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
-            if beside_sparse or (declared is None and len(u0) > tangent.FINDABLE):
-                return _beside_sparse(force, u0, coupling, others, title)
+            if next_to_sparse or (declared is None and len(u0) > tangent.FINDABLE):
+                return _next_to_sparse(force, u0, coupling, others, title)
             if declared is None:
                 return tangent.found(force, u0, massless, title)  # type: ignore[arg-type]
             tangent.check_declared_form(force, u0, declared, title)  # type: ignore[arg-type]
@@ -62,7 +62,7 @@ def form_of_tangent(
         if declared is None:
             forms = (
                 "diagonal, tridiagonal, a half bandwidth, or a sparse matrix with an entry wherever it has one"
-                if beside_sparse
+                if next_to_sparse
                 else f"one of {', '.join(tangent.FORMS)} or a half bandwidth"
             )
             raise ValueError(
@@ -121,7 +121,7 @@ def _declared_coupling(declared: Any, n: int, title: str) -> ScipySparse:
     return scipy.sparse.diags_array([1.0] * len(bands), offsets=bands, shape=(n, n))
 
 
-def _beside_sparse(
+def _next_to_sparse(
     force: Callable | None, u0: np.ndarray, coupling: ScipySparse | None, others: list[ScipySparse], title: str
 ) -> SparseTangent | int:
     """The form of a tangent that is added to sparse matrices: a half bandwidth of 0 or 1 if that holds all of them."""

@@ -1,7 +1,7 @@
 """Checks of a problem's functions, made once when the problem is made.
 
-Each check calls them as a run does, and refuses an invalid result with a sentence that names the function, the received
-value and the expected one.
+Each check calls the functions as a run does, and refuses an invalid result with a sentence that names the function, the
+received value and the expected one.
 """
 
 import inspect
@@ -15,7 +15,7 @@ from jax.experimental import checkify
 
 from study.mechanics.terms import StrainEnergy
 
-#: Names of arguments that a force takes from the motion.
+#: Names of arguments of a force that must not have a default.
 NEVER_OPTIONAL = ("v", "velocity", "history")
 
 #: Parameter names that suggest the time, which a force does not take.
@@ -47,15 +47,16 @@ class AsArrays(eqx.Module):
 
     @property
     def kinks(self):
-        """Times at which the slope of a load jumps, if it names them."""
+        """Times at which the slope of a load jumps, if the load states them."""
         return getattr(self.function, "kinks", ())
 
 
 def index_beyond(function: Callable, *arguments) -> str | None:
     """Error of an index beyond the end of its arrays; None if there is none.
 
-    JAX would silently take the last entry, or drop what is added to an entry that does not exist. NumPy finds the
-    first kind. Only a function that refuses arrays of NumPy, as one with ``u.at[i]``, is compiled with checks.
+    JAX would silently take the last entry, or drop what is added to an entry that does not exist. With arrays of NumPy,
+    reading such an entry raises an error. Only a function that cannot take arrays of NumPy, such as one with
+    ``u.at[i]``, is compiled with checks.
     """
     try:
         # within `eval_shape` JAX computes nothing
@@ -69,7 +70,7 @@ def index_beyond(function: Callable, *arguments) -> str | None:
 
 
 def _index_beyond_of_jax(function: Callable, arguments: tuple) -> str | None:
-    """The same, of a function that takes arrays of JAX alone; None where the values are traced."""
+    """The same for a function that takes arrays of JAX only; None if the values are traced."""
     checked = jax.jit(checkify.checkify(function, errors=checkify.index_checks))
     try:
         with jax.ensure_compile_time_eval():
@@ -228,7 +229,8 @@ def check_history(force: Callable, u0, v0, history, title: str) -> None:
 def check_stored_energy(force: Callable, potential: Callable, u0, history, title: str) -> None:
     """Refuse a stored energy whose slope is not the force where a motion does not change the history.
 
-    Springs that yield do not change it after a reversal. If it changes in both directions, nothing is compared.
+    After a reversal, a spring that yields keeps its history. If the history changes in both directions, nothing is
+    compared.
     """
     u, direction, h = _near(u0)
 
@@ -254,7 +256,7 @@ def check_stored_energy(force: Callable, potential: Callable, u0, history, title
 
 
 def _near(u0):
-    """A place near u₀, a direction, and a small distance."""
+    """A displacement near u₀, a direction, and a small distance."""
     scale = max(np.abs(u0).max(), 1.0)
     direction, offset = np.random.default_rng(0).uniform(0.5, 1.5, (2, *np.shape(u0)))
     return u0 + 0.05 * scale * offset, direction, 1e-5 * scale

@@ -90,8 +90,8 @@ class GroundMotion(eqx.Module):
         """Acceleration at the time t."""
         last = len(self.acceleration) - 1
         place = jnp.asarray(t) / self.dt
-        # The place is looked up once. XLA may compute it twice, and next to a sample the two round to different places,
-        # whose lines meet there; an interpolation between two samples would take one from each place.
+        # One index selects a whole line. XLA may compute the index twice, and next to a sample the two may round to
+        # different intervals. Their lines meet there; an interpolation would mix samples of both intervals.
         at_zero, slope = jnp.asarray(self._lines)[jnp.clip(place, 0, last - 1).astype(jnp.int32)]
         return jnp.where(place < last, at_zero + slope * place, 0.0)
 
@@ -200,7 +200,7 @@ class GroundMotion(eqx.Module):
         Parameters
         ----------
         seed
-            Seed of the noise: a motion for each.
+            Seed of the noise; each seed gives its own motion.
         duration, dt
             Length and time between two samples, in s.
         frequency, damping
@@ -241,7 +241,7 @@ def _numbers(path: Path, words: list[str]) -> np.ndarray:
     try:
         numbers = np.array([float(word) for word in words])
     except ValueError as error:
-        raise ValueError(f"'{path}' holds something else than numbers where samples belong: {error}.") from None
+        raise ValueError(f"'{path}' holds something other than numbers where samples belong: {error}.") from None
     if not np.isfinite(numbers).all():
         raise ValueError(f"sample {np.argmin(np.isfinite(numbers)) + 1} of '{path}' is not finite.")
     return numbers

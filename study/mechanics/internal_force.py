@@ -18,7 +18,7 @@ KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "rem", 
 KINKS |= {"reduce_max", "reduce_min", "cummax", "cummin", "sort", "top_k"}
 #: Operations that turn the result of a comparison into a number, as in ``u * (u > 0)``.
 CONVERSION = "convert_element_type"
-#: Operations that branch by their first argument.
+#: Operations that branch on their first argument.
 BRANCHES = {"select_n", "cond"}
 
 
@@ -81,7 +81,7 @@ def _program(force: Callable, arguments: tuple) -> core.Jaxpr:
 
 
 def may_have_kinks(force: Callable, *arguments: Any) -> bool:
-    """Whether the force branches by an argument, or takes its size, its sign, or the larger of two values of it.
+    """Whether the force branches on an argument, or takes its absolute value, its sign, or a maximum or minimum.
 
     A root counts as smooth, as in the length of a bar, although it has a kink where its argument is zero.
     """
@@ -112,7 +112,7 @@ def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array)
                 wanted.append((_SWITCHES[name], equation.invars))
             elif name in _CALLS:
                 wanted.append((partial(_switches, equation.params[_CALLS[name]], given), equation.invars))
-    # the same program, with the operands for its results
+    # the same program, but with the operands as its results
     operands = [operand for _, operands in wanted for operand in operands]
     to_operands = core.ClosedJaxpr(jaxpr.replace(outvars=operands), program.consts)
     values = iter(core.jaxpr_as_fun(to_operands)(*arguments))
@@ -122,8 +122,8 @@ def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array)
 def switches(force: Callable, *arguments: Any) -> Float[Array, "switches"]:
     """Numbers whose sign changes where the slope of a force may jump.
 
-    If the force compares two numbers, or takes the larger or smaller of them, it is their difference. If the
-    force takes the size or the sign of a number, it is that number. Loops, branches and tables are not searched.
+    If the force compares two numbers, or takes the larger or smaller of them, it is their difference. If the force
+    takes the absolute value or the sign of a number, it is that number. Loops, branches and tables are not searched.
 
     Parameters
     ----------

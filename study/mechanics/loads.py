@@ -40,9 +40,7 @@ class _Scaled(eqx.Module):
 def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem:
     """The problem with its initial velocity, its load and its ground motion multiplied by ``factor``.
 
-    All factors share one program.
-
-    With ``displaced``, its initial displacement is multiplied too.
+    With ``displaced``, its initial displacement is multiplied too. All factors share one program.
     """
     problem = eqx.tree_at(lambda p: p.v0, problem, factor * problem.v0)
     if displaced:
@@ -56,7 +54,7 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
 
 
 def record_of(load: Callable | None) -> dict[str, str]:
-    """Name and source of the ground motion in a load, as attributes of a dataset; none if there is no known one."""
+    """Name and source of the ground motion in a load, as attributes of a dataset; empty if no source is known."""
     load = load.load if isinstance(load, _Scaled) else load
     if not isinstance(load, GroundLoad) or not load.ground.source:
         return {}
@@ -75,5 +73,5 @@ class HalfSine(eqx.Module):
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """The time of the jump of the slope."""
+        """The time at which the slope jumps."""
         return (self.duration,)

@@ -50,7 +50,7 @@ _LOOSE: ContextVar[float | None] = ContextVar("loose", default=None)
 
 @contextmanager
 def ending_at(tolerance: float) -> Iterator[None]:
-    """End the iterations that are traced meanwhile as codes do, at this part of displacement and forces."""
+    """Within this context, traced iterations end at one tolerance of displacement and forces, as in other codes."""
     token = _LOOSE.set(tolerance)
     try:
         yield
@@ -135,12 +135,12 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
 
 
 def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
-    """The next acceleration of one unknown: Newton's, or by bisection where that leaves the bracket or crawls.
+    """The next acceleration of one unknown: Newton's, or by bisection if that leaves the bracket or converges slowly.
 
-    Until the signs of the residuals differ, a correction longer than half of the last one is replaced by twice the last
-    one, against the sign of the residual. Far from the root the inertia sets this sign.
+    Until both signs of the residual have occurred, a correction longer than half of the last one is replaced by twice
+    the last one, against the sign of the residual. Far from the root the inertia sets this sign.
 
-    ``bracket`` (4,) holds the acceleration, the ones with negative and positive residual, and the last change.
+    ``bracket`` (4,) holds the acceleration, the accelerations with negative and positive residual, and the last change.
     """
     a, negative, positive, last = bracket
     negative, positive = jnp.where(residual < 0, a, negative), jnp.where(residual < 0, positive, a)

@@ -19,7 +19,7 @@ import scipy
 from study.algebra.arrays import Matrix, ScipySparse, Vector
 from study.algebra.sparse import Pattern, SparseEntries, union
 
-#: Number of values in the products that determine the entries of a derivative.
+#: Maximum number of values in the products with a derivative that are computed at once.
 ROOM = 2**22
 
 

@@ -15,7 +15,7 @@ class Effort(NamedTuple):
     iterations, converged
         Newton iterations, each with one tangent and one solution, and whether they converged.
     committed
-        The history of the force at the end of the last sub-step, if the step commits it there; see
+        History of the force from which the last sub-step started, if the step commits it between sub-steps; see
         :class:`study.scheme.wrapper.with_history.WithHistory`.
     restarts
         Iterations that failed and were started again with a safeguard.

@@ -1,1 +1,1 @@
-"""Observers: quantities of a run, as one value a run (reductions) or as values along time (records)."""
+"""Observers: quantities of a run, as one value per run (reductions) or as values along time (records)."""

@@ -43,7 +43,7 @@ class Observer(eqx.Module):
 
 
 class Reduction(Observer):
-    """One value a run, updated with every step.
+    """One value per run, updated with every step.
 
     The three methods are pure functions that JAX compiles into the march. A state has at least the fields ``u`` and
     ``v``, each of shape () or (n,).

@@ -9,7 +9,7 @@ from study.observer.base import Reduction
 
 
 def crosses_upwards(before, after, level):
-    """Whether u comes from below a level up to it or beyond, for each unknown."""
+    """Whether u rises from below a level to it or beyond it, for each unknown."""
     return (before < level) & (after >= level)
 
 

@@ -42,7 +42,7 @@ class MeanEnergyError(Reduction):
     """Mean of the signed relative error of the energy over all steps of the run, by a compensated sum.
 
     Oscillations of the energy along the orbit cancel in the mean; drifts do not. The mean of a drift linear in time is
-    half of its final value. The mean of a random walk has 1/√3 of its final standard deviation.
+    half of its final value. The standard deviation of the mean of a random walk is 1/√3 of the final one.
     """
 
     variables = {"mean_energy_error": {"long_name": "mean signed relative error of the total energy", "units": "1"}}
@@ -81,18 +81,18 @@ class EnergyDrift(Reduction):
 class EnergyBalance(Reduction):
     r"""Largest error of the balance E + D − W = E₀ of energy E, dissipation D and work of the load W.
 
-    The error is the largest :math:`|E + D - W - E_0|` relative to :math:`|E_0| + \max|W|`; it is zero if
-    all of them are. The work over a step follows from the mean of the forces at both ends,
+    The error is the largest :math:`|E + D - W - E_0|` relative to :math:`|E_0| + \max|W|`; it is zero if all of these
+    are zero. The work over a step follows from the mean of the forces at both ends,
 
     .. math::
 
         \Delta D = \tfrac12 (u_1 - u_0)^T C (\dot u_0 + \dot u_1), \quad \Delta W = \tfrac12 (u_1 - u_0)^T (f_0 + f_1)
 
-    which is of second order, and exact for the trapezoidal rule on a linear structure. A force with a velocity or a
-    history dissipates too, :math:`\Delta D = \tfrac12 (u_1 - u_0)^T (p_0 + p_1) - \Delta V`. Without a potential the
-    stored energy counts as dissipated, V = 0, and the error is relative to :math:`|E_0| + \max(\max|W|, \max|D|)`. For
-    such forces the trapezoidal rule keeps this balance to round-off at any step, because its formulas for u and u̇ imply
-    the balance, which therefore does not measure its accuracy.
+    which is of second order, and exact for the trapezoidal rule on a linear structure. A force that depends on the
+    velocity or a history dissipates too, :math:`\Delta D = \tfrac12 (u_1 - u_0)^T (p_0 + p_1) - \Delta V`. Without a
+    potential the stored energy counts as dissipated, V = 0, and the error is relative to
+    :math:`|E_0| + \max(\max|W|, \max|D|)`. For such forces the formulas of the trapezoidal rule for u and u̇ imply this
+    balance to round-off at any step, so that the balance does not measure the accuracy of that rule.
 
     References
     ----------

@@ -15,7 +15,7 @@ from study.mechanics.definition import Problem
 from study.observer.base import Reduction
 from study.observer.crossings import crosses_upwards
 
-#: Bisections that locate a root within a step to round-off.
+#: Number of bisections that locate a root within a step to round-off.
 HALVINGS = 53
 
 
@@ -34,9 +34,9 @@ def _root(coefficients):
 
 
 def _chosen(condition, value, other):
-    """One of two steps, kept for evaluation at the end, because in every step of an ensemble some lane has a root.
+    """One of two steps, kept to find its root after the run: in every step of an ensemble some lane has a root.
 
-    A step is chosen in the next one; otherwise XLA would compute its force once more for every choice.
+    The choice is made one step later; otherwise XLA would compute the force of the step once more for every choice.
     """
     return jax.tree.map(partial(jnp.where, condition), value, other)
 

@@ -23,7 +23,7 @@ ARGUMENTS = {
     "ground": "acceleration of the ground",
 }
 
-#: Reductions of a quantity to one value a run; None records it along time.
+#: Reductions of a quantity to one value per run; None records it along time.
 REDUCTIONS = (None, "peak", "final", "rms")
 
 
@@ -40,7 +40,7 @@ class Trajectory(Record):
 
 
 class InternalForce(Record):
-    """The internal force p along time, with displacement the loops of hysteresis."""
+    """The internal force K u + p along time; against the displacement it shows the loops of hysteresis."""
 
     variables = {"internal_force": {"long_name": "internal force", "units": "1"}}
 
@@ -94,7 +94,7 @@ def _arguments_of(function: Callable) -> tuple[str, ...]:
 
 
 class Quantity(Record):
-    r"""Your own quantity, a function of t, u, u̇ and ü: along time, or reduced to one value a run.
+    r"""Your own quantity, a function of t, u, u̇ and ü: along time, or reduced to one value per run.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class Quantity(Record):
         Name and attributes of the variable in the dataset.
     reduce
         ``"peak"`` for the largest size over all steps, ``"final"`` for the last value, ``"rms"`` for the root mean
-        square over time by the trapezoidal rule, each of every component; None for the record along time.
+        square over time by the trapezoidal rule, each by component; None for the record along time.
 
     Raises
     ------
@@ -145,7 +145,7 @@ class Quantity(Record):
         if problem.ground is None and "ground" in _arguments_of(self.function):
             return f"the quantity '{self.name}' needs Problem(ground=...), which '{problem.title}' was made without."
         if problem.massless and self.needs_acceleration:
-            return f"the quantity '{self.name}' needs ü, which '{problem.title}' leaves open where it has no mass."
+            return f"the quantity '{self.name}' needs ü, which is undetermined where '{problem.title}' has no mass."
         try:
             value = eqx.filter_eval_shape(self.value, problem, 0.0, problem.u0, problem.v0)
         except Exception as error:  # a user's function may raise anything
@@ -180,7 +180,7 @@ class Quantity(Record):
 
 
 class _Reduced(Reduction):
-    """A quantity reduced to one value a run."""
+    """A quantity reduced to one value per run."""
 
     quantity: Quantity
 

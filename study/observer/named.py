@@ -1,4 +1,4 @@
-"""The observers that have names. None but ``trajectory`` stores the motion."""
+"""The observers that have names."""
 
 from study.observer.base import Observer
 from study.observer.crossings import Oscillations

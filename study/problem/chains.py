@@ -148,8 +148,8 @@ def loaded_bar() -> Problem:
 
     Young's modulus, density, length and cross section are one, and the mass is lumped. By d'Alembert's solution of the
     wave equation a strain of one travels to the fixed end and comes back doubled, so that at t = 2 the displacement at
-    the distance x from the loaded end is 2 (1 − x), twice the static one. Central difference at the step 1/64, a wave's
-    time through an element, gives this exactly. The error at small steps is that of the elements.
+    the distance x from the loaded end is 2 (1 − x), twice the static one. Central difference gives this exactly at the
+    step 1/64, the time in which a wave crosses an element. At small steps the error of the elements remains.
 
     References
     ----------

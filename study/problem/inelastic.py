@@ -32,7 +32,7 @@ def yielding() -> Problem:
 
 @named()
 def hysteretic() -> Problem:
-    """The same with the smooth hysteresis of Bouc and Wen, n = 1."""
+    """The mass of ``yielding`` thrown onto a spring with the smooth hysteresis of Bouc and Wen, n = 1."""
     spring = bouc_wen(_STIFFNESS, _STIFFNESS * _YIELD, hardening=0.05)
     return Problem(spring, 0.0, _SPEED, damping=_DAMPING, title="hysteretic oscillator")
 
@@ -45,7 +45,7 @@ def bouncing() -> Problem:
     return Problem(stop, -0.5, 0.0, potential=stop.potential, ground=weight, title="bouncing mass")
 
 
-#: Speed of the belt, and the time of the first turn of the mass on it after it has stuck.
+#: Speed of the belt, and the time at which the mass first turns after it has stuck to the belt.
 BELT, TURN = _YIELD * np.pi, (2 * np.pi / 3 + np.sqrt(3)) / (2 * np.pi)
 
 
@@ -58,10 +58,10 @@ def belt() -> Problem:
         \ddot x + k\,(x + V t) + p(x) = 0, \quad |p| \le k u_s
 
     x = u − Vt is the displacement relative to the belt, k = 4π², u_s = 0.1, V = 0.1π, and p the friction of a contact
-    of stiffness 10⁶ k. From rest the mass slips, u = u_s (1 − cos ωt), until it has the speed of the belt at
-    ωt = π/6. It sticks until its spring overcomes the friction in u = u_s, at :math:`\omega t = \pi/6 + \sqrt3`, and
-    swings about u_s with the amplitude V/ω = u_s/2. It turns at u = 0.15, :math:`\omega t = 2\pi/3 + \sqrt3`. The
-    contact leaves a relative error of less than 1e-5 from this rigid friction.
+    of stiffness 10⁶ k. From rest the mass slips, u = u_s (1 − cos ωt), until it has the speed of the belt at ωt = π/6.
+    It sticks until its spring overcomes the friction at u = u_s and :math:`\omega t = \pi/6 + \sqrt3`, and swings about
+    u_s with the amplitude V/ω = u_s/2. It turns at u = 0.15, :math:`\omega t = 2\pi/3 + \sqrt3`. The motion with the
+    stiff contact differs from this motion with rigid friction by less than 1e-5 of its size.
 
     References
     ----------

@@ -8,10 +8,10 @@ from study.problem.naming import Known, named
 
 YOUNG, POISSON, DENSITY, LENGTH = 200e9, 0.3, 8000.0, 10.0
 
-#: Half waves of the modes that a load which is the same everywhere excites.
+#: Numbers of half waves of the modes that a uniform load excites.
 ODD = np.arange(1.0, 8.0, 2.0)
 
-#: Value of each of these half waves in the middle, and the share that it takes of the load.
+#: Value of each of these modes in the middle, and its coefficient in the expansion of a uniform load.
 _MIDDLE, _SHARE = np.sin(ODD * np.pi / 2), 4 / (ODD * np.pi)
 
 

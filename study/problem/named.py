@@ -19,7 +19,7 @@ problems: Registry[Problem] = Registry("problem", {}, made_by=_ENTRIES)
 #: The functions that make the problems; their docstrings have equations, parameters and sources.
 makers = {name: getattr(entry.make, "func", entry.make) for name, entry in _ENTRIES.items()}
 
-#: Time that measures the step sizes of each structure.
+#: Time scale of each structure, in which step sizes are measured.
 time_scales = {name: entry.time_scale for name, entry in _ENTRIES.items() if entry.time_scale is not None}
 
 #: Approximate period of each spring.
@@ -28,5 +28,5 @@ approximate_periods = {name: entry.period for name, entry in _ENTRIES.items() if
 #: Periods that Xie (1996) prints (sections 3.1, 3.2 and 4).
 printed_periods = {name: period for name, period in approximate_periods.items() if _ENTRIES[name].printed}
 
-#: Displacements to compare with, which sources print or which are exact.
+#: Displacements for comparison, printed by a source or exact.
 known = {name: entry.known for name, entry in _ENTRIES.items() if entry.known is not None}

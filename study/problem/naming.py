@@ -15,9 +15,9 @@ class Known(NamedTuple):
     Attributes
     ----------
     time
-        When it is reached.
+        Time at which it is reached.
     source
-        Who prints it, or how it is exact.
+        Source that prints it, or method that gives it exactly.
     u
         The displacement, or a quantity of it.
     weights
@@ -41,10 +41,10 @@ class NamedProblem:
     time_scale
         Time that measures the step sizes of a structure: a period of its load or of its motion.
     period
-        Approximate period of a free oscillator with one unknown, which makes it a spring: it measures step sizes, and
-        the reference finds the exact period near it.
+        Approximate period of a free oscillator with one unknown. A problem with a period is one of the springs: its
+        step sizes are parts of the period, and the reference finds the exact period nearby.
     printed
-        Whether it is the period that Xie (1996) prints, in two or three digits.
+        Whether Xie (1996) prints this period, in two or three digits.
     known
         A displacement to compare with.
     """

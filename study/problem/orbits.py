@@ -1,4 +1,4 @@
-"""Motions with two unknowns and an energy: Arenstorf's orbit, and Hénon and Heiles' star in a galaxy."""
+"""Motions with two unknowns and a conserved energy: Arenstorf's orbit, and Hénon and Heiles' star in a galaxy."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -14,7 +14,7 @@ _START = np.array([0.994, 0.0])
 
 @named(time_scale=PERIOD, known=Known(PERIOD, "Hairer et al. (1993), II.0", u=_START))
 def arenstorf() -> Problem:
-    r"""Arenstorf's orbit: a body without mass that turns periodically around earth and moon, with their rotation.
+    r"""Arenstorf's orbit: a massless body that moves periodically around earth and moon, in their rotating frame.
 
     .. math::
 
@@ -22,10 +22,10 @@ def arenstorf() -> Problem:
         V &= -\frac{x^2 + y^2}{2} - \frac{1 - \mu}{\sqrt{(x + \mu)^2 + y^2}}
             - \frac{\mu}{\sqrt{(x - 1 + \mu)^2 + y^2}}
 
-    u = (x, y), μ = 0.012277471. Distances are in that of earth and moon, a month is 2π. The Coriolis force is a damping
-    matrix that is skew and takes no energy: u̇ᵀu̇/2 + V is Jacobi's constant. From (0.994, 0) with the velocity
-    (0, −2.00158510637908252240537862224) the orbit closes after 17.0652165601579625588917206249. It passes the moon at
-    a distance of 0.006, where the acceleration is hundreds of times that of most of the orbit.
+    u = (x, y), μ = 0.012277471. The unit of length is the distance from earth to moon, and a month is 2π. The Coriolis
+    force is a skew damping matrix, which does no work: u̇ᵀu̇/2 + V is Jacobi's constant. From (0.994, 0) with the
+    velocity (0, −2.00158510637908252240537862224) the orbit closes after 17.0652165601579625588917206249. It passes the
+    moon at a distance of 0.006, where the acceleration is hundreds of times that of most of the orbit.
 
     References
     ----------

@@ -60,8 +60,8 @@ UEDA_EXPONENT = 0.1034
 def ueda(damping: float = 0.05, amplitude: float = 7.5) -> Problem:
     """Ueda's oscillator ü + k u̇ + u³ = B cos t with k = 0.05 and B = 7.5, whose motion is chaotic: u₀ = 2.5, u̇₀ = 0.
 
-    Its largest Lyapunov exponent is 0.1034 in a unit of time (Sprott, 2003). For k = 0.1 and B = 10, 11, 12
-    and 13 Ueda (1979) gives 0.102, 0.114, 0.149 and 0.182, from which that of fine steps is up to a tenth off.
+    Its largest Lyapunov exponent is 0.1034 per unit of time (Sprott, 2003). For k = 0.1 and B = 10, 11, 12 and 13 Ueda
+    (1979) gives 0.102, 0.114, 0.149 and 0.182. Exponents computed with fine steps differ from these by up to a tenth.
 
     References
     ----------
@@ -95,7 +95,7 @@ def van_der_pol() -> Problem:
     return Problem(lambda u, v: (u * u - 1) * v + u, 2.0, 0.0, mass=1e-6, title="van der Pol, stiff")
 
 
-#: Load of the shallow arch, and its deflection farthest from the start, a root of u³/4 − u² + u = P.
+#: Load P of the shallow arch.
 ARCH_LOAD = 0.3
 
 
@@ -124,8 +124,8 @@ def shallow_arch() -> Problem:
         \ddot u + 2u - 3u^2 + u^3 = P, \quad P = 0.3
 
     from u₀ = 0 at rest, where u is the deflection of the crown over the height of the arch. A static load snaps it
-    through at :math:`2/(3\sqrt3) = 0.385`, a sudden one at 8/27 = 0.296, whose work up to u = 2/3 is the energy of the
-    unstable equilibrium there. The time scale is the period of small motions about u = 0.
+    through at :math:`2/(3\sqrt3) = 0.385`. A sudden load does so at 8/27 = 0.296, where its work up to u = 2/3 equals
+    the energy of the unstable equilibrium there. The time scale is the period of small motions about u = 0.
 
     References
     ----------

@@ -44,9 +44,10 @@ TRUSS = (24, 5)
 def spinning_truss() -> Problem:
     """A truss of 24 by 5 cells that spins freely in its plane: 150 joints, 509 bars, 300 unknowns.
 
-    Unit cells with both diagonals, unit mass at every joint, EA = 10⁴ and Green's strain in every bar. The force is
-    assembled from the energies of the bars by automatic differentiation. The truss starts undeformed, as a rigid body
-    that turns at one radian per unit time. It conserves energy, linear and angular momentum.
+    Its cells are unit squares with both diagonals. Every joint has unit mass, and every bar EA = 10⁴ and Green's
+    strain. The force is assembled from the energies of the bars by automatic differentiation. The truss starts
+    undeformed, as a rigid body that turns at one radian per unit time. It conserves energy, linear and angular
+    momentum.
 
     References
     ----------
@@ -70,7 +71,8 @@ def spinning_truss() -> Problem:
 def cantilever_truss() -> Problem:
     """The truss of ``spinning_truss`` as a damped cantilever with a constant transverse load at its free end.
 
-    288 unknowns. Rayleigh damping C = 0.02 M + 0.0005 K; a load of 0.5 at every joint of the free end, from rest.
+    It has 288 unknowns and Rayleigh damping C = 0.02 M + 0.0005 K. A load of 0.5 acts at every joint of the free end,
+    and the motion starts from rest.
     """
     joints, bars = _mesh(*TRUSS)
     free = np.flatnonzero(joints[:, 0] > 0)

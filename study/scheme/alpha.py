@@ -12,7 +12,7 @@ from study.scheme.newmark import ROUND_OFF, bounded_at_infinite_frequency, predi
 
 
 def _stability_limit(alpha_m: float, alpha_f: float, beta: float, gamma: float) -> float | None:
-    """Infinite under the conditions of Chung and Hulbert for methods of second order; Newmark's limit without α."""
+    """Stability limit: infinite under Chung and Hulbert's conditions for second order, Newmark's limit without α."""
     if alpha_m == alpha_f == 0:
         return stability_limit(beta, gamma)
     shift = alpha_f - alpha_m
@@ -33,8 +33,8 @@ class HHTAlpha1996(OneStep):
 
     Second order for γ = ½ − α without damping and load; first order with either, except for α = 0, which is Newmark's
     method. With β = (1 − α)²/4, γ = ½ − α and −⅓ ≤ α ≤ 0 it is unconditionally stable for linear systems. Carries u, u̇
-    and ü; one force a Newton iteration and one force a step. A force with a history commits it at u₁; p(u₀) follows
-    from the history committed there.
+    and ü; one force per Newton iteration and one force per step. The history of a force is committed at u₁; p(u₀)
+    follows from the history committed there.
 
     Parameters
     ----------
@@ -117,8 +117,8 @@ class GeneralizedAlpha(OneStep):
     with u₁ and u̇₁ by Newmark's formulas. The internal force is evaluated once, at the weighted displacement, as finite
     element codes do. Second order for γ = ½ − α_m + α_f. With :math:`\beta = (1 - \alpha_m + \alpha_f)^2/4` and α_m ≤
     α_f ≤ ½ it is unconditionally stable for linear systems, and its spectral radius falls to ρ∞ as ωΔt grows. Carries
-    u, u̇ and the algorithmic ü; one force a Newton iteration. A force with a history commits it at u₁, not where the
-    balance is.
+    u, u̇ and the algorithmic ü; one force per Newton iteration. The history of a force is committed at u₁, not where
+    the forces balance.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ class GeneralizedAlpha(OneStep):
     def increment(self, problem, state, t, dt):
         u, v, a = state
         part = 1 - self.alpha_f
-        # ü₁ = c_a (ü_m − α_m ü₀) makes Newmark's formulas ones of ü₀ and ü_m, with c_a β and c_a γ
+        # with ü₁ = c_a (ü_m − α_m ü₀) Newmark's formulas hold for ü₀ and ü_m, with c_a β and c_a γ
         c_a = 1 / (1 - self.alpha_m)
         c_u, c_v = part * self.beta * dt**2 * c_a, part * self.gamma * dt * c_a
         du, dv = predicted(v, a, dt, self.beta * c_a, self.gamma * c_a)

@@ -40,10 +40,10 @@ class AuxiliaryVariable(Scheme):
 
     where K is the stiffness next to the force p, and V the potential of p. The equations are linear, and solved with
     one matrix for two right sides. Second order. Without load the quadratic form of BDF2 in u̇, u and r, which
-    represents the energy :math:`\tfrac12 \dot u^T M \dot u + \tfrac12 u^T K u + r^2`, does not grow at any step
-    size; r itself may leave :math:`\sqrt{V + c}`. Without p it is BDF2. The average acceleration method, run
-    backwards, finds the motion before the start. Needs the potential. Carries u, u̇ and r at two times; one force
-    and one potential a step.
+    represents the energy :math:`\tfrac12 \dot u^T M \dot u + \tfrac12 u^T K u + r^2`, does not grow at any step size; r
+    itself may drift from :math:`\sqrt{V + c}`. Without p it is BDF2. The average acceleration method, run backwards,
+    finds the motion before the start. Needs the potential. Carries u, u̇ and r at two times; one force and one
+    potential per step.
 
     Parameters
     ----------

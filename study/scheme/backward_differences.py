@@ -32,8 +32,8 @@ class BackwardDifferences(Scheme):
 
     BDF2 is d = (3/2, −2, 1/2). Park's method, d = (10, −15, 6, −1)/6, is the mean of BDF2 and BDF3. Both are of second
     order and unconditionally stable for linear systems, with ρ∞ = 0. The average acceleration method, run backwards,
-    finds the motion before the start. Carries u, u̇ and ü, and one (BDF2) or two (Park) older u and u̇; one force a
-    Newton iteration. A force with a history commits it at u₁, where the balance is.
+    finds the motion before the start. Carries u, u̇ and ü, and one (BDF2) or two (Park) older u and u̇; one force per
+    Newton iteration. The history of a force is committed at u₁, where the forces balance.
 
     Parameters
     ----------

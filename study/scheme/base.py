@@ -26,7 +26,7 @@ class Scheme(eqx.Module):
 
     #: Name of the scheme in figures and tables.
     title: eqx.AbstractVar[str]
-    #: Schemes of one family share the panels of figures.
+    #: Family of the scheme; schemes of one family share a panel in figures.
     family: ClassVar[str]
 
     @property
@@ -46,7 +46,7 @@ class Scheme(eqx.Module):
 
     @property
     def order_with_damping(self) -> int:
-        """Order of accuracy with damping, a force that takes the velocity, or a load: the lowest of them."""
+        """Lowest order of accuracy with damping, with a force that depends on the velocity, and with a load."""
         return self.order
 
     @property
@@ -62,7 +62,8 @@ class Scheme(eqx.Module):
     def explicit(self) -> bool:
         """Whether a step needs no iteration, even if the internal force is non-linear.
 
-        Schemes that take the velocity of the end of a kick iterate where the internal force depends on the velocity.
+        An explicit scheme that uses the velocity at the end of a kick still iterates if the internal force depends on
+        it.
         """
 
     @property
@@ -77,7 +78,7 @@ class Scheme(eqx.Module):
 
     @property
     def needs_equal_steps(self) -> bool:
-        """Whether all steps must have one size, because the scheme carries earlier ones."""
+        """Whether all steps must have one size, because the scheme carries values of earlier steps."""
         return True
 
     @property
@@ -103,8 +104,8 @@ class Scheme(eqx.Module):
         named = {None: "", 0.0: ", unstable without damping", np.inf: ", unconditionally stable for linear systems"}
         limit = self.stability_limit
         stable = named[limit] if limit in named else f", stable for ωΔt ≤ {limit:.4g}"
-        forces = [f"{self.forces_per_step} a step"] if self.forces_per_step else []
-        forces += [] if self.explicit else [f"{self.forces_per_iteration} a Newton iteration"]
+        forces = [f"{self.forces_per_step} per step"] if self.forces_per_step else []
+        forces += [] if self.explicit else [f"{self.forces_per_iteration} per Newton iteration"]
         lines = [
             # a dataclass without a docstring has its signature in place of one
             self.title if summary.startswith(f"{kind}(") else f"{self.title}: {summary}",

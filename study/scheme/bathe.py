@@ -53,9 +53,8 @@ class Bathe(Composite):
     Second order, unconditionally stable for linear systems, with the spectral radius ρ∞ at infinite frequency. ρ∞ = 0
     is Bathe's method with γ = ½ and TR-BDF2 with γ = 2 − √2. With
     :math:`\gamma = (2 - \sqrt{2 + 2\rho_\infty})/(1 - \rho_\infty)`, as in TR-BDF2, both sub-steps have the same
-    effective stiffness. ρ∞ = 1 with γ = ½ is the trapezoidal rule twice. Carries u, u̇ and ü; solves two balances a
-    step, each with one force a Newton iteration. The first one commits the history of a force with a memory at t₀ +
-    γΔt.
+    effective stiffness. ρ∞ = 1 with γ = ½ is the trapezoidal rule twice. Carries u, u̇ and ü; solves two balances per
+    step, each with one force per Newton iteration. The history of a force is committed at t₀ + γΔt and at t₁.
 
     Parameters
     ----------
@@ -114,10 +113,10 @@ class BetaBathe(Composite):
             \quad\text{for } y = u, \dot u \\
         M \ddot u + C \dot u + p(u) &= f \quad\text{at } t_0 + \gamma\Delta t \text{ and at } t_1
 
-    With γ = ½ it is unconditionally stable for linear systems if β₁ + β₂ ≥ 1 and β₁ ≤ β₂. It is of second order if β₁ +
-    β₂ = 1, where it is the ρ∞-Bathe method with :math:`\rho_\infty = (3\beta_1 - 1)/(1 - \beta_1)` for β₁ ≥ ⅓, and of
-    first order otherwise. β₂ = 2β₁ makes ρ∞ zero. Carries u, u̇ and ü; solves two balances a step, each with one force
-    a Newton iteration. The first one commits the history of a force with a memory at t₀ + γΔt.
+    With γ = ½ it is unconditionally stable for linear systems if β₁ + β₂ ≥ 1 and β₁ ≤ β₂. It is of second order if
+    β₁ + β₂ = 1, where it is the ρ∞-Bathe method with :math:`\rho_\infty = (3\beta_1 - 1)/(1 - \beta_1)` for β₁ ≥ ⅓, and
+    of first order otherwise. β₂ = 2β₁ makes ρ∞ zero. Carries u, u̇ and ü; solves two balances per step, each with one
+    force per Newton iteration. The history of a force is committed at t₀ + γΔt and at t₁.
 
     Parameters
     ----------

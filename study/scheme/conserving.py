@@ -27,8 +27,8 @@ class ImplicitMidpoint(OneStep):
         \dot u_m = (u_1 - u_0)/\Delta t &= (\dot u_0 + \dot u_1)/2, \quad u_m = (u_0 + u_1)/2
 
     Second order and symplectic; conserves linear and angular momentum. For linear systems it is the trapezoidal rule:
-    unconditionally stable, without numerical damping. Carries u, u̇ and a guess of ü; one force a Newton iteration. A
-    force with a history commits it at u₁, not at the midpoint where the balance is.
+    unconditionally stable, without numerical damping. Carries u, u̇ and a guess of ü; one force per Newton iteration.
+    The history of a force is committed at u₁, not at the midpoint where the forces balance.
 
     References
     ----------
@@ -54,11 +54,12 @@ class ImplicitMidpoint(OneStep):
         return Motion(dt * v + dt**2 / 2 * a, dt * a, a), effort
 
 
-#: Below this relative change of a strain (or displacement) the force at the middle replaces the quotient of energy and
-#: strain, which would lose more digits than the third-order error of the middle. About the cube root of round-off.
+#: Relative change of a strain (or displacement) below which the force at the midpoint replaces the quotient of energy
+#: and strain. The round-off of the quotient would exceed the third-order error of the midpoint. About the cube root of
+#: round-off.
 STANDSTILL = {np.dtype("float64"): 1e-5, np.dtype("float32"): 8e-3}
 
-#: The same below this absolute change, whose square underflows, as ahead of a wave.
+#: Absolute change below which the force at the midpoint is used too, because its square underflows, as ahead of a wave.
 SMALLEST = {np.dtype("float64"): 1e-150, np.dtype("float32"): 1e-18}
 
 
@@ -124,9 +125,9 @@ class EnergyMomentum(OneStep):
 
     Second order. Without damping and load the energy ½ u̇ᵀ M u̇ + V(u) is constant to round-off. With a strain energy
     linear and angular momentum are constant too; the second form conserves them to third order in the step only, and
-    its tangent is full. For one unknown both forms are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo and Tarnow for
-    a spring. For linear systems it is the trapezoidal rule, unconditionally stable. Needs the problem's potential.
-    Carries u, u̇ and a guess of ü; one force and one potential a Newton iteration, one potential a step.
+    its tangent is full. For one unknown both forms are p̄ = (V(u₁) − V(u₀))/(u₁ − u₀), the method of Simo and Tarnow
+    for a spring. For linear systems it is the trapezoidal rule, unconditionally stable. Needs the problem's potential.
+    Carries u, u̇ and a guess of ü; one force and one potential per Newton iteration, one potential per step.
 
     References
     ----------
@@ -190,8 +191,8 @@ class AverageVectorField(OneStep):
 
     Gauss quadrature with m = ``points`` points evaluates the integral. It conserves the energy exactly if p is a
     polynomial of degree 2m − 1 or less, and nearly otherwise. Second order. For linear systems it is the trapezoidal
-    rule, unconditionally stable. Needs no potential. Carries u, u̇ and a guess of ü; m forces a Newton iteration. A
-    force with a history commits it at u₁; the points of the mean all start from the history at u₀.
+    rule, unconditionally stable. Needs no potential. Carries u, u̇ and a guess of ü; m forces per Newton iteration. The
+    history of a force is committed at u₁; the points of the mean all start from the history at u₀.
 
     Parameters
     ----------

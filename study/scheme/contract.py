@@ -1,4 +1,4 @@
-"""The contract of a scheme: states with u and v and the effort to find them, from functions that JAX can trace."""
+"""Checks of the contract of a scheme: JAX can trace its functions, which return a state with u and v and an effort."""
 
 from typing import Any
 
@@ -19,11 +19,11 @@ def check_attributes(scheme: Any) -> None:
     Raises
     ------
     TypeError
-        In one sentence, which names the class.
+        If an attribute is invalid; the message names the class.
     """
     of = type(scheme).__name__
     if not isinstance(scheme.title, str) or not scheme.title.strip():
-        raise TypeError(f"title of {of} must be a text, not {scheme.title!r}.")
+        raise TypeError(f"title of {of} must be a string, not {scheme.title!r}.")
     for name, least in _MINIMA.items():
         try:
             value = getattr(scheme, name)
@@ -43,8 +43,8 @@ def _returned(scheme: Any, method: str, *arguments: Any) -> tuple[Any, Effort]:
         returned = getattr(scheme, method)(*arguments)
     except NOT_TRACEABLE as error:
         raise TypeError(
-            f"{of} branches on a number that JAX traces, or hands it to NumPy or to Python: write it with jax.numpy, a "
-            "choice as jnp.where."
+            f"{of} branches on a number that JAX traces, or passes it to NumPy or Python: write it with jax.numpy, and "
+            "use jnp.where for a choice."
         ) from error
     except (AttributeError, NameError, RuntimeError) as error:
         raise TypeError(f"{of} raises {type(error).__name__}: {error}") from error
@@ -69,7 +69,7 @@ def started(scheme: Any, problem: Any, u0: Any, v0: Any, dt: Any) -> tuple[Any, 
     Raises
     ------
     TypeError
-        If ``start`` returns something else than a state and an effort.
+        If ``start`` returns something other than a state and an effort.
     """
     returned = _returned(scheme, "start", problem, u0, v0, dt)
     _check_motion(f"start of {type(scheme).__name__}", returned[0], u0)
@@ -82,7 +82,7 @@ def stepped(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple[Any
     Raises
     ------
     TypeError
-        If ``step`` returns something else than a state like the previous one and an effort.
+        If ``step`` returns something other than a state like the previous one and an effort.
     """
     returned = _returned(scheme, "step", problem, state, t, dt)
     of = f"step of {type(scheme).__name__}"
@@ -100,7 +100,7 @@ def incremented(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple
     Raises
     ------
     TypeError
-        If ``increment`` returns something else than a named tuple with u and v, and an effort.
+        If ``increment`` returns something other than a named tuple with u and v, and an effort.
     """
     returned = _returned(scheme, "increment", problem, state, t, dt)
     of = f"increment of {type(scheme).__name__}"

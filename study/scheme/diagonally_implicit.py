@@ -13,7 +13,10 @@ from study.scheme.base import OneStep, check_ranges
 
 
 def _diagonal(s: int, rho_inf: float) -> float:
-    """The γ with ρ∞ of the unconditionally stable method of s sub-steps and order s, nearest to the γ with ρ∞ = 0."""
+    """Diagonal coefficient γ of the unconditionally stable method of s sub-steps and order s, for ρ∞.
+
+    Of several roots of the polynomial it is the one nearest to the γ for ρ∞ = 0.
+    """
     polynomial = [(-1) ** j * math.comb(s, j) / math.factorial(s - j) for j in range(s, -1, -1)]
     polynomial[0] -= rho_inf * (-1) ** s
     roots = np.roots(polynomial)
@@ -21,7 +24,7 @@ def _diagonal(s: int, rho_inf: float) -> float:
 
 
 def _explicit_part(c: np.ndarray, row: int, gamma: float, moments: list[float]) -> np.ndarray:
-    """The first weights a of a row, with Σ a cᵏ + γ c_rowᵏ = moments[k]; those after them are zero."""
+    """A row of weights a with γ on the diagonal: Σ a cᵏ + γ c_rowᵏ = moments[k], by the first weights alone."""
     number = len(moments)
     weights = np.zeros(len(c))
     rest = np.array(moments) - gamma * c[row] ** np.arange(number)
@@ -34,7 +37,7 @@ def _explicit_part(c: np.ndarray, row: int, gamma: float, moments: list[float]) 
 def _tableau(s: int, rho_inf: float) -> np.ndarray:
     """The weights A (s + 1, s + 1); the last row belongs to the end of the step."""
     g = _diagonal(s, rho_inf)
-    # with these inner times no weight exceeds three, whatever ρ∞ is; other times are too close to 2γ
+    # no weight exceeds three with these inner times, for any ρ∞; other times are too close to 2γ
     c = np.array([0, 2 * g, 0.6, 1] if s == 3 else [0, 2 * g, 0.7, 0.6, 1])
     weights = np.zeros((s + 1, s + 1))
     for row in range(1, s):
@@ -49,7 +52,7 @@ def _tableau(s: int, rho_inf: float) -> np.ndarray:
 class DiagonallyImplicit(OneStep):
     r"""The ESDIRK method of s sub-steps and order s, s = 3 or 4: explicit first stage, one γ on the diagonal.
 
-    For i = 1, ..., s, with the times c and the weights A, and y₁ as the last of y_i,
+    For i = 1, ..., s, with the times c and the weights A, where the last y_i is the end of the step,
 
     .. math::
 
@@ -59,13 +62,14 @@ class DiagonallyImplicit(OneStep):
         \sum_j b_j c_j^k &= \tfrac{1}{k + 1} \text{ for } k < s, \quad b_j = A_{sj} \\
         \sum_{j=0}^s \binom{s}{j} \frac{(-\gamma)^j}{(s - j)!} &= \rho_\infty (-\gamma)^s
 
-    The first sub-step is one of the trapezoidal rule. For s = 4 :math:`\sum_j b_j (A c^2)_j = 1/12` too. The order
-    leaves the times between free; here c₂ = 0.6 for s = 3, and c₂ = 0.7 and c₃ = 0.6 for s = 4.
+    The first sub-step is one of the trapezoidal rule. For s = 4 the weights also satisfy
+    :math:`\sum_j b_j (A c^2)_j = 1/12`. The order conditions leave the times between the first and the last free; here
+    c₂ = 0.6 for s = 3, and c₂ = 0.7 and c₃ = 0.6 for s = 4.
 
     Order s with damping and load too; unconditionally stable for linear systems, with the spectral radius ρ∞ at
     infinite frequency, and the same effective stiffness in all sub-steps. γ rises from 1/3 (ρ∞ = 1) to 0.436 (ρ∞ = 0)
-    for s = 3, and from 0.394 to 0.573 for s = 4: the first sub-step may end beyond t₁. Carries u, u̇ and ü;
-    solves s balances a step, each with one force a Newton iteration. A force with a history commits it at u₁; the
+    for s = 3, and from 0.394 to 0.573 for s = 4: the first sub-step may end beyond t₁. Carries u, u̇ and ü; solves s
+    balances per step, each with one force per Newton iteration. The history of a force is committed at u₁; the
     sub-steps all start from the history at u₀.
 
     Parameters

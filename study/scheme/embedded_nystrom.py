@@ -55,12 +55,13 @@ class EmbeddedNystrom(OneStep):
         u_1 &= u_0 + \Delta t\,\dot u_0 + \Delta t^2 \sum_j b_j k_j, \quad
             \dot u_1 = \dot u_0 + \Delta t \sum_j b'_j k_j
 
-    The weights :math:`\hat b` and :math:`\hat b'` of ``tableau`` in place of b and b′ give the embedded method, whose
-    difference from the other estimates the error of a step. The pair of Dormand and Prince has the orders six and four.
-    Without damping no step size is stable, but the motion grows in a step only by :math:`4 \cdot 10^{-6} (\omega\Delta
-    t)^8`. The pair is derived for ü that does not depend on u̇, and has no v_i. Here ā integrates the polynomial
-    through the previous k, and the order is three with damping. Carries u, u̇ and ü; s − 1 forces a step, five for this
-    pair. A force with a history commits it at u₁; the stages all start from the history at u₀.
+    The weights :math:`\hat b` and :math:`\hat b'` of ``tableau`` in place of b and b′ give the embedded method. The
+    difference between the two methods estimates the error of a step. The pair of Dormand and Prince has the orders six
+    and four. Without damping it is unstable at every step size, but the motion grows by only
+    :math:`4 \cdot 10^{-6} (\omega\Delta t)^8` per step. The pair is derived for ü that does not depend on u̇, and has
+    no v_i. Here ā integrates the polynomial through the previous k, and the order is three with damping. Carries u, u̇
+    and ü; s − 1 forces per step, five for this pair. The history of a force is committed at u₁; the stages all start
+    from the history at u₀.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from study.scheme.newmark import corrected
 
 
 class ExplicitAlpha(OneStep):
-    r"""The explicit generalized-α method of Hulbert and Chung: balance with displacement and velocity of the start.
+    r"""The explicit generalized-α method of Hulbert and Chung: balance with the displacement and velocity at t₀.
 
     .. math::
 
@@ -29,7 +29,7 @@ class ExplicitAlpha(OneStep):
         \alpha_m = \frac{2\rho_b - 1}{1 + \rho_b}, \quad \beta = \frac{5 - 3\rho_b}{(1 + \rho_b)^2 (2 - \rho_b)}
 
     α_m = 0 with 1 ≤ β ≤ 28/27 is the method of Chung and Lee: β = 1 does not damp, β = 28/27 is ρ_b = ½. Carries u, u̇
-    and the algorithmic ü; one force a step, and one solution with M. A force with a history commits it at u₁.
+    and the algorithmic ü; one force per step, and one solution with M. The history of a force is committed at u₁.
 
     Parameters
     ----------

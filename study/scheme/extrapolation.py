@@ -23,7 +23,7 @@ class Extrapolation(OneStep):
     Verlet's method is symmetric: its error is a series in (Δt/n)², and the extrapolation removes its first k − 1 terms.
     The order is 2k, with damping and load too. The k sequences do not depend on each other, so a processor runs them
     side by side. Not symplectic. n = 1, 2, ..., 6 is stable without damping for ωΔt ≤ 3.141, and again beyond a narrow
-    window at π. Carries u, u̇ and ü; n₁ + ... + n_k + 1 forces a step. A force with a history commits it at u₁; all
+    window at π. Carries u, u̇ and ü; n₁ + ... + n_k + 1 forces per step. The history of a force is committed at u₁; all
     sub-steps start from the history at u₀.
 
     Parameters

@@ -95,8 +95,8 @@ class Houbolt(Scheme):
 
     Second order, unconditionally stable for linear systems; its damping cannot be controlled. In terms of the
     acceleration, :math:`u_1 = \tilde u + \Delta t^2\,\ddot u_1/2` and
-    :math:`\dot u_1 = \tilde v + 11 \Delta t\,\ddot u_1/12`. Carries u, u̇, ü and two older u; one force a Newton
-    iteration. A force with a history commits it at u₁, where the balance is.
+    :math:`\dot u_1 = \tilde v + 11 \Delta t\,\ddot u_1/12`. Carries u, u̇, ü and two older u; one force per Newton
+    iteration. The history of a force is committed at u₁, where the forces balance.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class Houbolt(Scheme):
     Raises
     ------
     ValueError
-        If there is no such way.
+        If there is no such start.
 
     References
     ----------

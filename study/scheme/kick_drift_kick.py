@@ -1,4 +1,4 @@
-"""Splitting methods from a kick to a kick, whose steps share a force: Blanes and Moan's."""
+"""Splitting methods that begin and end with a kick, so that consecutive steps share a force: Blanes and Moan's."""
 
 from itertools import accumulate
 from typing import ClassVar
@@ -13,7 +13,7 @@ from study.scheme.splitting import Alternating, mirrored
 
 
 class KickDriftKick(Alternating):
-    r"""Kicks k₀, ..., k_s and drifts d₁, ..., d_s in turn, from a kick to a kick.
+    r"""Kicks k₀, ..., k_s and drifts d₁, ..., d_s in turn, beginning and ending with a kick.
 
     .. math::
 
@@ -26,8 +26,8 @@ class KickDriftKick(Alternating):
     at the time t_i = t₀ + (d₁ + ... + d_i) Δt. The last force of a step is the first one of the next. Symplectic
     without damping. k = (½, ½), d = (1) is velocity Verlet. The method SRKN6b of Blanes and Moan has six drifts, and is
     of order four and stable for ωΔt ≤ 3.163. It is derived for ü that does not depend on u̇, and is of second order
-    with damping. Carries u, u̇ and ü; s forces a step. A force with a history commits it at u₁; the kicks in between
-    all start from the history at u₀.
+    with damping. Carries u, u̇ and ü; s forces per step. The history of a force is committed at u₁; the kicks in
+    between all start from the history at u₀.
 
     Parameters
     ----------

@@ -38,10 +38,10 @@ class KolayRicles(OneStep):
 
     and the roots ±iρ∞ and −ρ∞ at infinite frequency in place of −ρ∞ three times. The carried velocity lags by half a
     step, so a motion that starts with an acceleration is of first order. The method was published as stable for
-    structures that soften. If the tangent k exceeds K, as in a structure that hardens, eigenvalues exceed one: without
-    damping for ρ∞ = 1 if k > 4/Δt² M + K, and for ρ∞ = 0.8 at every step size, though slightly at small ones. Carries
-    u, u̇ and ü; one force a step (the tangent at u = 0 is the same in all steps), and three solutions. A force with a
-    history commits it at u₁; the model has the stiffness at rest.
+    structures that soften. If the tangent k exceeds K, as in a structure that hardens, eigenvalues may exceed one.
+    Without damping they do so for ρ∞ = 1 if k > K + 4/Δt² M, and for ρ∞ = 0.8 at every step size; at small steps the
+    excess is slight. Carries u, u̇ and ü; one force per step (the tangent at u = 0 is the same in all steps), and three
+    solutions. The history of a force is committed at u₁; the model has the stiffness at rest.
 
     Parameters
     ----------

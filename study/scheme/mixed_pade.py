@@ -1,4 +1,4 @@
-"""High-order methods for linear structures from mixed Padé expansions, with complex solutions for one acceleration."""
+"""High-order methods for linear structures from mixed Padé expansions, which solve complex systems of n unknowns."""
 
 import math
 from functools import cache
@@ -38,7 +38,7 @@ def _weights(m: int, rho_inf: float) -> _Weights:
     a = (c[:, None] ** powers / powers) @ inverse
     b = (1 / powers) @ inverse
     roots, vectors = np.linalg.eig(a)
-    # of two conjugates, one stands for both: twice its real part
+    # one of two conjugates represents both, by twice its real part
     kept = roots.imag > -1e-12
     twice = np.where(roots.imag > 1e-12, 2.0, 1.0)
     rows = np.linalg.inv(vectors)
@@ -73,10 +73,10 @@ class MixedPade(OneStep):
         \dot u_1 &= \dot u_0 + \Delta t \sum_\lambda w_\lambda a_\lambda \\
         u_1 &= u_0 + \Delta t\,\dot u_0 + \Delta t^2 \sum_\lambda w'_\lambda a_\lambda
 
-    Of two conjugate λ one is solved. Order 2M − 1, and 2M for ρ∞ = 1, with damping and load too; unconditionally
-    stable, with the spectral radius ρ∞ at infinite frequency. M = 1 with ρ∞ = 1 is the midpoint rule, with ρ∞ = 0 the
-    implicit Euler method. For linear problems whose matrices are numbers, diagonals, tridiagonal or full. Carries u and
-    u̇; no iteration, and M/2 complex solutions a step, rounded up, one of them real if M is odd.
+    The system is solved for one of two conjugate λ only. Order 2M − 1, and 2M for ρ∞ = 1, with damping and load too;
+    unconditionally stable, with the spectral radius ρ∞ at infinite frequency. M = 1 with ρ∞ = 1 is the midpoint rule,
+    with ρ∞ = 0 the implicit Euler method. For linear problems whose matrices are numbers, diagonals, tridiagonal or
+    full. Carries u and u̇; no iteration, and M/2 complex solutions per step, rounded up, one of them real if M is odd.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ class MixedPade(OneStep):
         wide = any(isinstance(x, Banded) and x.half_bandwidth > 1 for x in matrices)
         if not problem.linear or wide or any(form_of(x) in (Form.SPARSE, Form.FREE) for x in matrices):
             return (
-                f"'{self.title}' steps a linear problem without a force, whose matrices are numbers, diagonals, "
+                f"'{self.title}' needs a linear problem without a force and with matrices that are numbers, diagonals, "
                 f"tridiagonal or full, which '{problem.title}' is not."
             )
         return super().refusal(problem)

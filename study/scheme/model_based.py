@@ -53,8 +53,8 @@ class ChenRicles(OneStep):
     For a linear structure the eigenvalues are those of the trapezoidal rule: of second order, unconditionally stable
     and without numerical damping. The carried velocity lags by half a step, so a motion that starts with an
     acceleration is of first order. If the tangent k exceeds K, as in a structure that hardens, it is stable without
-    damping only while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force a step, and two solutions. A force with a history
-    commits it at u₁, where the balance is; the model has the stiffness at rest.
+    damping only while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force per step, and two solutions. The history of a
+    force is committed at u₁, where the forces balance; the model has the stiffness at rest.
 
     References
     ----------
@@ -96,9 +96,9 @@ class Chang(OneStep):
 
     Second order. For a linear structure without load it is the trapezoidal rule: unconditionally stable, without
     numerical damping. If the tangent k exceeds K, as in a structure that hardens, it is stable without damping only
-    while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force a step, and two solutions, without iteration unless the force
-    depends on the velocity. A force with a history commits it at u₁, where the balance is; the model has the stiffness
-    at rest.
+    while k ≤ K + 4/Δt² M. Carries u, u̇ and ü; one force per step, and two solutions, without iteration unless the
+    force depends on the velocity. The history of a force is committed at u₁, where the forces balance; the model has
+    the stiffness at rest.
 
     References
     ----------

@@ -11,7 +11,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.state import Effort, Motion
 from study.scheme.base import OneStep, check_ranges
 
-#: Conditions on parameters hold up to this round-off.
+#: Tolerance of conditions on parameters, for round-off.
 ROUND_OFF = 1e-12
 
 
@@ -56,15 +56,15 @@ class Newmark(OneStep):
 
     Second order for γ = ½, first order otherwise. Unconditionally stable for linear systems if 2β ≥ γ ≥ ½; with γ ≥ ½
     and 2β < γ stable without damping for ωΔt ≤ 1/√(γ/2 − β). With γ > ½ high frequencies are damped. Carries u, u̇ and
-    ü; one force a Newton iteration. A force with a history commits it at u₁, where the balance is. Members of the
-    family:
+    ü; one force per Newton iteration. The history of a force is committed at u₁, where the forces balance. Members of
+    the family:
 
     - β = ¼, γ = ½, average acceleration, the trapezoidal rule;
     - β = 1/6, γ = ½, linear acceleration, stable for :math:`\omega\Delta t \le 2\sqrt 3`;
     - β = 1/12, γ = ½, Fox and Goodwin, stable for :math:`\omega\Delta t \le \sqrt 6`; its displacement is of fourth
       order for undamped motion from rest (Numerov's formula);
-    - β = 0, γ = ½, central difference, which takes one force a step and no iteration, and is stable for ωΔt ≤ 2. Of
-      steps that alternate between h and H ≥ h it is stable for :math:`\omega^2 H (h + H) \le 4`, and again where
+    - β = 0, γ = ½, central difference, which takes one force per step and no iteration, and is stable for ωΔt ≤ 2.
+      With steps that alternate between h and H ≥ h it is stable for :math:`\omega^2 H (h + H) \le 4`, and again where
       :math:`\omega^2 h (h + H) \ge 4` and :math:`\omega^2 h H \le 4`.
 
     Parameters

@@ -30,8 +30,8 @@ class RungeKutta4(OneStep):
         k_1 &= \Delta t\,F(t_0, y_0), \quad k_2 = \Delta t\,F(t_0 + \tfrac12 \Delta t, y_0 + \tfrac12 k_1) \\
         k_3 &= \Delta t\,F(t_0 + \tfrac12 \Delta t, y_0 + \tfrac12 k_2), \quad k_4 = \Delta t\,F(t_1, y_0 + k_3)
 
-    Fourth order; stable without damping for ωΔt ≤ 2√2. Carries u and u̇; four forces a step. A force with a history
-    commits it at u₁; the stages all start from the history at u₀.
+    Fourth order; stable without damping for ωΔt ≤ 2√2. Carries u and u̇; four forces per step. The history of a force
+    is committed at u₁; the stages all start from the history at u₀.
 
     References
     ----------
@@ -76,8 +76,8 @@ class Nystrom4(OneStep):
         \dot u_1 &= \dot u_0 + \tfrac16 \Delta t\,(k_1 + 2 k_2 + 2 k_3 + k_4)
 
     Fourth order; stable without damping for ωΔt ≤ 2.586, which is :math:`\sqrt{8 + 2^{7/3} - 2^{8/3}}`. Carries u and
-    u̇; three forces a step, because k₂ and k₃ share one. Without damping k₃ = k₂. A force with a history commits it at
-    u₁; the stages all start from the history at u₀.
+    u̇; three forces per step, because k₂ and k₃ share one. Without damping k₃ = k₂. The history of a force is committed
+    at u₁; the stages all start from the history at u₀.
 
     References
     ----------
@@ -189,8 +189,8 @@ class Gauss4(OneStep):
         u(t_1) &= u_0 + \Delta t\,\dot u_0 + \tfrac12 \Delta t^2 \sum_i (1 - c_i)\,\ddot u_i
 
     Fourth order and symplectic; unconditionally stable for linear systems, without numerical damping. Both stages are
-    solved together. Carries u, u̇ and both stage accelerations as a guess; two forces a Newton iteration, and one
-    solution for 2n unknowns. A force with a history commits it at u₁; the stages all start from the history at u₀.
+    solved together. Carries u, u̇ and both stage accelerations as a guess; two forces per Newton iteration, and one
+    solution for 2n unknowns. The history of a force is committed at u₁; the stages all start from the history at u₀.
 
     References
     ----------
@@ -213,7 +213,7 @@ class Gauss4(OneStep):
     def refusal(self, problem):
         if isinstance(problem.tangent, SparseTangent):
             return (
-                f"'{self.title}' solves for two stages together, which it does not for the sparse matrices of "
+                f"'{self.title}' solves for two stages together, which is not supported for the sparse matrices of "
                 f"'{problem.title}': take a scheme that solves for one acceleration, such as a composite one."
             )
         return super().refusal(problem)

@@ -63,7 +63,8 @@ class Splitting(Alternating):
     at the time t_i = t₀ + (d₀ + ... + d_{i−1}) Δt. Symplectic without damping. d = (0, 1), k = (1) is the symplectic
     Euler method, of first order and stable for ωΔt ≤ 2. McLachlan's method of order four has five kicks and is stable
     for ωΔt ≤ 2.922. It is derived for ü that does not depend on u̇, and is of second order with damping. Carries u and
-    u̇; s forces a step. A force with a history commits it at u₁; the kicks in between all start from the history at u₀.
+    u̇; s forces per step. The history of a force is committed at u₁; the kicks in between all start from the history at
+    u₀.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ class Composition(OneStep):
     of third order, of fifth, and so on make methods of order 4 (Yoshida, three steps, stable for ωΔt ≤ 1.573), 6
     (Yoshida, seven steps, stable for ωΔt ≤ 2.269) and 8 (Kahan and Li, seventeen steps, stable for ωΔt ≤ 3.096, and
     again beyond a narrow window at π), with damping and load too. Symplectic without damping. Carries u, u̇ and ü; s
-    forces a step. A force with a history commits it at u₁; the steps in between all start from the history at u₀.
+    forces per step. The history of a force is committed at u₁; the steps in between all start from the history at u₀.
 
     Parameters
     ----------

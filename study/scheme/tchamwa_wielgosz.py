@@ -20,8 +20,8 @@ class TchamwaWielgosz(OneStep):
         M \ddot u_1 + C \dot u_1 + p(u_1) &= f(t_1)
 
     First order. Without damping φ = 1 is the symplectic Euler method; φ > 1 damps high frequencies. Stable without
-    damping for :math:`\omega\Delta t \le 2/\sqrt{2\varphi - 1}`. Carries u, u̇ and ü; one force a step. A force with a
-    history commits it at u₁, where the balance is.
+    damping for :math:`\omega\Delta t \le 2/\sqrt{2\varphi - 1}`. Carries u, u̇ and ü; one force per step. The history
+    of a force is committed at u₁, where the forces balance.
 
     Parameters
     ----------

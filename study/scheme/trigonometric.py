@@ -71,7 +71,7 @@ class Trigonometric(OneStep):
     - ``hairer_lubich``, ψ = sinc², φ = 1, which nearly conserves the energy over long times.
 
     Second order; without K it is velocity Verlet. For problems without damping whose M and K are numbers or diagonals.
-    Carries u, u̇ and g; one force a step. A force with a history commits it at u₁.
+    Carries u, u̇ and g; one force per step. The history of a force is committed at u₁.
 
     Parameters
     ----------
@@ -116,8 +116,8 @@ class Trigonometric(OneStep):
     def refusal(self, problem):
         if problem.damped or any(form_of(x) > Form.DIAGONAL for x in _mass_and_stiffness(problem)):
             return (
-                f"'{self.title}' moves the linear part of '{problem.title}' exactly, which it does without damping and "
-                "with numbers or diagonals as mass and stiffness."
+                f"'{self.title}' solves the linear part of '{problem.title}' exactly, which needs a problem without "
+                "damping, with numbers or diagonals as mass and stiffness."
             )
         return super().refusal(problem)
 

@@ -37,8 +37,8 @@ class TwoStep(Scheme):
 
     Second order, unconditionally stable for linear systems, with the spectral radius ρ∞ at infinite frequency. ρ∞ = 0
     is BDF2, ρ∞ = 1 has the solutions of the trapezoidal rule. The average acceleration method, run backwards, finds the
-    motion before the start. Carries u, u̇ and ü at two times; one force a Newton iteration. A force with a history
-    commits it at u₁, where the balance is.
+    motion before the start. Carries u, u̇ and ü at two times; one force per Newton iteration. The history of a force is
+    committed at u₁, where the forces balance.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The explicit method WAT2 of Wang, Adams and Tamma: third order with two forces a step."""
+"""The explicit method WAT2 of Wang, Adams and Tamma: third order with two forces per step."""
 
 import math
 from typing import ClassVar
@@ -32,10 +32,10 @@ class WangAdamsTamma(OneStep):
         A_0 &= \frac{1 - 3C_1}{C_1}, \quad A_1 = \frac{4C_1 - 3C_1^2 - 1}{C_1 D}
 
     Third order, with damping and load too; the principal roots of undamped linear systems are of fourth order. Stable
-    without damping for :math:`\omega\Delta t \le \sqrt{6(4 - 1/C_1)}`, from 2 (C₁ = 0.3) to 3 (C₁ = 0.4), which damps
-    high frequencies most. With C₁ = ⅓ the acceleration at the end comes from the second balance. Carries u, u̇ and the
-    algorithmic ü; two forces a step, and two solutions with M. A force with a history commits it at u(t₁); both
-    balances start from the history at u₀.
+    without damping for :math:`\omega\Delta t \le \sqrt{6(4 - 1/C_1)}`, from 2 (C₁ = 0.3) to 3 (C₁ = 0.4). C₁ = 0.4
+    damps high frequencies most. With C₁ = ⅓ the acceleration at the end comes from the second balance. Carries u, u̇
+    and the algorithmic ü; two forces per step, and two solutions with M. The history of a force is committed at u(t₁);
+    both balances start from the history at u₀.
 
     Parameters
     ----------

@@ -11,7 +11,8 @@ from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_ranges
 from study.scheme.newmark import corrected, stability_limit
 
-#: Largest excess of a root over one that is not growth. Where roots meet, half of their digits are lost to round-off.
+#: Largest excess of a root over one that counts as round-off, not as growth. Where roots meet, half of their digits are
+#: lost.
 GROWTH = 1e-6
 
 
@@ -31,7 +32,7 @@ class WilsonTheta(OneStep):
 
     Second order for γ = ½, first order otherwise. θ = 1 is Newmark's method (linear acceleration for β = 1/6). With β =
     1/6 and γ = ½ it is unconditionally stable for linear systems if θ ≥ (1 + √3)/2 ≈ 1.366. Carries u, u̇ and ü; one
-    force a Newton iteration. A force with a history commits it at u₁, not at t₀ + θΔt where the balance is.
+    force per Newton iteration. The history of a force is committed at u₁, not at t₀ + θΔt where the forces balance.
 
     Parameters
     ----------
@@ -93,7 +94,7 @@ class WilsonTheta(OneStep):
     def increment(self, problem, state, t, dt):
         u, v, a = state
         tau = self.theta * dt
-        # not by Newmark's increments, whose sum would have another order and other round-off
+        # not u + du of Newmark's increments: terms added in another order have other round-off
         u_predicted = u + tau * v + tau**2 * (0.5 - self.beta) * a
         v_predicted = v + tau * (1 - self.gamma) * a
         a_theta, effort = balance(

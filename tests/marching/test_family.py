@@ -53,7 +53,7 @@ def test_lanes_may_have_their_own_step():
 def test_lanes_may_have_their_own_number_of_steps():
     steps = [40, 100, 7]
     springs = {"stiffness": np.array([1.0, 4.0, 9.0])}
-    with pytest.raises(ValueError, match="is recorded along time, which takes one number of steps for all lanes"):
+    with pytest.raises(ValueError, match="is recorded along time, which needs one number of steps for all lanes"):
         study.run(_spring, "rk4", over=springs, steps=steps, dt=0.05, observe=["trajectory"])
     with pytest.raises(ValueError, match=r"need arrays of one length, not steps 2, over\['stiffness'\] 3"):
         study.run(_spring, "rk4", over=springs, steps=[40, 100], dt=0.05, observe=[PEAK])

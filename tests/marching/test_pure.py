@@ -88,7 +88,7 @@ def test_a_failure_is_reported():
 @pytest.mark.parametrize(
     "change, sentence",
     [
-        ({"observe": ["trajectory"]}, "'u' is recorded along time, and final_state returns one value a run: observe"),
+        ({"observe": ["trajectory"]}, "'u' is recorded along time, and final_state returns one value per run: observe"),
         ({"observe": ["momentum_errors"]}, "needs Problem\\(positions=...\\)"),
         ({"steps": 0}, "steps must be a whole number of at least 1"),
         ({"dt": -0.01}, "dt must be one number, finite and greater than zero, not -0.01"),

@@ -78,7 +78,7 @@ def test_problems_and_schemes_of_the_user():
         ({"dt": True}, ValueError, "dt must be a real number or an array of real numbers, not True."),
         ({"observe": None}, TypeError, "observe must be a list of observers; known are trajectory"),
         ({"steps": True}, ValueError, "steps must be a whole number of at least 1, not True."),
-        ({"steps": [10, 20]}, ValueError, "'u' is recorded along time, which takes one number of steps for all lanes"),
+        ({"steps": [10, 20]}, ValueError, "'u' is recorded along time, which needs one number of steps for all lanes"),
         ({"steps": [10, 0]}, ValueError, "steps must be whole numbers of at least 1, not [10  0]."),
         ({"steps": [[10]]}, ValueError, "steps must be a whole number or one per lane (lanes,), not of shape (1, 1)."),
         ({"every": 3}, ValueError, "every must divide the number of steps; 3 does not divide 10."),

@@ -102,7 +102,7 @@ def test_an_old_header_and_the_mark_of_a_byte_order_are_read(tmp_path):
     [
         (HEADER.format(3) + "0.1 0.2\n", "g", "announces 3 samples, and the file holds 2"),
         (HEADER.format(2) + "0.1 nan\n", "g", "sample 2 of '.*' is not finite"),
-        (HEADER.format(2) + "0.1 x\n", "g", "holds something else than numbers"),
+        (HEADER.format(2) + "0.1 x\n", "g", "holds something other than numbers"),
         (HEADER.format(2) + "0.1 0.2\n", "cm/s2", "states the unit g, not 'cm/s2'"),
         (HEADER.format(2).replace("of g", "OF G,") + "0.1 0.2\n", "m/s2", "states the unit G,, not 'm/s2'"),
         (HEADER.format(2).replace("of g", "of CM/SEC/SEC") + "0.1 0.2\n", "g", "states the unit CM/SEC/SEC, not 'g'"),

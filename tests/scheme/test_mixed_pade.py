@@ -76,7 +76,7 @@ def test_a_bar_with_a_tridiagonal_stiffness_moves_like_one_with_a_full_one():
 
 
 def test_a_problem_with_a_force_is_refused():
-    with pytest.raises(ValueError, match="'Mixed Padé' steps a linear problem without a force"):
+    with pytest.raises(ValueError, match="'Mixed Padé' needs a linear problem without a force"):
         study.run("hardening", study.MixedPade(3, 0.5), dt=0.1, steps=1)
     with pytest.raises(ValueError, match="terms must be a whole number from 1 to 6"):
         study.MixedPade(7, 0.5)

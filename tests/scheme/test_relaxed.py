@@ -64,7 +64,7 @@ def test_a_spring_in_balance_stays():
 def test_what_cannot_be_relaxed_is_refused():
     spring = {"force": lambda u: u, "u0": 1.0}
     for problem in (study.Problem(**spring), study.Problem(**spring, potential=lambda u: u * u / 2, damping=0.1)):
-        with pytest.raises(ValueError, match="'Relaxed' keeps the energy of a problem with a potential and without"):
+        with pytest.raises(ValueError, match="'Relaxed' needs a problem with a potential and without"):
             study.run(problem, RELAXED, dt=0.1, steps=1)
     with pytest.raises(TypeError, match="Relaxed takes a study.OneStep"):
         study.Relaxed(study.schemes["houbolt"])

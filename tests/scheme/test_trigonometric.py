@@ -72,7 +72,7 @@ def test_what_it_does_not_fit_is_refused():
     damped = study.Problem(lambda u: u**3, 1.0, stiffness=25.0, damping=0.1)
     coupled = study.Problem(stiffness=np.array([[2.0, -1.0], [-1.0, 2.0]]), u0=[1.0, 0.0])
     for problem in (damped, coupled):
-        with pytest.raises(ValueError, match="'Trigonometric' moves the linear part of 'unnamed problem' exactly"):
+        with pytest.raises(ValueError, match="'Trigonometric' solves the linear part of 'unnamed problem' exactly"):
             study.run(problem, study.Trigonometric("gautschi"), dt=0.1, steps=1)
     with pytest.raises(ValueError, match="did you mean 'deuflhard'"):
         study.Trigonometric("deufelhard")

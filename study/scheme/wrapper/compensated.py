@@ -27,7 +27,7 @@ class Compensated(Wrapper):
         \text{lost} &= (u_1 - u_0) - y
 
     and the same for u̇. Order and stability are those of the scheme. Carries its state and the round-off of both sums;
-    as many forces a step as the scheme.
+    as many forces per step as the scheme.
 
     Parameters
     ----------

@@ -39,7 +39,8 @@ class Linearised(Wrapper):
     If y₁ = Φ(y₀) is the step of the scheme in its whole state, δ₁ = DΦ(y₀) δ₀ by automatic differentiation. The first δ
     is the change of the first state along a unit vector of displacements. After every step δ is divided by a power of
     two, without round-off, so that the largest component of its displacement and velocity lies between 1 and 2. Order
-    and stability are those of the scheme. Carries its state, δ and the exponent; a Jacobian-vector product a step more.
+    and stability are those of the scheme. Carries its state, δ and the exponent; one additional Jacobian-vector product
+    per step.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
     opened, given = opened_closure(iterate, one, one)
     first = one, jnp.ones((), bool), jnp.zeros((), int)
     gamma, unfinished, _ = iterated(opened, lax.stop_gradient(given), first)
-    # outside of the loop, so that this one has derivatives
+    # outside the loop, so that JAX can differentiate this correction
     return corrected(gamma), Effort(converged=~unfinished)
 
 
@@ -61,7 +61,7 @@ class Relaxed(Wrapper):
     p − 1. The next step compensates for this difference, so that τ₁ − t₁ = (γ − 1) h stays of the order p and does not
     accumulate: y₁ as the motion at t₁ has the order p too. Stability for linear systems is unchanged. For problems
     without damping, load and history; needs the potential. Carries the state of the scheme, scaled in the same way, and
-    τ₁ − t₁; as many forces a step as the scheme, and some potentials.
+    τ₁ − t₁; as many forces per step as the scheme, and additional potentials.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class Relaxed(Wrapper):
     def refusal(self, problem):
         if not problem.conservative or problem.potential is None:
             return (
-                f"'{self.title}' keeps the energy of a problem with a potential and without damping, load and history, "
+                f"'{self.title}' needs a problem with a potential and without damping, load and history, "
                 f"which '{problem.title}' is not."
             )
         return super().refusal(problem)

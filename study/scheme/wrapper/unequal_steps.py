@@ -1,4 +1,4 @@
-"""A scheme on steps of different sizes: its carried acceleration moves with the size of the step."""
+"""A scheme on steps of different sizes: its carried acceleration is moved when the size of the step changes."""
 
 from typing import Any, ClassVar
 
@@ -24,9 +24,9 @@ class StateOfStep(WrapperState):
 class UnequalSteps(Wrapper):
     r"""Another scheme on steps of different sizes.
 
-    An α-method carries an acceleration that belongs to the time t₁ + s Δt, with its ``acceleration_offset`` s. When the
-    next step has another size Δt', the acceleration belongs to t₁ + s Δt', and the method drops to first order unless
-    it is moved there:
+    An α-method carries an acceleration that belongs to the time t₁ + s Δt, with its ``acceleration_offset`` s. If the
+    next step has another size Δt', the method assumes that the acceleration belongs to t₁ + s Δt'. It drops to first
+    order unless the acceleration is moved there:
 
     .. math::
 
@@ -36,7 +36,7 @@ class UnequalSteps(Wrapper):
             M a_1 = f(t_1) - C \dot u_1 - p(u_1) \quad\text{(balance)}
 
     Order and stability are those of the scheme for equal steps. Carries its state, the acceleration with which the last
-    step began, and the size of that step. The balance takes one more force a step, the difference none.
+    step began, and the size of that step. The balance takes one additional force per step, the difference none.
 
     Parameters
     ----------

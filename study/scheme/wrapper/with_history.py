@@ -22,12 +22,12 @@ class WithHistory(Wrapper):
 
         (p, h_1) = \text{force}(u_1, \dot u_1, h_0)
 
-    Within a step every iteration and every stage takes the force from the history h₀ that the previous step committed,
-    as after a straight motion from u₀ to the displacement of the stage. The end of the step commits h₁; the start
-    commits the history after a straight motion from rest to the first displacement. A scheme of sub-steps with balances
-    at their ends commits at the end of each, and returns the last but one history in its effort. A march wraps its
-    scheme in this one if the problem has a history. Carries the state of the scheme and the history; one more force a
-    step.
+    Within a step, every iteration and every stage evaluates the force from the history h₀ that the previous step
+    committed, for a straight motion from u₀ to its own displacement. The end of the step commits h₁; the start commits
+    the history after a straight motion from rest to the first displacement. A scheme of sub-steps with balances at
+    their ends commits at the end of each. Its effort then holds the history from which the last sub-step started. A
+    march wraps its scheme in this one if the problem has a history. Carries the state of the scheme and the history;
+    one additional force per step.
 
     Parameters
     ----------
