@@ -14,7 +14,7 @@ makes the problem. ``final_state`` is a run as a pure function, which JAX differ
 
 Steps of controlled size
     ``run`` takes a ``tolerance`` and a ``duration`` in place of ``dt`` and ``steps``. ``estimators`` and
-    ``controllers`` hold those that have a name; ``Estimator`` and ``Controller`` are the base classes of your own.
+    ``controllers`` hold the named ones; ``Estimator`` and ``Controller`` are the base classes of your own.
     ``DeadBand``, ``Reversible`` and ``Prescribed`` take arguments, and ``UnequalSteps`` is an α-method on unequal
     steps::
 

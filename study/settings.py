@@ -98,7 +98,7 @@ def _set_compiler() -> None:
     if flags != os.environ.get("XLA_FLAGS") and _has_computed():
         warnings.warn(
             "JAX has computed something before study was imported, and ignores the option that makes a march one "
-            f"native loop: runs take up to seven times longer. Import study first, or set XLA_FLAGS='{flags}'.",
+            f"native loop: runs take up to ten times longer. Import study first, or set XLA_FLAGS='{flags}'.",
             RuntimeWarning,
             stacklevel=4,  # where study is imported
         )

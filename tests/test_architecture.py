@@ -34,7 +34,7 @@ def test_every_scheme_explains_itself(scheme):
     assert (
         "Carries" in text
         and re.search(r"[Ss]tab(le|ility)", text)
-        and re.search(r"forces?\s+a\s+step|Newton\s+iteration", text)
+        and re.search(r"forces?\s+per\s+step|Newton\s+iteration", text)
     )
 
 

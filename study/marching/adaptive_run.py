@@ -51,7 +51,7 @@ _STATUS = flags("how the run ended", ENDS, np.int32)
 _HOW = {
     **HOW,
     STEP_TOO_SMALL: "the step shrank to nothing, as at a jump of the force or a motion that grows without bound",
-    TOO_MANY_STEPS: "it took the largest number of steps before its end",
+    TOO_MANY_STEPS: "it reached the largest number of steps before its end",
 }
 
 _OF_STEPS = {

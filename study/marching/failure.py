@@ -34,7 +34,7 @@ def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> st
         at_start = " (at the start no mode oscillates, and the motion may also grow by itself)"
     if status == NO_SOLUTION:
         return (
-            "the force changes too much over a step, or the effective equation has no or several roots; take smaller "
+            "the force changes too much over a step, or the effective equation has no root or several; take smaller "
             "steps."
         )
     if not np.isfinite(problem.internal_force(problem.u0, problem.v0)).all():

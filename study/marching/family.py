@@ -72,7 +72,7 @@ def checked_lanes(make: Callable[..., Problem], over: Mapping[str, np.ndarray]) 
     made = {lane: make(**{name: jnp.asarray(value[lane]) for name, value in over.items()}) for lane in sorted(ends)}
     for lane, problem in made.items():
         if not isinstance(problem, Problem):
-            raise TypeError(f"the function over whose arguments to run must return a study.Problem, not {problem!r}.")
+            raise TypeError(f"the function given with over= must return a study.Problem, not {problem!r}.")
         if problem.massless:
             raise ValueError(
                 f"lane {lane} of over has an unknown without mass, which a family of problems cannot have."

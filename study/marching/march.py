@@ -20,9 +20,9 @@ from study.scheme.wrapper.linearised import Linearised
 from study.scheme.wrapper.with_history import WithHistory
 
 #: Steps per turn of the loop, for a single run with one unknown. Within a turn, values pass from step to step in
-#: registers; between turns they pass through memory. That matters at ten nanoseconds per step, but not with two
-#: unknowns. Twice as many steps would save a twentieth if a step is one polynomial, and double the time of a step with
-#: several forces or sines, which no longer fits into registers.
+#: registers; between turns they pass through memory. That matters if a step takes ten nanoseconds, but not with two
+#: unknowns. Twice as many steps would save a twentieth if a step is one polynomial. They would double the time of a
+#: step with several forces or sines, because the turn would no longer fit into registers.
 BLOCK = 3
 
 #: Number of steps of a tile between two checks whether any of its lanes still runs.

@@ -210,7 +210,7 @@ def run(
         values = checked_family(problem, over, chosen)
         if u0 is not None or v0 is not None:
             raise ValueError(
-                "u0 and v0 come from the function that makes the problem; make them there if over is given."
+                "u0 and v0 come from the function that makes the problem; set them there if over is given."
             )
         equations = checked_lanes(problem, values)  # type: ignore[arg-type]
     equation = equations[0]
@@ -289,7 +289,7 @@ def _check_not_traced(arguments: Any) -> None:
     for leaf in leaves.copy():
         leaves += [cell.cell_contents for cell in getattr(leaf, "__closure__", None) or ()]
     if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
-        raise TypeError("study.run takes numbers, not what jit, grad or vmap trace: call study.final_state there.")
+        raise TypeError("study.run needs numbers, not values traced by jit, grad or vmap: use study.final_state there.")
 
 
 def _check_on_failure(on_failure: str) -> None:

@@ -73,8 +73,8 @@ OVERSHOOT = 0.1
 #: Largest number of halvings of a correction.
 HALVINGS = 20
 
-#: Largest number of residuals evaluated to shorten a correction. Every second one halves the bracket, so the slopes of
-#: a force may differ by half as many powers of two.
+#: Largest number of residuals evaluated to shorten a correction. Every second one bisects the bracket, so that the
+#: slopes of a force may differ by a factor of up to 2⁵⁰.
 MOST_RESIDUALS = 100
 
 

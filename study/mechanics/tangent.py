@@ -23,7 +23,8 @@ PROBES = 8
 #: Largest number of products with the tangent that are written out one by one.
 WRITTEN_OUT = 3
 
-#: Candidate distances from u₀, relative to its size, at which the tangent is examined; the first finite one counts.
+#: Candidate distances from u₀, relative to its size, at which the tangent is examined; the first with a finite tangent
+#: is used.
 PROBED = (0.05, 1e-3, 1e-6, 1e-9)
 
 #: Smaller distance, within which springs have not yet yielded.

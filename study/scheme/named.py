@@ -62,7 +62,7 @@ schemes: Registry[Scheme] = Registry(
 
 
 def register_scheme(name: str, scheme: Scheme) -> None:
-    """Give your own scheme a name, under which experiments and all functions of the study take it.
+    """Register your own scheme under a name, which experiments and all functions of the study then accept.
 
     Raises
     ------

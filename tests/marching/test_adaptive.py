@@ -134,10 +134,10 @@ def test_a_step_that_shrinks_to_nothing_is_a_status():
             jump, "central_difference", tolerance=1e-12, duration=3.0, estimator="step_doubling", steps=10**5
         )
     assert int(ds.status) == 4 and ds.failed_at_time == pytest.approx(1.0, abs=0.01) and (ds.u[:-1] > 0.49).all()
-    with pytest.warns(study.RunFailedWarning, match="took the largest number of steps"):
+    with pytest.warns(study.RunFailedWarning, match="reached the largest number of steps"):
         ds = study.run(DRIVEN, "rk4", tolerance=1e-8, duration=10.0, steps=7)
     assert int(ds.status) == 5 and ds.steps == 7
-    with pytest.raises(RuntimeError, match="took the largest number of steps"):
+    with pytest.raises(RuntimeError, match="reached the largest number of steps"):
         study.run(DRIVEN, "rk4", tolerance=1e-8, duration=10.0, steps=7, on_failure="raise")
 
 

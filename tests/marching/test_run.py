@@ -33,7 +33,7 @@ def test_a_run_that_jax_traces_names_the_function_for_it(transform):
     def end(stiffness):
         return study.run(study.Problem(lambda u: stiffness * u, 1.0), "rk4", dt=0.1, steps=3).u.values[-1]
 
-    with pytest.raises(TypeError, match="not what jit, grad or vmap trace: call study.final_state there"):
+    with pytest.raises(TypeError, match="not values traced by jit, grad or vmap: use study.final_state there"):
         transform(end)(2.0)
 
 
