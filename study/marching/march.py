@@ -19,12 +19,6 @@ from study.scheme.contract import started, stepped
 from study.scheme.wrapper.linearised import Linearised
 from study.scheme.wrapper.with_history import WithHistory
 
-#: Steps per turn of the loop, for a single run with one unknown. Within a turn, values pass from step to step in
-#: registers; between turns they pass through memory. That matters if a step takes ten nanoseconds, but not with two
-#: unknowns. Twice as many steps would save a twentieth if a step is one polynomial. They would double the time of a
-#: step with several forces or sines, because the turn would no longer fit into registers.
-BLOCK = 3
-
 #: Number of steps of a tile between two checks whether any of its lanes still runs.
 PATIENCE = 64
 
@@ -155,25 +149,14 @@ class March(eqx.Module):
     def _advance(self, progress: Progress, step: Callable[[Progress], Progress], until) -> Progress:
         """March to step ``until``, or until every run has failed."""
 
-        def goes_on(p, ahead=1):
-            return (p.step + ahead <= until) & jnp.any(p.failure == 0)
-
-        step = jax.jit(step)  # traced once for all uses of the step below
-
-        def block(p):
-            for _ in range(BLOCK):
-                p = step(p)
-            return p
+        def goes_on(p):
+            return (p.step < until) & jnp.any(p.failure == 0)
 
         def patiently(p):
             pause = jnp.minimum(p.step + PATIENCE, until)
             return lax.while_loop(lambda p: p.step < pause, step, p)
 
-        if self.lanes:
-            return lax.while_loop(goes_on, patiently, progress)
-        if not np.ndim(self.problem.u0):
-            progress = lax.while_loop(partial(goes_on, ahead=BLOCK), block, progress)
-        return lax.while_loop(goes_on, step, progress)
+        return lax.while_loop(goes_on, patiently if self.lanes else step, progress)
 
     def proceed(
         self, progress: Progress, stored, initial, dt, until, every, first, each_step: bool, steps=None

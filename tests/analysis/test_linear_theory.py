@@ -182,8 +182,8 @@ def test_the_run_is_the_power_of_the_matrix(scheme):
     _is_the_power_of_the_matrix(scheme, 0.0)
 
 
-def test_the_run_is_the_power_of_the_matrix_with_damping_too(kind):
-    _is_the_power_of_the_matrix(study.schemes[kind], 0.1)
+def test_the_run_is_the_power_of_the_matrix_with_damping_too(state_kind):
+    _is_the_power_of_the_matrix(study.schemes[state_kind], 0.1)
 
 
 @pytest.mark.parametrize("part", [1 / 20, 1 / 50])

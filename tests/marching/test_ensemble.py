@@ -14,12 +14,12 @@ from study.scheme.wrapper.linearised import Linearised
 from study.settings import cores
 
 
-def test_a_lane_of_an_ensemble_is_a_single_run(kind):
+def test_a_lane_of_an_ensemble_is_a_single_run(state_kind):
     u0, dt = np.linspace(0.5, 2.0, 7), np.linspace(0.001, 0.02, 7)
     observe = ["trajectory", "max_energy_error", "newton_iterations"]
-    lanes = study.run("hardening", kind, dt=dt, u0=u0, steps=40, observe=observe)
+    lanes = study.run("hardening", state_kind, dt=dt, u0=u0, steps=40, observe=observe)
     for lane in range(7):
-        one = study.run("hardening", kind, dt=dt[lane], u0=u0[lane], steps=40, observe=observe)
+        one = study.run("hardening", state_kind, dt=dt[lane], u0=u0[lane], steps=40, observe=observe)
         for name in one.data_vars:
             np.testing.assert_allclose(lanes[name][lane], one[name], rtol=1e-9, atol=1e-9, err_msg=name)
     assert lanes.t.dims == ("lane", "sample")

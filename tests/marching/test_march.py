@@ -19,11 +19,11 @@ from study.marching.result import UNBOUNDED
 from study.problem import chains
 
 
-def test_reductions_agree_with_the_trajectory(kind):
+def test_reductions_agree_with_the_trajectory(state_kind):
     problem = study.problems["hardening"]
     ds = study.run(
         "hardening",
-        kind,
+        state_kind,
         dt=0.15 / 20,
         steps=300,
         observe=["trajectory", "energy_error", "max_energy_error", "energy_drift"],

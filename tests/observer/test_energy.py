@@ -75,6 +75,6 @@ def test_lanes_balance_as_single_runs(damped_chain):
             assert lanes[name][lane].item() == pytest.approx(alone[name].item(), rel=1e-9)
 
 
-def test_the_mean_of_the_energy_error_is_that_of_the_samples(kind):
-    ds = study.run("hardening", kind, dt=0.0075, steps=200, observe=["energy_error", "mean_energy_error"])
+def test_the_mean_of_the_energy_error_is_that_of_the_samples(state_kind):
+    ds = study.run("hardening", state_kind, dt=0.0075, steps=200, observe=["energy_error", "mean_energy_error"])
     assert ds.mean_energy_error.item() == pytest.approx(ds.energy_error[1:].mean().item(), rel=1e-9, abs=1e-14)

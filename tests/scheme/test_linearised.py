@@ -11,8 +11,8 @@ import study
 from study.scheme.wrapper.linearised import Linearised
 
 
-def test_the_derivative_of_a_step_is_that_of_differences(kind):
-    scheme, problem, dt = study.schemes[kind], study.problems["hardening"], jnp.asarray(0.012)
+def test_the_derivative_of_a_step_is_that_of_differences(state_kind):
+    scheme, problem, dt = study.schemes[state_kind], study.problems["hardening"], jnp.asarray(0.012)
     state, _ = jax.jit(partial(scheme.start, problem))(jnp.asarray(1.1), jnp.asarray(3.0), dt)
     direction = jax.tree.map(lambda part: 0.3 * jnp.ones_like(part), state)
 

@@ -133,7 +133,6 @@ OTHERS = [
 @pytest.mark.parametrize("scheme", OTHERS, ids=lambda scheme: scheme.title)
 def test_the_other_implicit_schemes_need_none(scheme):
     assert not scheme.needs_mass and not _grows(scheme)
-    assert study.run(_massless(), scheme, dt=0.1, steps=50).status == 0
 
 
 def _massless():

@@ -15,6 +15,8 @@ YIELDING = study.Problem(SPRING, u0=0.2, v0=3.0, damping=0.3, potential=SPRING.p
 FIRST = {name for name, one in study.schemes.items() if one.order_with_damping == 1} | {"yoshida4", "yoshida6"}
 #: Schemes with backward sub-steps, in which a force with history unloads; their orders lie between one and two.
 BACKWARDS = {"yoshida4", "yoshida6", "kahan_li8", "mclachlan4", "extrapolation12"}
+#: One scheme of every class.
+ONE_OF_EACH = {type(one): name for name, one in study.schemes.items()}.values()
 
 
 def _errors(name, problem, steps, duration=4.0, samples=50):
@@ -25,7 +27,7 @@ def _errors(name, problem, steps, duration=4.0, samples=50):
     ]
 
 
-@pytest.mark.parametrize("name", sorted(set(study.schemes) - {"energy_momentum"}))
+@pytest.mark.parametrize("name", sorted({*ONE_OF_EACH, *BACKWARDS, *FIRST} - {"energy_momentum"}))
 def test_no_scheme_has_more_than_order_two_at_yield_points(name):
     """Steps at odds with the yield points: the error falls with the second power, or the first."""
     steps = [1600, 3200, 6400, 12800, 25600]
