@@ -105,16 +105,16 @@ def _in_a_process(code: str, **environment: str) -> str:
 
 
 @pytest.mark.parametrize(
-    "environment, left",
+    "imports, environment, left",
     [
-        ({}, "True True True"),
-        ({"STUDY_SETTINGS": "none"}, "False False False"),
-        ({"STUDY_SETTINGS": "precision"}, "True False False"),
-        ({"STUDY_SETTINGS": "compiler, cache"}, "False True True"),
+        ("jax, study", {}, "True True True"),
+        ("study, jax", {}, "True True True"),
+        ("jax, study", {"STUDY_SETTINGS": "precision"}, "True False False"),
+        ("study, jax", {"STUDY_SETTINGS": "compiler, cache"}, "False True True"),
+        ("study.scheme.newmark, jax", {"STUDY_SETTINGS": "none"}, "False False False"),
     ],
 )
-@pytest.mark.parametrize("imports", ["jax, study", "study, jax", "study.scheme.newmark, jax"])
-def test_what_the_import_changes_can_be_declined(environment, left, imports):
+def test_what_the_import_changes_can_be_declined(imports, environment, left):
     code = (
         f"import os, {imports}; c = jax.config; "
         "print(c.jax_enable_x64, 'XLA_FLAGS' in os.environ, c.jax_compilation_cache_dir is not None)"

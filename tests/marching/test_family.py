@@ -137,6 +137,7 @@ def test_sparse_matrices_of_jax_depend_on_the_lane_and_are_differentiated(stiffn
         alone = study.run(make(scale, stiffness), **options)
         np.testing.assert_allclose(lanes.u.isel(lane=lane).squeeze(), alone.u.squeeze(), rtol=1e-12)
 
+    @jax.jit
     def last(scale):
         return study.final_state(make(scale), **options)["u"][0]
 
