@@ -2,7 +2,7 @@
 
 The Python of some pages runs when the site is built, and its output follows each block. In any page the role ``eval``
 is the value of an expression in the names that this Python defines, in ``n``, the numbers of the article, and in
-functions of :mod:`docs.text`.
+the functions ``listed``, ``number`` and ``percent`` of :mod:`study.words`.
 """
 
 import contextlib
