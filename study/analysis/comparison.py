@@ -22,7 +22,7 @@ MEASURES = (
     "energy_drift",
 )
 
-#: Errors up to this multiple of the reference's uncertainty may be errors of the reference.
+#: Multiple of the reference's uncertainty up to which an error is flagged, as it may be an error of the reference.
 FLAGGED_WITHIN = 10
 
 
@@ -90,7 +90,7 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
 
     - trajectory: uncertainty of the displacement, relative to its maximum;
     - elongation: relative uncertainty of the period;
-    - phase: uncertainty of all periods, and of the time of a crossing;
+    - phase: uncertainty of the sum of all periods, and of the time of a crossing, in periods;
     - amplitude: uncertainty of the displacement, relative to the amplitude, per period;
     - energy: variation of the energy of the reference, rounded to doubles.
     """
@@ -104,7 +104,7 @@ def uncertainties(reference: xr.Dataset, periods: int) -> dict[str, float]:
 
 
 def flagged(error: np.ndarray, uncertainty, dims: tuple[str, ...]) -> tuple:
-    """Variable with flags: whether an error is within ten times the uncertainty, or was not measured (NaN)."""
+    """Variable of flags: whether an error is above or within ten times the uncertainty, or was not measured (NaN)."""
     within = np.where(np.isnan(error), 2, np.abs(error) <= FLAGGED_WITHIN * uncertainty)
     question = f"whether the error is within {FLAGGED_WITHIN} times the uncertainty of the reference"
     return dims, within.astype(np.int32), flags(question, ("above", "within", "not_measured"), np.int32)
@@ -125,7 +125,7 @@ def first_crossing(reference: xr.Dataset, level: float) -> float:
     Raises
     ------
     ValueError
-        If the solution does not cross it.
+        If the solution does not cross ``level`` upwards.
     """
     u, v, phase = reference.u.values, reference.v.values, reference.phase.values
     crossed = np.flatnonzero(crosses_upwards(u[:-1], u[1:], level))

@@ -1,4 +1,4 @@
-"""Eigenvalues of amplification matrices, and the one that is followed over step sizes."""
+"""Eigenvalues of amplification matrices, and the principal one over step sizes."""
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -25,7 +25,10 @@ def eigenvalues(matrices: Matrices) -> Roots:
 
 
 def followed(roots: Roots, exponent: complex, omega: Points) -> ComplexPoints:
-    """Logarithm of the root that tends to exp(exponent · Ω) for Ω → 0, followed over step sizes; NaN once real."""
+    """Logarithm of the principal root, which tends to exp(exponent · Ω) for Ω → 0, over step sizes.
+
+    It is NaN from the step size on at which the root becomes real.
+    """
     result = np.full(len(omega), complex(np.nan, np.nan))
     last, slope = (0.0, 0j), exponent
     for i, (candidates, step) in enumerate(zip(roots, omega, strict=True)):

@@ -29,13 +29,13 @@ from study.scheme.base import Scheme
 from study.scheme.contract import started, stepped
 from study.scheme.named import schemes
 
-#: Values that can be converted to such an array.
+#: Values that can be converted to an array of shape (points,).
 PointsLike = Float[Any, "points"]
 
 #: Values of displacement and velocity for each step size, shape (2, points).
 Pairs = Float[np.ndarray, "2 points"]
 
-#: Exponents of displacement and velocity from u₀ and from u̇₀, shape (2, 2).
+#: Exponents of growth by start (u₀ or u̇₀) and by displacement and velocity, shape (2, 2).
 Growth = Float[np.ndarray, "2 2"]
 
 #: Largest excess of a spectral radius over one that counts as round-off.
@@ -56,8 +56,8 @@ LONG = (1e4, 1e6)
 #: Δt/T that represents infinity.
 INFINITE = 1e12
 
-#: Values of Ω searched for the stability limit: densely where explicit schemes have theirs, because symmetric
-#: compositions have narrow windows of instability near multiples of π, then coarsely up to 10⁴.
+#: Values of Ω searched for the stability limit: dense up to 12, because explicit schemes have their limits there and
+#: symmetric compositions have narrow windows of instability near multiples of π; coarse up to 10⁴.
 SEARCHED = np.concatenate([np.linspace(3e-4, 12, 40_000), np.geomspace(12.01, 1e4, 2_000)])
 
 #: Number of step sizes that one call computes.
@@ -116,7 +116,8 @@ class NumericalMotion(NamedTuple):
 
         \lambda = \exp(\bar\omega\Delta t\,(-\bar\xi \pm i \sqrt{1 - \bar\xi^2}))
 
-    All are NaN from the step size on at which the principal roots become real, where nothing oscillates.
+    All are NaN from the step size on at which the principal roots become real, because the motion then does not
+    oscillate.
 
     Attributes
     ----------
@@ -197,7 +198,7 @@ class LinearTheory:
     def _of_each(self, function, dt_over_period) -> np.ndarray:
         """The function at every step size, in tiles of one length, so that one program serves grids of every length.
 
-        The program serves all damping ratios too: the terms of zero damping are zeros and change no bit.
+        The program serves all damping ratios too, because zero damping adds exact zeros, which change no bit.
         """
         damping = jnp.asarray(float(self._damping_ratio))
         points = len(dt_over_period)
@@ -216,9 +217,10 @@ class LinearTheory:
         return None
 
     def stability_limit(self) -> float:
-        """Ω_crit, up to which the spectral radius is at most one; infinite if it is so up to Ω = 10⁴, zero if never.
+        """Ω_crit, up to which the spectral radius is at most one.
 
-        The search has its own step sizes. It can miss windows of instability that are narrower than 3e-4.
+        It is infinite if there is no instability up to Ω = 10⁴, and zero if the scheme is unstable at every step size.
+        The search uses its own values of Ω. It can miss windows of instability that are narrower than 3e-4.
         """
         omega = SEARCHED
         for _ in range(REFINEMENTS + 1):
@@ -229,7 +231,7 @@ class LinearTheory:
                 return 0.0
             stable = float(omega[first - 1])
             if self._radius(np.array([stable / 4 / np.pi]))[0] > 1 + WEAK_GROWTH:
-                return 0.0  # the excess grows with a power of Ω from zero on
+                return 0.0  # a weak instability, whose excess grows with a power of Ω
             omega = np.linspace(omega[first - 1], omega[first], PARTS)
         return stable
 
@@ -292,8 +294,8 @@ class LinearTheory:
         r"""Order of accuracy: the order with which the principal roots approach the exact ones, less one.
 
         The exact roots are :math:`\exp(\Omega\,(-\xi \pm i \sqrt{1 - \xi^2}))`. The order is fitted to the octave that
-        begins with the finest step size whose error is above round-off. NaN if that octave has fewer than three step
-        sizes.
+        begins with the finest step size whose error is above round-off. It is NaN if that octave has fewer than three
+        step sizes.
         """
         omega = 2 * np.pi * self._dt_over_period
         error = np.abs(np.exp(self._principal_logarithm()) - np.exp(self._exponent * omega))

@@ -1,4 +1,4 @@
-"""How runs end at step sizes that may be too large."""
+"""Classification of the outcomes of runs, whose step sizes may be too large."""
 
 import enum
 
@@ -42,10 +42,10 @@ EXPLANATIONS = (
     f"energy or period is wrong by more than {100 * ACCURATE:g} %, but the run does not fail in any other way",
     f"less than {100 * AT_REST:g} % of the energy is left at the end",
     "the motion crosses a barrier for which it lacks the energy",
-    "neighbouring runs part until a difference of round-off is as large as the motion",
-    f"at the end the energy is more than {GROWN:g} times that at the start, or of the barrier if that is higher",
+    "neighbouring runs diverge until a difference of round-off is as large as the motion",
+    f"the energy at the end is more than {GROWN:g} times the energy at the start or at the barrier, the higher of both",
     "no balance of forces is found for the next step, not even with a bracket",
-    "the displacement leaves all bounds or the numbers overflow",
+    "the displacement exceeds all bounds or overflows",
 )
 
 #: An :class:`Outcome` for each lane, shape (lanes,).
@@ -72,21 +72,21 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     runs
         Ensemble from :func:`study.run`, observed by ``OutcomeObserver.of(problem)`` and ``"lyapunov_exponent"``.
     period
-        Exact period of each run (lanes,). If it is given, an accurate run must keep it too, and the ensemble must
-        observe ``"oscillations"``; otherwise only the energy counts.
+        Exact period of each run (lanes,). If it is given, an accurate run must keep the period too, and the ensemble
+        must observe ``"oscillations"``. Otherwise only the energy counts.
 
     Returns
     -------
     outcome
         Values of :class:`study.Outcome`, of shape (lanes,).
     began
-        Times at which the outcomes began, of shape (lanes,); NaN for accurate and for failed runs, and for those that
-        are wrong in their period alone.
+        Times at which the outcomes began, of shape (lanes,); NaN for accurate runs, for failed runs, and for runs of
+        which only the period is wrong.
 
     Raises
     ------
     TypeError
-        If it is not a dataset.
+        If ``runs`` is not a dataset.
     ValueError
         If the dataset is not an ensemble or lacks these observers.
     """
@@ -114,25 +114,25 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
 
 
 def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndarray:
-    """Classify how runs ended that may be damped and loaded, by their balance of energies.
+    """Classify the outcomes of runs by their balance of energies; the problem may have damping and a load.
 
-    With an imbalance of at most 1 % of the energy put in, the run keeps its energy; with one of more than a hundred
-    times that energy it is growing. A run is chaotic if a perturbation grows from round-off to the size of the motion.
-    Rest and wells do not count.
+    A run keeps its energy if the imbalance is at most 1 % of the energy put in. It is growing if the imbalance is more
+    than a hundred times that energy. It is chaotic if a perturbation grows from round-off to the size of the motion.
+    The outcomes ``DAMPED_TO_REST`` and ``IN_THE_WRONG_WELL`` do not occur.
 
     Parameters
     ----------
     runs
-        A run or an ensemble from :func:`study.run`. Without ``"energy_balance"`` among its observers no run counts as
-        keeping its energy or growing.
+        A run or an ensemble from :func:`study.run`. Without ``"energy_balance"`` among the observers, no run counts as
+        keeping its energy or as growing.
     growth
         Natural logarithm of the factor by which a perturbation grows over each run.
 
     Returns
     -------
     numpy.ndarray
-        Values of :class:`study.Outcome`, of the shape of ``runs.status``; runs that keep their energy count as
-        accurate, as ``BALANCE_ATTRIBUTES`` explain.
+        Values of :class:`study.Outcome`, of the shape of ``runs.status``. Runs that keep their energy have the value of
+        ``ACCURATE``, which ``BALANCE_ATTRIBUTES`` calls ``energy_kept``.
     """
     status = runs.status.values
     imbalance = runs["max_energy_imbalance"].values if "max_energy_imbalance" in runs else np.full(status.shape, np.nan)

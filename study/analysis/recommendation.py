@@ -15,23 +15,23 @@ def recommend(
 ) -> pd.DataFrame:
     """List the schemes of an assessment, the fastest first, with the step at which each keeps an error.
 
-    No number is interpolated: steps, errors and forces are those of runs. A step has two digits, or is a whole part or
-    multiple of the spacing of a record. It keeps the error together with all random finer steps that
-    :func:`study.assess` tried, also from starts one percent below and above.
+    No number is interpolated: steps, errors and forces are those of runs. A step has two digits, or is an integer
+    fraction or multiple of the spacing of a record. All random finer steps that :func:`study.assess` tried keep the
+    error too, and so does the step from starts one percent below and above.
 
     Parameters
     ----------
     what
-        Dataset of :func:`study.assess`, or the name under which the section ``assess`` of the configuration makes one,
-        such as ``hardening`` and ``softening``, which are assessed over a hundred periods.
+        Dataset of :func:`study.assess`, or the name of an assessment in the section ``assess`` of the configuration.
+        The study has ``hardening`` and ``softening``, each over a hundred periods.
     error
-        Largest allowed error, one that was assessed, as a fraction of the largest value of the quantity: 0.01 is one
-        percent.
+        Allowed error, as a fraction of the largest value of the quantity: 0.01 is one percent. It must be one of the
+        errors that were assessed.
     quantity
         Quantity that must keep the error, one of the assessment's; by default the first, which is ``displacement`` if
         none were given.
     folder
-        Folder of the results in which a name is sought.
+        Folder of the results, which has the dataset of a named assessment.
 
     Returns
     -------
@@ -51,25 +51,25 @@ def recommend(
         ``error``
             Error at that step.
         ``most_wrong``, ``most_wrong_error``
-            The quantity with the largest error at that step, and that error: a step may keep the energy of a motion
-            that it loses.
+            The quantity with the largest error at that step, and that error. A step may keep the energy although the
+            displacement is wrong.
         ``time``, ``time_spread``
             Time of all steps in s and its interquartile range. A call of :func:`study.run` adds less than a
             millisecond.
         ``ties_with_fastest``
-            Whether the interquartile ranges of this time and the least one meet.
+            Whether the interquartile ranges of this time and the least one overlap.
         ``force_evaluations``
-            Internal forces of the run.
+            Number of internal forces evaluated in the run.
         ``forces_per_time``
-            Internal forces over the time that is run, in 1/s.
+            This number per second of the motion, in 1/s.
         ``steps_tried``, ``worst_error``
-            Number of steps tried from a twentieth of the step up to it, which all kept the error, and the largest error
-            among them as a fraction of the allowed one.
+            Number of step sizes tried from a twentieth of the step up to it, all of which kept the error, and the
+            largest error among them as a fraction of the allowed one.
         ``verdict``
             How the search for the step ended.
         ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
-            If the assessment had a controller: the tolerance that keeps the error, the internal forces of that run, and
-            their ratio to those with equal steps. Below one, controlled steps are cheaper.
+            If the assessment had a controller: the tolerance that keeps the error, the number of internal forces of
+            that run, and its ratio to the number with equal steps. Below one, controlled steps are cheaper.
 
     Raises
     ------
@@ -92,8 +92,8 @@ def recommend(
         raise TypeError(f"error must be a number, not {error!r}.")
     if not isinstance(what, str | xr.Dataset):
         raise TypeError(
-            "recommend takes the dataset that study.assess returns, or the name of one of the configuration, not a "
-            f"{type(what).__name__}."
+            "recommend takes the dataset that study.assess returns, or the name of an assessment in the configuration, "
+            f"not a {type(what).__name__}."
         )
     assessed = io.open_dataset(f"assessment/{what}", folder) if isinstance(what, str) else what
     if "recommended_dt" not in assessed:

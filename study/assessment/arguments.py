@@ -9,7 +9,7 @@ from study.scheme.base import Scheme
 from study.scheme.contract import check_attributes
 from study.scheme.named import schemes as schemes_by_name
 
-#: Default schemes of an assessment: those of common codes, and the best of each family.
+#: Default schemes of an assessment: the schemes of common codes, and the best scheme of each family.
 USUAL = (
     "average_acceleration",
     "central_difference",
@@ -60,7 +60,7 @@ def checked_errors(allowed: Sequence[float]) -> list[float]:
         raise ValueError(f"errors must be fractions between zero and one, such as 0.01 for one percent, not {allowed}.")
     if values.min() < LEAST_ERROR:
         raise ValueError(
-            f"errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision is sure "
-            "of less."
+            f"errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision is "
+            "accurate enough for less."
         )
     return sorted(set(values.tolist()), reverse=True)

@@ -35,7 +35,7 @@ from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.settings import cores
 
-#: Least energy at the start, over the largest kinetic energy, for which errors of the balance of energies are given.
+#: Smallest ratio of the energy at the start to the largest kinetic energy at which the balance of energies is assessed.
 LEAST_ENERGY = 0.01
 
 
@@ -53,15 +53,15 @@ def assess(
     """Find out which scheme and which step a problem needs for an error, by runs against a certified reference.
 
     Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave
-    from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the smallest error:
-    up to 128 runs an octave and 500 in the octave below a recommended step, fewer if they have many steps.
-    ``largest_dt`` is the largest step that keeps an error together with all finer steps tried, with room for scatter
-    of their errors. The recommended step is the largest one below it with two digits; under a record it is a whole part
-    or multiple of the spacing of the samples. It was run too, also from two starts one percent from the given one.
-    If none of n random finer steps exceeds the error, at most 3/n of such steps do, with 95 % confidence. No number is
-    interpolated.
+    from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the smallest error.
+    There are up to 128 runs in an octave and 500 in the octave below a recommended step, fewer if they have many steps.
+    ``largest_dt`` is the largest step that keeps an error together with all finer steps tried, with a margin for the
+    scatter of their errors. The recommended step is the largest one below ``largest_dt`` with two digits; under a
+    record it is an integer fraction or multiple of the spacing of the samples. The recommended step is run too, from
+    the given start and from two starts one percent away. If none of n random finer steps exceeds the error, at most 3/n
+    of such steps do, with 95 % confidence. No number is interpolated.
 
-    A run ends with the last step that fits into the duration and is compared up to there, along time at every step.
+    A run ends with the last step that fits into the duration. Quantities along time are compared at every step.
 
     A problem of more than 1,000 unknowns is assessed like a :class:`study.Program`: two schemes, among the named ones,
     ``rk4`` and ``nystrom4``, run with halved steps until they agree. Their common result is the reference, and their
@@ -78,22 +78,22 @@ def assess(
     duration
         Time of the runs in seconds. A free oscillator of one unknown runs ten of its periods by default.
     quantities
-        Quantities whose errors are measured: a mapping from names to :class:`study.Quantity`. By default displacement,
-        velocity and acceleration along time, the last unless an unknown has no mass or the force has a history, the
-        balance of energies if the problem has a potential and its force cannot dissipate, and period, phase and
-        amplitude of a free oscillator of one unknown.
+        Quantities whose errors are measured: a mapping from names to :class:`study.Quantity`. The default quantities
+        are displacement and velocity along time; the acceleration, unless an unknown has no mass or the force has a
+        history; the balance of energies, if the problem has a potential and its force cannot dissipate; and period,
+        phase and amplitude of a free oscillator of one unknown.
     errors
         Allowed errors, as fractions of the largest value of each quantity.
     maps
         Whether to map over step size and excitation how each scheme fails, for up to 1,000 unknowns.
     controller
         Name in ``study.controllers``, or your own :class:`study.Controller`. Each one-step scheme then also runs with
-        controlled steps at random tolerances; the result has the tolerance that keeps each error, and its cost. For up
-        to 1,000 unknowns.
+        controlled steps at random tolerances; the result has the tolerance that keeps each error, and its cost. It is
+        available for up to 1,000 unknowns.
     seconds
-        Wall time: no run begins that would end later. The results so far are returned, and the verdict on the rest is
-        ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case; there is
-        no map then.
+        Wall time after which no run begins. The results so far are returned, and the verdict on the rest is
+        ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case. If the
+        time runs out, there is no map.
 
     Returns
     -------
@@ -102,20 +102,20 @@ def assess(
         NaN where a step was not tried. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt`` and the
         error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
         the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
-        ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is the highest one of
-        small motions about points of the reference's motion. With a controller: ``tolerance``, the largest of 1, 2 and
-        5 times a power of ten that keeps the error together with all smaller ones tried, down to a hundredth of it;
-        ``tolerance_error``, ``controlled_steps`` and ``controlled_force_evaluations``. For a program also ``reason``,
-        ``run_time`` and ``repeated``, and ``remarks`` among the attributes; quantities that it does not report are NaN.
-        Attributes name the routes of the reference, the time up to which it holds, versions and processor.
-        :func:`study.recommend` and :func:`study.report` take it.
+        ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is the highest
+        circular frequency of small motions about points of the reference. With a controller: ``tolerance``, the largest
+        of 1, 2 and 5 times a power of ten that keeps the error together with all smaller ones tried, down to a
+        hundredth of it; ``tolerance_error``, ``controlled_steps`` and ``controlled_force_evaluations``. For a program
+        also ``reason``, ``run_time`` and ``repeated``, and ``remarks`` among the attributes; variables without a value
+        for programs are NaN. Attributes name the routes of the reference, the time up to which it holds, versions and
+        processor. :func:`study.recommend` and :func:`study.report` take this dataset.
 
     Raises
     ------
     KeyError
         If there is no such problem or scheme.
     TypeError, ValueError
-        If an argument is invalid, the problem does not move, or no reference is accurate enough; in one sentence.
+        If an argument is invalid, the problem does not move, or no reference is accurate enough.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def assess(
             )
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
         return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).report)
-    # as a multiple of itself it shares the compiled program with its neighbours
+    # a factor of one changes no number; with it, the problem shares the compiled program with its neighbours
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
     wanted = _wanted(quantities, equation)
@@ -158,8 +158,8 @@ def assess(
     coarsest = slowest / search.COARSEST
     if length / coarsest > search.MOST_STEPS:
         raise ValueError(
-            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, {search.MOST_STEPS:,} steps at "
-            f"{search.COARSEST} in a period of the slowest small motion of '{equation.title}', not {length:g} s."
+            f"duration must be at most {search.MOST_STEPS * coarsest:g} s, which is {search.MOST_STEPS:,} steps at "
+            f"{search.COARSEST} per period of the slowest small motion of '{equation.title}', not {length:g} s."
         )
     progress, end = Progress(len(fit)), time.monotonic() + seconds
     progress.report(f"solving for a reference of '{equation.title}'")
@@ -199,14 +199,14 @@ def assess(
         return Assessed(runs.runs, verdicts, map_of_failures, tolerances)
 
     found = _each(fit, of, progress)
-    ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed, length)
+    ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed)
     if control is not None:
         ds = ds.merge(variables_of({name: one.tolerances for name, one in found.items()}, names, allowed))
         ds.attrs["controller"] = control.title
     ds["reference_uncertainty"] = (
         "quantity",
         [uncertainty[name] for name in names],
-        {"long_name": "difference of the reference from its witness, relative", "units": "1"},
+        {"long_name": "relative difference of the reference from its witness", "units": "1"},
     )
     ds["highest_frequency"] = (
         (),
@@ -215,7 +215,8 @@ def assess(
     )
     titles = {name: one.long_name or name for name, one in (quantities or DEFAULT).items()}
     titles |= {ENERGY: "balance of energies, relative to the energy that was put in"} | oscillation.TITLES
-    ds = ds.assign_coords(quantity_title=("quantity", [titles[name] for name in names], {"long_name": "what it is"}))
+    described = {"long_name": "description of the quantity"}
+    ds = ds.assign_coords(quantity_title=("quantity", [titles[name] for name in names], described))
     ds.attrs |= {
         "reference": reference.route.name,
         "witness": reference.witness.name,
@@ -234,7 +235,7 @@ def assess(
 
 
 def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
-    """A sentence if the energy at the start is too small a measure for errors of the balance; none if it is not."""
+    """A sentence if the energy at the start is too small as a scale of errors of the balance; empty otherwise."""
     if problem.load is not None:
         return ""
     at_start = abs(float(problem.energy(problem.u0, problem.v0)))
@@ -263,12 +264,12 @@ def _wanted(quantities: Mapping[str, Quantity] | None, problem: Problem) -> dict
         quantities = {name: one for name, one in DEFAULT.items() if not _refusal(one, problem)}
     wanted = errors.named(quantities)
     if ENERGY in wanted:
-        raise ValueError(f"the name '{ENERGY}' belongs to the balance of energies; give the quantity another name.")
+        raise ValueError(f"the name '{ENERGY}' is reserved for the balance of energies; give the quantity another one.")
     return wanted
 
 
 def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: Progress) -> dict[str, Assessed]:
-    """Results of each scheme; after Ctrl-C, of the finished ones."""
+    """Results of each scheme; after Ctrl-C, results of the finished schemes."""
     with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
         waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}
         try:

@@ -40,7 +40,7 @@ class Certified(NamedTuple):
 def _holds(
     one: DenseSolution, other: DenseSolution, quantities: dict[str, Quantity], problem: Problem, most: float
 ) -> float:
-    """Time of the first solution up to which two agree in every quantity."""
+    """Last time on the grid of ``one`` up to which the two solutions agree in every quantity."""
     ends = [one.t[-1]]
     for quantity in quantities.values():
         _, along = errors.difference(quantity, problem, one, other)
@@ -62,7 +62,7 @@ def certified(
     Raises
     ------
     NoReference
-        If the routes fail, or agree over a small part of the duration only.
+        If the routes fail, or agree only over a small part of the duration.
     ValueError
         If the problem has no motion.
     """
@@ -118,7 +118,7 @@ def cases_of(
         neighbour = excited(problem, factor, displaced=True)
         own, grid = Reference(neighbour, reference.horizon), reference.solution.t
         try:
-            if problem.kinked or problem.history is not None:  # its kinks have other times
+            if problem.kinked or problem.history is not None:  # the neighbour's kinks are at other times
                 one, *_ = own.solutions(own.with_kinks(grid), reference.rtol, AIMED * tightest)
             else:
                 one = own.solution(own.routes[0], grid, reference.rtol)

@@ -12,17 +12,17 @@ from study.scheme.named import schemes
 #: Bibliography of the study: a link to the article's file; a wheel holds a copy.
 WORKS = Path(__file__).with_name("references.bib")
 
-#: The paper of 1996, and the works of the solvers for references, by a word in their names.
+#: Key of the paper of 1996, and keys of the works on solvers for references, by a word in the solver's name.
 PAPER, SOLVERS = "xie1996", {"heyoka": "biscani2021", "CVODE": "hindmarsh2005", "diffrax": "kidger2021"}
 
 _ENTRY = re.compile(r"^@\w+\{(\w+),\n.*?^\}$", re.MULTILINE | re.DOTALL)
 
-#: Fields that are not printed.
+#: Fields of the bibliography that are left out of citations.
 _OWN = re.compile(r"^  (?:shortjournal|shortbooktitle|unconfirmed) = .*\n", re.MULTILINE)
 
 
 def _label(entry: str) -> str:
-    """Authors and year, as a scheme states its source."""
+    """Authors and year, in the form of a scheme's source."""
     found = {
         key: re.sub("[{}]", "", value) for key, value in re.findall(r"^  (\w+) = \{(.*)\},?$", entry, re.MULTILINE)
     }

@@ -20,16 +20,16 @@ from study.mechanics.definition import Problem
 from study.observer.base import Observer, Reduction
 from study.observer.motion import Quantity
 
-#: Number of points between two points of the reference at which a quantity is evaluated.
+#: Number of parts into which an interval of the reference is divided to evaluate a quantity.
 FINER = 8
 
-#: Number of samples of a refinement of a peak, between its neighbours, and number of refinements.
+#: Refinement of a peak: number of samples between the neighbours of the largest sample, and number of refinements.
 CLOSER, REFINEMENTS = 65, 2
 
 #: Number of times at which a quantity is evaluated at once.
 AT_ONCE = 4096
 
-#: Intervals of the reference that a step may cross without a loop, which would take longer than all other work.
+#: Number of intervals of the reference that a step may cross without a loop, which takes longer than all other work.
 AHEAD = 4
 
 #: Values of a quantity at some times, with an axis for its components.
@@ -81,7 +81,7 @@ def values_along(quantity: Quantity, problem: Problem, solution: DenseSolution, 
 
 
 def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times, values: Values) -> np.ndarray:
-    """Largest size of each component among its samples and closer ones about the largest.
+    """Largest size of each component among its samples and closer samples about the largest of them.
 
     The solution is smooth only between its points, so interpolation of the samples would miss the height of a peak.
     """
@@ -238,7 +238,7 @@ def observers(targets: Sequence[Target]) -> list[Observer]:
 def error(target: Target, runs: xr.Dataset, ends: Times) -> np.ndarray:
     """Errors of runs in a quantity, relative to its size, of shape (lanes,); NaN if a run failed.
 
-    Along time it is the largest difference at any step. A run is compared up to its own end.
+    The error of a quantity along time is the largest difference at any step. A run is compared up to its own end.
     """
     got = runs[target.quantity.name].values
     if target.quantity.reduce is None:
@@ -247,9 +247,9 @@ def error(target: Target, runs: xr.Dataset, ends: Times) -> np.ndarray:
 
 
 def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: DenseSolution) -> tuple[float, Times]:
-    """Difference of a quantity between two solutions, and along time up to each point, relative to its size.
+    """Difference of a quantity between two solutions, at the end and up to each time, relative to its size.
 
-    They are compared at the times of the second one.
+    The solutions are compared at the times of ``other``.
 
     Returns
     -------

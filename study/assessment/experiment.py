@@ -45,13 +45,13 @@ def _reads(options: Options) -> list[str]:
 
 def _check(options: Options, configuration: Mapping) -> str | None:
     if {"duration", "periods"} <= options.keys():
-        return "periods: the length of the runs is given by duration already; leave one of them out."
+        return "periods: duration already gives the length of the runs; leave one of them out."
     for key, place in _places(options):
         file, separator, _ = place.rpartition(":")
         if not separator or not file.endswith(".py"):
             return f"{key} must name a file and a name in it, such as model.py:frame, not {place!r}."
         if not Path(file).is_file():
-            return f"{key} names the file '{file}', which is not there."
+            return f"{key} names the file '{file}', which does not exist."
     try:
         problem = _problem(options["problem"])
         if "periods" not in options:
@@ -90,8 +90,8 @@ def assessment(
     """Assess a problem in a file, or one of the study: which scheme and which step it needs for an error.
 
     ``problem`` and ``quantities`` name a :class:`study.Problem` and a dict of :class:`study.Quantity` as
-    ``FILE.py:NAME``; ``problem`` may also be a name of the study. ``periods`` counts the time to run in exact periods
-    of a spring, as the dataset ``reference/PROBLEM`` has them.
+    ``FILE.py:NAME``; ``problem`` may also be a name of the study. ``periods`` is the duration in exact periods of a
+    spring, which the dataset ``reference/PROBLEM`` has.
     """
     progress(f"assessment of {problem}")
     if periods is not None:

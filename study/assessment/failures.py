@@ -11,23 +11,25 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
 from study.scheme.base import Scheme
 
-#: Multiples of start and load, and of the coarsest step of a search, of the runs.
+#: Multiples of start and load in the map.
 EXCITATIONS = (0.25, 0.5, 1.0, 2.0, 4.0)
+
+#: Step sizes of the map, over the coarsest step of a search.
 STEPS = 2.0 ** -np.arange(-1, 6.25, 0.25)
 
 #: Largest number of steps of a run of the map.
 MOST_STEPS = 30_000
 
-#: Outcomes of reliable runs: their energy stays bounded and neighbours stay together.
+#: Outcomes of reliable runs: the energy stays bounded and neighbouring runs stay together.
 SAFE = (Outcome.ACCURATE, Outcome.BOUNDED)
 
 
-def _cure(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
-    """Cause of such an outcome at a step, and remedies, in a sentence or two."""
+def _cause(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
+    """Cause of an outcome that is not safe at a step, and remedies, in a sentence or two."""
     if outcome == Outcome.CHAOTIC:
         return (
-            "Neighbouring runs part exponentially, so that a long run holds in its statistics only. If finer steps do "
-            "not show this, the step makes it; otherwise the problem does."
+            "Neighbouring runs diverge exponentially, so only the statistics of a long run are meaningful. If finer "
+            "steps do not show this, the step size causes it; otherwise the problem does."
         )
     cause = likely_cause(problem, scheme, NO_SOLUTION if outcome == Outcome.NO_SOLUTION_FOUND else UNBOUNDED, dt)
     return cause[0].upper() + cause[1:]
@@ -44,7 +46,8 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     coarsest
         Coarsest step of a search, about which the steps of the map lie.
     recommended
-        Recommended steps. Steps that are not finer than the map are judged too, but the map does not include them.
+        Recommended steps. Runs at those coarser than the finest step of the map count for ``largest_safe_dt``, but the
+        map does not show them.
 
     Returns
     -------
@@ -75,7 +78,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
         last = unsafe[-1]
         largest = dt[last + 1] if last + 1 < len(dt) else np.nan
         ends = outcome[np.array(EXCITATIONS) <= 1, last]
-        why = _cure(problem, scheme, ends.max(), dt[last])
+        why = _cause(problem, scheme, ends.max(), dt[last])
     shown = np.isin(dt, drawn)
     dims = ("excitation", "map_dt")
     return xr.Dataset(
@@ -87,8 +90,8 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
                 iterations[:, shown],
                 {"long_name": "most Newton iterations in a step", "units": "1"},
             ),
-            "largest_safe_dt": ((), largest, {"long_name": "largest step without a failure up to here", "units": "s"}),
-            "failure": ((), why, {"long_name": "limit of the step, and remedies"}),
+            "largest_safe_dt": ((), largest, {"long_name": "largest step up to which no run fails", "units": "s"}),
+            "failure": ((), why, {"long_name": "cause of the limit of the step, and remedies"}),
         },
         {
             "excitation": ("excitation", list(EXCITATIONS), {"long_name": "multiple of start and load", "units": "1"}),

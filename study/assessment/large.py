@@ -23,10 +23,10 @@ MOST = FINDABLE
 #: Largest number of unknowns at which displacement and velocity are compared if no quantities are given.
 SHOWN = 256
 
-#: Sizes of states whose accelerations distinguish problems, and whose forces show where they are linear.
+#: Sizes of random states. Accelerations at these states distinguish problems, and forces show where they are linear.
 SIZES = (1e-3, 1.0, 1e3)
 
-#: Relative round-off by which a linear force may differ from linearity.
+#: Largest relative deviation of a force from linearity that counts as round-off.
 ROUND_OFF = 1e-9
 
 #: Explicit schemes that may give the reference too: their steps solve no equations, and their order is high.
@@ -43,13 +43,13 @@ class _Runs:
     quantities: list[Quantity]
     source: str = field(init=False)
 
-    #: Threads march concurrently, like processes.
+    #: Its runs need no processes, because they march concurrently in threads.
     starts_a_process = True
 
     def __post_init__(self):
-        """A digest of the program of the equation, and of its values at states of several sizes.
+        """Set ``source`` to a digest of the program of the equation and of its values at states of several sizes.
 
-        The values distinguish equations that differ in numbers only.
+        The values distinguish equations that differ only in numbers.
         """
 
         def of_state(t, u, v):
@@ -94,13 +94,13 @@ def _not_linear(problem: Problem) -> np.ndarray:
         size = jnp.abs(twice) + 2 * jnp.abs(once) + jnp.abs(at_rest)
         return jnp.abs(twice - 2 * once + at_rest) > ROUND_OFF * size
 
-    # a stop is on one side
+    # both signs, because a stop acts only on one side
     both_sides = [off(sign * state) for state in _states(problem) for sign in (1, -1)]
     return np.flatnonzero(np.any(both_sides, axis=0))
 
 
 def _spread(places: np.ndarray, count: int) -> np.ndarray:
-    """Some of the places, spread evenly; all of them if they are few."""
+    """At most ``count`` of the places, spread evenly."""
     return places[np.unique(np.linspace(0, len(places) - 1, min(count, len(places))).astype(int))]
 
 
@@ -118,7 +118,7 @@ def program_of(
     quantities: Mapping[str, Quantity] | None,
     spacing: float | None,
 ) -> Program:
-    """A problem as a program, with explicit schemes of high order among its schemes."""
+    """A problem as a program, with explicit schemes of high order as witnesses."""
     if quantities is None:
         shown = compared(problem)
         quantities = {"displacement": Quantity(lambda u: u[shown]), "velocity": Quantity(lambda v: v[shown])}

@@ -1,4 +1,4 @@
-"""Slow periods and high frequencies of a problem, which measure its duration and its steps."""
+"""Slow periods and high frequencies of a problem, which set the scales of duration and steps."""
 
 import numpy as np
 
@@ -11,21 +11,24 @@ from study.mechanics.frequencies import frequencies, highest_frequency
 #: Default duration of a free oscillation, in periods.
 PERIODS = 10
 
-#: Run that estimates the period: steps in the shortest slow period of small motions, and number of such periods.
+#: Run that estimates the period: steps in the slowest period of small motions, and number of such periods.
 ESTIMATE = 100, 40
 
-#: Points of the motion at which the highest frequency is sought, over the number of unknowns.
+#: Number of points of the motion at which the highest frequency is computed, times the number of unknowns.
 STIFFEST = 100
 
 
 def slowest_period(problem: Problem) -> float | None:
-    """Period of the slowest small motion: the shorter one about the start and about u = 0."""
+    """Period of the slowest small motion about the start or about u = 0, whichever is shorter.
+
+    If neither has oscillations, it is 2π times the time in which the motion leaves the start, or None.
+    """
     oscillating = []
     for at in (problem.u0, np.zeros(np.shape(problem.u0))):
         found = frequencies(problem, at)
         if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
             oscillating.append(2 * np.pi / found[of_motion])
-    if not oscillating:  # the start and u = 0 are on hills: the time scale in which the motion leaves the start
+    if not oscillating:  # as on two maxima of the potential
         pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
         far = np.abs(problem.u0).max()
         return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None
@@ -62,7 +65,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
 
 
 def highest_frequency_along(problem: Problem, motion: DenseSolution) -> float:
-    """The highest circular frequency of small motions, at the start, at the largest displacement, and in between."""
+    """The highest circular frequency of small motions about points of the motion, also at its largest displacement."""
     last, unknowns = len(motion.t) - 1, np.size(problem.u0)
     places = np.linspace(0, last, max(2, STIFFEST // unknowns)).astype(int)
     farthest = np.abs(motion.u).reshape(last + 1, -1).max(axis=1).argmax()

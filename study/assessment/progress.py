@@ -14,25 +14,28 @@ class Progress:
 
     def __init__(self, schemes: int):
         self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
-        self.stopped, self.done, self._told, self._start = False, 0, -PAUSE, time.monotonic()
+        self.stopped, self.done, self._reported, self._start = False, 0, -PAUSE, time.monotonic()
 
     def report(self, what: str, ahead: float = 0.0) -> None:
-        """Report the present work, immediately if it takes long. A thread ends here after Ctrl-C."""
+        """Report the present work, immediately if its expected seconds ``ahead`` are many.
+
+        After Ctrl-C it raises ``KeyboardInterrupt``, which ends the thread.
+        """
         if self.stopped:
             raise KeyboardInterrupt
         if not self.bar.disable:
             self.bar.set_postfix_str(what)
-        elif ahead > PAUSE or time.monotonic() >= self._told + PAUSE:
-            self._told = time.monotonic()
+        elif ahead > PAUSE or time.monotonic() >= self._reported + PAUSE:
+            self._reported = time.monotonic()
             print(f"{what}{self._of_all()}", file=sys.stderr, flush=True)
 
     def update(self) -> None:
-        """A scheme is done."""
+        """Count a finished scheme."""
         self.done += 1
         self.bar.update()
 
     def _of_all(self) -> str:
-        """Number of finished schemes, and the estimated time of the others; empty before the first."""
+        """Number of finished schemes, and the estimated time of the others; empty before the first scheme ends."""
         if not self.done:
             return ""
         left = (time.monotonic() - self._start) * (self.bar.total / self.done - 1)

@@ -25,7 +25,7 @@ SWITCHES = 4096
 #: Least number of points between two kinks of the force: a contact may be far shorter than a period.
 POINTS_BETWEEN_KINKS = 10
 
-#: Largest number of grids.
+#: Largest number of successively refined grids.
 GRIDS = 6
 
 #: Phase in radians of the highest mode over the run beyond which explicit routes need too many steps.
@@ -40,9 +40,9 @@ class NoReference(ValueError):
 
 
 class Kinks(NamedTuple):
-    """Times within the run at which a record has a kink, and those at which a comparison in a force or load changes.
+    """Times within the run at which a record has a kink, and times at which a comparison in a force or load changes.
 
-    There the load may jump, and a solver restarts.
+    At the latter the load may jump, and a solver restarts.
     """
 
     of_load: Times
@@ -71,9 +71,9 @@ def _switches(load, times):
 
 
 def _switches_of_load(load: Callable | None, duration: float) -> Times:
-    """Times at which a condition in the program of a load changes; a record declares its own kinks.
+    """Times at which a comparison in the program of a load changes; a record declares its own kinks.
 
-    Without them, both solvers would step over a short pulse.
+    Without these times, both solvers would step over a short pulse.
     """
     from scipy import optimize  # here, because importing it takes a third of the time to import the study
 
@@ -104,10 +104,12 @@ def _accelerations(problem: Problem, t, u, v):
 class Reference:
     """The kinks of a problem over a duration, its grid, and the two routes that solve it.
 
-    The Taylor method of heyoka takes a free oscillator whose force translates. Otherwise diffrax and CVODE solve the
-    problem: Dopri8 and Adams' method, or, if it is stiff, Kvaerno5 and BDF. No route shares code with a scheme. A force
-    with a history is a function of u and u̇ from commit to commit. That is exact as long as no element reverses before
-    the next commit, so every reversal is a kink of the grid. The routes agree only on such a solution.
+    The first route is the Taylor method of heyoka, if the problem has one unknown and its force and load can be
+    translated. Otherwise it is diffrax, with Dopri8 or, for a stiff problem, Kvaerno5. The second route is CVODE, with
+    Adams' method or BDF. No route shares code with a scheme.
+
+    A force with a history is a function of u and u̇ from one commit to the next. This is exact as long as no element
+    reverses in between, so every reversal is a kink of the grid. The routes agree only on such a solution.
 
     Parameters
     ----------
@@ -131,7 +133,7 @@ class Reference:
 
     def __init__(self, problem: Problem, duration: float):
         if problem.massless:
-            raise NoReference(f"the mass of '{problem.title}' is singular, and no reference takes such a problem.")
+            raise NoReference(f"the mass of '{problem.title}' is singular, and no reference solves such a problem.")
         self.problem, self.duration = problem, duration
         found = frequencies(problem)
         self._highest = None if found is None else found[-1]
@@ -178,7 +180,7 @@ class Reference:
         return Route("heyoka", by_taylor), of_cvode
 
     def grid(self, coarsest: float) -> Times:
-        """First times between which the solution is interpolated, with all kinks of load and force."""
+        """The first grid, between whose times the solution is interpolated, with all kinks of load and force."""
         shortest = coarsest
         if self._highest is not None and 0 < self._highest < np.inf:
             shortest = min(coarsest, 2 * np.pi / self._highest)
@@ -188,7 +190,7 @@ class Reference:
     def with_kinks(self, grid: Times) -> Times:
         """The grid with all kinks, and some points between any two of the force.
 
-        A point next to a kink would only make a short step, and is left out.
+        Points next to a kink are left out, because they would only cause short steps.
         """
         of_force, all_kinks = self.kinks.of_force, np.union1d(*self.kinks)
         ends = np.concatenate([[-np.inf], all_kinks, [np.inf]])
@@ -211,8 +213,8 @@ class Reference:
     def solutions(self, grid: Times, rtol: float, goal: float) -> tuple[DenseSolution, DenseSolution, Times]:
         """Solutions of both routes, and a grid fine enough for the interpolant of the first one.
 
-        The second solution has points between any two of the first, so that their difference shows the error of the
-        interpolant.
+        The second solution has points between any two points of the first, so that their difference shows the error of
+        the interpolant.
 
         Parameters
         ----------

@@ -18,9 +18,11 @@ from study.scheme.contract import check_attributes
 from study.scheme.named import schemes
 from study.words import document
 
-#: Default schemes for comparison, and problems on which all schemes run, with the time in seconds for stiff problems,
-#: which are short because the reference takes steps of the stiffest mode.
+#: Default schemes for comparison.
 COMPARED = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
+
+#: Default problems and durations in s; None means ten periods. Stiff problems run for a short time, because the
+#: reference resolves the stiffest mode.
 ON = {"hardening": None, "softening": None, "double_well": None, "stiff_soft_sine": 5.0, "fpu_chain": 12.6}
 
 #: Ratios of step to period at which linear theory is drawn.
@@ -51,8 +53,8 @@ def _linear(chosen: dict[str, Scheme]) -> xr.Dataset:
                 [m.period_elongation for m in motions.values()],
                 {"long_name": "relative elongation of the period"},
             ),
-            "order": of((t.order() for t in fine.values()), "order of the roots of free motion"),
-            "claimed_order": of((s.order for s in chosen.values()), "order that the scheme claims"),
+            "order": of((t.order() for t in fine.values()), "order of accuracy of the principal roots"),
+            "claimed_order": of((s.order for s in chosen.values()), "order of accuracy claimed for the scheme"),
             "stability_limit": of((t.stability_limit() for t in fine.values()), "largest stable ωΔt"),
             "radius_at_infinity": of(
                 (t.infinite_frequency_radius() for t in fine.values()), "spectral radius at infinite frequency"
@@ -150,7 +152,8 @@ def scheme_page(assessed: SchemeAssessment) -> str:
     ]
     head = ("scheme", "order claimed", "order found", "largest stable ωΔt", "ρ∞")
     parts = ["<h2>Linear theory</h2>", table_of(head, rows)]
-    parts.append(figure_of(_curve(linear, "spectral_radius", (0.0, 1.5)), "Spectral radius; above one it is unstable."))
+    caption = "Spectral radius; a scheme is unstable where it exceeds one."
+    parts.append(figure_of(_curve(linear, "spectral_radius", (0.0, 1.5)), caption))
     parts.append(figure_of(_curve(linear, "period_elongation", (-0.5, 1.0)), "Elongation of the period."))
     for one in assessed.problems.values():
         parts += [f"<h2>{one.attrs['problem']}</h2>", *judgement(one)]

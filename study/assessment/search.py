@@ -21,38 +21,39 @@ from study.program.confirmation import TWENTIETH, with_room
 from study.scheme.base import Scheme
 from study.settings import cores
 
-#: Steps with which a search begins in a period of the slowest small motion.
+#: Number of steps in a period of the slowest small motion with which a search begins.
 COARSEST = 4
 
-#: Limits of a search: steps in a period of the slowest small motion; if that is more, steps of a run of one unknown (or
-#: this number over the number of unknowns); and largest number of steps of any run.
+#: Finest steps of a search: steps in a period of the slowest small motion, or steps × unknowns of a run if these are
+#: finer; and largest number of steps of any run.
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
 #: Finest Δt·ω of a search, with the highest frequency ω of the motion, and its caps on steps and steps × unknowns.
 #: Stiff modes of a structure need finer steps than its slowest period suggests.
 FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST = 0.03, 20_000, 4_000_000
 
-#: Multiple of a twentieth of a step down to which finer steps suffice, if the step has shrunk.
+#: Ratio of the finest step tried to the finest step wanted, up to which no finer step is tried. Without this margin,
+#: a slight reduction of the largest step that keeps an error would need further runs.
 ENOUGH = 1.1
 
 #: Numbers of runs of an octave: maximum, and minima for one unknown in tiles and otherwise.
 MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 
-#: Caps on steps × unknowns of the runs of an octave, if enough runs remain: for one unknown and for several.
+#: Caps on steps × unknowns of the runs of an octave, if enough runs remain, by whether there is one unknown.
 WORK = {True: 1_500_000, False: 4_000_000}
 
-#: Number of runs up to an octave below a recommended step, where errors are largest, and the cap on their steps ×
-#: unknowns, if enough runs remain. A step below half of the finest one needs none.
+#: Runs up to an octave below a recommended step, where errors are largest: their number, the cap on their steps ×
+#: unknowns, and their smallest number, which does not apply to steps up to half of the finest one.
 CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}, {True: 0, False: 8}
 
-#: Number of steps from which a run of one unknown is made alone, and the same for a search without longer runs, which
-#: avoids compiling the program of a single run: that takes as long as it saves.
+#: Number of steps above which a run of one unknown is made alone. The second number is for a search of runs up to
+#: ``FINEST_OF_RUN`` steps, for which compiling the program of a single run takes as long as it saves.
 LONG, LONG_OF_SHORT = 30_000, 120_000
 
 #: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
 STARTS = (0.99, 1.01)
 
-#: Least ratio of an error to the uncertainty of the reference.
+#: Smallest ratio of an allowed error to the uncertainty of the reference.
 CERTAIN = 10
 
 #: Ends of a search for a step.
@@ -97,7 +98,7 @@ class Case:
 
 
 def sentence_on_starts(cases: dict[float, Case]) -> str:
-    """A sentence on the starts next to the problem's own; a multiple of zero is not another start."""
+    """A sentence on the starts close to the problem's own start; a multiple of zero is not another start."""
     own = cases[1.0].problem
     others = [case.problem for factor, case in cases.items() if factor != 1.0]
     if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):
@@ -124,7 +125,7 @@ def _two_digits(x: float) -> float:
 
 
 def round_step(largest: float, spacing: float | None) -> float:
-    """The largest step up to another one that has two digits, or is a whole multiple or part of a spacing."""
+    """The largest step up to another one that has two digits, or is an integer multiple or fraction of a spacing."""
     largest *= 1 + 1e-9
     if spacing is None:
         unit = 10.0 ** (math.floor(math.log10(largest)) - 1)
@@ -157,7 +158,7 @@ class Search:
     Attributes
     ----------
     late
-        Whether the search ended because of that.
+        Whether the search ended because ``end`` had passed.
     runs
         A row for each run: ``start``, ``dt``, ``steps``, ``status``, ``imbalance``, ``iterations``, and the error of
         each quantity.
@@ -213,11 +214,11 @@ class Search:
         self.run(self._drawn(bottom, top, count))
 
     def _drawn(self, bottom: float, top: float, count: int) -> np.ndarray:
-        """A number of random steps: one in each of equal parts between two steps on a logarithmic scale."""
+        """``count`` random steps, one in each of as many equal parts between two steps on a logarithmic scale."""
         return top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count)
 
     def _unconfirmed(self, steps: Iterable[float]) -> np.ndarray:
-        """Random steps at which runs are missing up to an octave below each of some steps."""
+        """Random steps up to an octave below each of some steps, as many as these still need to be confirmed."""
         tried = self._arrays()[0]
         drawn = tried
         for step in sorted(steps, reverse=True):
@@ -235,14 +236,14 @@ class Search:
         return self.runs.dt.to_numpy()[own], self.runs[name].to_numpy()[own]
 
     def largest(self, name: str, allowed: float) -> float:
-        """Largest step tried below which all runs keep an error, with room for their scatter; zero if there is none."""
+        """Largest step tried below which all runs keep an error, with a margin for scatter; zero if there is none."""
         fails = ~(self.runs[name].to_numpy() <= allowed)  # a failed run, NaN, counts as above
         dt, error = self._arrays(name)
         below = dt < self.runs.dt.to_numpy()[fails].min(initial=np.inf)
         return with_room(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
-        """Run down to a twentieth of each step that keeps an error, from all starts at round steps, and below these."""
+        """Run down to a twentieth of each step that keeps an error, then at round steps from all starts and below."""
         top = self.coarsest
         while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
@@ -269,7 +270,7 @@ class Search:
         return round_step(largest, self._spacing) if largest else 0.0
 
     def _known(self, step: float) -> bool:
-        """Whether a step was run, and all runs that confirm it."""
+        """Whether a step and all runs that confirm it have been made."""
         tried = self._arrays()[0]
         return step in tried and tried.min() <= TWENTIETH * step and not len(self._unconfirmed([step]))
 

@@ -60,7 +60,7 @@ class DenseSolution(NamedTuple):
         Parameters
         ----------
         other
-            The solution of another route, with points between.
+            The solution of another route, with points between the points of this grid.
         """
         off = np.zeros(len(self.t) - 1)
         for mine, theirs in zip(self.at(other.t), (other.u, other.v), strict=True):
@@ -82,5 +82,5 @@ class DenseSolution(NamedTuple):
 
 
 def with_points_between(grid: Times) -> Times:
-    """The grid with points in each of its intervals in which the interpolant has a large error."""
+    """The grid with points added in each of its intervals, where the interpolant has large errors."""
     return np.append((grid[:-1, None] + np.diff(grid)[:, None] * (0.0, *BETWEEN)).ravel(), grid[-1])

@@ -38,7 +38,7 @@ LOOSEST, TIGHTEST = 0.1, 1e-12
 #: Part of a tolerance down to which smaller ones are tried.
 HUNDREDTH = 0.01
 
-#: Number of runs of a range of tolerances, and largest number of steps of a run.
+#: Number of runs made at once, and largest number of steps of a run.
 RUNS, MOST_STEPS = 32, 200_000
 
 #: Digits of a recommended tolerance.
@@ -46,7 +46,7 @@ DIGITS = (5.0, 2.0, 1.0)
 
 
 class Tolerance(NamedTuple):
-    """End of a search, the tolerance that keeps the error, and the run with it.
+    """End of a search, the tolerance that keeps the error, and the run with this tolerance.
 
     ``forces`` counts the forces of all trial steps. ``tried`` counts the tolerances from a hundredth of this one up to
     it, and ``worst`` is the largest error among them as a fraction of the allowed one.
@@ -61,19 +61,19 @@ class Tolerance(NamedTuple):
     worst: float = np.nan
 
 
-#: Ends of a search. Multi-step schemes have no search, nor have period, phase and amplitude.
+#: Ends of a search. Multi-step schemes have no search, and neither have period, phase and amplitude.
 ENDS = (*VERDICTS, "needs_equal_steps")
 EQUAL_ONLY = ENDS.index("needs_equal_steps")
 
 #: Name and attributes of each variable of the dataset, in the order of :class:`Tolerance`.
 VARIABLES = {
     "tolerance_verdict": flags("how the search for the tolerance ended", ENDS, np.int8),
-    "tolerance": {"long_name": "largest round tolerance below which all keep the error", "units": "1"},
-    "tolerance_error": {"long_name": "error with it", "units": "1"},
-    "controlled_steps": {"long_name": "steps of the run with it", "units": "1"},
-    "controlled_force_evaluations": {"long_name": "forces evaluated in that run", "units": "1"},
-    "tolerances_tried": {"long_name": "tolerances tried from a hundredth of it up to it", "units": "1"},
-    "tolerance_worst_error": {"long_name": "largest error among them over the allowed one", "units": "1"},
+    "tolerance": {"long_name": "largest round tolerance that keeps the error, as all smaller ones do", "units": "1"},
+    "tolerance_error": {"long_name": "error with this tolerance", "units": "1"},
+    "controlled_steps": {"long_name": "steps of the run with this tolerance", "units": "1"},
+    "controlled_force_evaluations": {"long_name": "internal forces evaluated in the run", "units": "1"},
+    "tolerances_tried": {"long_name": "tolerances tried from a hundredth of this tolerance up to it", "units": "1"},
+    "tolerance_worst_error": {"long_name": "largest error of the tolerances tried over the allowed one", "units": "1"},
 }
 
 
@@ -100,7 +100,7 @@ class ToleranceSearch:
     end
         Value of ``time.monotonic()`` after which no runs begin.
     late
-        Whether the search ended because of that.
+        Whether the search ended because ``end`` had passed.
     runs
         A row for each run: ``start``, ``tolerance``, ``steps``, ``forces``, and the error of each quantity.
     """
@@ -147,12 +147,12 @@ class ToleranceSearch:
         self.late = time.monotonic() > self.end
 
     def _drawn(self, bottom: float, top: float, first: Sequence[float] = ()) -> np.ndarray:
-        """Some tolerances and random ones on a logarithmic scale: the number that a call runs at once."""
+        """The tolerances ``first`` and random ones on a logarithmic scale, ``RUNS`` in all."""
         count = RUNS - len(first)
         return np.append(first, top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count))
 
     def largest(self, name: str, allowed: float) -> float:
-        """Largest tolerance below which all runs keep an error, with room for their scatter; zero if there is none."""
+        """Largest tolerance below which all runs keep an error, with a margin for scatter; zero if there is none."""
         fails = ~(self.runs[name].to_numpy() <= allowed)  # a failed run, NaN, counts as above
         lowest = self.runs.tolerance.to_numpy()[fails].min(initial=np.inf)
         own = self.runs[(self.runs.start == 1.0) & (self.runs.tolerance < lowest)]
@@ -160,7 +160,7 @@ class ToleranceSearch:
         return with_room(own.tolerance.to_numpy() ** (1 / self._power), own[name].to_numpy(), allowed) ** self._power
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None]) -> None:
-        """Run down to a hundredth of the tolerance that keeps each error, and from all starts with round tolerances."""
+        """Run down to a hundredth of the tolerance that keeps each error, then from all starts at round tolerances."""
         top, steps = LOOSEST, 0.0
         while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]

@@ -34,7 +34,7 @@ def work_precision(
     quantity
         Quantity of the diagram, by default the first.
     **options
-        Further parameters of :func:`study.assess`, such as ``duration`` and ``errors``, down to which runs go.
+        Further parameters of :func:`study.assess`, such as ``duration`` and ``errors``.
 
     Returns
     -------

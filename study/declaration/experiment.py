@@ -1,4 +1,4 @@
-"""The declaration of an experiment: the datasets that it makes and reads, its options, and their work.
+"""The declaration of an experiment: the datasets that it makes and reads, its options, and the work of its jobs.
 
     @experiment("accuracy", reads=lambda o: [f"reference/{name}" for name in o["problems"]])
     def accuracy(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Counts) -> xr.Dataset:
@@ -25,19 +25,22 @@ class Experiment:
     Attributes
     ----------
     makes
-        The datasets, by their names in the results.
+        Names of the datasets in the results.
     function
-        Makes them, one or a tuple, of its options.
+        Function of the options that returns the datasets, one or a tuple.
     section
-        Dotted key of the configuration that holds the options; it may be absent where all of them have defaults.
+        Dotted key of the configuration that holds the options. The section may be absent if all options have defaults.
     model
-        Type of that section, where it is not the arguments of the function; ``None`` where another experiment has it.
+        Type of the section; by default it has the arguments of the function. If there are ``options`` and no ``model``,
+        another experiment declares the section.
     options
-        Options out of the whole configuration, where they are not the section.
+        Function that takes the options from the whole configuration, if they are not the section.
     split
-        Jobs of an experiment, by their names: the options of each. The datasets of job ``x`` are ``makes/x``.
+        Function from the options to the options of each job, by the job's name. The datasets of job ``x`` are
+        ``makes/x``.
     along
-        Dimensions along which the jobs' datasets are put together to ``makes``; without them they stay apart.
+        Dimensions, separated by commas, along which the datasets of all jobs are joined to ``makes``. If it is empty,
+        they remain separate.
     parts
         Folders of the jobs' datasets if they are kept, so that an interrupted experiment continues with them.
     reads
@@ -45,17 +48,18 @@ class Experiment:
     files
         Other files that a job reads, by its options.
     check
-        Sentence about options that do not fit each other or the rest of the configuration, or nothing.
+        Function that returns a sentence if the options contradict each other or the rest of the configuration, and
+        ``None`` otherwise.
     steps, values
         Approximate number of steps of all runs of a job, and of values that it holds at once.
     page
-        Module that makes a page of HTML next to each dataset, of the dataset's file and its own.
+        Module that makes a page of HTML next to each dataset. Its arguments are the files of the dataset and the page.
     stops_early
-        Whether runs that decide the result end a job before ``steps``, which is then a bound.
+        Whether a job may end as soon as its runs decide the result; ``steps`` is then an upper bound.
     timed
         Whether the experiment measures times, so that no other job may run at the same time.
     temporary
-        Whether the datasets are removed once others are made of them.
+        Whether the datasets are removed once other datasets are made from them.
     """
 
     makes: tuple[str, ...]
@@ -97,11 +101,11 @@ class Experiment:
 
     @property
     def defaults(self) -> Options:
-        """The arguments of the function that have defaults, with these."""
+        """The default of each argument of the function that has one."""
         return {name: default for name, (_, default) in arguments_of(self.function).items() if default is not ...}
 
     def jobs(self, configuration: Mapping) -> dict[str, Options]:
-        """The options of every job, by the job's name, which is empty where there is only one."""
+        """The options of every job, by the job's name, which is empty if there is only one job."""
         options = self.options_of(configuration)
         return {"": options} if self.split is None else dict(self.split(options))
 
@@ -118,7 +122,7 @@ class Experiment:
 
 @dataclass(frozen=True, eq=False)
 class Merged:
-    """A dataset that is merged from several others."""
+    """A dataset that is merged from several other datasets."""
 
     makes: str
     of: tuple[str, ...]
@@ -131,7 +135,7 @@ DECLARED: dict[tuple[str, str], Experiment | Merged] = {}
 
 
 def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Callable], Callable]:
-    """Declare the decorated function an experiment that makes datasets; see :class:`Experiment` for the rest.
+    """Declare the decorated function as an experiment; the arguments are the attributes of :class:`Experiment`.
 
     Raises
     ------
@@ -139,7 +143,7 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
         If the experiment makes no dataset, or its name is not a valid file name, or its module declares it twice.
     """
     if not makes or not all(isinstance(name, str) for name in makes):
-        raise ValueError('an experiment names the dataset that it makes: @experiment("name").')
+        raise ValueError('an experiment must name the dataset that it makes: @experiment("name").')
 
     def declare(function: Callable) -> Callable:
         one = Experiment(makes, function, section or makes[0].replace("/", "."), **declared)
@@ -158,7 +162,7 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
 
 
 def merged(makes: str, of: Sequence[str]) -> None:
-    """Declare a dataset that is merged of others."""
+    """Declare a dataset that is merged from other datasets."""
     DECLARED["", makes] = Merged(makes, tuple(of))
 
 
@@ -176,7 +180,7 @@ def discover() -> list[Experiment | Merged]:
 
 
 def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
-    """Types and defaults of the arguments of a function, as pydantic takes fields; ``...`` is no default."""
+    """Types and defaults of the arguments of a function, as pydantic's fields; ``...`` marks a missing default."""
     parameters = inspect.signature(function, eval_str=True).parameters
     for name, one in parameters.items():
         if one.annotation is one.empty or one.kind is one.VAR_KEYWORD:
@@ -195,5 +199,5 @@ def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
 
 
 def progress(message: str) -> None:
-    """Print the present work of a job immediately."""
+    """Print what a job works on, without delay."""
     print(message, flush=True)

@@ -1,8 +1,7 @@
 """Types of the options of experiments, with their bounds.
 
-The arguments of an experiment carry these types; the check of the configuration and its schema follow from them. Every
-job of the pipeline imports this module, so it does not import pydantic, which reads the types and takes a quarter of a
-second.
+The arguments of an experiment have these types. The check of the configuration and its schema follow from the types.
+Every job of the pipeline imports this module. It does not import pydantic, which takes a quarter of a second.
 """
 
 import re
@@ -16,7 +15,7 @@ from typing_extensions import TypedDict
 
 
 def section(kind: type) -> type:
-    """A section of the configuration, a TypedDict: it accepts only its own keys, and numbers of the declared types."""
+    """Declare a TypedDict a section of the configuration, which accepts only its keys and values of the given types."""
     kind.__pydantic_config__ = {"extra": "forbid", "strict": True}  # type: ignore[attr-defined]
     return kind
 
@@ -28,9 +27,9 @@ class Checked:
     Parameters
     ----------
     function
-        Takes a value and the registries of names by kind, and returns the value; a ``ValueError`` refuses it.
+        Function of a value and the registries of names by kind. It returns the value, or raises a ``ValueError``.
     early
-        Whether the check comes before those of type and bounds.
+        Whether the check precedes the checks of type and bounds.
     """
 
     function: Callable[[Any, Mapping[str, Any]], Any]
@@ -57,7 +56,7 @@ def _distinct(values: list, registries: Mapping[str, Any]) -> list:
 
 
 def _listed(kind: str) -> Checked:
-    """A name of the registry of this kind, as the registry writes it: datasets and files are called by it."""
+    """A name in the registry of this kind, in the registry's spelling, which datasets and files use too."""
 
     def check(name: str, registries: Mapping[str, Any]) -> str:
         try:
@@ -65,7 +64,7 @@ def _listed(kind: str) -> Checked:
         except KeyError as error:
             raise ValueError(str(error.args[0]).rstrip(".")) from None
         if name != own:
-            raise ValueError(f"write '{own}', the name that the datasets have, for '{name}'")
+            raise ValueError(f"write '{own}', the name in the datasets, instead of '{name}'")
         return name
 
     return Checked(check)
@@ -97,7 +96,7 @@ def _rising(values: list, registries: Mapping[str, Any]) -> list:
 
 @dataclass(frozen=True)
 class Names:
-    """Marks a string that names a ``problem`` or ``scheme``, on whose source file the job then depends."""
+    """Mark of a string that names a ``problem`` or ``scheme``; the job depends on its source file."""
 
     kind: str
 
@@ -123,44 +122,51 @@ Size = Annotated[float, Ge(1e-9), Le(1e9)]
 Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
 Counts = Annotated[list[Count], _FEW, _DISTINCT]
 FallingSizes = Annotated[list[Size], _FEW, _DISTINCT, Checked(_falling)]
-#: Records of ground motion, periods in s of oscillators under them, elastic force over strength, and their seconds.
+#: Number of records of ground motion.
 Records = Annotated[int, Ge(1), Le(1000)]
+#: Periods in s of oscillators under records.
 RecordPeriods = Annotated[list[Annotated[float, Ge(0.05), Le(10)]], _FEW, _DISTINCT]
+#: Ratios of the largest elastic force to the strength of an oscillator.
 Reductions = Annotated[list[Annotated[float, Ge(1), Le(100)]], _FEW, _DISTINCT]
+#: Duration of a record in s.
 RecordDuration = Annotated[float, Ge(1), Le(100)]
 RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
 Sizes = Annotated[list[Size], _FEW, _DISTINCT]
 Tolerances = Annotated[list[Tolerance], _FEW, _DISTINCT]
-#: Tolerances of solvers; larger ones lose any motion.
+#: Tolerances of solvers, at most 0.1 because the motion is lost at larger ones.
 FallingTolerances = Annotated[list[Annotated[float, Ge(1e-15), Le(0.1)]], _FEW, _DISTINCT, Checked(_falling)]
 
-#: A name that files can have, and several names.
+#: A name that is valid as the name of a file.
 Name = Annotated[str, Checked(_plain)]
 PlainNames = Annotated[list[Name], _FEW, _DISTINCT]
-#: Something in a file, FILE.py:NAME, or a problem by name or in a file.
+#: A Python object in a file, FILE.py:NAME.
 Place = Annotated[str, Len(1, 1000)]
+#: Name of a problem, or a problem in a file, FILE.py:NAME.
 ProblemPlace = Annotated[str, Len(1, 1000), Names("problem")]
-#: Any problem, a free oscillator of Xie (1996), a structure with a time scale, a problem with a known displacement, and
-#: a scheme, each by name.
+#: Name of any problem.
 ProblemName = Annotated[str, _listed("problem"), Names("problem")]
+#: Name of a free oscillator of Xie (1996).
 Spring = Annotated[str, _listed("spring"), Names("problem")]
+#: Name of a structure with a time scale.
 Structure = Annotated[str, _listed("structure"), Names("problem")]
+#: Name of a problem with a known displacement.
 KnownProblem = Annotated[str, _listed("problem with a known displacement"), Names("problem")]
+#: Name of a scheme.
 SchemeName = Annotated[str, _listed("scheme"), Names("scheme")]
-#: A scheme whose displacement and velocity are sums, which can be compensated.
+#: Name of a scheme that adds increments to displacement and velocity; the sums can be compensated.
 OneStepName = Annotated[SchemeName, _listed("one-step scheme")]
 Springs = Annotated[list[Spring], _FEW, _DISTINCT]
 Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
 #: Problems whose force has kinks or memory or whose load has kinks, and a smooth one for comparison.
 KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken", "pulse"], Names("problem")]
 Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
-#: Problems whose exact motion has samples: those of the section ``kinks``, and structures.
+#: Problems with samples of the exact motion: the problems of the section ``kinks``, and structures.
 Sampled = Annotated[list[KinkedName | Structure], _FEW, _DISTINCT]
 Schemes = Annotated[list[SchemeName], _FEW, _DISTINCT]
 Estimators = Annotated[list[Annotated[str, _listed("estimator")]], _FEW, _DISTINCT]
 ControllerName = Annotated[str, _listed("controller")]
 Controllers = Annotated[list[ControllerName], _FEW, _DISTINCT]
-#: A user's schemes, FILE.py:NAME.
+#: Schemes of a user, FILE.py:NAME.
 OwnSchemes = Annotated[list[str], Len(0, 1000), _DISTINCT]
 OneStepSchemes = Annotated[list[OneStepName], _FEW, _DISTINCT]
 
@@ -209,7 +215,7 @@ StructureLengths = Annotated[list[StructureLength], Len(1, 1000), Checked(_each_
 
 
 def names_in(kind: Any, value: Any) -> Iterator[tuple[str, str]]:
-    """The problems and schemes that the value of an option names, by its type: pairs of kind and name."""
+    """Pairs of kind and name of the problems and schemes in the value of an option, found by the option's type."""
     if get_origin(kind) in (Union, UnionType):
         kind = get_args(kind)[0] if value is not None else None
     if get_origin(kind) is Annotated:

@@ -22,13 +22,13 @@ STATUSES = (
     "not_tried",
 )
 
-#: Names in the result of a run: its times, and the seconds that it took in all or up to each time, if it measures them.
+#: Names in the result of a run: its times, and its wall time in s, in all or up to each time, if that is measured.
 TIME, SECONDS = "t", "seconds"
 
 #: Largest size of a value; a run that grows beyond it counts as unbounded.
 LARGEST = 1e100
 
-#: Tolerance of times as a part of a step, for the digits of a file.
+#: Tolerance of times relative to a step, for the rounding of numbers in a file.
 UNIFORM = 1e-3
 
 #: Times of a run, of shape (t,).
@@ -42,7 +42,7 @@ Runnable = Callable[[str, float], Mapping]
 
 
 class Unusable(Exception):
-    """A run failed; with one of the ``STATUSES`` and the reason."""
+    """A failed run, with one of the ``STATUSES`` and the reason."""
 
     def __init__(self, status: str, reason: str):
         super().__init__(reason)
@@ -55,11 +55,11 @@ class Run(NamedTuple):
     Attributes
     ----------
     status, reason
-        One of the ``STATUSES``, and the reason if it is not the first, otherwise empty.
+        One of the ``STATUSES``, and the reason of a failure, which is empty for a completed run.
     seconds
-        Time that it took, by the program's own measure if it has one.
+        Time of the run, by the program's own measure if there is one.
     elapsed
-        Wall time that it took, with the start of a process.
+        Wall time of the run, including the start of a process.
     t
         Times in s, of shape (t,); empty if all quantities are single numbers, or if the run failed.
     values
@@ -77,7 +77,7 @@ class Run(NamedTuple):
 
     @property
     def completed(self) -> bool:
-        """Whether it succeeded."""
+        """Whether the run succeeded."""
         return self.status == STATUSES[0]
 
 
@@ -95,7 +95,7 @@ def _array(name: str, given: object) -> Values:
 
 
 def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
-    """Check that times are a constant whole number of steps apart, except the last one, and reach the end."""
+    """Check that times reach the end and that the gap between them, except the last, is a constant number of steps."""
     gaps = np.diff(t)
     if t.ndim != 1 or not gaps.size:
         raise Unusable("too_short", f"'{TIME}' has {t.size} time{'s' * (t.size != 1)}, and at least two are needed")
@@ -119,7 +119,7 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
     Raises
     ------
     Unusable
-        If it is not a mapping from names to finite numbers, or its times are not steps that reach the end.
+        If the result is not a mapping from names to finite numbers, or its times are not steps that reach the end.
     """
     if returned is None:
         raise Unusable("nothing", "it returned nothing")
@@ -143,10 +143,10 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
 
 
 def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
-    """Run a program once; a failure is recorded."""
+    """Run a program once; a failure is returned as a run with its reason."""
     start = time.perf_counter()
     try:
-        # numbers of a program may overflow, which the check of its values finds
+        # numbers of a program may overflow; the check of its values reports it
         with np.errstate(all="ignore"):
             returned = run(scheme, dt)
         elapsed = time.perf_counter() - start

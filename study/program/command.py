@@ -22,7 +22,7 @@ from study.program.definition import Program
 #: Placeholders of a command that a run fills.
 PLACES = ("dt", "scheme", "output", "duration")
 
-#: Largest number of letters that a reason quotes of a program's last output.
+#: Largest number of characters of a program's last line of output in the reason of a failure.
 LAST_WORDS = 200
 
 
@@ -34,7 +34,7 @@ class Command:
     template: str
     duration: float
     time_limit: float | None
-    #: A digest of relevant files that the command does not name.
+    #: A digest of files that determine the runs and that the command does not name.
     more: str = ""
 
     #: Its runs need no process of this package.
@@ -53,9 +53,9 @@ class Command:
         return " ".join([self.template, self.more, *digests])
 
     def __call__(self, scheme: str, dt: float) -> dict[str, np.ndarray]:
-        """Run it in a process, and read its output."""
+        """Run the command in a process, and read its output."""
         with tempfile.TemporaryDirectory() as folder:
-            output, said = Path(folder) / "output.csv", Path(folder) / "said"
+            output, printed = Path(folder) / "output.csv", Path(folder) / "printed"
             given = {
                 "dt": repr(float(dt)),
                 "scheme": scheme,
@@ -63,15 +63,15 @@ class Command:
                 "duration": repr(float(self.duration)),
             }
             words = [_filled(word, given) for word in shlex.split(self.template)]
-            # a file, as a process that outlives the program would keep a pipe open
-            with said.open("wb") as file:
+            # a file, because a process that outlives the program would keep a pipe open
+            with printed.open("wb") as file:
                 process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT)
                 try:
                     code = process.wait(self.time_limit)
                 except subprocess.TimeoutExpired:
                     _kill(process)
                     raise Unusable("timed_out", f"it was stopped after {self.time_limit:g} s") from None
-            _check_end(code, said.read_text(errors="replace"))
+            _check_end(code, printed.read_text(errors="replace"))
             return _quantities(output)
 
 
@@ -90,8 +90,8 @@ def _filled(word: str, given: dict[str, str]) -> str:
     return word
 
 
-def _check_end(code: int, said: str) -> None:
-    lines = said.strip().splitlines()
+def _check_end(code: int, printed: str) -> None:
+    lines = printed.strip().splitlines()
     last = f": {lines[-1][:LAST_WORDS]}" if lines else ""
     if code < 0:
         raise Unusable("signal", f"the signal {signal.Signals(-code).name} ended it{last}")
@@ -119,21 +119,21 @@ def _quantities(output: Path) -> dict[str, np.ndarray]:
 def command(
     template: str, schemes: Sequence[str], duration: float, *, time_limit: float | None = None, **options: Any
 ) -> Program:
-    """A program that any executable runs, which writes a CSV file.
+    """An executable that writes a CSV file, as a program.
 
     Parameters
     ----------
     template
         The command, such as ``./mycode --dt {dt} --scheme {scheme} --output {output}``. The step in s, a scheme and the
         file to write are put in place of ``{dt}``, ``{scheme}`` and ``{output}``, and the duration in s in place of
-        ``{duration}``. No shell interprets it. Runs share the folder of this process, so that a program that writes
-        files of fixed names needs ``workers=1``. The first line of the file names its columns: ``t`` and quantities
+        ``{duration}``. No shell interprets the command. Runs share the folder of this process, so a program that writes
+        files of fixed names needs ``workers=1``. The first line of the CSV file names its columns: ``t`` and quantities
         along time, or single numbers in one row.
     schemes, duration
         As for :class:`study.Program`.
     time_limit
-        Seconds after which a run is stopped; it is recorded, and its scheme is not run at finer steps. By default there
-        is no limit.
+        Seconds after which a run is stopped. The run is recorded as failed, and its scheme is not run at finer steps.
+        By default there is no limit.
     **options
         Further parameters of :class:`study.Program`.
 
@@ -150,13 +150,13 @@ def command(
         If the command lacks ``{dt}``, ``{scheme}`` or ``{output}``.
     """
     if not isinstance(template, str):
-        raise TypeError(f"the command must be one text, not {template!r}.")
+        raise TypeError(f"the command must be a string, not {template!r}.")
     try:
         words = shlex.split(template)
     except ValueError as error:
         raise ValueError(f"the command {template!r} cannot be split into words: {error}.") from None
     if lacking := [place for place in PLACES[:3] if f"{{{place}}}" not in template]:
-        raise ValueError(f"the command must have {{{lacking[0]}}} where a run gives its own, not {template!r}.")
+        raise ValueError(f"the command lacks {{{lacking[0]}}}, which each run replaces by its value: {template!r}.")
     if shutil.which(words[0]) is None:
         raise FileNotFoundError(f"there is no executable '{words[0]}'.")
     return Program(Command(Path(words[0]).name, template, duration, time_limit), schemes, duration, **options)

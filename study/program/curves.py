@@ -1,4 +1,4 @@
-"""Quantities of runs at different steps, compared."""
+"""Quantities of a program's runs, and their differences between runs at different steps."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 #: Interpolation between the steps.
 INTERPOLATION = "cubic splines through the steps of the finer run"
 
-#: Least number of points of a curve; every second one shows the error of its interpolation.
+#: Fewest points of a curve whose error of interpolation is estimated from every second point.
 FEWEST = 8
 
 
-#: Tolerance of equal times as a part of a step.
+#: Largest difference of equal times, relative to a step.
 SAME = 1e-6
 
 
@@ -47,30 +47,30 @@ class Curve:
         return SAME * (self.t[1] - self.t[0])
 
     def at(self, times: np.ndarray) -> Values:
-        """Values at some times, those of its steps or by a cubic spline; of a single number, itself."""
+        """Values at some times, by a cubic spline if they are not times of this curve; a single number is constant."""
         if not self.values.ndim:
             return self.values
-        # a spline of many components takes longer than a run; a run with half the step has the times of the coarser one
+        # a spline of many components takes longer than a run, and a run with half the step needs none
         places = np.searchsorted(self.t, times - self._slack).clip(max=len(self.t) - 1)
         if (np.abs(self.t[places] - times) <= self._slack).all():
             return self.values[places]
         return self._spline(times)
 
     def within(self, other: Curve) -> Curve:
-        """The part of it at times that another curve covers."""
+        """The part of this curve at times that another curve covers."""
         if not self.values.ndim:
             return self
         shared = (self.t >= other.t[0] - self._slack) & (self.t <= other.t[-1] + self._slack)
         return Curve(self.t[shared], self.values[shared])
 
-    def from_(self, finer: Curve) -> Values:
+    def difference(self, finer: Curve) -> Values:
         """Difference from a finer curve at the times of this one that the finer one covers."""
         shared = self.within(finer)
         return shared.values - finer.at(shared.t)
 
     def distance(self, finer: Curve) -> float:
         """Largest difference from a finer curve."""
-        return float(np.abs(self.from_(finer)).max(initial=0.0))
+        return float(np.abs(self.difference(finer)).max(initial=0.0))
 
     def between(self) -> float:
         """Error of the values between its steps: half of the error of interpolation between every second step."""

@@ -15,7 +15,7 @@ import platformdirs
 
 from study.program.attempt import Runnable
 
-#: Steps of the coarsest and of the finest run, if no steps are given.
+#: Default numbers of steps of the coarsest and of the finest run.
 FEWEST_STEPS, MOST_STEPS = 16, 2**17
 
 
@@ -24,43 +24,44 @@ class Program:
     """A model in another program, for :func:`study.assess`.
 
     It may be anything with a fixed step: a function of NumPy, a simulation in another process, a finite element code.
-    :func:`study.opensees` makes a program of a model of OpenSees, and :func:`study.command` of an executable.
+    :func:`study.opensees` makes a program from a model of OpenSees, and :func:`study.command` from an executable.
 
-    Every run is kept on disk, so that a second or an interrupted assessment repeats none. The source of a program
-    identifies its runs: the file that contains ``run`` and the data that ``run`` holds. Imports of that file are not
-    checked. If that is not enough, give a ``name``, and change it whenever the program changes.
+    Every run is kept on disk, so a second or an interrupted assessment repeats none. The source of a program identifies
+    its runs: the file that contains ``run`` and the data that ``run`` holds. Files that this file imports do not count.
+    If the source is not enough, give a ``name``, and change it whenever the program changes.
 
     Parameters
     ----------
     run
         ``run(scheme, dt)`` runs the program with a scheme and a step in s up to ``duration``. It returns a mapping from
         names to quantities: arrays along its times ``t``, of shape (t,) or (t, components), and single numbers such as
-        a peak. The times are steps, or every n-th one. A program that measures its time returns it as ``seconds``. An
-        exception is recorded and ends that run only.
+        a peak. The times are those of all steps, or of every n-th step. A program that measures its time returns it as
+        ``seconds``. An exception is recorded and ends only that run.
     schemes
-        Names of schemes for ``run``, at least two with the witnesses. If the study has a scheme of that name, the
-        assessment describes it so.
+        Names of schemes for ``run``, at least two including the witnesses. If the study has a scheme of the same name,
+        the assessment takes its title and its kind.
     duration
         Time of every run in s.
     spacing
         Time in s between the samples of a record. All steps then divide it.
     coarsest, finest
-        Largest and smallest step that may be run, in s. By default a sixteenth of the duration, or the spacing, and the
-        duration over 131,072.
+        Largest and smallest step that may be run, in s. The default largest step is the spacing, or a sixteenth of the
+        duration without a spacing. The default smallest step is the duration over 131,072.
     witnesses
-        Names of further schemes, which help to find the reference. No step is sought for them.
+        Names of further schemes, which only serve to find the reference.
     name
         Title of the program, which identifies its runs in place of its source.
     folder
-        Where runs are kept; by default in the user's cache folder.
+        Folder in which runs are kept; by default in the user's cache folder.
     workers
-        Runs at once. By default as many as there are cores, in processes, if ``run`` can be pickled, as a function of a
-        file can; otherwise one, in this process. A script then needs ``if __name__ == "__main__":``.
+        Number of runs at once. By default it is the number of cores, each with a process, if ``run`` can be pickled, as
+        a function in a file can. A script then needs ``if __name__ == "__main__":``. Otherwise runs are made one after
+        the other in this process.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is invalid; in one sentence.
+        If an argument is invalid.
 
     Examples
     --------
@@ -100,8 +101,8 @@ class Program:
                 raise TypeError(f"{key} must be a list of names, such as ['newmark', 'hht'], not {names!r}.")
         if not self.schemes or len(set(self.all_schemes)) < max(2, len(self.all_schemes)):
             raise ValueError(
-                f"schemes must be at least two different names, not {self.all_schemes}: the truth is what two schemes "
-                "agree on."
+                f"schemes must be at least two different names, not {self.all_schemes}: the reference is the motion on "
+                "which two schemes agree."
             )
         for key in ("duration", "spacing", "coarsest", "finest"):
             value = getattr(self, key)
@@ -109,13 +110,13 @@ class Program:
             if not (value is None and key != "duration") and not (number and 0 < value < np.inf):
                 raise ValueError(f"{key} must be a time in s greater than zero, not {value!r}.")
         if not isinstance(self.name, str | None):
-            raise TypeError(f"name must be a text, not {self.name!r}.")
+            raise TypeError(f"name must be a string, not {self.name!r}.")
         if self.workers is not None and not (isinstance(self.workers, int) and self.workers > 0):
             raise ValueError(f"workers must be a whole number greater than zero, not {self.workers!r}.")
         if self.largest > self.duration / 2 or self.smallest >= self.largest:
             raise ValueError(
                 f"steps from {self.largest:g} s down to {self.smallest:g} s do not fit a duration of {self.duration:g} "
-                "s; give a coarsest step of half of it at most, and a smaller finest one."
+                "s; give a coarsest step of at most half the duration, and a smaller finest step."
             )
 
     @property
@@ -134,7 +135,7 @@ class Program:
         return self.finest or self.duration / MOST_STEPS
 
     def fitted(self, step: float) -> float:
-        """The largest step up to another one that divides the spacing of a record, if there is one."""
+        """The largest step up to ``step`` that divides the spacing of a record; ``step`` itself without a record."""
         return self.spacing / math.ceil(self.spacing / step * (1 - 1e-9)) if self.spacing else step
 
     @property

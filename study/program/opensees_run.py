@@ -1,6 +1,6 @@
 """A run of a model of OpenSees in a separate process: ``FILE SCHEME DT DURATION OUTPUT``.
 
-OpenSees has one model in a process, and a failure may end the process.
+OpenSees has only one model per process, and a failure may end the process.
 """
 
 import importlib
@@ -26,7 +26,7 @@ class Integrator(NamedTuple):
     algorithm, system
         Solution algorithm and system of equations.
     parts
-        OpenSees' steps in a step of the scheme.
+        Number of OpenSees' steps in a step of the scheme.
     """
 
     words: tuple[str | float, ...]
@@ -35,8 +35,8 @@ class Integrator(NamedTuple):
     parts: int = 1
 
 
-#: Integrators by the study's names, or by OpenSees' if the study has no such scheme. OpenSees takes its default
-#: integrator for an unknown name, and only prints a note.
+#: Integrators by the study's names, or by OpenSees' names if the study has no such scheme. The names must be correct:
+#: for an unknown name, OpenSees takes its default integrator and only prints a note.
 INTEGRATORS = {
     "average_acceleration": Integrator(("Newmark", 0.5, 0.25)),
     "newmark_dissipative": Integrator(("Newmark", 0.6, 0.3025)),
@@ -56,8 +56,8 @@ INTEGRATORS = {
 #: Algorithms that are tried one after the other if Newton's iteration finds no balance.
 OTHERS = (("NewtonLineSearch",), ("KrylovNewton",), ("ModifiedNewton", "-initial"))
 
-#: Norm of the last correction of the displacements, in the units of the model, if the file names no ``tolerance``; and
-#: the most iterations.
+#: Default norm of the last correction of the displacements, in the units of the model, and largest number of
+#: iterations.
 TOLERANCE, ITERATIONS = 1e-10, 50
 
 
@@ -90,7 +90,7 @@ def _prepare(ops: ModuleType, one: Integrator, tolerance: float) -> None:
 
 
 def _step(ops: ModuleType, one: Integrator, dt: float) -> None:
-    """One step; if its iteration fails, by other algorithms."""
+    """Take one step; if Newton's iteration fails, try other algorithms."""
     for _ in range(one.parts):
         failed = ops.analyze(1, dt / one.parts)
         for other in OTHERS if failed and one.algorithm == "Newton" else ():
@@ -104,12 +104,12 @@ def _step(ops: ModuleType, one: Integrator, dt: float) -> None:
 
 
 def history(file: dict, scheme: str, dt: float, duration: float) -> dict[str, np.ndarray]:
-    """Times, measured quantities, and seconds that passed, step by step.
+    """Times, elapsed seconds and measured quantities of a run, at every step.
 
     Parameters
     ----------
     file
-        Names of the user's file: ``build``, ``measure``, perhaps ``tolerance``.
+        Names and values that the user's file defines: ``build``, ``measure`` and, optionally, ``tolerance``.
     """
     ops, measure = interpreter(), dict[str, Callable](file["measure"])
     ops.wipe()
@@ -136,5 +136,5 @@ if __name__ == "__main__":
     except Exception as error:  # the user's file may raise anything
         print(f"{type(error).__name__}: {error}", file=sys.stderr, flush=True)
         code = 1
-    # at an exit of Python OpenSees writes a line, which would hide the reason
+    # at a normal exit OpenSees prints a line, which would hide the reason
     os._exit(code)

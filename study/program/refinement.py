@@ -11,11 +11,11 @@ from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS, Estimate, Truth, agreed, estimate
 from study.words import percent
 
-#: Least ratio of an error to the uncertainty of the reference.
+#: Smallest ratio of an allowed error to the uncertainty of the reference.
 CERTAIN = 10.0
 
-#: Number of consecutive runs with one of these ends after which a scheme is not run at finer steps: its program returns
-#: invalid results.
+#: Number of consecutive runs with one of these statuses after which a scheme is not run at finer steps: the program
+#: returns invalid results.
 FRUITLESS, WITHOUT_USE = 4, ("nothing", "unusable")
 
 
@@ -47,7 +47,7 @@ class Refinement:
     Raises
     ------
     NoTruth
-        If fewer than two schemes run to the end at three steps that halve, or a quantity is zero all the time.
+        If fewer than two schemes run to the end at three successively halved steps, or a quantity is always zero.
     """
 
     def __init__(self, program: Program, runs: Runs, smallest: float):
@@ -65,7 +65,7 @@ class Refinement:
         return sorted(found, key=lambda run: -run.dt)
 
     def run(self, jobs: Iterable[Job]) -> list[Run]:
-        """Make the runs for which there is time. They must have the quantities of the first one."""
+        """Make the runs for which there is time. A run with other quantities than the first run counts as failed."""
         made = self._runs.run(jobs)
         for run in made:
             shapes = {name: one.shape[1:] for name, one in run.values.items()}
@@ -93,7 +93,7 @@ class Refinement:
                 if max(truth.uncertainty.values()) <= wanted or apart > 1:
                     break
                 work = {s: self._work(one, wanted) for s, one in known.items()}
-                # the two that need the least work decide, unless they go to different motions
+                # only the two schemes that need the least work are refined, unless they converge to different motions
                 pair = sorted(work, key=work.__getitem__)[:2]
                 of_pair = agreed(known[s] for s in pair)
                 done = set() if truth.apart or (of_pair and of_pair.apart) else known.keys() - pair
@@ -107,13 +107,13 @@ class Refinement:
             reasons = "; ".join(self.remarks + [f"'{s}' {self._reason(s)}" for s in short if not self.noise[s]])
             raise NoTruth(
                 f"there is no reference for '{self._program.title}', as fewer than two schemes complete "
-                f"{FEWEST_RUNS} runs at steps that halve{' in the time that was given' * self._runs.late}: {reasons}."
+                f"{FEWEST_RUNS} runs at successively halved steps{' in the given time' * self._runs.late}: {reasons}."
             )
         self._judge(truth, wanted, apart > 1)
         return truth
 
     def _work(self, one: Estimate, wanted: float) -> float:
-        """Seconds in which a scheme of second order would reach an error."""
+        """Estimated seconds of a run that reaches an error, if the scheme has second order."""
         return self.of(one.scheme)[-1].seconds * math.sqrt(max(1.0, max(one.error.values()) / wanted))
 
     def _check_sizes(self, truth: Truth) -> None:
@@ -125,13 +125,13 @@ class Refinement:
                 )
 
     def last_completed(self, scheme: str) -> list[Run]:
-        """Runs of a scheme at its finest steps, from the last failure on."""
+        """Runs of a scheme at all steps finer than the finest step at which it failed."""
         runs = self.of(scheme)
         failed = [place for place, run in enumerate(runs) if not run.completed]
         return runs[failed[-1] + 1 :] if failed else runs
 
     def _ends(self, scheme: str) -> bool:
-        """Whether finer runs of a scheme are useless."""
+        """Whether a scheme is not run at finer steps."""
         last = [run.status for run in self.of(scheme)[-FRUITLESS:]]
         fruitless = len(last) == FRUITLESS and all(status in WITHOUT_USE for status in last)
         return self.noise[scheme] > 0 or last[-1:] == ["timed_out"] or fruitless
@@ -141,7 +141,7 @@ class Refinement:
         return f"ends at Δt = {failed[-1].dt:.4g} s: {failed[-1].reason}" if failed else "has too few steps to halve"
 
     def _ignores(self, scheme: str) -> bool:
-        """Whether two runs of a scheme are the same to the last digit; a remark says so."""
+        """Whether two runs of a scheme are the same to the last digit, which adds a remark."""
         runs = self.last_completed(scheme)[-2:]
         if self.noise[scheme] or len(runs) < 2:
             return bool(self.noise[scheme])
@@ -157,15 +157,15 @@ class Refinement:
         return bool(self.noise[scheme])
 
     def _judge(self, truth: Truth, wanted: float, apart: bool) -> None:
-        """A remark if the reference is not accurate enough for the smallest error."""
+        """Add a remark if the reference is not accurate enough for the smallest error."""
         name = max(truth.uncertainty, key=lambda one: truth.uncertainty[one])
         off = truth.uncertainty[name]
         if off <= wanted:
             return
         pair = f"'{truth.best.scheme}' and '{truth.witness.scheme}'"
         steps = f"at steps of {truth.best.dt:.4g} s and {truth.witness.dt:.4g} s"
-        why = "halving changes each by far less, so they solve different problems" if apart else "none finer may be run"
-        why = "the time is over" if self._runs.late else why
+        why = "halving changes each by far less, so they solve different problems" if apart else "steps cannot be finer"
+        why = "the time has run out" if self._runs.late else why
         self.remarks.append(
             f"{pair} agree to {percent(off)} of '{name}' only, {steps}, and {why}: no step is named for its "
             f"errors below {percent(CERTAIN * off)}"
@@ -194,7 +194,7 @@ def _listed(shapes: dict[str, tuple]) -> str:
 
 
 def _same(coarse: Run, fine: Run, name: str, ratio: int) -> bool:
-    """Whether a quantity of two runs is the same at the times that they share."""
+    """Whether a quantity is the same in two runs at their common times."""
     one, other = coarse.values[name], fine.values[name]
     if one.ndim and len(coarse.t) != len(fine.t):
         other = other[(ratio - 1) * (fine.t[0] > 0) :: ratio]

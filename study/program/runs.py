@@ -26,8 +26,9 @@ from study.settings import cores
 #: Version of the file format; a run in another format is made again.
 FORM = 2
 
-#: Names in the file of a run: scheme, status, reason, seconds of the run, and its own times.
+#: Names in the file of a run: scheme, status and reason; step and seconds; and the times of the run.
 WORDS, NUMBERS, T = "words", "numbers", "t"
+
 #: Pair of a scheme and a step.
 Job = tuple[str, float]
 
@@ -51,7 +52,7 @@ class Runs:
     program
         The program.
     seconds
-        Wall time after which no run begins that would end later.
+        Wall time in s. No run begins that is expected to end later.
     report
         Takes a sentence on the present work, and its expected seconds if these are known.
 
@@ -76,7 +77,7 @@ class Runs:
         return self._workers if self._pool else 1
 
     def _start(self) -> Executor | None:
-        """Processes, or threads for a program that starts a process for each of its runs; None for this process."""
+        """Processes, or threads if the runs need no processes of this package; None for runs in this process."""
         if getattr(self.program.run, "starts_a_process", False):
             return ThreadPoolExecutor(self._workers)
         if self.program.workers == 1 or not _picklable(self.program):
@@ -103,7 +104,7 @@ class Runs:
         return self.program.place / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npz"
 
     def run(self, wanted: Iterable[Job], repeat: int = 0) -> list[Run]:
-        """Runs of pairs of a scheme and a step; those that are on disk are read. ``repeat`` numbers repeated runs."""
+        """Runs of pairs of a scheme and a step; runs on disk are read. ``repeat`` is the number of a repetition."""
         jobs = {job: self._path(*job, repeat) for job in wanted}
         missing = [job for job, path in jobs.items() if not path.exists() or self._waited_less(_read(path))]
         expected = self._expected(missing)
@@ -150,7 +151,7 @@ class Runs:
         of_all = left * self._at_once
         for job in sorted(expected, key=expected.__getitem__):
             of_all -= expected[job]
-            # one run has one worker
+            # a run has only one worker, so it must also end in time by itself
             found += [job] if expected[job] < left and of_all > 0 else []
         return found
 
@@ -169,7 +170,7 @@ class Runs:
         for one in as_completed(waiting):
             try:
                 yield one.result()
-            except BrokenProcessPool:  # one run has ended the process, and all that wait end with it
+            except BrokenProcessPool:  # one run has ended its process, which ends all waiting runs too
                 lost.append(waiting[one])
         self._pool = self._start() if lost else self._pool
         for job in lost:
@@ -189,7 +190,7 @@ class Runs:
 
 
 def _to_go(ends: float) -> str:
-    """Remaining time up to a time of the clock, in words; empty if that is over or unknown."""
+    """Remaining time up to a time of the clock, in words; empty if this time has passed."""
     left = ends - time.monotonic()
     return f", about {left:.2g} s to go" if left > 0 else ""
 

@@ -15,16 +15,16 @@ from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS
 from study.words import percent
 
-#: Sufficient ratio of a step that exceeds an error to one that keeps it.
+#: Ratio of the next larger step tried to the largest step that keeps an error, at which no step in between is tried.
 NEAR = 1.25
 
-#: Random steps up to an octave below a recommended one: minimum, maximum, and seconds that they may always take.
+#: Random steps up to an octave below a recommended one: minimum, maximum, and seconds that are always available.
 FEWEST_CONFIRMING, MOST_CONFIRMING, CHEAP = 4, 64, 0.5
 
 #: Part of the finest step of the reference down to which a scheme that keeps no error is tried.
 FINER = 1 / 32
 
-#: Smallest ratio of the errors at half a step and at the step that shows convergence to another motion.
+#: Ratio of the errors at half a step and at the step above which a scheme converges to another motion.
 STUCK = 0.9
 
 #: Quantity and its allowed error.
@@ -32,7 +32,7 @@ Limit = tuple[str, float]
 
 
 class Needed(NamedTuple):
-    """The largest step that keeps an error, the round one below it, and the confirming runs; zero if there is none."""
+    """The largest step that keeps an error, the round step below it, and the confirming runs; zero if there is none."""
 
     largest: float
     recommended: float
@@ -50,9 +50,9 @@ class Search:
     allowed
         Allowed errors, the largest first.
     round_step
-        The largest round step up to another one, for the spacing of a record or None.
+        Function of a step and the spacing of a record, or None, that returns the largest round step up to the step.
     seconds
-        Wall time after which no run begins that would end later.
+        Wall time in s. No run begins that is expected to end later.
     report
         Takes a sentence on the present work, and its expected seconds if these are known.
 
@@ -84,14 +84,14 @@ class Search:
             self.refinement = Refinement(program, runs, allowed[-1])
             self.truth = self.refinement.truth
             self._measure()
-            # the largest errors first, for which coarse steps suffice; a run for a smaller one may exceed a larger one
+            # larger errors first, as coarse steps suffice; again, as a run for a smaller error may exceed a larger one
             while any([self._search(error) for error in allowed]):
                 pass
             self._late = runs.late
-        self._remark_what_is_lacking(runs.interrupted)
+        self._remark(runs.interrupted)
 
-    def _remark_what_is_lacking(self, interrupted: bool) -> None:
-        """Sentences on an interruption, and on schemes that keep no error and fail more often than not."""
+    def _remark(self, interrupted: bool) -> None:
+        """Add remarks on an interruption, and on schemes that keep no error and fail in more than half of the runs."""
         if interrupted:
             self.refinement.remarks.append("interrupted: no step is named where more runs were needed")
         limits = [(name, error) for name in self.truth.uncertainty for error in self.allowed]
@@ -100,12 +100,12 @@ class Search:
             failed = [run for run in runs if not run.completed]
             if 2 * len(failed) > len(runs) and not any(self.largest(scheme, one)[0] for one in limits):
                 self.refinement.remarks.append(
-                    f"{len(failed)} of {len(runs)} runs of '{scheme}' are of no use: at Δt = {failed[-1].dt:.4g} s, "
+                    f"{len(failed)} of {len(runs)} runs of '{scheme}' failed: at Δt = {failed[-1].dt:.4g} s, "
                     f"{failed[-1].reason}"
                 )
 
     def _search(self, error: float) -> bool:
-        """Run until an error has its verdict; whether there was a run."""
+        """Make runs until an error has its verdict; return whether there was any."""
         before = len(self.errors)
         while self.refinement.run(job for scheme in self.program.schemes for job in self._wanted(scheme, error)):
             self._measure()
@@ -122,7 +122,7 @@ class Search:
         return limit[1] >= CERTAIN * max(self.truth.uncertainty[limit[0]], self.refinement.noise[scheme])
 
     def largest(self, scheme: str, limit: Limit) -> tuple[float, float]:
-        """Largest step that keeps an error with all finer ones tried, zero if there is none, and the next one above."""
+        """Largest step that keeps an error with all finer steps tried, or zero, and the next larger step tried."""
         name, allowed = limit
         dt, error = np.array([(dt, one[name]) for (s, dt), one in self.errors.items() if s == scheme]).T
         below = dt < dt[~(error <= allowed)].min(initial=math.inf)  # a failed run, NaN, counts as above
@@ -136,7 +136,7 @@ class Search:
         return [(scheme, step) for step in sorted(steps, reverse=True)]
 
     def _next(self, scheme: str, limit: Limit) -> list[float]:
-        """Steps to try for one error: finer ones, closer ones, the round one, or random ones below it."""
+        """Steps to try for one error: a finer step, a closer one, the round one, or random ones below it."""
         tried = {dt for s, dt in self.errors if s == scheme}
         largest, fails = self.largest(scheme, limit)
         if not largest:
@@ -150,19 +150,22 @@ class Search:
         step = self._round(largest)
         if step not in tried:
             return [step]
-        # one of the halved steps is there
+        # one of the halved steps of the reference lies in this octave
         wanted = self._confirming(scheme, step)
         missing = wanted + 1 - sum(step / 2 <= dt < step for dt in tried)
         return [one for one in self._random(scheme, step, wanted) if one not in tried][: max(missing, 0)]
 
     def _confirming(self, scheme: str, step: float) -> int:
-        """Number of random steps that confirm one, in ``CHEAP`` seconds or a share of a quarter of the reference."""
+        """Number of random steps that confirm one.
+
+        They may take ``CHEAP`` seconds or, if that is more, a share of a quarter of the time of the reference.
+        """
         if self._late:
             return FEWEST_CONFIRMING
         limits = len(self.program.schemes) * len(self.allowed) * len(self.truth.uncertainty)
         affordable = max(self.refinement.seconds / (4 * limits), CHEAP)
         (run,) = (run for run in self.refinement.of(scheme) if run.dt == step)
-        # the mean number of steps up to an octave below
+        # mean time of a run at a random step up to an octave below
         each = run.elapsed / math.log(2)
         return int(np.clip(affordable / each, FEWEST_CONFIRMING, MOST_CONFIRMING))
 
@@ -170,13 +173,13 @@ class Search:
         return self._round_step(step, self.program.spacing)
 
     def _random(self, scheme: str, step: float, count: int) -> list[float]:
-        """Random steps up to an octave below another one, always the same."""
+        """Random steps up to an octave below another one, the same in every search."""
         random = np.random.default_rng(zlib.crc32(f"{scheme} {step:.12g}".encode()))
         drawn = dict.fromkeys(self.program.fitted(step * 2.0**-part) for part in random.random(count))
         return [one for one in drawn if one < step and one >= self.program.smallest]
 
     def _hopeless(self, scheme: str, name: str) -> bool:
-        """Whether halving no longer reduces the error of a scheme; a remark says so."""
+        """Whether halving no longer reduces the error of a scheme, which adds a remark."""
         runs = self.refinement.of(scheme)
         if runs[-1].status == "timed_out":
             return True
@@ -185,12 +188,12 @@ class Search:
             if not finest or run.dt > 1.99 * finest[-1]:
                 finest.append(run.dt)
         last = [self.errors[scheme, dt][name] for dt in finest[:FEWEST_RUNS]]
-        # as fine as the reference, since errors of an impact may stay for octaves of coarser steps
+        # only at steps as fine as the reference's, since errors of an impact may persist over octaves of coarser steps
         stuck = len(last) == FEWEST_RUNS and finest[0] <= self.truth.best.dt * (1 + 1e-9)
         stuck = stuck and all(fine > STUCK * coarse for fine, coarse in pairwise(last))
         if stuck:
             remark = (
-                f"'{scheme}' goes to another motion: halving its steps to {finest[0]:.4g} s leaves an error of "
+                f"'{scheme}' converges to another motion: halving its steps to {finest[0]:.4g} s leaves an error of "
                 f"{percent(last[0])} of '{name}'"
             )
             remarks = self.refinement.remarks
@@ -198,7 +201,7 @@ class Search:
         return stuck
 
     def unfinished(self, scheme: str, limit: Limit) -> bool:
-        """Whether the time ended before the step for an error was found."""
+        """Whether the time ran out before the step for an error was found."""
         return self._late and bool(self._next(scheme, limit))
 
     def needed(self, scheme: str, limit: Limit) -> Needed:

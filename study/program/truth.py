@@ -13,13 +13,13 @@ from study.program.curves import Curve, curves
 #: Numbers of runs with halved steps that give an error: minimum, and maximum that is used.
 FEWEST_RUNS, RUNS = 3, 4
 
-#: Largest deviations of the last two observed orders (the last one first) from a whole number for extrapolation.
+#: Largest deviations of the last two observed orders (the last one first) from an integer that allow extrapolation.
 OFF_ORDER = (0.15, 0.4)
 
-#: Range of the order with which the error of a run follows from its difference, without extrapolation.
+#: Bounds of the order in the estimate of the error of a run without extrapolation.
 ORDERS = (0.5, 1.0)
 
-#: Least ratio of the difference of two schemes to the error of each that shows different problems.
+#: Smallest ratio of the difference of two schemes to their own errors at which they solve different problems.
 APART = 10.0
 
 
@@ -29,7 +29,7 @@ class Estimate(NamedTuple):
     Attributes
     ----------
     dt
-        The finest step on which it is based.
+        The finest step of the runs.
     motion
         Quantities of the finest run, or extrapolated from the finest two.
     order
@@ -53,8 +53,8 @@ class Truth(NamedTuple):
     best, witness
         The scheme that gives the motion, and the one with which it is compared.
     uncertainty
-        The larger one of the difference of both and their errors, plus the error between the steps; relative to the
-        size of each quantity.
+        Difference of the two schemes plus the error of interpolation between the steps, or the larger of their own
+        errors if that is more; relative to the size of each quantity.
     """
 
     best: Estimate
@@ -63,7 +63,7 @@ class Truth(NamedTuple):
 
     @property
     def apart(self) -> bool:
-        """Whether the two converge to different motions."""
+        """Whether the two schemes converge to different motions."""
         own = max(*self.best.error.values(), *self.witness.error.values())
         return max(self.uncertainty.values()) > APART * own
 
@@ -83,11 +83,11 @@ class Truth(NamedTuple):
 def _extrapolated(coarser: Curve, finer: Curve, order: int) -> Curve:
     """Richardson's extrapolation, at the times of the coarser run."""
     shared = coarser.within(finer)
-    return Curve(shared.t, shared.values - shared.from_(finer) * (1 + 1 / (2**order - 1)))
+    return Curve(shared.t, shared.values - shared.difference(finer) * (1 + 1 / (2**order - 1)))
 
 
 def estimate(runs: Sequence[Run]) -> Estimate | None:
-    """The motion by a scheme, from its completed runs with halved steps, the finest last; None if these are too few."""
+    """The motion by a scheme, from its completed runs with halved steps, the finest last; None if there are too few."""
     if len(runs) < FEWEST_RUNS:
         return None
     of_runs = [curves(run) for run in runs[-RUNS:]]
@@ -119,7 +119,7 @@ def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
 
 
 def agreed(estimates: Iterable[Estimate]) -> Truth | None:
-    """The two schemes that agree best; None if there are fewer."""
+    """The two schemes that agree best; None if there are fewer than two."""
     found = [_compared(*pair) for pair in combinations(estimates, 2)]
     return min(found, key=lambda truth: max(truth.uncertainty.values()), default=None)
 

@@ -204,7 +204,7 @@ def test_chaos_ends_what_a_reference_can_say():
         ({"schemes": "verle"}, "there is no scheme 'verle'"),
         ({"quantities": {}}, "quantities must be a mapping from names to study.Quantity"),
         ({"quantities": {"u": lambda u: u}}, r"quantities\['u'\] must be a study.Quantity"),
-        ({"quantities": {"energy": QUANTITIES["peak"]}}, "the name 'energy' belongs to the balance of energies"),
+        ({"quantities": {"energy": QUANTITIES["peak"]}}, "the name 'energy' is reserved for the balance of energies"),
         ({"quantities": {"x": study.Quantity(lambda u: jnp.log(u))}}, "'x' of 'driven' is not finite at t = 0"),
         ({"quantities": {"x": study.Quantity(lambda u: 0 * u)}}, "'x' of 'driven' is zero all the time"),
         ({"quantities": {"x": study.Quantity(lambda u: u[3])}}, "the quantity 'x' cannot be computed for 'driven'"),

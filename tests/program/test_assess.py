@@ -115,7 +115,7 @@ def test_a_second_question_repeats_no_run(spring):
 )
 def test_a_scheme_that_goes_wrong_is_recorded(how, reason, tmp_path):
     own = program(partial(models.fails, how), tmp_path, [*models.SCHEMES, "wrong"])
-    with pytest.warns(RuntimeWarning, match="11 of 11 runs of 'wrong' are of no use: at Δt = 0.001221 s, "):
+    with pytest.warns(RuntimeWarning, match="11 of 11 runs of 'wrong' failed: at Δt = 0.001221 s, "):
         ds = study.assess(own, errors=[0.01])
     wrong = ds.sel(scheme="wrong")
     assert wrong.status[0] == STATUSES.index(how) and wrong.reason[0] == reason
@@ -166,7 +166,7 @@ def test_what_is_wrong_with_all_runs_is_said(run, schemes, sentence, tmp_path):
         ({"schemes": "newmark"}, TypeError, "schemes must be a list of names, such as"),
         ({"schemes": ["newmark"]}, ValueError, "schemes must be at least two different names, not"),
         ({"duration": -1.0}, ValueError, "duration must be a time in s greater than zero, not -1.0."),
-        ({"name": 3}, TypeError, "name must be a text, not 3."),
+        ({"name": 3}, TypeError, "name must be a string, not 3."),
         ({"workers": 0}, ValueError, "workers must be a whole number greater than zero, not 0."),
         ({"coarsest": 15.0}, ValueError, "steps from 15 s down to .* do not fit a duration of 20 s"),
     ],
@@ -281,6 +281,6 @@ def _on_another_branch(scheme, dt):
 
 
 def test_a_scheme_that_goes_to_another_motion_says_so(tmp_path):
-    with pytest.warns(RuntimeWarning, match="goes to another motion: halving its steps to .* leaves an error of 50"):
+    with pytest.warns(RuntimeWarning, match="to another motion: halving its steps to .* leaves an error of 50"):
         ds = study.assess(program(_on_another_branch, tmp_path, ["a", "b", "stray"]), errors=[0.1])
     assert [VERDICTS[code] for code in ds.verdict.values.ravel()] == ["found", "found", "not_even_the_finest_step"]
