@@ -44,8 +44,8 @@ def limits_of_reference(assessed: xr.Dataset) -> str:
         return ""
     return (
         f"Beyond t = {held:.4g} s of the requested {requested:.4g} s, {assessed.attrs['reference']} and "
-        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do if neighbouring motions "
-        "diverge. All errors are measured up to this time."
+        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do if neighbouring "
+        "motions diverge. All errors are measured up to this time."
     )
 
 
