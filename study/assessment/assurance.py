@@ -28,7 +28,7 @@ def confirmation(assessed: xr.Dataset) -> str:
     )
     return (
         f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} {kind} "
-        f"down to a twentieth of it, or to the finest one. The largest of their errors is {worst} of the allowed one."
+        f"down to a twentieth of it, or to the finest one. Their largest error is {worst} of the allowed one."
         f"{'' if of_program else certain} {assessed.attrs['starts']} Errors along time are the largest at any step, "
         "and a peak is the largest value at any step."
         f"{'' if of_program else frequency}"
@@ -44,8 +44,8 @@ def limits_of_reference(assessed: xr.Dataset) -> str:
         return ""
     return (
         f"Beyond t = {held:.4g} s of the requested {requested:.4g} s, {assessed.attrs['reference']} and "
-        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do if neighbouring motions "
-        "diverge. All errors are measured up to this time."
+        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do if neighbouring "
+        "motions diverge. All errors are measured up to this time."
     )
 
 
