@@ -98,10 +98,10 @@ def agreement(problems: Springs, tolerances: Sequence[float]) -> xr.Dataset:
     Raises
     ------
     ValueError
-        If the tolerances do not fall.
+        If the tolerances are not in descending order.
     """
     if list(tolerances) != sorted(tolerances, reverse=True):
-        raise ValueError(f"the tolerances must fall, not {tolerances}.")
+        raise ValueError(f"the tolerances must be in descending order, not {tolerances}.")
     parts = [_of_problem(problem, tolerances) for problem in problems]
     return xr.concat(parts, "problem", data_vars="minimal", coords="minimal")
 

@@ -38,8 +38,8 @@ class Rule(NamedTuple):
     tolerances: tuple[float, ...]
 
 
-#: Rules by code. The tolerances of Abaqus are half-increment residuals over the largest force, those of Nastran steps
-#: over the apparent period, and those of OpenSees numbers of Newton iterations.
+#: Rules by code. A tolerance is the half-increment residual over the largest force for Abaqus, the step over the
+#: apparent period for Nastran, and the number of Newton iterations for OpenSees.
 RULES = {
     "Abaqus": Rule(hht_alpha, HalfStepResidual(), HalfIncrement(), (0.1, 1.0, 10.0)),
     "Nastran": Rule(average_acceleration, ApparentFrequency(), Nastran(), (1 / 40, 1 / 20, 1 / 10)),

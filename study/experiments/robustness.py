@@ -70,7 +70,7 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
     """Find the fewest steps per period that keep the energy within 1, 5 and 10 percent at all amplitudes.
 
     The amplitudes are those of ``results/reference/amplitudes``; the period T in Δt = T/N is the exact one at each
-    amplitude. The errors are those of the energy over its height above rest.
+    amplitude. Errors of the energy are relative to its height above rest.
 
     Parameters
     ----------

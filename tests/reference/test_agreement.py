@@ -119,7 +119,7 @@ def test_a_period_needs_a_sensible_estimate(estimate):
 
 
 def test_tolerances_must_fall():
-    with pytest.raises(ValueError, match=r"the tolerances must fall, not \[1e-12, 0.0001\]"):
+    with pytest.raises(ValueError, match=r"the tolerances must be in descending order, not \[1e-12, 0.0001\]"):
         agreement.agreement(["hardening"], [1e-12, 1e-4])
 
 
