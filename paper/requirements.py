@@ -38,7 +38,7 @@ def contained(*keys: str, within: str) -> Requirement:
 
 def rising(values: list[float]) -> str:
     """Require that the numbers of a list rise."""
-    return "" if values == sorted(values) else f"must rise, not {values}"
+    return "" if values == sorted(values) else f"must be in ascending order, not {values}"
 
 
 def fourfold(values: list[float]) -> str:

@@ -1,6 +1,6 @@
 r"""Exact peaks of many oscillators on bilinear springs under records, from event to event.
 
-Between two events, a yield point, a turn of the motion or a sample of the record, the motion obeys
+An event is a yield point, a turn of the motion or a sample of the record. Between two events the motion obeys
 
 .. math::
 
@@ -67,7 +67,7 @@ def peaks(
     hardening: float,
     places: int,
 ) -> Lanes:
-    """Largest displacement in size of unit masses that start at rest, exact up to round-off.
+    """Largest absolute displacement of unit masses that start at rest, exact up to round-off.
 
     Parameters
     ----------
@@ -77,11 +77,11 @@ def peaks(
         Stiffness k, damping c, force at yield, and the stiffness after yield over k; the oscillator must stay
         underdamped after yield.
     places
-        Number of times in every interval between two samples at which events are sought. Two turns between two of them
-        are missed, so the difference of the peaks at two numbers of places estimates their uncertainty.
+        Number of times in every interval between two samples at which events are sought. Two turns between two such
+        times are missed, so the difference of the peaks at two numbers of places estimates their uncertainty.
     """
     bound, slope, spacing = yield_force / stiffness, np.diff(acceleration) / dt, dt / places
-    # the side of the yield, zero while elastic; the time since the last place
+    # side is the direction of yield, zero while elastic; passed is the time since the last place
     u, v, plastic, side, passed, peak = np.zeros((6, len(acceleration)))
     place = np.zeros(len(acceleration), int)
     while (lanes := np.flatnonzero(place < places * slope.shape[1])).size:

@@ -37,7 +37,7 @@ def _spring(problem: Problem) -> CubicSpring | TanhSpring:
 def _cubic(spring: CubicSpring, u0):
     """Amplitude A, rate κ, parameter m, phase φ and Jacobi function of the solution of ü + S1 u (1 + S2 u²) = 0.
 
-    For a hardening spring, and a double well released above its hill, u = A cn(κt) with κ² = S1 (1 + S2 A²) and
+    For a hardening spring, and a double well released above its barrier, u = A cn(κt) with κ² = S1 (1 + S2 A²) and
     m = S2 A² / (2 (1 + S2 A²)). Within one well of the double well, u = A dn(κt + φ) with κ² = S1 S2 A²/2 and
     m = 1 − (a/A)², where a and A are the turning points.
 
@@ -79,7 +79,7 @@ def period(problem: Problem, u0: float | None = None, digits: int = DIGITS) -> m
     u0
         Initial displacement; the problem's own by default.
     digits
-        Decimal digits that are carried.
+        Number of decimal digits of the arithmetic.
 
     Raises
     ------
@@ -117,9 +117,9 @@ def has_trajectory(problem: Problem) -> bool:
 
 
 def trajectory(problem: Problem, t: Iterable) -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
-    r"""Exact displacement and velocity of a cubic spring at the times ``t``, carried with ``DIGITS`` digits.
+    r"""Exact displacement and velocity of a cubic spring at the times ``t``, with ``DIGITS`` digits.
 
-    With x = κt + φ it is one of
+    With x = κt + φ the motion is one of
 
     .. math::
 

@@ -52,8 +52,7 @@ class ClassicalRungeKutta(diffrax.AbstractERK):
 def _solver(method: str):
     """Diffrax's solver; an implicit method solves its equations by the chord iteration.
 
-    Diffrax's default, ``VeryChord``, fails in every second step on these problems, and needs six to ten times as many
-    steps.
+    Diffrax's default, ``VeryChord``, fails in every second step on these problems and needs six to ten times as many.
     """
     solver = getattr(diffrax, method)
     if issubclass(solver, diffrax.AbstractImplicitSolver):
@@ -139,7 +138,7 @@ def trajectory(
     method
         ``Dopri8``, ``Tsit5`` or ``Kvaerno5``.
     max_steps
-        Limit of steps, accepted and rejected ones.
+        Limit of accepted and rejected steps together.
 
     Raises
     ------

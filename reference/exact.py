@@ -1,9 +1,9 @@
 """Exact solutions beyond double precision, with a measured uncertainty.
 
 The Taylor method of heyoka is run with significands of 128 and 192 bits, each in two formulations of the equation. The
-digits common to all four integrations are certified; a closed form is compared too where one is known. A free
-oscillator is integrated over one period only: its period is known to more than thirty digits, so any time can be
-reduced by whole periods.
+digits common to all four integrations are certified. A closed form is compared too if one is known. A free oscillator
+is integrated only over one period. The period is known to more than thirty digits, so any time can be reduced by whole
+periods.
 """
 
 import math
@@ -46,7 +46,7 @@ class ExactSolution(NamedTuple):
 
 
 def mpf(value: hy.real) -> mpmath.mpf:
-    """A number of heyoka as one of mpmath, with all its digits."""
+    """A number of heyoka as a number of mpmath, with all its digits."""
     with mpmath.workprec(value.prec):
         return mpmath.mpf(str(value))
 
@@ -61,7 +61,7 @@ def _doubles(values: np.ndarray) -> np.ndarray:
 
 
 def period(problem: Problem, estimate: float) -> tuple[hy.real, float]:
-    """Exact period of a free oscillator at rest, and its largest relative difference from the other routes.
+    """Exact period of a free oscillator released from rest, and its largest relative difference from other routes.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def trajectory(problem: Problem, t: Sequence) -> ExactSolution:
         if not _spread(values) <= CERTIFIED * float(np.max(np.abs(values[0]))):
             raise RouteFailed(
                 f"the exact solution of '{problem.title}' up to t = {float(t[-1]):g} is known to {_spread(values):.0e} "
-                "only, because its integrations separate; ask for shorter times."
+                "only, because its integrations diverge; ask for shorter times."
             )
     return ExactSolution(_doubles(u[0]), _doubles(v[0]), _spread(u), _spread(v))
 
@@ -135,8 +135,8 @@ def _less_whole_periods(time: hy.real, period: hy.real) -> hy.real:
 def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certified: float) -> ExactSolution:
     """Exact solution of a free oscillator at times of any size, in any order.
 
-    Each time is reduced by whole periods. The period is known to more than thirty digits, so a hundred thousand periods
-    leave the sixteen digits of a double exact. Their effect on the certified digits is added to the differences.
+    Each time is reduced by whole periods. The period is known to more than thirty digits, so the sixteen digits of a
+    double stay exact over a hundred thousand periods. The error of the reduced times is added to the differences.
 
     Parameters
     ----------
@@ -157,11 +157,11 @@ def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certifi
     order = sorted(range(len(rests)), key=rests.__getitem__)
     solution = trajectory(problem, [rests[i] for i in order])
     back = np.argsort(order)[where]
-    doubt = period_certified * float(np.max(np.abs(times)))
+    time_error = period_certified * float(np.max(np.abs(times)))
     fastest, strongest = np.max(np.abs(solution.v)), np.max(np.abs(jax.vmap(problem.static_force)(solution.u)))
     return ExactSolution(
         solution.u[back],
         solution.v[back],
-        solution.u_certified + fastest * doubt,
-        solution.v_certified + strongest * doubt,
+        solution.u_certified + fastest * time_error,
+        solution.v_certified + strongest * time_error,
     )

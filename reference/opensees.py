@@ -70,7 +70,7 @@ def load() -> ModuleType:
 def _spring(problem: Problem) -> CubicSpring:
     spring = getattr(problem.force, "__self__", None)
     if not isinstance(spring, CubicSpring):
-        raise ValueError(f"OpenSees has no material for the spring of '{problem.title}'; it has the cubic spring.")
+        raise ValueError(f"OpenSees has no material for the spring of '{problem.title}', only for a cubic spring.")
     return spring
 
 
@@ -87,7 +87,7 @@ def _nodes(places: np.ndarray) -> ModuleType:
 
 
 def _line(nodes: int) -> ModuleType:
-    """OpenSees with nodes of unit mass on a line, all at its origin; the first one is fixed."""
+    """OpenSees with nodes of unit mass on a line, all at the origin; the first node is fixed."""
     ops = _nodes(np.zeros((nodes, 1)))
     ops.fix(1, 1)
     return ops
@@ -96,7 +96,7 @@ def _line(nodes: int) -> ModuleType:
 def _choose(ops: ModuleType, scheme: str) -> None:
     """Choose the integrator of a scheme and the rest of a transient analysis."""
     if scheme not in INTEGRATORS:
-        raise ValueError(f"OpenSees does not step '{scheme}'; it steps {', '.join(INTEGRATORS)}.")
+        raise ValueError(f"OpenSees has no integrator for '{scheme}', only for {', '.join(INTEGRATORS)}.")
     integrator, algorithm = INTEGRATORS[scheme]
     ops.constraints("Plain")
     ops.numberer("Plain")
@@ -123,7 +123,7 @@ def _prepared(problem: str, scheme: str) -> ModuleType:
 
 
 def seconds(problem: str, scheme: str, dt: float, steps: int) -> float:
-    """Run time in seconds of ``steps`` steps in one call without output; raises as :func:`trajectory` does."""
+    """Run time in seconds of ``steps`` steps in one call without output. Raises as :func:`trajectory` does."""
     ops, parts = _prepared(problem, scheme), SUB_STEPS.get(scheme, 1)
     start = time.perf_counter()
     failed = ops.analyze(steps * parts, dt / parts)
@@ -154,9 +154,8 @@ def variable_steps(
 ) -> tuple[Times, Solution]:
     """Times, and displacement and velocity there, of a cubic spring with the steps that OpenSees chooses.
 
-    The next step is this one times ``iterations`` over the number of tests of convergence that it took
-    (``VariableTransient``). The last step is not shortened, so that the run ends after its duration. Raises as
-    :func:`trajectory` does.
+    The next step is the last step times ``iterations`` over its number of tests of convergence (``VariableTransient``).
+    The last step of the run is not shortened, so the run ends after its duration. Raises as :func:`trajectory` does.
 
     Parameters
     ----------
@@ -246,8 +245,8 @@ def shear_frame(
 ) -> Solution:
     """Displacement and velocity relative to the ground of a frame of storeys, after every step, each (steps, storeys).
 
-    Storeys that yield are OpenSees' ``Steel01``, smooth hysteresis its ``BoucWen``, dampers its ``Viscous``. Its
-    ``BoucWen`` steps the rate of the law implicitly, so that its force has an error of the first order in Δt.
+    Storeys that yield have OpenSees' material ``Steel01``, storeys with smooth hysteresis ``BoucWen``, and dampers
+    ``Viscous``. ``BoucWen`` integrates the rate of its law implicitly, so its force has an error of first order in Δt.
 
     Parameters
     ----------
@@ -273,7 +272,7 @@ def shear_frame(
         if isinstance(storeys, Elastoplastic):
             ops.uniaxialMaterial("Steel01", number, bound, stiffness, hardening)
         else:
-            # its z is the displacement u_y y, and β = γ = 1/2 per u_yⁿ
+            # OpenSees' z is the displacement u_y y, and its β = γ is 1/2 per u_yⁿ
             n, scale = storeys.exponent, 0.5 * (stiffness / bound) ** storeys.exponent
             ops.uniaxialMaterial("BoucWen", number, hardening, stiffness, n, scale, scale, 1.0, 0.0, 0.0, 0.0)
         ops.element("zeroLength", number, number, number + 1, "-mat", number, "-dir", 1)
@@ -294,7 +293,7 @@ def shear_frame(
 
 
 def _stepped(ops: ModuleType, scheme: str, dt: float, steps: int, read: Callable) -> Solution:
-    """Displacement and velocity after every step; ``read`` takes a function of node and direction to the values."""
+    """Displacement and velocity after every step; ``read`` takes OpenSees' function of a node, and returns values."""
     u, v, parts = [], [], SUB_STEPS.get(scheme, 1)
     start = time.perf_counter()
     for step in range(steps):

@@ -1,13 +1,14 @@
 r"""Exact motion of one mass on a spring that is linear in pieces, from event to event.
 
-Between two events — a yield point, a reversal, a touch, a kink of the load — the motion obeys
+An event is a yield point, a reversal, a change of contact or a kink of the load. Between two events the motion obeys
 
 .. math::
 
     m \ddot u + c \dot u + k u = q
 
-with q linear in time: the load less the offset of the piece. Its solution is a matrix exponential of (u, u̇, q, q̇). An
-event is bracketed on times much closer than the shortest period and then found by Brent's method on this solution.
+with q, the load less the offset of the piece, linear in time. The solution applies a matrix exponential to
+(u, u̇, q, q̇). An event is bracketed on times much closer than the shortest period and then found by Brent's method on
+this solution.
 """
 
 import time
@@ -30,14 +31,14 @@ PLACES = 200
 #: Largest number of events of one motion.
 MOST_EVENTS = 1_000_000
 
-#: Relative round-off of an event function.
+#: Relative size of an event function that counts as round-off.
 ROUND_OFF = 1e-13
 
 
 class _Piece(NamedTuple):
     """A piece of a spring: p = k u + q, and the events that end it.
 
-    Each event is a function of u and u̇ that becomes positive, and the piece that follows, a function of u.
+    Each event is a pair: a function of u and u̇ that becomes positive, and a function of u that returns the next piece.
     """
 
     stiffness: float
@@ -121,7 +122,7 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     Returns
     -------
     Solution
-        With the number of pieces in place of evaluations.
+        The motion; ``evaluations`` is the number of pieces.
 
     Raises
     ------
@@ -131,7 +132,7 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
         If there are more than a million events.
     """
     if np.ndim(problem.u0):
-        raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; exact pieces take one.")
+        raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; exact pieces need one.")
     if problem.load is not None and not hasattr(problem.load, "kinks"):
         raise ValueError(f"exact pieces need the kinks of the load of '{problem.title}', between which it is linear.")
     begin = time.perf_counter()
@@ -162,7 +163,7 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
 
 
 def _to_event(terms: tuple[float, float], piece: _Piece, y: np.ndarray, load: tuple[float, float], duration, spacing):
-    """Time to the first event within a duration, or None; the state there or at the end, and the piece after it."""
+    """Time to the first event within a duration, or None; the state at the event or the end; and the piece after it."""
     begin = np.array([*y, load[0] - piece.offset, load[1]])
     generator = _generator(*terms, piece.stiffness)
 

@@ -79,7 +79,7 @@ def check_trajectory(route: str, problem: Problem, t: Sequence | np.ndarray, unk
     if np.ndim(problem.u0) and unknowns == 1:
         raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; {route} takes one.")
     if problem.massless:
-        raise ValueError(f"the mass of '{problem.title}' is singular, which {route} cannot take.")
+        raise ValueError(f"the mass of '{problem.title}' is singular, which {route} cannot solve.")
     finite = len(t) > 0 and all(np.isfinite(float(time)) for time in t)
     if not finite or t[0] < 0 or any(later <= time for time, later in pairwise(t)):
         raise ValueError(f"{route} needs times that are finite and increase from zero on, not {list(map(float, t))}.")
@@ -122,7 +122,7 @@ def release(route: str, problem: Problem, estimate: float) -> float:
         "it is loaded": problem.load is not None,
         "it has more than one unknown": np.ndim(problem.u0) > 0,
         "it does not start from rest": np.ndim(problem.u0) == 0 and float(problem.v0) != 0.0,
-        "it starts in balance": np.ndim(problem.u0) == 0 and float(problem.static_force(problem.u0)) == 0.0,
+        "it starts in equilibrium": np.ndim(problem.u0) == 0 and float(problem.static_force(problem.u0)) == 0.0,
     }
     for reason, holds in reasons.items():
         if holds:

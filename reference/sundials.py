@@ -29,12 +29,13 @@ MAX_NUM_STEPS = 1_000_000
 CV_ROOT_RETURN, CV_TOO_MUCH_WORK = 2, -1
 #: Relative tolerance of the motion along which kinks are found.
 KINK_RTOL = 1e-12
-#: Part of the duration by which kinks of a force with a history are sought ahead; the first of kinks this close counts.
+#: Time, as a part of the duration, by which events of a force with a history are evaluated ahead of the motion. Of
+#: several kinks within this time, only the first counts.
 AHEAD = 1e-10
 
 
 class _Motion:
-    """A problem with the history that its motion has committed, which is None without a history."""
+    """A problem with the committed history of its motion, which is None for a force without a history."""
 
     def __init__(self, problem: Problem):
         shape = (2, *np.shape(problem.u0))
@@ -51,7 +52,7 @@ class _Motion:
 
 
 def _right_side_of(motion: _Motion):
-    """Function f(t, y, ẏ) that writes ẏ: plain Python for one unknown whose functions translate, otherwise compiled."""
+    """Function f(t, y, ẏ) that writes ẏ: plain Python if one unknown's functions can be translated, else compiled."""
     if np.ndim(motion.problem.u0) == 0 and motion.history is None:
         from reference.symbolic import Untranslatable, as_python  # here, because importing SymPy takes a second
 
@@ -118,7 +119,7 @@ def trajectory(
     kinks
         Times at which the load has a kink, in ascending order; no step crosses one.
     restarts
-        Times, all among ``t``, at which CVODE restarts, because its history of the motion is not valid after them.
+        Times, all among ``t``, at which CVODE restarts, because its past values do not extrapolate beyond them.
 
     Raises
     ------
@@ -137,7 +138,7 @@ def trajectory(
     restarted = np.isin(t, [] if restarts is None else restarts)
     stops = np.union1d(stops, t[restarted])
     start, evaluations = time.perf_counter(), 0
-    # a loop outside Python; for only two times it would return all steps between them
+    # this loop is not in Python; for only two times, CVODE would return all steps between them
     if len(t) > 2 and motion.history is None and not np.isfinite(stops).any():
         solution = solver.solve([*([] if t[0] == 0 else [0.0]), *t], motion.start)
         _check(problem, method, solution)
@@ -159,7 +160,7 @@ def trajectory(
 
 def _events_of_history(problem: Problem, ahead: float, u, v):
     """Numbers whose sign changes where the force has a kink, or where a number of its history turns back."""
-    # right after a commit a yield point is reached up to round-off only
+    # right after a commit, a yield point is reached only up to round-off
     u = u + ahead * v
     rates = jax.tree.leaves(jax.jvp(lambda u: problem.committed(u, v).history, (u,), (v,))[1])
     events = jnp.concatenate([switches(problem.varying_force, u, v), *map(jnp.ravel, rates)])
@@ -170,9 +171,9 @@ def _events_of_history(problem: Problem, ahead: float, u, v):
 def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adams") -> Times:
     """Times at which a switch of the internal force changes its sign or its history reverses, by CVODE's roots.
 
-    There the force may have a kink; see :func:`study.mechanics.internal_force.switches`. A history reverses where
-    the rate of one of its numbers changes its sign, and is committed there. A touch without a change of sign is not
-    found. Nothing is found after the time at which CVODE stops, for example at a force that switches without end.
+    At these times the force may have a kink; see :func:`study.mechanics.internal_force.switches`. A history reverses,
+    and is committed, where the rate of one of its numbers changes its sign. A zero without a change of sign is not
+    found. No kink is found after the time at which CVODE stops, for example at a force that switches without end.
 
     Parameters
     ----------

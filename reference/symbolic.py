@@ -111,7 +111,7 @@ def _acceleration(problem: Problem, internal_force, v) -> hy.expression:
 
 def _check_depends_on_displacement(problem: Problem) -> None:
     if problem.dissipative:
-        raise Untranslatable(f"the force of '{problem.title}' takes more than the displacement, and is not translated.")
+        raise Untranslatable(f"the force of '{problem.title}' depends on more than the displacement.")
 
 
 def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
@@ -161,8 +161,8 @@ def with_force_as_state(problem: Problem) -> list[tuple[hy.expression, hy.expres
 
         \dot u = v, \quad \dot v = (f(t) - C v - w)/M, \quad \dot w = p'(u)\,v
 
-    Its Taylor coefficients follow from other recurrences than in :func:`first_order`, so an error in one of the
-    two does not repeat in the other.
+    The Taylor coefficients follow from other recurrences than in :func:`first_order`, so an error in one formulation
+    does not repeat in the other.
 
     Raises
     ------

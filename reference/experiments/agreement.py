@@ -34,7 +34,7 @@ FINISHED, STEP_LIMIT, FAILED, NOT_TRIED, LOST = range(5)
 STATUS_MEANINGS = ("finished", "step_limit", "failed", "not_tried", "lost")
 #: Error, in amplitudes, above which a solution has left the orbit.
 LOST_ABOVE = 10
-#: Number of samples in a period; at whole periods alone an error of the phase does not show in the displacement.
+#: Number of samples in a period; samples only at whole periods would hide an error of the phase.
 SAMPLES = 16
 #: Numbers of periods; a window ends with the last of them.
 WINDOWS = (1, 10, 100)
@@ -63,10 +63,10 @@ def errors(problem: Problem, exact_solution: exact.ExactSolution, solution: Solu
     return largest | {"u_error_at_periods": np.array([np.max(at_periods[:w]) for w in WINDOWS])}
 
 
-def _attempt(ask: Callable, *arguments):
-    """Result of a route, ``None`` if it failed, and how it ended."""
+def _attempt(solve: Callable, *arguments):
+    """Result of a route, or ``None`` if it failed, and the status of the attempt."""
     try:
-        return ask(*arguments), FINISHED
+        return solve(*arguments), FINISHED
     except RouteFailed as failure:
         progress(str(failure))
         return None, STEP_LIMIT if isinstance(failure, StepLimit) else FAILED
@@ -93,15 +93,15 @@ def agreement(problems: Springs, tolerances: Sequence[float]) -> xr.Dataset:
     """Measure the true errors and the effort of every reference solver at every tolerance.
 
     Tolerances tighter than one at which a trajectory reached the limit of steps are not tried. Errors have the shape
-    (problem, route, tolerance, periods); they are NaN for a trajectory that did not finish, and its status says why.
+    (problem, route, tolerance, periods). They are NaN for a trajectory that did not finish; its status has the reason.
 
     Raises
     ------
     ValueError
-        If the tolerances do not fall.
+        If the tolerances are not in descending order.
     """
     if list(tolerances) != sorted(tolerances, reverse=True):
-        raise ValueError(f"the tolerances must fall, not {tolerances}.")
+        raise ValueError(f"the tolerances must be in descending order, not {tolerances}.")
     parts = [_of_problem(problem, tolerances) for problem in problems]
     return xr.concat(parts, "problem", data_vars="minimal", coords="minimal")
 
@@ -141,8 +141,8 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         "energy_error": "largest relative error of the energy",
         "u_error_at_periods": "largest error of the displacement at whole periods, relative to its largest size",
         "period_error": "relative error of the period",
-        "evaluations": f"evaluations of the right side over {max(WINDOWS)} periods: of kvaerno5 its stages, each of "
-        "which takes several; of heyoka those of a Taylor coefficient; of CVODE without those for its Jacobian",
+        "evaluations": f"evaluations of the right side over {max(WINDOWS)} periods; for kvaerno5 the stages, each with "
+        "several evaluations; for heyoka the Taylor coefficients; for CVODE without evaluations for the Jacobian",
         "run_time": f"run time over {max(WINDOWS)} periods, without compilation, of one run while other jobs run",
         "status": "how the trajectory ended",
         "period_status": "how the search for the period ended",
@@ -164,7 +164,7 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
             "periods": (
                 "periods",
                 list(WINDOWS),
-                {"long_name": "periods over which the error is the largest", "units": "1"},
+                {"long_name": "periods over which the largest error is taken", "units": "1"},
             ),
         },
         attrs={"title": "What a tolerance delivers: true errors of the reference solvers"},

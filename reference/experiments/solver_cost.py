@@ -1,4 +1,4 @@
-"""Forces that general solvers need for an error, on the problems on which controlled steps are measured."""
+"""Number of forces that general solvers need for an error, on the problems of the dataset ``control_cost``."""
 
 from collections.abc import Mapping
 from typing import Annotated, Literal
@@ -65,5 +65,5 @@ def solver_cost(
             "solver": ("solver", list(solvers), {"long_name": "solver"}),
             "tolerance": ("tolerance", list(tolerances), {"long_name": "relative tolerance", "units": "1"}),
         },
-        attrs={"title": "Forces that an error costs with general solvers"},
+        attrs={"title": "Number of forces for an error with general solvers"},
     )

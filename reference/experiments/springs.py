@@ -116,7 +116,7 @@ def reference(problem: Spring, steps_per_period: Sequence[int]) -> xr.Dataset:
                 _witnessed(definition, times), "largest relative difference of the closed form", "1"
             ),
             "period": scalar(rounded, "period", "s"),
-            "period_remainder": scalar(exact_period - rounded, "what rounding took from the period", "s"),
+            "period_remainder": scalar(exact_period - rounded, "exact period less the stored one", "s"),
             "period_uncertainty": scalar(0.5 * np.spacing(rounded), "uncertainty of the period as stored", "s"),
             "period_certified": scalar(
                 period_certified, "largest relative difference of the period between integrations and closed form", "1"

@@ -47,14 +47,14 @@ MEASURES = {
     "max_trajectory_error": ("largest error of the displacement in the last period, relative", "1"),
     "phase_error": ("delay of the last sample in periods, to first order", "1"),
     "period_elongation": ("relative elongation of the period: the delay over the number of periods", "1"),
-    "amplitude_decay": ("relative loss of amplitude per period, of the energy and to first order", "1"),
+    "amplitude_decay": ("relative loss of amplitude per period, from the energy to first order", "1"),
     "max_energy_error": ("largest relative error of the total energy in the last period", "percent"),
     "energy_drift": ("signed relative error of the total energy at the end", "1"),
 }
-#: Lengths in periods of the runs; shorter ones are beginnings of these.
+#: Lengths in periods of the runs; shorter lengths are beginnings of these runs.
 RUNS = (100, 1000)
 #: Long name of a cost.
-SHARE = "{} of a run; of less than a hundred periods its share of that"
+SHARE = "{} of a run; for a shorter length its proportional share"
 #: Samples of the last period of a run, in which its errors are measured.
 SAMPLES = 16
 
@@ -86,7 +86,7 @@ def errors(
 
 
 def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> list[Solution]:
-    """Solutions of up to ``repeats`` equal runs, which end once they took ``longest`` seconds; none if one failed."""
+    """Solutions of up to ``repeats`` equal runs, as many as begin within ``longest`` seconds; none if the run fails."""
     runs: list[Solution] = []
     try:
         while len(runs) < repeats and sum(run.seconds for run in runs) < longest:
@@ -105,7 +105,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
             return refused
     tightest = min(options["tolerances"])
     if tightest < scipy.SMALLEST_RTOL:
-        return f"tolerances must be at least {scipy.SMALLEST_RTOL:.1e}, the smallest that SciPy takes, not {tightest}."
+        return f"tolerances must be at least {scipy.SMALLEST_RTOL:.1e}, the smallest of SciPy, not {tightest}."
     if min(RUNS) not in options["periods"]:
         return f"periods lacks {min(RUNS)}, the length of the shortest run."
     return unlisted("periods", options["periods"], "accuracy.periods", configuration["accuracy"]["periods"])
@@ -136,9 +136,9 @@ def work_precision(
 
     Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
     and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.
-    A run is repeated until the repeats took ``longest`` seconds. A run of 1,000 periods that would take longer is left
-    out (NaN), and so are all tolerances tighter than one at which 100 periods took longer. The classical Runge-Kutta
-    method, which is also a scheme of the study, is timed in diffrax too.
+    A run is repeated until the repeats have taken ``longest`` seconds. A run of 1,000 periods that would take longer is
+    left out (NaN), and so are all tolerances tighter than one at which 100 periods took longer. The classical
+    Runge-Kutta method, which is also a scheme of the study, is timed in diffrax too.
 
     Variables of the solvers have the shape (problem, solver, tolerance, periods).
 
@@ -209,8 +209,8 @@ def work_precision(
                 evaluations,
                 {
                     "long_name": SHARE.format("evaluations of the right side")
-                    + "; of kvaerno5 its stages, each of which takes "
-                    "several; of heyoka those of a Taylor coefficient; of CVODE without those for its Jacobian",
+                    + "; for kvaerno5 the stages, each with several "
+                    "evaluations; for heyoka the Taylor coefficients; for CVODE without evaluations for the Jacobian",
                     "units": "1",
                 },
             ),
@@ -221,7 +221,7 @@ def work_precision(
             "right_side": (
                 "solver",
                 [RIGHT_SIDES[solver] for solver in SOLVERS],
-                {"long_name": "what the right side is; in Python it takes most of the time"},
+                {"long_name": "form of the right side, which takes most of the time if it is Python"},
             ),
             "tolerance": ("tolerance", list(tolerances), {"long_name": "prescribed relative tolerance", "units": "1"}),
             "steps_per_period": (

@@ -21,14 +21,17 @@ def confirmation(assessed: xr.Dataset) -> str:
     # some steps of a program are not random, and its frequencies are unknown
     of_program = "reason" in assessed
     kind = "finer steps, some of them random," if of_program else "random finer steps"
-    certain = f" With 95 % confidence, at most {bounds} of such steps exceed it; the bound falls with their number."
+    certain = (
+        f" With 95 % confidence, at most {bounds} of such steps exceed the allowed error; the bound falls with the "
+        "number of steps tried."
+    )
     frequency = (
         " Small motions about points of the motion have frequencies up to "
         f"ω = {assessed.highest_frequency.item():.4g} /s."
     )
     return (
         f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} {kind} "
-        f"down to a twentieth of it, or to the finest one. The largest of their errors is {worst} of the allowed one."
+        f"down to a twentieth of it, or to the finest one. Their largest error is {worst} of the allowed error."
         f"{'' if of_program else certain} {assessed.attrs['starts']} Errors along time are the largest at any step, "
         "and a peak is the largest value at any step."
         f"{'' if of_program else frequency}"

@@ -247,7 +247,7 @@ def error(target: Target, runs: xr.Dataset, ends: Times) -> np.ndarray:
 
 
 def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: DenseSolution) -> tuple[float, Times]:
-    """Difference of a quantity between two solutions, at the end and up to each time, relative to its size.
+    """Difference of a quantity between two solutions, as a whole and up to each time, relative to its size.
 
     The solutions are compared at the times of ``other``.
 

@@ -121,7 +121,7 @@ class Reference:
     Attributes
     ----------
     kinks
-        The kinks of load and force; those of the force are found along the motion.
+        The kinks of load and force. Kinks of the force are found along the motion.
     routes
         The two routes, the more accurate one first.
 

@@ -249,7 +249,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
             "<h2>How it fails</h2>",
             figure_of(_maps(assessed), f"Outcome of runs. {legend}."),
             "<p>At the largest step without failure, and at all finer steps, no run with at most the given start and "
-            "load fails, grows or becomes chaotic. Its error may still be large.</p>",
+            "load fails, grows or becomes chaotic. The errors of these runs may still be large.</p>",
         ]
         rows = [
             (

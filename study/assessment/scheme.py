@@ -54,7 +54,7 @@ def _linear(chosen: dict[str, Scheme]) -> xr.Dataset:
                 {"long_name": "relative elongation of the period"},
             ),
             "order": of((t.order() for t in fine.values()), "order of accuracy of the principal roots"),
-            "claimed_order": of((s.order for s in chosen.values()), "order of accuracy claimed for the scheme"),
+            "claimed_order": of((s.order for s in chosen.values()), "claimed order of accuracy"),
             "stability_limit": of((t.stability_limit() for t in fine.values()), "largest stable ωΔt"),
             "radius_at_infinity": of(
                 (t.infinite_frequency_radius() for t in fine.values()), "spectral radius at infinite frequency"

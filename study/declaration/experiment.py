@@ -20,7 +20,7 @@ Options = dict[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """A question of the study, or a reference solution.
+    """An experiment of the study, or the computation of reference solutions.
 
     Attributes
     ----------
@@ -82,12 +82,12 @@ class Experiment:
 
     @property
     def module(self) -> str:
-        """The module that declares it."""
+        """The module that declares the experiment."""
         return self.function.__module__
 
     @property
     def name(self) -> str:
-        """Name of its rule."""
+        """Name of the experiment's rule in the pipeline."""
         room, *_, last = self.module.split(".")
         return self.function.__name__ if room == "study" else f"{room}_{last}"
 
@@ -111,7 +111,7 @@ class Experiment:
 
     @property
     def named_jobs(self) -> bool:
-        """Whether the jobs are keys of the section, which messages name."""
+        """Whether the jobs are keys of the section; messages then name the key."""
         return self.split is not None and not self.along and self.options is None
 
     @property
@@ -135,7 +135,7 @@ DECLARED: dict[tuple[str, str], Experiment | Merged] = {}
 
 
 def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Callable], Callable]:
-    """Declare the decorated function as an experiment; the arguments are the attributes of :class:`Experiment`.
+    """Declare the decorated function an experiment; the arguments are the attributes of :class:`Experiment`.
 
     Raises
     ------

@@ -84,13 +84,13 @@ def _in_order(span: dict, registries: Mapping[str, Any]) -> dict:
 
 def _falling(values: list, registries: Mapping[str, Any]) -> list:
     if values != sorted(values, reverse=True):
-        raise ValueError(f"must fall, not {values}")
+        raise ValueError(f"must be in descending order, not {values}")
     return values
 
 
 def _rising(values: list, registries: Mapping[str, Any]) -> list:
     if values != sorted(values):
-        raise ValueError(f"must rise, not {values}")
+        raise ValueError(f"must be in ascending order, not {values}")
     return values
 
 

@@ -1,4 +1,4 @@
-"""Problems with exact motions on which schemes show their order, and how runs of them end."""
+"""Problems with exact motions, on which the order of schemes is measured, and the errors of runs at their end."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ QUANTITIES = ("displacement", "velocity", "acceleration")
 #: Duration of a run, and the initial velocities of the runs; an error is the root mean square over these runs.
 DURATION, SPEEDS = 6.0, np.linspace(0.6, 1.4, 12)
 
-#: Part of the mean step by which steps are larger and smaller in turn.
+#: Relative difference of alternately larger and smaller steps from the mean step.
 UNEQUAL = 1 / 3
 
 #: Relative and absolute tolerance of the references, by the method of Dormand and Prince of eighth order.
@@ -89,7 +89,7 @@ class FromNoAcceleration(Wrapper):
 
 
 class LooselyBalanced(Wrapper):
-    """Another scheme whose Newton iterations end at a tolerance of practice.
+    """Another scheme whose Newton iterations end at a tolerance that is usual in practice.
 
     References
     ----------
@@ -122,7 +122,7 @@ class Circumstance:
     Attributes
     ----------
     title
-        Its name in figures.
+        Name in figures.
     problem
         The problem, whose initial displacement and velocity the runs replace.
     u0, v0
@@ -130,9 +130,9 @@ class Circumstance:
     exact
         Displacement, velocity and acceleration at the end, each of the shape of ``u0``.
     unequal, inconsistent
-        Whether steps have two sizes in turn, and whether the first acceleration is zero.
+        Whether steps alternate between two sizes, and whether the first acceleration is zero.
     tolerance
-        At which Newton's iteration ends; round-off if None.
+        Tolerance of Newton's iteration; None means round-off.
     """
 
     title: str
@@ -145,7 +145,7 @@ class Circumstance:
     tolerance: float | None = None
 
     def final(self, scheme: Scheme, counts: list[int]) -> tuple[xr.Dataset, np.ndarray]:
-        """Motions at the end with each number of steps, and whether the runs were completed, (steps, runs)."""
+        """Motions at the end for each number of steps, and whether the runs were completed, (steps, runs)."""
         runs, most = len(self.u0), len(counts)
         if self.inconsistent:
             scheme = FromNoAcceleration(scheme)
@@ -174,7 +174,7 @@ class Circumstance:
         return ds, (ds.status.values == 0).reshape(most, runs)
 
     def errors(self, scheme: Scheme, counts: list[int]) -> np.ndarray:
-        """Errors over the root mean square of the motion, (quantities, steps); NaN where a run was not completed."""
+        """Errors relative to the root mean square of the motion, (quantities, steps); NaN if a run did not complete."""
         ds, completed = self.final(scheme, counts)
         found = np.full((len(QUANTITIES), len(counts)), np.nan)
         for q, name in enumerate(QUANTITIES):

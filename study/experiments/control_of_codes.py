@@ -30,7 +30,7 @@ MOST = 1000
 
 
 class Rule(NamedTuple):
-    """The automatic step of a code: scheme, estimator, controller, and the tolerances that its manual names."""
+    """The automatic step of a code: scheme, estimator, controller, and the tolerances in its manual."""
 
     scheme: Scheme
     estimator: Estimator
@@ -38,8 +38,8 @@ class Rule(NamedTuple):
     tolerances: tuple[float, ...]
 
 
-#: Abaqus has three classes of the half-increment residual over the largest force; Nastran takes a part of the apparent
-#: period; OpenSees a number of Newton iterations.
+#: Rules by code. A tolerance is the half-increment residual over the largest force for Abaqus, the step over the
+#: apparent period for Nastran, and the number of Newton iterations for OpenSees.
 RULES = {
     "Abaqus": Rule(hht_alpha, HalfStepResidual(), HalfIncrement(), (0.1, 1.0, 10.0)),
     "Nastran": Rule(average_acceleration, ApparentFrequency(), Nastran(), (1 / 40, 1 / 20, 1 / 10)),

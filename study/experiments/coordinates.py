@@ -56,7 +56,7 @@ def estimator_coordinates(names: Sequence[str]) -> dict:
     """Names of estimators along ``estimator``, with their titles."""
     return {
         "estimator": ("estimator", list(names), {"long_name": "estimator of the error of a step"}),
-        "estimator_title": ("estimator", [estimators[name].title for name in names], {"long_name": "its title"}),
+        "estimator_title": ("estimator", [estimators[name].title for name in names], {"long_name": "title"}),
     }
 
 
@@ -76,7 +76,7 @@ def steps_per_period_coordinate(values: Iterable[float]) -> dict:
 
 
 def periods(problem: str) -> dict[str, float]:
-    """The rounded period of a spring, printed for those of 1996, and the exact one of its reference."""
-    problems.resolve(problem)  # an unknown name is a clearer message than a missing dataset
+    """Periods of a spring: ``printed``, rounded as in the paper of 1996, and ``exact``, from its reference."""
+    problems.resolve(problem)  # its message on an unknown name is clearer than one on a missing dataset
     exact = io.open_dataset(f"reference/{problem}").period.item()
     return {"printed": approximate_periods[problem], "exact": exact}

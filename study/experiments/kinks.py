@@ -16,8 +16,8 @@ from study.mechanics.frequencies import highest_frequency
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: Bounds of errors that count towards the order: this multiple of the uncertainty of the reference, round-off, and a
-#: tenth of the motion, at steps that resolve the motion.
+#: Errors that count towards the order: at least this multiple of the uncertainty of the reference, above round-off,
+#: below a tenth of the motion, and at this number of steps per period or more.
 ABOVE, SMALLEST, LARGEST, RESOLVED = 100.0, 1e-11, 0.1, 64
 
 #: Ends of a run; a scheme that does not fit a problem has no run.
@@ -38,7 +38,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 def _check(options: Options, configuration: Mapping) -> str | None:
     if options["periods"] > LONGEST:
-        return f"periods must be at most {LONGEST}, over which the references are known to be certain."
+        return f"periods must be at most {LONGEST}; the references are certain up to there."
     for steps in options["steps_per_period"]:
         if steps % options["samples_per_period"]:
             return f"samples_per_period, {options['samples_per_period']}, does not divide {steps} steps per period."
@@ -46,7 +46,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _order(steps: np.ndarray, error: np.ndarray, uncertainty: float) -> float:
-    """Slope of the error over the step size, by least squares of their logarithms; NaN of fewer than three errors."""
+    """Slope of the error over the step size, by least squares of logarithms; NaN if fewer than three errors count."""
     counts = (steps >= RESOLVED) & (error > max(ABOVE * uncertainty, SMALLEST)) & (error < LARGEST)
     if counts.sum() < 3:
         return np.nan
@@ -108,8 +108,8 @@ def kinks(
                 {"long_name": "largest error of the balance of energies", "units": "1"},
             ),
             "status": (dims, status, flags("how the run ended", STATUSES, np.int8)),
-            "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations a step", "units": "1"}),
-            "observed_order": (dims[:2], order, {"long_name": "order that the errors show", "units": "1"}),
+            "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations per step", "units": "1"}),
+            "observed_order": (dims[:2], order, {"long_name": "observed order of the errors", "units": "1"}),
             "period": (
                 "problem",
                 reference.time_scale.sel(problem=problems).values,
@@ -126,5 +126,5 @@ def kinks(
             **coordinates.scheme_coordinates(schemes),
             **coordinates.steps_per_period_coordinate(steps_per_period),
         },
-        attrs={"title": "Order of schemes on forces that yield, remember and touch, and under a record"},
+        attrs={"title": "Order of schemes with yielding, memory and contact, and under a record"},
     )

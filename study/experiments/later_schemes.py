@@ -1,4 +1,4 @@
-"""Claims of the authors of later schemes beyond linear theory, measured on problems of their kind."""
+"""Claims of the authors of later schemes that go beyond linear theory, measured on similar problems."""
 
 from collections.abc import Mapping
 
@@ -33,30 +33,30 @@ WITH_MODEL: dict[str, Scheme] = {
     "kr_alpha": KolayRicles(rho_inf=1.0),
     "mkr_alpha": KolayRicles(rho_inf=1.0, modified=True),
 }
-#: Tried ratios of the tangent to the model, and the excess of a spectral radius that counts as round-off.
+#: Ratios of the tangent to the model that are tried, and largest excess of a spectral radius that counts as round-off.
 RATIOS, GROWTH = np.geomspace(1.0001, 1e4, 20_000), 1e-7
 
-#: Schemes for the wave, for the cost, and for comparison with the auxiliary variable.
+#: Schemes for the wave, and schemes of fourth order.
 OF_WAVES = ("rho_bathe", "beta_bathe", "average_acceleration", "noh_bathe", "central_difference")
 OF_FOURTH_ORDER = ("blanes_moan4", "mclachlan4", "yoshida4", "nystrom4")
 
-#: ωΔt of the stiff part in the test of trigonometric methods, of which two are resonances, and duration of its runs.
+#: ωΔt of the stiff unknown in the test of trigonometric methods (π and 2π are resonances), and duration of the runs.
 PHASES, OSCILLATES = np.pi * np.array([0.5, 1.0, 2.0]), 2.0
 
 #: Orders M of mixed Padé methods and their ρ∞, and numbers of steps of their runs.
 TERMS, RHO_INF, LONG = (1, 2, 3, 4), 0.5, (8, 16, 32)
 
-#: Part of the bar behind the front at the end.
+#: Part of the bar that the front has passed at the end.
 REACHED = 0.7
 
 
 def _offset(stiffness):
-    """A force with the tangent 1 at u = 0, and another tangent about the equilibrium u = 10."""
+    """A force whose tangent is 1 at u = 0 and ``stiffness`` at the equilibrium u = 10."""
     return lambda u: stiffness * (u - 10) + (1 - stiffness) * u * jnp.exp(-u * u)
 
 
 def _largest_stiffening(scheme: Scheme, dt: float) -> float:
-    """Largest ratio tried of tangent to model stiffness up to which all steps are stable undamped; one if none is."""
+    """Largest ratio tried of tangent to model stiffness up to which undamped steps are stable; one if none is."""
 
     def matrix(ratio):
         problem = Problem(_offset(ratio), 10.0)
@@ -75,7 +75,7 @@ def _coupled(u):
 
 
 def _oscillatory(omega) -> Problem:
-    """A soft unknown and a stiff one of circular frequency ω, which start with energies that do not depend on ω."""
+    """A soft unknown and a stiff one of circular frequency ω, with initial energies that do not depend on ω."""
     return Problem(
         potential=_coupled, stiffness=jnp.stack([0.0 * omega, omega**2]), u0=jnp.stack([1 + 0 * omega, 1 / omega]),
         v0=jnp.ones(2), tangent="dense",
@@ -123,9 +123,10 @@ class _Push(eqx.Module):
 
 
 def _error_of_wave(scheme: str, courant: float, elements: int) -> float:
-    """Root mean square error of the velocity along a bar that is pushed at one end, when a part has been reached.
+    """Root mean square error of the velocity along a bar that is pushed at one end, at the end of a run.
 
-    Lumped masses, wave speed and impedance 1: the exact velocity is 1 behind the front and 0 ahead of it.
+    The bar has lumped masses, and its wave speed and impedance are 1. The exact velocity is 1 behind the front and 0
+    ahead of it.
     """
     h = 1 / elements
     stiffness = (np.diag(np.full(elements, 2.0)) - np.eye(elements, k=1) - np.eye(elements, k=-1)) / h
@@ -176,15 +177,15 @@ def later_schemes(
     Parameters
     ----------
     omega_steps
-        ωΔt of the model, at which schemes with a model of the structure show how far the tangent may exceed it.
+        ωΔt of the model. At each, the largest ratio of the tangent to the model is found up to which a step is stable.
     steps
         Numbers of steps of trigonometric methods on a soft and a stiff unknown, and of the auxiliary variable.
     courant, elements
-        Steps over the time in which a wave crosses an element, and elements of the bar.
+        Courant numbers, Δt over the time in which a wave crosses an element, and number of elements of the bar.
     long_steps
-        Steps of the auxiliary variable on the hardening oscillator ü + u + u³ = 0, over a thousand of them.
+        Step sizes of runs of a thousand steps of the auxiliary variable on the hardening oscillator ü + u + u³ = 0.
     forces
-        Forces that schemes of fourth order evaluate over the same motion.
+        Numbers of forces that schemes of fourth order evaluate over the same motion.
     """
     plain = circumstances_with([])["plain"]
     average = schemes_by_name["average_acceleration"]
@@ -243,7 +244,7 @@ def later_schemes(
             "omega_step": ("omega_step", list(omega_steps), {"long_name": "ωΔt of the model", "units": "1"}),
             "member": ("member", list(filters), {"long_name": "trigonometric method"}),
             "steps": ("steps", list(steps), {"long_name": "number of steps", "units": "1"}),
-            "wave_scheme": ("wave_scheme", list(OF_WAVES), {"long_name": "scheme of a wave"}),
+            "wave_scheme": ("wave_scheme", list(OF_WAVES), {"long_name": "scheme for the wave"}),
             "courant": ("courant", list(courant), {"long_name": "Courant number", "units": "1"}),
             "auxiliary": ("auxiliary", list(auxiliary), {"long_name": "scheme to compare with the auxiliary variable"}),
             "long_step": ("long_step", list(long_steps), {"long_name": "step", "units": "s"}),
@@ -253,7 +254,7 @@ def later_schemes(
             "forces": ("forces", list(forces), {"long_name": "forces evaluated", "units": "1"}),
         },
         attrs={
-            "title": "What the authors of later schemes claim beyond linear theory",
+            "title": "Claims of the authors of later schemes that go beyond linear theory",
             "duration": DURATION,
             "rho_inf": RHO_INF,
         },

@@ -59,7 +59,7 @@ def summary(runs: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Its errors have the shape (scheme, arithmetic, step, periods), exponents and their errors
+        Errors have the shape (scheme, arithmetic, step, periods), exponents and their standard errors
         (quantity, scheme, arithmetic, step). They are NaN if one of the runs failed.
     """
     rounded = runs.arithmetic != _LEAST_ROUND_OFF
@@ -115,7 +115,7 @@ def summary(runs: xr.Dataset) -> xr.Dataset:
                 {"long_name": "spread of the step sizes", "units": "1"},
             ),
         },
-        coords={"quantity": ("quantity", growing, {"long_name": "what grows"})},
+        coords={"quantity": ("quantity", growing, {"long_name": "growing quantity"})},
     ).set_coords(["runs", "spread_of_steps"])
 
 
@@ -128,7 +128,7 @@ def long_times() -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        What :func:`summary` returns.
+        The result of :func:`summary`.
 
     Raises
     ------

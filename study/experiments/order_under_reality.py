@@ -26,7 +26,7 @@ SMALLEST, LARGEST, MOST, LEAST = 1e-11, 1.0, 4, 3
 
 
 def _applies(circumstance: Circumstance, scheme: Scheme) -> bool:
-    """Whether a scheme can be run so."""
+    """Whether a scheme can be run under a circumstance."""
     if circumstance.inconsistent:
         state, _ = jax.eval_shape(partial(scheme.start, circumstance.problem), jnp.ones(()), jnp.ones(()), 1.0)
         return carries(state)
@@ -36,7 +36,7 @@ def _applies(circumstance: Circumstance, scheme: Scheme) -> bool:
 
 
 def _order(counts: np.ndarray, error: np.ndarray) -> tuple[float, str]:
-    """Order by least squares of the logarithms of the finest errors that count, and how it was found."""
+    """Order by least squares of the logarithms of the finest errors that count, and one of the ``STATUSES``."""
     useful = error < LARGEST
     if useful.sum() < LEAST:
         return np.nan, "failed"
@@ -60,16 +60,17 @@ def order_under_reality(
 ) -> xr.Dataset:
     """Measure the order of displacement, velocity and acceleration of schemes under the circumstances of real problems.
 
-    The error is measured at the end of a run of six units of time: its root mean square over twelve motions and all
-    unknowns, relative to the root mean square of the exact motion. The order is its slope over the step. References are
-    exact, or computed by a Runge-Kutta method of eighth order with adaptive steps. The acceleration is the one that a
-    scheme carries, at the end of the step, or follows from the equation of motion if it carries none.
+    The error is measured at the end of a run of six units of time. It is the root mean square over twelve motions and
+    all unknowns, relative to the root mean square of the exact motion. The order is the slope of its logarithm over the
+    logarithm of the step. References are exact, or computed by a Runge-Kutta method of eighth order with adaptive
+    steps. The acceleration is part of the scheme's state, or follows from the equation of motion if the state has none.
 
     - ``plain``, ``damping``, ``load``: ü + c u̇ + u + u³ = f cos(1.5t − 0.7), free, with c = 0.2 and with f = 1;
     - ``support_0``, ...: two masses on a moving support, held by a spring of each of the ``stiffness_ratios``;
     - ``hysteresis``, ``contact``: an elastoplastic spring, and a mass that meets a stop of twenty times its stiffness;
-    - ``inconsistent_start``: the free oscillator, with a first acceleration of zero against the equation of motion;
-    - ``unequal_steps``: the free oscillator, with steps of 4/3 and 2/3 of their mean in turn;
+    - ``inconsistent_start``: the free oscillator, with an initial acceleration of zero, which violates the equation of
+      motion;
+    - ``unequal_steps``: the free oscillator, with steps that alternate between 4/3 and 2/3 of their mean;
     - ``tolerance_0``, ...: the free oscillator, with Newton iterations that end at each of the ``tolerances``.
 
     Parameters
@@ -77,9 +78,9 @@ def order_under_reality(
     steps
         Numbers of steps of a run.
     stiffness_ratios
-        Stiffness of the spring at the support over that between the masses.
+        Stiffness of the spring at the support over the stiffness between the masses.
     tolerances
-        Largest change of the displacement by the last correction of Newton's iteration, as a part of it.
+        Largest change of the displacement by the last correction of Newton's iteration, relative to the displacement.
     """
     circumstances, counts = circumstances_with(stiffness_ratios, tolerances), np.array(steps)
     shape = len(schemes), len(circumstances), len(QUANTITIES)
@@ -99,7 +100,7 @@ def order_under_reality(
     return xr.Dataset(
         {
             "error": ((*dims, "steps"), error, {"long_name": "error at the end over the motion", "units": "1"}),
-            "observed_order": (dims, order, {"long_name": "order that the errors show", "units": "1"}),
+            "observed_order": (dims, order, {"long_name": "observed order of the errors", "units": "1"}),
             "status": (dims, status, flags("how the order was found", STATUSES, np.int8)),
         },
         coords={

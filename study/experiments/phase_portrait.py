@@ -47,8 +47,8 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
 def phase_portrait(problem: Spring, schemes: Schemes, dt: float, duration: float) -> xr.Dataset:
     """Compute displacement, velocity and energy of every scheme over time at one step size.
 
-    ``dt`` and ``duration`` are in seconds. The energy error is (E − E₀)/|E₀|; ``height`` is the energy above
-    rest over that at the start. The variables have the shape (scheme, t).
+    ``dt`` and ``duration`` are in seconds. The energy error is (E − E₀)/|E₀|. ``height`` is the energy above the energy
+    at rest, relative to its initial value. The variables have the shape (scheme, t).
     """
     progress(f"phase portraits of {problem}")
     steps = round(duration / dt)

@@ -18,7 +18,7 @@ from study.problem.named import problems as problems_by_name
 def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray, lengths: Sequence[int]) -> np.ndarray:
     """Fewest steps per period that keep the energy within each level, (levels, lengths).
 
-    All larger candidates keep it too, at all amplitudes. NaN if the largest candidate does not.
+    All larger candidates keep it too, at all amplitudes. The number is NaN if the largest candidate does not.
     """
     definition = problems_by_name[problem]
     observer = Excursions(OutcomeObserver.of(definition).rest)
@@ -70,7 +70,7 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
     """Find the fewest steps per period that keep the energy within 1, 5 and 10 percent at all amplitudes.
 
     The amplitudes are those of ``results/reference/amplitudes``; the period T in Δt = T/N is the exact one at each
-    amplitude. The errors are those of the energy over its height above rest.
+    amplitude. Errors of the energy are relative to its height above rest.
 
     Parameters
     ----------
@@ -102,8 +102,8 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
                 ("problem", "scheme", "level", "periods"),
                 needed,
                 {
-                    "long_name": "fewest steps per period from which on all that were tried keep the energy within the "
-                    f"level at all amplitudes of reference/amplitudes; NaN where {max(steps_per_period)} do not",
+                    "long_name": "fewest steps per period that keep the energy within the level at all amplitudes of "
+                    f"reference/amplitudes, as all larger numbers tried do; NaN if {max(steps_per_period)} do not",
                     "units": "1",
                 },
             ),

@@ -26,7 +26,7 @@ from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.newmark import Newmark
 
-#: Difference of the displacements at which two runs count as parted.
+#: Smallest difference of the displacements of two runs that have parted.
 PARTED = 0.1
 #: Starts of Newton's iteration, as factors of the acceleration before the step.
 GUESSES = {"last_acceleration": 1.0, "none": 0.0}
@@ -66,9 +66,9 @@ class _Inexact(Newmark):
 
 
 def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequence[float]) -> np.ndarray:
-    """Steps until a run parts from the run with Newmark's own tolerance, (starts, tolerances, step sizes).
+    """Number of steps until a run parts from the run with Newmark's own tolerance, (starts, tolerances, step sizes).
 
-    ``steps`` if it never does.
+    It is ``steps`` if the run never parts.
     """
     newmark = cast(Newmark, schemes_by_name["average_acceleration"])
     inexact = partial(_Inexact, newmark.beta, newmark.gamma)
@@ -165,7 +165,7 @@ def roots(
             "root": (
                 along,
                 np.stack(found),
-                {"long_name": f"displacement that Newton finds at a step size of {paper_dt} s", "units": "1"},
+                {"long_name": f"root that Newton's iteration finds at a step of {paper_dt} s", "units": "1"},
             ),
             "newton_iterations": (
                 along,
@@ -197,12 +197,12 @@ def roots(
             **coordinates.scheme_coordinates(schemes),
             "dt": ("dt", step_sizes, {"long_name": "step size", "units": "s"}),
             "predictor": ("predictor", predictors, {"long_name": "predictor of the displacement", "units": "1"}),
-            "guess": ("guess", predictors, {"long_name": "displacement at which Newton starts", "units": "1"}),
-            "start": ("start", list(GUESSES), {"long_name": "acceleration at which Newton starts"}),
+            "guess": ("guess", predictors, {"long_name": "first displacement of Newton's iteration", "units": "1"}),
+            "start": ("start", list(GUESSES), {"long_name": "first acceleration of Newton's iteration"}),
             "newton_tolerance": (
                 "newton_tolerance",
                 list(tolerances),
-                {"long_name": "tolerance of Newton", "units": "1"},
+                {"long_name": "tolerance of Newton's iteration", "units": "1"},
             ),
         },
         attrs={"title": f"Roots of the effective equation of the {definition.title}", "problem": problem},

@@ -18,7 +18,7 @@ from study.scheme.base import OneStep
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.wrapper.compensated import Compensated
 
-#: A run ends this part of a period after whole periods, where displacement and velocity both show a delay.
+#: Part of a period by which a run exceeds whole periods, so that both displacement and velocity show a delay.
 PHASE = Fraction(1, 8)
 
 
@@ -26,7 +26,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     """Refuse step sizes that do not meet the end of the run, and references that are not sampled there."""
     refused = no_multiple("steps_per_period", options["steps_per_period"], PHASE.denominator)
     if refused is None and all(n % PHASE.denominator for n in configuration["references"]["steps_per_period"]):
-        return f"steps_per_period: references.steps_per_period must hold a multiple of {PHASE.denominator}."
+        return f"steps_per_period: references.steps_per_period must contain a multiple of {PHASE.denominator}."
     return refused
 
 

@@ -35,9 +35,9 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
 def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, perturbation: Tolerance) -> xr.Dataset:
     """Compute the distance over time of runs that start next to each other, for every scheme.
 
-    The distance |Δu| of two of them has the shape (scheme, t); their initial displacements differ by ``perturbation``.
-    Nine runs show the counts that differ from run to run in chaotic motion, (scheme, start). ``dt`` and
-    ``duration`` are in seconds.
+    The initial displacements of the first two runs differ by ``perturbation``. Their distance |Δu| has the shape
+    (scheme, t). Step of parting and changes of sign, which vary from run to run in chaotic motion, are given for nine
+    runs, (scheme, start). ``dt`` and ``duration`` are in seconds.
     """
     progress(f"sensitivity of {problem}")
     u0 = float(problems_by_name[problem].u0) + perturbation * np.array(STARTS)

@@ -22,9 +22,9 @@ RATIO = 1.1
 
 
 def steps_tried(coarsest: float, finest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Falling steps, and whether each is commensurate with the record: its spacing over a whole number, or times one.
+    """Descending step sizes, and whether each is commensurate with the record.
 
-    The commensurate steps are added to a grid of a constant ratio.
+    Commensurate steps are integer fractions and multiples of the spacing. They are added to a grid of a constant ratio.
     """
     whole = np.arange(1, max(coarsest / SPACING, SPACING / finest) * (1 + 1e-9))
     commensurate = np.append(SPACING / whole, SPACING * whole[1:])
@@ -72,9 +72,9 @@ def spectrum(
 ) -> xr.Dataset:
     """Measure the error of the peak drift at each step, and the largest step that keeps it below the allowed one.
 
-    All finer steps must keep it too: all tried steps, or all tried ones commensurate with the record. A run
-    ends with the first step at the duration or beyond it, where the ground is at rest. ``step_needed`` is NaN if not
-    even the finest step is enough, or if a scheme takes its force from a potential.
+    All finer steps must keep it too, either all steps tried or only those commensurate with the record. A run ends with
+    the first step at the duration or beyond it, where the ground is at rest. ``step_needed`` is NaN if not even the
+    finest step is enough, or if a scheme takes its force from a potential.
     """
     exact = io.open_dataset("reference/spectrum")
     table: Any = jnp.asarray(exact.ground.values)
@@ -123,7 +123,7 @@ def spectrum(
                 "step_size",
                 commensurate.astype(int),
                 {
-                    "long_name": "1 where the step divides the spacing of the records, or is a multiple",
+                    "long_name": "1 if the step is an integer fraction or multiple of the spacing of the records",
                     "units": "1",
                 },
             ),
@@ -138,5 +138,5 @@ def spectrum(
     )
     needed = [_needed(some, allowed_error) for some in (of_runs.error, of_runs.error[:, commensurate])]
     tried = xr.IndexVariable("tried", ["all", "commensurate"], {"long_name": "steps tried"})
-    size = {"long_name": "largest step within the error, as all finer ones", "units": "s"}
+    size = {"long_name": "largest step that keeps the error, as all finer ones do", "units": "s"}
     return of_runs.assign(step_needed=xr.concat(needed, tried).assign_attrs(size))

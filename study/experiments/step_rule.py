@@ -1,4 +1,4 @@
-"""The step by the highest frequency of the motion: errors of energy and period at all amplitudes."""
+"""Errors of energy and period at all amplitudes, by the step times the highest frequency of the motion."""
 
 from collections.abc import Mapping
 
@@ -102,7 +102,7 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
             "period_error": (
                 dims,
                 elongation,
-                {"long_name": f"relative error of the mean period, {failed} or never swings", "units": "1"},
+                {"long_name": f"relative error of the mean period, {failed} or has no period", "units": "1"},
             ),
         },
         coords={

@@ -20,7 +20,7 @@ OBSERVED = ("lyapunov_exponent", "energy_balance", "newton_iterations")
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    # a step of many unknowns counts as one of each
+    # a step counts once for each unknown
     periods = sum(length["periods"] * np.size(problems_by_name[length["problem"]].u0) for length in options["lengths"])
     # every run is repeated over half its length
     runs = 1.5 * len(options["schemes"]) * len(options["excitations"])
@@ -46,8 +46,8 @@ def structure_stability(
 ) -> xr.Dataset:
     """Find how the runs of every scheme on structures end, over excitation and step size.
 
-    The Lyapunov exponent λ is the largest one of the numerical map. Its mean over the second half of a run of N steps
-    is taken, (N λ_N − M λ_M)/(N − M) with M = ⌊N/2⌋, times the time scale.
+    The Lyapunov exponent λ is the largest one of the numerical map, times the time scale. It is the mean over the
+    second half of a run of N steps, (N λ_N − M λ_M)/(N − M) with M = ⌊N/2⌋.
 
     Parameters
     ----------
@@ -131,5 +131,5 @@ def structure_stability(
             **coordinates.steps_per_period_coordinate(steps_per_period),
             "periods": ("problem", [one["periods"] for one in lengths], {"long_name": "length of runs", "units": "1"}),
         },
-        attrs={"title": "How the schemes end on structures that are stiff or chaotic, over excitation and step size"},
+        attrs={"title": "Outcomes of runs on structures that are stiff or chaotic, over excitation and step size"},
     )

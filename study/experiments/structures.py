@@ -33,7 +33,7 @@ ATTRIBUTES = {
     "velocity_error": {"long_name": "largest error of the velocity over its largest size", "units": "1"},
     "acceleration_error": {"long_name": "largest error of the acceleration over its largest size", "units": "1"},
     "max_energy_imbalance": EnergyBalance.variables["max_energy_imbalance"],
-    # a support takes linear momentum, so the error of that is NaN for structures that are held
+    # a support changes the linear momentum, so the error of the momentum is NaN for structures that are held
     **MomentumErrors.variables,
     "iterations_per_step": {"long_name": "Newton iterations per step", "units": "1"},
     "max_newton_iterations": NewtonIterations.variables["max_newton_iterations"],
@@ -48,7 +48,7 @@ def _norm(values: np.ndarray) -> np.ndarray:
 
 
 def _held(definition: Problem, displacements: np.ndarray) -> bool:
-    """Whether a support takes linear momentum: the internal forces at some of the displacements do not sum to zero."""
+    """Whether a support changes the linear momentum: the internal forces at some displacement do not sum to zero."""
     forces = np.asarray(jax.vmap(definition.force)(displacements)).reshape(-1, *np.shape(definition.positions))
     return bool(np.abs(forces.sum(axis=1)).max() > 1e-6 * np.abs(forces).sum(axis=1).max())
 
@@ -112,7 +112,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     samples = periods * per_period
     if round(samples) < 1 or abs(samples - round(samples)) > 1e-9:
         problem = options["problem"]
-        return f"lengths: {periods} periods of '{problem}' are no whole number of samples, {per_period} in each."
+        return f"lengths: {periods} periods of '{problem}' are not a whole number of samples, {per_period} in each."
     return no_multiple("steps_per_period", options["steps_per_period"], per_period, "samples_per_period")
 
 
@@ -179,7 +179,7 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
         "displacement_uncertainty": ("uncertainty of the reference in units of displacement_error", "1"),
         "unknowns": ("number of unknowns", "1"),
         "period": ("time by which steps are counted", "s"),
-        "periods": ("length of the runs in these times", "1"),
+        "periods": ("length of the runs in units of period", "1"),
         "highest_frequency": ("highest circular frequency of small motions along the reference", "s-1"),
     }
     return xr.Dataset(

@@ -31,7 +31,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
         if refused is not None:
             return refused
     if 100 not in configuration["accuracy"]["periods"]:
-        return "schemes needs 100 among accuracy.periods, from which it takes Newton's iterations."
+        return "schemes: accuracy.periods must contain 100, from which Newton's iterations are taken."
     return None
 
 
@@ -55,8 +55,8 @@ merged("work_precision", of=("work_precision/schemes", "work_precision/solvers")
 def work_precision(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, repeats: Repeats) -> xr.Dataset:
     """Measure time, force evaluations and Newton iterations of a step of every scheme, and its errors.
 
-    The errors are the dataset ``accuracy``, which the costs complement. The schemes are timed in turns, so that a slow
-    moment of the machine affects all of them. Times of a step have the shape
+    The errors are taken from the dataset ``accuracy``, and the costs are added. The schemes are timed in turns, so that
+    a slow moment of the machine affects all of them. Times of a step have the shape
     (problem, scheme, steps_per_period, repeat), in nanoseconds; they are NaN for a run that failed.
 
     Raises
@@ -100,13 +100,13 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
         newton_iterations_per_step=(
             dims,
             iterations,
-            {"long_name": "Newton iterations a step: each one tangent and one solve", "units": "1"},
+            {"long_name": "Newton iterations per step, each with one tangent and one solve", "units": "1"},
         ),
-        force_evaluations_per_step=(dims, evaluations, {"long_name": "forces evaluated a step", "units": "1"}),
+        force_evaluations_per_step=(dims, evaluations, {"long_name": "forces evaluated per step", "units": "1"}),
     )
     ds = ds.assign(
         time_per_run=(1e-9 * ds.median_time_per_step * steps_of_run).assign_attrs(
-            long_name="median time of a run: of a step times the number of steps", units="s"
+            long_name="median time of a step times the number of steps", units="s"
         ),
         force_evaluations=(ds.force_evaluations_per_step * steps_of_run).assign_attrs(
             long_name="forces evaluated in a run", units="1"

@@ -167,7 +167,7 @@ class Refinement:
         why = "halving changes each by far less, so they solve different problems" if apart else "steps cannot be finer"
         why = "the time has run out" if self._runs.late else why
         self.remarks.append(
-            f"{pair} agree to {percent(off)} of '{name}' only, {steps}, and {why}: no step is named for its "
+            f"{pair} agree to {percent(off)} of '{name}' only, {steps}, and {why}: no step is recommended for its "
             f"errors below {percent(CERTAIN * off)}"
         )
 

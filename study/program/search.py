@@ -93,7 +93,7 @@ class Search:
     def _remark(self, interrupted: bool) -> None:
         """Add remarks on an interruption, and on schemes that keep no error and fail in more than half of the runs."""
         if interrupted:
-            self.refinement.remarks.append("interrupted: no step is named where more runs were needed")
+            self.refinement.remarks.append("interrupted: no step is recommended where more runs were needed")
         limits = [(name, error) for name in self.truth.uncertainty for error in self.allowed]
         for scheme in self.program.all_schemes:
             runs = self.refinement.of(scheme)

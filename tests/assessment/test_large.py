@@ -48,7 +48,7 @@ def test_quantities_that_are_reduced_are_single_numbers(damped_chain, of_program
 
 
 def test_what_there_is_no_time_for_is_said(damped_chain, of_programs):
-    with pytest.raises(NoTruth, match="in the time that was given"):
+    with pytest.raises(NoTruth, match="in the given time"):
         study.assess(damped_chain(), SCHEMES, seconds=0.0, **OPTIONS)
 
 

@@ -76,7 +76,7 @@ def test_datasets_come_by_name():
         ({"runs.scheme": "rk4"}, "runs.scheme must be 'rk4' for table 'own', not 'houbolt'."),
         ({"runs.steps": 3}, "runs.steps is missing, and table 'own' needs it."),
         ({"": lambda config: f"{len(config)} is no section"}, "1 is no section."),
-        ({"runs.periods": rising}, "runs.periods must rise, not [100, 1]."),
+        ({"runs.periods": rising}, "runs.periods must be in ascending order, not [100, 1]."),
     ],
 )
 def test_what_is_asked(requires, sentence):
@@ -109,7 +109,7 @@ def test_what_is_shipped_has_all_that_is_asked(config):
         ("energy_error", {"periods": 10}, "energy_error.periods must be 100"),
         ("large_steps", {"dt_over_period": [0.01, 0.1]}, "large_steps.dt_over_period needs a step above 0.2"),
         ("large_steps", {"dt_over_period": [0.1, 0.3]}, "large_steps.dt_over_period needs a step below 0.05"),
-        ("large_steps", {"dt_over_period": [0.3, 0.01]}, "large_steps.dt_over_period must rise"),
+        ("large_steps", {"dt_over_period": [0.3, 0.01]}, "large_steps.dt_over_period must be in ascending order"),
         ("energy_drift", {"steps_per_period": {"first": 10, "last": 24, "step": 1}}, "leaves out 25"),
         ("energy_drift.steps_per_period", {"step": 5}, "energy_drift.steps_per_period.step must be at most 0.5"),
         ("phase_portrait.hardening", {"duration": 0.1}, "phase_portrait.hardening has a duration of less than"),

@@ -147,7 +147,7 @@ def test_a_run_that_ends_its_process_ends_no_other(tmp_path):
         (
             models.two_motions,
             models.SCHEMES,
-            "agree to .* only, at .* so they solve different problems: no step is named for its errors below",
+            "agree to .* only, at .* so they solve different problems: no step is recommended for its errors below",
         ),
     ],
 )
@@ -187,7 +187,7 @@ def test_ctrl_c_answers_what_is_known_and_loses_no_run(tmp_path):
         return models.linear(scheme, dt)
 
     own = program(partial(interrupted, 0.1), tmp_path)
-    with pytest.warns(RuntimeWarning, match="interrupted: no step is named where more runs were needed"):
+    with pytest.warns(RuntimeWarning, match="interrupted: no step is recommended where more runs were needed"):
         ds = study.assess(own, errors=[0.1, 0.001])
     found, out_of_time = VERDICTS.index("found"), VERDICTS.index("out_of_time")
     assert (ds.verdict.sel(allowed_error=0.1) == found).all()

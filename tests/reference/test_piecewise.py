@@ -78,7 +78,7 @@ def test_a_record_may_end_with_a_jump():
             study.Problem(materials.gap(1.0), u0=1.0, load=lambda t: t, title="own"),
             "need the kinks of the load of 'own'",
         ),
-        (study.Problem(lambda u: u, u0=[1.0, 2.0], title="own"), "'own' has 2 unknowns; exact pieces take one"),
+        (study.Problem(lambda u: u, u0=[1.0, 2.0], title="own"), "'own' has 2 unknowns; exact pieces need one"),
     ],
 )
 def test_what_has_no_pieces_is_refused(problem, sentence):
