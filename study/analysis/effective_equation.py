@@ -56,7 +56,7 @@ def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.nda
     """
     force = jax.jit(jax.vmap(problem.static_force))
     far = 2 * np.abs(predictor).max()
-    # beyond all roots the left side exceeds every predictor and grows; double the range until its ends are there
+    # beyond all roots the left side exceeds every predictor and grows; the range is doubled until both hold at its ends
     while far < FARTHEST:
         ends = far * np.array([[-1.0, 1.0], [-2.0, 2.0]])
         left = ends + coefficient[:, None, None] * np.asarray(jax.vmap(force)(ends))

@@ -25,7 +25,10 @@ def eigenvalues(matrices: Matrices) -> Roots:
 
 
 def followed(roots: Roots, exponent: complex, omega: Points) -> ComplexPoints:
-    """Logarithm of the root that tends to exp(exponent · Ω) for Ω → 0, followed over step sizes; NaN once real."""
+    """Logarithm of the root that tends to exp(exponent · Ω) for Ω → 0, followed over step sizes.
+
+    It is NaN from the first real root on.
+    """
     result = np.full(len(omega), complex(np.nan, np.nan))
     last, slope = (0.0, 0j), exponent
     for i, (candidates, step) in enumerate(zip(roots, omega, strict=True)):

@@ -29,7 +29,7 @@ from study.scheme.base import Scheme
 from study.scheme.contract import started, stepped
 from study.scheme.named import schemes
 
-#: Values that can be converted to such an array.
+#: Argument that can be converted to an array of shape (points,).
 PointsLike = Float[Any, "points"]
 
 #: Values of displacement and velocity for each step size, shape (2, points).
@@ -56,8 +56,9 @@ LONG = (1e4, 1e6)
 #: Δt/T that represents infinity.
 INFINITE = 1e12
 
-#: Values of Ω searched for the stability limit: densely where explicit schemes have theirs, because symmetric
-#: compositions have narrow windows of instability near multiples of π, then coarsely up to 10⁴.
+#: Values of Ω searched for the stability limit. They are dense up to 12, where the limits of explicit schemes lie,
+#: because symmetric compositions have narrow windows of instability near multiples of π. They are coarse from there up
+#: to 10⁴.
 SEARCHED = np.concatenate([np.linspace(3e-4, 12, 40_000), np.geomspace(12.01, 1e4, 2_000)])
 
 #: Number of step sizes that one call computes.
@@ -78,7 +79,8 @@ def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.A
     Multi-step schemes, whose state holds their history, appear in companion form.
     """
     problem, dt = oscillator(damping_ratio), 2 * jnp.pi * dt_over_period
-    # the map is linear, so any state is valid; discrete gradients need one that moves in short and in long steps
+    # the map is linear, so its derivative is the same at any state; discrete gradients divide by the displacement of
+    # the step, so the state must move in short and in long steps
     state, _ = started(scheme, problem, jnp.ones(()), jnp.ones(()), dt)
     flat, unflatten = ravel_pytree(state)
 
@@ -111,7 +113,7 @@ class NumericalMotion(NamedTuple):
 
         \lambda = \exp(\bar\omega\Delta t\,(-\bar\xi \pm i \sqrt{1 - \bar\xi^2}))
 
-    All are NaN from the step size on at which the principal roots become real, where nothing oscillates.
+    All are NaN from the step size at which the principal roots become real, because the motion no longer oscillates.
 
     Attributes
     ----------
@@ -211,9 +213,10 @@ class LinearTheory:
         return None
 
     def stability_limit(self) -> float:
-        """Ω_crit, up to which the spectral radius is at most one; infinite if it is so up to Ω = 10⁴, zero if never.
+        """Ω_crit, the largest Ω up to which the spectral radius is at most one.
 
-        The search has its own step sizes. It can miss windows of instability that are narrower than 3e-4.
+        It is infinite if no Ω up to 10⁴ is unstable, and zero if the scheme is unstable at every step size. The search
+        has its own step sizes. It can miss windows of instability that are narrower than 3e-4.
         """
         omega = SEARCHED
         for _ in range(REFINEMENTS + 1):
@@ -224,7 +227,7 @@ class LinearTheory:
                 return 0.0
             stable = float(omega[first - 1])
             if self._radius(np.array([stable / 4 / np.pi]))[0] > 1 + WEAK_GROWTH:
-                return 0.0  # the excess grows with a power of Ω from zero on
+                return 0.0  # weak instability: the excess grows as a power of Ω
             omega = np.linspace(omega[first - 1], omega[first], PARTS)
         return stable
 
@@ -249,9 +252,9 @@ class LinearTheory:
     def growth(self) -> Growth:
         r"""Exponents of Ω with which the first step grows for Ω → ∞, of shape (2, 2).
 
-        The first row belongs to :math:`|u_1|` and :math:`|\dot u_1|/\omega` from u = 1 and u̇ = 0, the second to a start
-        from u = 0 and u̇ = ω. Zero means bounded. For a scheme with a stability limit the exponents describe its
-        instability.
+        The columns hold the exponents of :math:`|u_1|` and :math:`|\dot u_1|/\omega`. The first row is for a start from
+        u = 1 and u̇ = 0, the second for a start from u = 0 and u̇ = ω. Zero means bounded. For a scheme with a stability
+        limit the exponents describe its instability.
 
         References
         ----------

@@ -42,10 +42,10 @@ EXPLANATIONS = (
     f"energy or period is wrong by more than {100 * ACCURATE:g} %, but the run does not fail in any other way",
     f"less than {100 * AT_REST:g} % of the energy is left at the end",
     "the motion crosses a barrier for which it lacks the energy",
-    "neighbouring runs part until a difference of round-off is as large as the motion",
-    f"at the end the energy is more than {GROWN:g} times that at the start, or of the barrier if that is higher",
-    "no balance of forces is found for the next step, not even with a bracket",
-    "the displacement leaves all bounds or the numbers overflow",
+    "neighbouring runs diverge until a difference of round-off is as large as the motion",
+    f"the final energy is more than {GROWN:g} times the initial energy, or times the barrier's if that is higher",
+    "Newton's iteration and its bracketing find no balance of forces for the next step",
+    "the displacement leaves its bound or the numbers overflow",
 )
 
 #: An :class:`Outcome` for each lane, shape (lanes,).
@@ -80,13 +80,13 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     outcome
         Values of :class:`study.Outcome`, of shape (lanes,).
     began
-        Times at which the outcomes began, of shape (lanes,); NaN for accurate and for failed runs, and for those that
-        are wrong in their period alone.
+        Times at which the outcomes began, of shape (lanes,). NaN for accurate runs, failed runs and runs of which only
+        the period is wrong.
 
     Raises
     ------
     TypeError
-        If it is not a dataset.
+        If ``runs`` is not a dataset.
     ValueError
         If the dataset is not an ensemble or lacks these observers.
     """
@@ -95,7 +95,7 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     if "lane" not in runs.dims:
         raise ValueError("outcomes need an ensemble: give study.run an array of u0 or of dt.")
     for name in _EVENTS.values():
-        if name not in runs and name != "crossed_at":  # which only problems with a barrier have
+        if name not in runs and name != "crossed_at":  # only problems with a barrier have this variable
             raise ValueError(
                 f"outcomes need '{name}': observe study.OutcomeObserver.of(problem) and 'lyapunov_exponent'."
             )
@@ -114,11 +114,11 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
 
 
 def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndarray:
-    """Classify how runs ended that may be damped and loaded, by their balance of energies.
+    """Classify how runs ended by their balance of energies; the runs may be damped and loaded.
 
-    With an imbalance of at most 1 % of the energy put in, the run keeps its energy; with one of more than a hundred
-    times that energy it is growing. A run is chaotic if a perturbation grows from round-off to the size of the motion.
-    Rest and wells do not count.
+    A run keeps its energy if the imbalance is at most 1 % of the energy put in. It is growing if the imbalance is more
+    than a hundred times that energy. It is chaotic if a perturbation grows from round-off to the size of the motion.
+    Damping to rest and a change of the well are not judged.
 
     Parameters
     ----------
@@ -131,8 +131,8 @@ def outcomes_of_balance(runs: xr.Dataset, growth: float | np.ndarray) -> np.ndar
     Returns
     -------
     numpy.ndarray
-        Values of :class:`study.Outcome`, of the shape of ``runs.status``; runs that keep their energy count as
-        accurate, as ``BALANCE_ATTRIBUTES`` explain.
+        Values of :class:`study.Outcome`, of the shape of ``runs.status``. ``ACCURATE`` means that the run keeps its
+        energy, as in ``BALANCE_ATTRIBUTES``.
     """
     status = runs.status.values
     imbalance = runs["max_energy_imbalance"].values if "max_energy_imbalance" in runs else np.full(status.shape, np.nan)

@@ -15,28 +15,28 @@ def recommend(
 ) -> pd.DataFrame:
     """List the schemes of an assessment, the fastest first, with the step at which each keeps an error.
 
-    No number is interpolated: steps, errors and forces are those of runs. A step has two digits, or is a whole part or
-    multiple of the spacing of a record. It keeps the error together with all random finer steps that
-    :func:`study.assess` tried, also from starts one percent below and above.
+    No number is interpolated: steps, errors and forces come from runs. A step has two digits; under a record it divides
+    the spacing of the samples or is a multiple of it. The step and all random finer steps that :func:`study.assess`
+    tried keep the error. The step also keeps it from starts one percent below and above.
 
     Parameters
     ----------
     what
-        Dataset of :func:`study.assess`, or the name under which the section ``assess`` of the configuration makes one,
-        such as ``hardening`` and ``softening``, which are assessed over a hundred periods.
+        Dataset of :func:`study.assess`, or a name in the section ``assess`` of the configuration. The study has
+        ``hardening`` and ``softening``, which are assessed over a hundred periods.
     error
-        Largest allowed error, one that was assessed, as a fraction of the largest value of the quantity: 0.01 is one
-        percent.
+        Largest allowed error, as a fraction of the largest value of the quantity: 0.01 is one percent. It must be one
+        of the errors that were assessed.
     quantity
-        Quantity that must keep the error, one of the assessment's; by default the first, which is ``displacement`` if
-        none were given.
+        Quantity of the assessment that must keep the error. The default is its first quantity, which is
+        ``displacement`` if the assessment was given no quantities.
     folder
-        Folder of the results in which a name is sought.
+        Folder of the results, if ``what`` is a name.
 
     Returns
     -------
     pandas.DataFrame
-        By ``scheme``, the fastest first; schemes without a step are last.
+        One row for each ``scheme``, the fastest first; schemes without a step are last.
 
         ``kind``
             ``implicit`` or ``explicit``.
@@ -51,20 +51,20 @@ def recommend(
         ``error``
             Error at that step.
         ``most_wrong``, ``most_wrong_error``
-            The quantity with the largest error at that step, and that error: a step may keep the energy of a motion
-            that it loses.
+            The quantity with the largest error at that step, and this error. A step that keeps the energy may still
+            lose the motion.
         ``time``, ``time_spread``
             Time of all steps in s and its interquartile range. A call of :func:`study.run` adds less than a
             millisecond.
         ``ties_with_fastest``
-            Whether the interquartile ranges of this time and the least one meet.
+            Whether the interquartile range of this time overlaps with the range of the shortest time.
         ``force_evaluations``
             Internal forces of the run.
         ``forces_per_time``
-            Internal forces over the time that is run, in 1/s.
+            Internal forces per second of simulated time, in 1/s.
         ``steps_tried``, ``worst_error``
-            Number of steps tried from a twentieth of the step up to it, which all kept the error, and the largest error
-            among them as a fraction of the allowed one.
+            Number of steps tried from a twentieth of the step up to it, all of which kept the error, and their largest
+            error as a fraction of the allowed one.
         ``verdict``
             How the search for the step ended.
         ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
@@ -92,7 +92,7 @@ def recommend(
         raise TypeError(f"error must be a number, not {error!r}.")
     if not isinstance(what, str | xr.Dataset):
         raise TypeError(
-            "recommend takes the dataset that study.assess returns, or the name of one of the configuration, not a "
+            "recommend takes the dataset that study.assess returns, or the name of one in the configuration, not a "
             f"{type(what).__name__}."
         )
     assessed = io.open_dataset(f"assessment/{what}", folder) if isinstance(what, str) else what

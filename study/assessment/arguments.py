@@ -49,7 +49,7 @@ def chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | S
             raise ValueError(f"two schemes have the name '{name}'; give a mapping from names to schemes.")
         chosen[name] = scheme
     if not chosen:
-        raise ValueError("schemes is empty; name at least one, or leave it out for the default ones.")
+        raise ValueError("schemes is empty; name at least one, or leave schemes out for the default ones.")
     return chosen
 
 
@@ -60,7 +60,7 @@ def checked_errors(allowed: Sequence[float]) -> list[float]:
         raise ValueError(f"errors must be fractions between zero and one, such as 0.01 for one percent, not {allowed}.")
     if values.min() < LEAST_ERROR:
         raise ValueError(
-            f"errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision is sure "
-            "of less."
+            f"errors must be at least {LEAST_ERROR:g}, not {values.min():g}: no reference in double precision is "
+            "accurate enough for smaller ones."
         )
     return sorted(set(values.tolist()), reverse=True)

@@ -35,7 +35,7 @@ from study.program.definition import Program
 from study.scheme.base import Scheme
 from study.settings import cores
 
-#: Least energy at the start, over the largest kinetic energy, for which errors of the balance of energies are given.
+#: Smallest ratio of the initial energy to the largest kinetic energy at which errors of the balance are given.
 LEAST_ENERGY = 0.01
 
 
@@ -52,20 +52,20 @@ def assess(
 ) -> xr.Dataset:
     """Find out which scheme and which step a problem needs for an error, by runs against a certified reference.
 
-    Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave
-    from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the smallest error:
-    up to 128 runs an octave and 500 in the octave below a recommended step, fewer if they have many steps.
-    ``largest_dt`` is the largest step that keeps an error together with all finer steps tried, with room for scatter
-    of their errors. The recommended step is the largest one below it with two digits; under a record it is a whole part
-    or multiple of the spacing of the samples. It was run too, also from two starts one percent from the given one.
-    If none of n random finer steps exceeds the error, at most 3/n of such steps do, with 95 % confidence. No number is
-    interpolated.
+    Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave,
+    from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the smallest error.
+    An octave has up to 128 runs, and the octave below a recommended step has up to 500. There are fewer runs if a run
+    has many steps. ``largest_dt`` is the largest step that keeps an error together with all finer steps tried, with a
+    margin for the scatter of their errors. The recommended step is the largest step up to it that has two digits. Under
+    a record it divides the spacing of the samples or is a multiple of it. It was run too, also from two starts that
+    differ from the given one by one percent. If none of n random finer steps exceeds the error, at most 3/n of such
+    steps do, with 95 % confidence. No number is interpolated.
 
-    A run ends with the last step that fits into the duration and is compared up to there, along time at every step.
+    A run ends with the last step that fits into the duration. Errors along time are measured at every step up to there.
 
-    A problem of more than 1,000 unknowns is assessed like a :class:`study.Program`: two schemes, among the named ones,
-    ``rk4`` and ``nystrom4``, run with halved steps until they agree. Their common result is the reference, and their
-    difference is its uncertainty. Few random finer steps confirm a step.
+    A problem of more than 1,000 unknowns is assessed like a :class:`study.Program`: the given schemes, ``rk4`` and
+    ``nystrom4`` run with halved steps until two of them agree. Their common result is the reference, and their
+    difference is its uncertainty. A step is confirmed by few random finer steps.
 
     Parameters
     ----------
@@ -76,39 +76,46 @@ def assess(
         Names in ``study.schemes``, your own :class:`study.Scheme`, or a mapping from names to schemes; ten common
         schemes by default.
     duration
-        Time of the runs in seconds. A free oscillator of one unknown runs ten of its periods by default.
+        Simulated time of the runs in seconds. The default for a free oscillator of one unknown is ten of its periods.
     quantities
-        Quantities whose errors are measured: a mapping from names to :class:`study.Quantity`. By default displacement,
-        velocity and acceleration along time, the last unless an unknown has no mass or the force has a history, the
-        balance of energies if the problem has a potential and its force cannot dissipate, and period, phase and
-        amplitude of a free oscillator of one unknown.
+        Quantities whose errors are measured: a mapping from names to :class:`study.Quantity`. The default quantities
+        are displacement, velocity and acceleration along time. The acceleration is left out if an unknown has no mass
+        or the force has a history. The balance of energies is added if the problem has a potential and its force cannot
+        dissipate. Period, phase and amplitude are added for a free oscillator of one unknown.
     errors
         Allowed errors, as fractions of the largest value of each quantity.
     maps
-        Whether to map over step size and excitation how each scheme fails, for up to 1,000 unknowns.
+        Whether to map how each scheme fails over step size and excitation. A problem of more than 1,000 unknowns has no
+        map.
     controller
         Name in ``study.controllers``, or your own :class:`study.Controller`. Each one-step scheme then also runs with
-        controlled steps at random tolerances; the result has the tolerance that keeps each error, and its cost. For up
-        to 1,000 unknowns.
+        controlled steps at random tolerances. The result holds the tolerance that keeps each error, and its cost. The
+        problem must have at most 1,000 unknowns.
     seconds
-        Wall time: no run begins that would end later. The results so far are returned, and the verdict on the rest is
-        ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case; there is
-        no map then.
+        Wall time after which no run begins. The results so far are returned, and the verdict on the rest is
+        ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case. There is
+        no map if a scheme runs out of time.
 
     Returns
     -------
     xarray.Dataset
-        Over ``scheme``, ``dt`` and ``quantity``: ``error``, ``status``, ``energy_imbalance``, ``newton_iterations``,
-        NaN where a step was not tried. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt`` and the
-        error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
-        the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
-        ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is the highest one of
-        small motions about points of the reference's motion. With a controller: ``tolerance``, the largest of 1, 2 and
-        5 times a power of ten that keeps the error together with all smaller ones tried, down to a hundredth of it;
-        ``tolerance_error``, ``controlled_steps`` and ``controlled_force_evaluations``. For a program also ``reason``,
-        ``run_time`` and ``repeated``, and ``remarks`` among the attributes; quantities that it does not report are NaN.
-        Attributes name the routes of the reference, the time up to which it holds, versions and processor.
-        :func:`study.recommend` and :func:`study.report` take it.
+        A dataset for :func:`study.recommend` and :func:`study.report`.
+
+        - Over ``scheme`` and ``dt``: ``error``, which is also over ``quantity``, ``status``, ``energy_imbalance`` and
+          ``newton_iterations``. A step that was not tried has the status ``not_tried`` and NaN.
+        - Over ``scheme``, ``quantity`` and ``allowed_error``: ``verdict``, ``largest_dt``, ``recommended_dt``, and for
+          the run at the recommended step ``recommended_error``, ``time``, ``time_spread`` and ``force_evaluations``.
+          ``steps_tried`` counts the steps tried from a twentieth of the recommended step up to it, and ``worst_error``
+          is their largest error as a fraction of the allowed one.
+        - Over ``quantity``: ``reference_uncertainty``.
+        - ``highest_frequency``, the highest circular frequency of small motions about points of the reference.
+        - With a controller: ``tolerance``, the largest of 1, 2 and 5 times a power of ten that keeps the error together
+          with all smaller ones tried, down to a hundredth of it. The run with it has ``tolerance_error``,
+          ``controlled_steps`` and ``controlled_force_evaluations``.
+        - For a program: ``reason``, ``run_time`` and ``repeated``, and the attribute ``remarks``. Variables that it
+          does not report are NaN.
+
+        The attributes name the routes of the reference, the time up to which it holds, versions and processor.
 
     Raises
     ------
@@ -132,7 +139,7 @@ def assess(
             )
         own = narrowed(problem, schemes)  # type: ignore[arg-type]
         return assess_program(own, checked_errors(errors), seconds, Progress(len(own.schemes)).report)
-    # as a multiple of itself it shares the compiled program with its neighbours
+    # with the factor 1, so that the problem and its neighbours share a compiled program
     equation = excited(resolve(problem, problems, Problem), 1.0, displaced=True)
     chosen, allowed = chosen_schemes(schemes), checked_errors(errors)
     wanted = _wanted(quantities, equation)
@@ -168,7 +175,7 @@ def assess(
     if length < requested:
         warnings.warn(
             f"the references of '{equation.title}' agree up to t = {length:.4g} of {requested:g} s: errors are "
-            "measured up to there only.",
+            "measured up to this time only.",
             RuntimeWarning,
             stacklevel=2,
         )
@@ -199,14 +206,14 @@ def assess(
         return Assessed(runs.runs, verdicts, map_of_failures, tolerances)
 
     found = _each(fit, of, progress)
-    ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed, length)
+    ds = dataset_of(equation, found, {name: chosen[name] for name in found}, names, allowed)
     if control is not None:
         ds = ds.merge(variables_of({name: one.tolerances for name, one in found.items()}, names, allowed))
         ds.attrs["controller"] = control.title
     ds["reference_uncertainty"] = (
         "quantity",
         [uncertainty[name] for name in names],
-        {"long_name": "difference of the reference from its witness, relative", "units": "1"},
+        {"long_name": "relative difference of the reference from its witness", "units": "1"},
     )
     ds["highest_frequency"] = (
         (),
@@ -215,7 +222,9 @@ def assess(
     )
     titles = {name: one.long_name or name for name, one in (quantities or DEFAULT).items()}
     titles |= {ENERGY: "balance of energies, relative to the energy that was put in"} | oscillation.TITLES
-    ds = ds.assign_coords(quantity_title=("quantity", [titles[name] for name in names], {"long_name": "what it is"}))
+    ds = ds.assign_coords(
+        quantity_title=("quantity", [titles[name] for name in names], {"long_name": "title of the quantity"})
+    )
     ds.attrs |= {
         "reference": reference.route.name,
         "witness": reference.witness.name,
@@ -234,7 +243,7 @@ def assess(
 
 
 def _lack_of_energy(problem: Problem, motion: DenseSolution) -> str:
-    """A sentence if the energy at the start is too small a measure for errors of the balance; none if it is not."""
+    """A warning if the initial energy is too small a scale for errors of the balance of energies; otherwise empty."""
     if problem.load is not None:
         return ""
     at_start = abs(float(problem.energy(problem.u0, problem.v0)))
@@ -268,7 +277,7 @@ def _wanted(quantities: Mapping[str, Quantity] | None, problem: Problem) -> dict
 
 
 def _each(schemes: dict[str, Scheme], of: Callable[[Scheme], Assessed], progress: Progress) -> dict[str, Assessed]:
-    """Results of each scheme; after Ctrl-C, of the finished ones."""
+    """Results of each scheme; after Ctrl-C, of the finished schemes only."""
     with progress.bar, ThreadPoolExecutor(min(cores(), len(schemes))) as pool:
         waiting = {name: pool.submit(of, scheme) for name, scheme in schemes.items()}
         try:

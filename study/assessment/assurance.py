@@ -21,14 +21,14 @@ def confirmation(assessed: xr.Dataset) -> str:
     # not all steps of a program are random, and its frequencies are unknown
     of_program = "reason" in assessed
     kind = "finer steps, some of them random," if of_program else "random finer steps"
-    certain = f" With 95 % confidence, at most {bounds} of such steps exceed it, the less the more were tried."
+    certain = f" With 95 % confidence, at most {bounds} of such steps exceed the allowed error."
     frequency = (
         " Small motions about points of the motion have frequencies up to "
         f"ω = {assessed.highest_frequency.item():.4g} /s."
     )
     return (
-        f"Every recommended step was run, over {assessed.attrs['duration']:.4g} s, and {few} to {many} {kind} "
-        f"down to a twentieth of it, or as fine as runs went. The largest error met is {worst} of the allowed one."
+        f"Every recommended step was run over {assessed.attrs['duration']:.4g} s, and so were {few} to {many} {kind} "
+        f"down to a twentieth of it or to the finest step run. Their largest error is {worst} of the allowed one."
         f"{'' if of_program else certain} {assessed.attrs['starts']} Errors along time are the largest at any step, "
         "and a peak is the largest value at any step."
         f"{'' if of_program else frequency}"
@@ -36,7 +36,7 @@ def confirmation(assessed: xr.Dataset) -> str:
 
 
 def limits_of_reference(assessed: xr.Dataset) -> str:
-    """A sentence on a reference that holds for a part of the time only, or on a program; empty if there is none."""
+    """Remarks on a program, or a sentence on a reference that holds for a part of the time only; otherwise empty."""
     if assessed.attrs.get("remarks"):
         return f"{assessed.attrs['remarks']}."
     held, requested = assessed.attrs["duration"], assessed.attrs["duration_requested"]
@@ -44,8 +44,8 @@ def limits_of_reference(assessed: xr.Dataset) -> str:
         return ""
     return (
         f"Beyond t = {held:.4g} s of the requested {requested:.4g} s, {assessed.attrs['reference']} and "
-        f"{assessed.attrs['witness']} differ by more than the smallest error allows, as they do where neighbouring "
-        "motions part; all errors are measured up to there."
+        f"{assessed.attrs['witness']} differ by more than the smallest allowed error permits, which happens if "
+        "neighbouring motions diverge. All errors are measured up to this time."
     )
 
 

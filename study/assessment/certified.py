@@ -40,7 +40,7 @@ class Certified(NamedTuple):
 def _holds(
     one: DenseSolution, other: DenseSolution, quantities: dict[str, Quantity], problem: Problem, most: float
 ) -> float:
-    """Time of the first solution up to which two agree in every quantity."""
+    """Last time of the first solution up to which two solutions agree in every quantity."""
     ends = [one.t[-1]]
     for quantity in quantities.values():
         _, along = errors.difference(quantity, problem, one, other)
@@ -84,7 +84,7 @@ def certified(
     assert reached is not None
     one, other, apart, rtol = reached
     if not np.any(one.u != one.u[0]) and not np.any(one.v):
-        raise ValueError(f"'{problem.title}' does not move: give it a start away from balance, or a load.")
+        raise ValueError(f"'{problem.title}' does not move: give it a start away from equilibrium, or a load.")
     horizon = duration
     if max(apart.values()) > ACCEPTED * tightest:
         horizon = _holds(one, other, quantities, problem, AIMED * tightest)
@@ -118,7 +118,7 @@ def cases_of(
         neighbour = excited(problem, factor, displaced=True)
         own, grid = Reference(neighbour, reference.horizon), reference.solution.t
         try:
-            if problem.kinked or problem.history is not None:  # its kinks have other times
+            if problem.kinked or problem.history is not None:  # the neighbour's kinks are at other times
                 one, *_ = own.solutions(own.with_kinks(grid), reference.rtol, AIMED * tightest)
             else:
                 one = own.solution(own.routes[0], grid, reference.rtol)

@@ -12,7 +12,7 @@ from study.scheme.named import schemes
 #: Bibliography of the study: a link to the article's file; a wheel holds a copy.
 WORKS = Path(__file__).with_name("references.bib")
 
-#: The paper of 1996, and the works of the solvers for references, by a word in their names.
+#: Keys of the paper of 1996, and of the works on the solvers for references by a word in the solver's name.
 PAPER, SOLVERS = "xie1996", {"heyoka": "biscani2021", "CVODE": "hindmarsh2005", "diffrax": "kidger2021"}
 
 _ENTRY = re.compile(r"^@\w+\{(\w+),\n.*?^\}$", re.MULTILINE | re.DOTALL)
@@ -73,7 +73,7 @@ def cite(dataset: xr.Dataset) -> str:
     Raises
     ------
     ValueError
-        If it is not a dataset of the study.
+        If ``dataset`` is not a dataset of the study.
     """
     if not isinstance(dataset, xr.Dataset) or "version" not in dataset.attrs:
         raise ValueError("cite takes a dataset of the study, such as the result of study.assess.")

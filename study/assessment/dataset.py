@@ -17,10 +17,10 @@ from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 from study.scheme.wrapper.with_history import WithHistory
 
-#: Timing of a recommended step: number of runs, sufficient seconds of each, and largest number of steps.
+#: Timing of a recommended step: number of runs, sufficient time of a run in s, and largest number of its steps.
 REPEATS, ENOUGH, MOST_TIMED = 5, 0.003, 20_000
 
-#: Ends of a run, and the mark of steps that were not tried.
+#: Outcomes of a run, and the mark of steps that were not tried.
 ENDS = (*STATUSES, "not_tried")
 NOT_TRIED = ENDS.index("not_tried")
 
@@ -30,27 +30,27 @@ ATTRIBUTES = {
     "error": {"long_name": "error relative to the largest value", "units": "1"},
     "status": flags("how the run ended", ENDS, np.int8),
     "energy_imbalance": {"long_name": "error of the balance of energies", "units": "1"},
-    "newton_iterations": {"long_name": "Newton iterations a step", "units": "1"},
+    "newton_iterations": {"long_name": "Newton iterations per step", "units": "1"},
     "recommended_dt": {
-        "long_name": "recommended step: the largest round one below which all keep the error",
+        "long_name": "recommended step: largest round step that keeps the error, as all finer steps tried",
         "units": "s",
     },
-    "largest_dt": {"long_name": "largest step tried below which all keep the error", "units": "s"},
+    "largest_dt": {"long_name": "largest step tried that keeps the error, as all finer steps tried", "units": "s"},
     "recommended_error": {"long_name": "error at the recommended step", "units": "1"},
-    "steps_tried": {"long_name": "steps tried from a twentieth of the recommended one up to it", "units": "1"},
-    "worst_error": {"long_name": "largest error among them over the allowed one", "units": "1"},
+    "steps_tried": {"long_name": "steps tried from a twentieth of the recommended step up to it", "units": "1"},
+    "worst_error": {"long_name": "largest error at these steps over the allowed error", "units": "1"},
     "verdict": flags("how the search for the step ended", VERDICTS, np.int8),
-    "time": {"long_name": "time of the steps of a run, median", "units": "s"},
-    "time_spread": {"long_name": "its interquartile range", "units": "s"},
-    "force_evaluations": {"long_name": "forces evaluated in that run", "units": "1"},
+    "time": {"long_name": "median time of a run at the recommended step", "units": "s"},
+    "time_spread": {"long_name": "interquartile range of the time of a run", "units": "s"},
+    "force_evaluations": {"long_name": "internal forces of a run at the recommended step", "units": "1"},
     "time_per_step": {"long_name": "time of a step", "units": "s"},
     "scheme": {"long_name": "time integration scheme"},
     "scheme_title": {"long_name": "name of the scheme"},
-    "kind": {"long_name": "whether a step needs no iteration"},
+    "kind": {"long_name": "explicit or implicit"},
     "dt": {"long_name": "step size", "units": "s"},
     "steps": {"long_name": "number of steps", "units": "1"},
     "quantity": {"long_name": "quantity whose error is measured"},
-    "allowed_error": {"long_name": "largest error allowed", "units": "1"},
+    "allowed_error": {"long_name": "largest allowed error", "units": "1"},
 }
 
 
@@ -63,11 +63,11 @@ class Assessed(NamedTuple):
     tolerances: dict[Limit, Tolerance] | None = None
 
 
-def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: dict[float, int]) -> dict[float, tuple]:
-    """Median time of the steps of a run and its interquartile range, by step size, of numbers of steps.
+def _timed(problem: Problem, scheme: Scheme, wanted: dict[float, int]) -> dict[float, tuple]:
+    """Median and interquartile range of the time of the steps of a run, by step size; ``wanted`` has numbers of steps.
 
-    Runs are timed over as many steps of the same size as a clock needs, and the time of a run of one step is
-    subtracted: it is the overhead of the call. It is not subtracted if the run is not longer than the call.
+    The timed runs have as many steps of the same size as the clock needs. The time of a run of one step, which is the
+    overhead of a call, is subtracted unless it is more than half of the time.
     """
     timed = Timed(problem, scheme, ())
     call = np.median([timed.run(max(wanted), 1)[0] for _ in range(REPEATS)])
@@ -77,7 +77,7 @@ def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: dict[float
         once = max(timed.run(dt, first)[0] - call, ENOUGH * first / MOST_TIMED)
         most = max(first, int(first * ENOUGH / once))
         runs = [timed.run(dt, most) for _ in range(REPEATS)]
-        if not all(completed for _, completed in runs):  # it fails beyond the requested time
+        if not all(completed for _, completed in runs):  # a longer run fails beyond the requested time
             most, runs = first, [timed.run(dt, first) for _ in range(REPEATS)]
         low, median, high = np.quantile([taken for taken, _ in runs], [0.25, 0.5, 0.75])
         less = call if median > 2 * call else 0.0
@@ -85,16 +85,14 @@ def _timed(problem: Problem, scheme: Scheme, duration: float, wanted: dict[float
     return times
 
 
-def _times(
-    problem: Problem, schemes: dict[str, Scheme], found: dict[str, Assessed], duration: float
-) -> dict[str, dict]:
-    """Times by scheme, measured one after the other; after Ctrl-C, of the finished ones."""
+def _times(problem: Problem, schemes: dict[str, Scheme], found: dict[str, Assessed]) -> dict[str, dict]:
+    """Times by scheme, measured one after the other; after Ctrl-C, of the finished schemes only."""
     times = {}
     for name, one in found.items():
         steps = one.runs.groupby("dt").steps.first()
         wanted = {v.recommended: int(steps[v.recommended]) for v in one.verdicts.values() if v.recommended > 0}
         try:
-            times[name] = _timed(problem, schemes[name], duration, wanted) if wanted else {}
+            times[name] = _timed(problem, schemes[name], wanted) if wanted else {}
         except KeyboardInterrupt:
             left = [other for other in found if other not in times]
             warnings.warn(f"interrupted: {', '.join(left)} have no times.", RuntimeWarning, stacklevel=4)
@@ -108,10 +106,9 @@ def dataset_of(
     schemes: dict[str, Scheme],
     names: list[str],
     allowed: list[float],
-    duration: float,
 ) -> xr.Dataset:
     """All results, with times."""
-    of_scheme = _times(problem, schemes, found, duration)
+    of_scheme = _times(problem, schemes, found)
     own = {name: one.runs[one.runs.start == 1.0].set_index("dt") for name, one in found.items()}
     tried = pd.concat(own, names=["scheme"]).to_xarray().sel(scheme=list(found)).sortby("dt", ascending=False)
     rows = []

@@ -20,16 +20,16 @@ from study.mechanics.definition import Problem
 from study.observer.base import Observer, Reduction
 from study.observer.motion import Quantity
 
-#: Number of points between two points of the reference at which a quantity is evaluated.
+#: Number of parts of an interval of the reference at whose ends a quantity is evaluated.
 FINER = 8
 
-#: Number of samples of a refinement of a peak, between its neighbours, and number of refinements.
+#: Number of samples between the neighbours of a peak in one refinement, and number of refinements.
 CLOSER, REFINEMENTS = 65, 2
 
 #: Number of times at which a quantity is evaluated at once.
 AT_ONCE = 4096
 
-#: Intervals of the reference that a step may cross without a loop, which would take longer than all other work.
+#: Number of intervals of the reference that a step may cross without a loop. The loop takes longer than all other work.
 AHEAD = 4
 
 #: Values of a quantity at some times, with an axis for its components.
@@ -81,7 +81,7 @@ def values_along(quantity: Quantity, problem: Problem, solution: DenseSolution, 
 
 
 def _peak(quantity: Quantity, problem: Problem, solution: DenseSolution, times: Times, values: Values) -> np.ndarray:
-    """Largest size of each component among its samples and closer ones about the largest.
+    """Largest size of each component, refined by closer samples around its largest sample.
 
     The solution is smooth only between its points, so interpolation of the samples would miss the height of a peak.
     """
@@ -158,7 +158,7 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Tar
     Raises
     ------
     ValueError
-        If the quantity is not finite along the reference, or zero all the time.
+        If the quantity is not finite along the reference, or zero at all times.
     """
     parts = np.arange(FINER) / FINER
     times = np.append((solution.t[:-1, None] + np.diff(solution.t)[:, None] * parts).ravel(), solution.t[-1])
@@ -167,7 +167,7 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Tar
     scale = float(np.abs(values).max())
     if scale == 0:
         raise ValueError(
-            f"the quantity '{quantity.long_name}' of '{problem.title}' is zero all the time, so that an error relative "
+            f"the quantity '{quantity.long_name}' of '{problem.title}' is zero at all times, so that an error relative "
             "to it has no meaning."
         )
     found = Target(quantity, problem, solution, times, values, scale)
@@ -197,7 +197,7 @@ class ErrorsAlong(Reduction):
         solution, length = targets[0].solution, np.diff(targets[0].solution.t)
         before, after = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
         table = np.stack(quintic(before, after, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
-        # a power of two, so that few programs are compiled; the last interval has no end
+        # padded to a power of two, so that few programs are compiled; nothing ends the last interval
         room = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
         begin = np.append(solution.t[:-1], np.full(room, np.inf))
         numbers = begin, np.append(length, np.ones(room)), np.append(table, np.zeros((room, *table.shape[1:])), axis=0)
@@ -247,14 +247,15 @@ def error(target: Target, runs: xr.Dataset, ends: Times) -> np.ndarray:
 
 
 def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: DenseSolution) -> tuple[float, Times]:
-    """Difference of a quantity between two solutions, and along time up to each point, relative to its size.
+    """Difference of a quantity between two solutions relative to its size, as a whole and up to each time.
 
-    They are compared at the times of the second one.
+    The solutions are compared at the times of the second one.
 
     Returns
     -------
     tuple
-        The difference of the reductions, or the largest along time; and the largest up to each time, of shape (t,).
+        The difference of the reductions, or the largest difference along time if the quantity is not reduced; and the
+        largest difference up to each time, of shape (t,).
     """
     values, others = (values_along(quantity, problem, s, other.t) for s in (one, other))
     _check_finite(values, other.t, quantity, problem)

@@ -30,7 +30,7 @@ class _Assessment(TypedDict):
 
 
 def _places(options: Options) -> list[tuple[str, str]]:
-    """Keys and values that name something in a file."""
+    """Keys and values that name an object in a file."""
     return [(key, options[key]) for key in ("problem", "quantities") if ".py" in options.get(key, "")]
 
 
@@ -39,19 +39,19 @@ def _files(options: Options) -> Iterable[str]:
 
 
 def _reads(options: Options) -> list[str]:
-    """The exact solution of a spring whose run is counted in periods."""
+    """Dataset with the exact period of a spring, if the length of the runs is given in periods."""
     return [f"reference/{options['problem']}"] if "periods" in options else []
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
     if {"duration", "periods"} <= options.keys():
-        return "periods: the length of the runs is given by duration already; leave one of them out."
+        return "periods: duration already gives the length of the runs; leave one of them out."
     for key, place in _places(options):
         file, separator, _ = place.rpartition(":")
         if not separator or not file.endswith(".py"):
             return f"{key} must name a file and a name in it, such as model.py:frame, not {place!r}."
         if not Path(file).is_file():
-            return f"{key} names the file '{file}', which is not there."
+            return f"{key} names the file '{file}', which does not exist."
     try:
         problem = _problem(options["problem"])
         if "periods" not in options:
@@ -87,11 +87,11 @@ def assessment(
     errors: Sequence[float] = (0.1, 0.01, 0.001),
     maps: bool = True,
 ) -> xr.Dataset:
-    """Assess a problem in a file, or one of the study: which scheme and which step it needs for an error.
+    """Assess which scheme and which step a problem of the study, or one in a file, needs for an error.
 
     ``problem`` and ``quantities`` name a :class:`study.Problem` and a dict of :class:`study.Quantity` as
-    ``FILE.py:NAME``; ``problem`` may also be a name of the study. ``periods`` counts the time to run in exact periods
-    of a spring, as the dataset ``reference/PROBLEM`` has them.
+    ``FILE.py:NAME``; ``problem`` may also be a name of the study. ``periods`` is the length of the runs in exact
+    periods of a spring, which the dataset ``reference/PROBLEM`` holds.
     """
     progress(f"assessment of {problem}")
     if periods is not None:

@@ -11,7 +11,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import excited
 from study.scheme.base import Scheme
 
-#: Multiples of start and load, and of the coarsest step of a search, of the runs.
+#: Runs of the map: multiples of start and load, and multiples of the coarsest step of a search.
 EXCITATIONS = (0.25, 0.5, 1.0, 2.0, 4.0)
 STEPS = 2.0 ** -np.arange(-1, 6.25, 0.25)
 
@@ -26,8 +26,8 @@ def _cure(problem: Problem, scheme: Scheme, outcome: int, dt: float) -> str:
     """Cause of such an outcome at a step, and remedies, in a sentence or two."""
     if outcome == Outcome.CHAOTIC:
         return (
-            "Neighbouring runs part exponentially, so that a long run holds in its statistics only. If finer steps do "
-            "not show this, the step makes it; otherwise the problem does."
+            "Neighbouring runs diverge exponentially, so that only the statistics of a long run are reliable. If runs "
+            "at finer steps do not diverge, the step is the cause; otherwise the problem is chaotic."
         )
     cause = likely_cause(problem, scheme, NO_SOLUTION if outcome == Outcome.NO_SOLUTION_FOUND else UNBOUNDED, dt)
     return cause[0].upper() + cause[1:]
@@ -44,13 +44,13 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     coarsest
         Coarsest step of a search, about which the steps of the map lie.
     recommended
-        Recommended steps. Steps that are not finer than the map are judged too, but the map does not include them.
+        Recommended steps. A recommended step above the finest step of the map is judged too, but not shown in it.
 
     Returns
     -------
     xarray.Dataset
         ``outcome``, ``lyapunov_exponent``, ``max_newton_iterations`` over ``excitation`` and ``map_dt``;
-        ``largest_safe_dt`` and ``failure``, a sentence on what limits it.
+        ``largest_safe_dt`` and ``failure``, a sentence on the cause of this limit.
     """
     drawn = coarsest * STEPS[STEPS >= min(1.0, duration / (coarsest * MOST_STEPS))]
     dt = np.unique(np.append(recommended[recommended > drawn[-1]], drawn))[::-1]
@@ -87,8 +87,12 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
                 iterations[:, shown],
                 {"long_name": "most Newton iterations in a step", "units": "1"},
             ),
-            "largest_safe_dt": ((), largest, {"long_name": "largest step without a failure up to here", "units": "s"}),
-            "failure": ((), why, {"long_name": "limit of the step, and remedies"}),
+            "largest_safe_dt": (
+                (),
+                largest,
+                {"long_name": "largest step at which no run fails, as at all finer steps", "units": "s"},
+            ),
+            "failure": ((), why, {"long_name": "cause of the limit of the step, and remedies"}),
         },
         {
             "excitation": ("excitation", list(EXCITATIONS), {"long_name": "multiple of start and load", "units": "1"}),

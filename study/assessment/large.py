@@ -23,7 +23,8 @@ MOST = FINDABLE
 #: Largest number of unknowns at which displacement and velocity are compared if no quantities are given.
 SHOWN = 256
 
-#: Sizes of states whose accelerations distinguish problems, and whose forces show where they are linear.
+#: Sizes of random states. Accelerations at these states distinguish problems; forces at them reveal where these are
+#: linear.
 SIZES = (1e-3, 1.0, 1e3)
 
 #: Relative round-off by which a linear force may differ from linearity.
@@ -47,7 +48,7 @@ class _Runs:
     starts_a_process = True
 
     def __post_init__(self):
-        """A digest of the program of the equation, and of its values at states of several sizes.
+        """Set ``source`` to a digest of the program of the equation, and of its values at states of several sizes.
 
         The values distinguish equations that differ in numbers only.
         """
@@ -94,7 +95,7 @@ def _not_linear(problem: Problem) -> np.ndarray:
         size = jnp.abs(twice) + 2 * jnp.abs(once) + jnp.abs(at_rest)
         return jnp.abs(twice - 2 * once + at_rest) > ROUND_OFF * size
 
-    # a stop is on one side
+    # both signs, because a stop acts on one side only
     both_sides = [off(sign * state) for state in _states(problem) for sign in (1, -1)]
     return np.flatnonzero(np.any(both_sides, axis=0))
 
@@ -105,7 +106,7 @@ def _spread(places: np.ndarray, count: int) -> np.ndarray:
 
 
 def compared(problem: Problem) -> np.ndarray:
-    """Unknowns at which motions are compared: up to half where the force is not linear, the others spread evenly."""
+    """Unknowns at which motions are compared: up to half where the force is not linear, the rest spread evenly."""
     chosen = _spread(_not_linear(problem), SHOWN // 2)
     others = np.setdiff1d(np.arange(np.size(problem.u0)), chosen)
     return np.union1d(chosen, _spread(others, SHOWN - len(chosen)))

@@ -25,8 +25,8 @@ OWN = {
     "status": flags("how the run ended", STATUSES, np.int8),
     "reason": {"long_name": "reason why the run failed"},
     "run_time": {"long_name": "wall time of the run", "units": "s"},
-    "reference_uncertainty": {"long_name": "difference of the two reference schemes, relative", "units": "1"},
-    "repeated": {"long_name": "difference of a repeated run, relative", "units": "1"},
+    "reference_uncertainty": {"long_name": "relative difference of the two reference schemes", "units": "1"},
+    "repeated": {"long_name": "relative difference of a repeated run", "units": "1"},
     "highest_frequency": {"long_name": "highest circular frequency of small motions, unknown", "units": "s-1"},
 }
 
@@ -35,7 +35,7 @@ NUMBERS = "largest_dt recommended_dt recommended_error worst_error time time_spr
 
 
 def narrowed(program: Program, schemes: str | Sequence[str] | None) -> Program:
-    """The program with some of its schemes, to which the others are witnesses.
+    """The program with some of its schemes; its other schemes become witnesses.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
     Raises
     ------
     NoTruth
-        If fewer than two schemes run to the end at three steps that halve.
+        If fewer than two schemes complete three runs with successively halved steps.
     """
     search = Search(program, allowed, round_step, seconds, report)
     remarks = "; ".join(search.refinement.remarks)
@@ -70,7 +70,7 @@ def assess_program(program: Program, allowed: list[float], seconds: float, repor
         scheme_title=("scheme", [one.title if one else name for name, one in known.items()]),
         kind=("scheme", kinds),
         steps=("dt", np.floor(program.duration / np.array(dts) * (1 + 1e-9)).astype(int)),
-        quantity_title=("quantity", names, {"long_name": "what it is"}),
+        quantity_title=("quantity", names, {"long_name": "title of the quantity"}),
     )
     ds["reference_uncertainty"] = "quantity", list(search.truth.uncertainty.values())
     ds["repeated"] = "scheme", [search.refinement.noise[name] for name in program.schemes]

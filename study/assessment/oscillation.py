@@ -20,7 +20,7 @@ TITLES = {
     for name, variable in QUANTITIES.items()
 }
 
-#: Fewest upward crossings of a run whose period, phase and amplitude are judged.
+#: Smallest number of upward crossings of a run whose period, phase and amplitude are judged.
 FEWEST = 3
 
 
@@ -32,14 +32,14 @@ class Oscillation(eqx.Module):
     period
         Mean time between upward crossings of ``level``.
     level, rest
-        Mean of the extremes, and the displacement of balance.
+        Mean of the extremes, and the displacement of equilibrium.
     crossing
         Time of the first upward crossing in periods.
     crossings
         Number of upward crossings.
     """
 
-    # arrays, so that other values compile nothing
+    # arrays, so that other values need no new program
     period: jax.Array
     level: jax.Array
     rest: jax.Array
@@ -47,7 +47,7 @@ class Oscillation(eqx.Module):
     crossings: jax.Array
 
     def observers(self, dt: jax.Array) -> tuple[PeriodError, AmplitudeDecay]:
-        """Observers of a run with a step."""
+        """Observers of a run with the step ``dt``."""
         return PeriodError(self.level, self.crossing, self.period / dt, dt), AmplitudeDecay(self.rest, dt)
 
 

@@ -1,4 +1,4 @@
-"""Slow periods and high frequencies of a problem, which measure its duration and its steps."""
+"""Slow periods and high frequencies of a problem, which scale the duration and the steps of its runs."""
 
 import numpy as np
 
@@ -11,10 +11,10 @@ from study.mechanics.frequencies import frequencies, highest_frequency
 #: Default duration of a free oscillation, in periods.
 PERIODS = 10
 
-#: Run that estimates the period: steps in the shortest slow period of small motions, and number of such periods.
+#: Run that estimates the period: steps in a slowest period of small motions, and number of such periods.
 ESTIMATE = 100, 40
 
-#: Points of the motion at which the highest frequency is sought, over the number of unknowns.
+#: Number of points of the motion at which the highest frequency is sought, times the number of unknowns.
 STIFFEST = 100
 
 
@@ -25,7 +25,7 @@ def slowest_period(problem: Problem) -> float | None:
         found = frequencies(problem, at)
         if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
             oscillating.append(2 * np.pi / found[of_motion])
-    if not oscillating:  # the start and u = 0 are on hills: the time scale in which the motion leaves the start
+    if not oscillating:  # start and u = 0 are on hills: the motion leaves the start in this time scale
         pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
         far = np.abs(problem.u0).max()
         return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None
@@ -49,7 +49,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
     Raises
     ------
     ValueError
-        If it is not a positive time, or the problem has no period.
+        If the duration is not a positive time, or is missing and the problem has no period.
     """
     if duration is not None:
         if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
@@ -57,7 +57,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
         return float(duration)
     period = _period(problem)
     if period is None:
-        raise ValueError(f"'{problem.title}' has no period to count in: give duration=, the time to be run.")
+        raise ValueError(f"'{problem.title}' has no period that gives the length of the runs: give duration=.")
     return PERIODS * period
 
 

@@ -14,20 +14,20 @@ class Progress:
 
     def __init__(self, schemes: int):
         self.bar = tqdm(total=schemes, disable=None, leave=False, unit="scheme")
-        self.stopped, self.done, self._told, self._start = False, 0, -PAUSE, time.monotonic()
+        self.stopped, self.done, self._reported, self._start = False, 0, -PAUSE, time.monotonic()
 
     def report(self, what: str, ahead: float = 0.0) -> None:
-        """Report the present work, immediately if it takes long. A thread ends here after Ctrl-C."""
+        """Report the current work, immediately if it takes long. After Ctrl-C it raises KeyboardInterrupt."""
         if self.stopped:
             raise KeyboardInterrupt
         if not self.bar.disable:
             self.bar.set_postfix_str(what)
-        elif ahead > PAUSE or time.monotonic() >= self._told + PAUSE:
-            self._told = time.monotonic()
+        elif ahead > PAUSE or time.monotonic() >= self._reported + PAUSE:
+            self._reported = time.monotonic()
             print(f"{what}{self._of_all()}", file=sys.stderr, flush=True)
 
     def update(self) -> None:
-        """A scheme is done."""
+        """Count a scheme as finished."""
         self.done += 1
         self.bar.update()
 

@@ -19,7 +19,7 @@ from study.mechanics.internal_force import switches
 #: Number of points of the first grid in the shortest period of small motions, or in the coarsest step.
 POINTS = 12
 
-#: Number of parts of a run that are searched for changes of a comparison in the load.
+#: Number of parts of a run in which changes of a condition in the load are sought.
 SWITCHES = 4096
 
 #: Least number of points between two kinks of the force: a contact may be far shorter than a period.
@@ -40,9 +40,9 @@ class NoReference(ValueError):
 
 
 class Kinks(NamedTuple):
-    """Times within the run at which a record has a kink, and those at which a comparison in a force or load changes.
+    """Times of kinks within the run: kinks of a record, and changes of a condition in the force or load.
 
-    There the load may jump, and a solver restarts.
+    The load may jump at the second kind, so a solver restarts there.
     """
 
     of_load: Times
@@ -50,7 +50,7 @@ class Kinks(NamedTuple):
 
 
 class Route(NamedTuple):
-    """A way to the solution: its name, and displacement and velocity at increasing times for a tolerance."""
+    """A route's name, and its function of times and tolerance that returns displacement and velocity."""
 
     name: str
     trajectory: Callable[[Times, float], tuple[History, History]]
@@ -104,10 +104,11 @@ def _accelerations(problem: Problem, t, u, v):
 class Reference:
     """The kinks of a problem over a duration, its grid, and the two routes that solve it.
 
-    The Taylor method of heyoka takes a free oscillator whose force translates. Otherwise diffrax and CVODE solve the
-    problem: Dopri8 and Adams' method, or, if it is stiff, Kvaerno5 and BDF. No route shares code with a scheme. A force
-    with a history is a function of u and u̇ from commit to commit. That is exact as long as no element reverses before
-    the next commit, so every reversal is a kink of the grid. The routes agree only on such a solution.
+    The Taylor method of heyoka and CVODE solve a problem of one unknown whose functions have a Taylor series. Diffrax
+    and CVODE solve any other problem, with Dopri8 and Adams' method or, if it is stiff, with Kvaerno5 and BDF. No route
+    shares code with a scheme. A force with a history is a function of u and u̇ from commit to commit. This is exact as
+    long as no element reverses before the next commit, so every reversal is a kink of the grid. Otherwise the two
+    routes do not agree.
 
     Parameters
     ----------
@@ -178,7 +179,7 @@ class Reference:
         return Route("heyoka", by_taylor), of_cvode
 
     def grid(self, coarsest: float) -> Times:
-        """First times between which the solution is interpolated, with all kinks of load and force."""
+        """First grid on which the solution is interpolated, with all kinks of load and force."""
         shortest = coarsest
         if self._highest is not None and 0 < self._highest < np.inf:
             shortest = min(coarsest, 2 * np.pi / self._highest)
@@ -186,9 +187,9 @@ class Reference:
         return self.with_kinks(np.linspace(0.0, self.duration, points + 1))
 
     def with_kinks(self, grid: Times) -> Times:
-        """The grid with all kinks, and some points between any two of the force.
+        """The grid with all kinks, and some points between any two kinks of the force.
 
-        A point next to a kink would only make a short step, and is left out.
+        A point next to a kink is left out, because it would only add a short step.
         """
         of_force, all_kinks = self.kinks.of_force, np.union1d(*self.kinks)
         ends = np.concatenate([[-np.inf], all_kinks, [np.inf]])

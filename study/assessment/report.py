@@ -28,10 +28,10 @@ MARKERS = "osD^vPX<>*"
 #: Largest error that is drawn; the whole motion is wrong there.
 WORST = 10.0
 
-#: Points of a curve in an octave of steps, each the worst error around it.
+#: Number of points of a curve in an octave of steps; each point is the worst error around it.
 IN_OCTAVE = 8
 
-#: Greys of outcomes from best to worst, a letter for each, and its colour.
+#: Grey of each outcome from best to worst, and colour and text of its letter.
 SHADES = np.linspace(1.0, 0.25, len(Outcome))
 INK = np.where(SHADES > 0.5, "black", "white")
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")
@@ -49,7 +49,7 @@ def table_of(head: Iterable[str], rows: Iterable[Iterable[object]], text: tuple[
 
     def row_of(tag: str, row: list[object]) -> str:
         kinds = (' class="text"' if i in text else "" for i in itertools.count())
-        tags = (tag if one else "td" for one in row)  # an empty heading is none
+        tags = (tag if one else "td" for one in row)  # an empty cell is not a heading
         return "".join(f"<{t}{kind}>{text_of(one)}</{t}>" for t, kind, one in zip(tags, kinds, row, strict=False))
 
     cells, body = row_of("th", list(head)), "".join(f"<tr>{row_of('td', list(row))}</tr>" for row in rows)
@@ -99,7 +99,7 @@ def curves(assessed: xr.Dataset, along: xr.DataArray, label: str, values: xr.Dat
     """Values of every scheme against steps or times of its runs, as SVG; empty if there is nothing to draw."""
     from matplotlib.figure import Figure
 
-    # at the width of a phone the letters keep their size
+    # the figure is narrow, so that its letters keep their size on a phone
     figure = Figure(figsize=(5.4, 3.6 + 0.1 * assessed.sizes["scheme"]), layout="constrained")
     axes = figure.subplots()
     drawn = 0
@@ -222,12 +222,12 @@ def judgement(assessed: xr.Dataset) -> list[str]:
     for quantity in quantities:
         parts.append(f"<h2>Error of {text_of(quantity)}</h2>")
         values = assessed.error.sel(quantity=quantity)
-        caption = f"The worst error around each step; dashed, the allowed errors. {quantity}, relative to its peak."
+        caption = f"The worst error of {quantity} around each step, relative to its peak. Dashed: the allowed errors."
         against_step = figure_of(curves(assessed, assessed.dt, "step size, s", values, "error", limits), caption)
         against_time = figure_of(
             curves(assessed, times_of_runs(assessed), "time of a run, s", values, "error", limits),
-            "The same against the time that a run takes"
-            + ("." if "run_time" in assessed else ", at the time of a step of a long run."),
+            "The same errors against the time of a run"
+            + ("." if "run_time" in assessed else ", which follows from the time of a step of a long run."),
         )
         parts.append(f'<div class="pair">{against_step}{against_time}</div>')
         for limit in limits:
@@ -248,8 +248,8 @@ def judgement(assessed: xr.Dataset) -> list[str]:
         parts += [
             "<h2>How it fails</h2>",
             figure_of(_maps(assessed), f"Outcome of runs. {legend}."),
-            "<p>At the largest step without failure, and at all finer ones, no run with up to the given start and load "
-            "ends, grows or turns chaotic. The error there may be large.</p>",
+            "<p>At the largest step without failure and at all finer steps, no run with up to the given start and load "
+            "fails, grows or turns chaotic. Its error may be large.</p>",
         ]
         rows = [
             (
@@ -259,7 +259,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
             )
             for n in assessed.scheme.values
         ]
-        head = ("scheme", "largest Δt without failure, s", "what limits it, and what helps")
+        head = ("scheme", "largest Δt without failure, s", "cause of the limit, and remedies")
         parts.append(table_of(head, rows, text=(2,)))
     if rows := failed_runs(assessed):
         parts += ["<h2>Runs that failed</h2>", table_of(("scheme", "Δt, s", "reason"), rows, text=(2,))]
@@ -271,7 +271,7 @@ def judgement(assessed: xr.Dataset) -> list[str]:
 
 def made_by(attributes: dict) -> list[str]:
     """Versions, processor and command, as parts of a page."""
-    parts = ["<h2>What made this</h2><dl>"]
+    parts = ["<h2>Provenance</h2><dl>"]
     for key in ("version", "commit", "packages", "python", "processor", "not_fit"):
         if attributes.get(key):
             parts.append(f"<dt>{text_of(key.replace('_', ' '))}</dt><dd>{text_of(attributes[key])}</dd>")

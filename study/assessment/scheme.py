@@ -18,9 +18,11 @@ from study.scheme.contract import check_attributes
 from study.scheme.named import schemes
 from study.words import document
 
-#: Default schemes for comparison, and problems on which all schemes run, with the time in seconds for stiff problems,
-#: which are short because the reference takes steps of the stiffest mode.
+#: Default schemes for comparison.
 COMPARED = ("average_acceleration", "central_difference", "generalized_alpha", "rk4")
+
+#: Default problems, and their durations in seconds; None means ten periods. Runs of stiff problems are short, because
+#: the reference takes steps of the stiffest mode.
 ON = {"hardening": None, "softening": None, "double_well": None, "stiff_soft_sine": 5.0, "fpu_chain": 12.6}
 
 #: Ratios of step to period at which linear theory is drawn.
@@ -52,7 +54,7 @@ def _linear(chosen: dict[str, Scheme]) -> xr.Dataset:
                 {"long_name": "relative elongation of the period"},
             ),
             "order": of((t.order() for t in fine.values()), "order of the roots of free motion"),
-            "claimed_order": of((s.order for s in chosen.values()), "order that the scheme claims"),
+            "claimed_order": of((s.order for s in chosen.values()), "order that the scheme declares"),
             "stability_limit": of((t.stability_limit() for t in fine.values()), "largest stable ωΔt"),
             "radius_at_infinity": of(
                 (t.infinite_frequency_radius() for t in fine.values()), "spectral radius at infinite frequency"

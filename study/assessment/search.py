@@ -21,18 +21,18 @@ from study.program.confirmation import TWENTIETH, with_room
 from study.scheme.base import Scheme
 from study.settings import cores
 
-#: Steps with which a search begins in a period of the slowest small motion.
+#: Number of steps in a period of the slowest small motion with which a search begins.
 COARSEST = 4
 
-#: Limits of a search: steps in a period of the slowest small motion; if that is more, steps of a run of one unknown (or
-#: this number over the number of unknowns); and largest number of steps of any run.
+#: Limits of a search: number of steps in a period of the slowest small motion; number of steps × unknowns of a run, if
+#: that gives finer steps; and largest number of steps of any run.
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
 #: Finest Δt·ω of a search, with the highest frequency ω of the motion, and its caps on steps and steps × unknowns.
 #: Stiff modes of a structure need finer steps than its slowest period suggests.
 FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST = 0.03, 20_000, 4_000_000
 
-#: Multiple of a twentieth of a step down to which finer steps suffice, if the step has shrunk.
+#: Largest ratio of the finest step tried to a twentieth of a step; it exceeds one if the step has shrunk.
 ENOUGH = 1.1
 
 #: Numbers of runs of an octave: maximum, and minima for one unknown in tiles and otherwise.
@@ -41,12 +41,12 @@ MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 #: Caps on steps × unknowns of the runs of an octave, if enough runs remain: for one unknown and for several.
 WORK = {True: 1_500_000, False: 4_000_000}
 
-#: Number of runs up to an octave below a recommended step, where errors are largest, and the cap on their steps ×
-#: unknowns, if enough runs remain. A step below half of the finest one needs none.
+#: Numbers of runs up to an octave below a recommended step, where errors are largest: maximum, cap on their steps ×
+#: unknowns, and minimum, for one unknown and for several. A step below half of the finest one has no minimum.
 CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}, {True: 0, False: 8}
 
-#: Number of steps from which a run of one unknown is made alone, and the same for a search without longer runs, which
-#: avoids compiling the program of a single run: that takes as long as it saves.
+#: Number of steps beyond which a run of one unknown is made alone. The second number is for a search without longer
+#: runs, in which compiling the program of a single run would take as long as it saves.
 LONG, LONG_OF_SHORT = 30_000, 120_000
 
 #: Starts from which a recommended step must keep the error too, as multiples of u₀, u̇₀ and load.
@@ -97,11 +97,11 @@ class Case:
 
 
 def sentence_on_starts(cases: dict[float, Case]) -> str:
-    """A sentence on the starts next to the problem's own; a multiple of zero is not another start."""
+    """A sentence on the starts one percent away; if start and load are zero, their multiples are the same start."""
     own = cases[1.0].problem
     others = [case.problem for factor, case in cases.items() if factor != 1.0]
     if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):
-        return "No other start was tried: u, u̇ and the load are zero at the start."
+        return "No other start was tried: initial displacement, initial velocity and load are zero."
     return "Runs from two starts, one percent below and above, keep the error too."
 
 
@@ -124,7 +124,7 @@ def _two_digits(x: float) -> float:
 
 
 def round_step(largest: float, spacing: float | None) -> float:
-    """The largest step up to another one that has two digits, or is a whole multiple or part of a spacing."""
+    """The largest step up to ``largest`` that has two digits, or that divides a spacing or is a multiple of it."""
     largest *= 1 + 1e-9
     if spacing is None:
         unit = 10.0 ** (math.floor(math.log10(largest)) - 1)
@@ -157,7 +157,7 @@ class Search:
     Attributes
     ----------
     late
-        Whether the search ended because of that.
+        Whether ``end`` was reached before the search had finished.
     runs
         A row for each run: ``start``, ``dt``, ``steps``, ``status``, ``imbalance``, ``iterations``, and the error of
         each quantity.
@@ -199,7 +199,7 @@ class Search:
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
         """Run at some steps."""
-        dt = np.sort(dt)  # lanes of a tile end together
+        dt = np.sort(dt)  # sorted, so that the lanes of a tile end together
         alone = (self.duration / dt > self._long) & (self._size == 1)
         at_once, together = TILE * cores() if self._size == 1 else FEW, dt[~alone]
         parts = [*(together[i : i + at_once] for i in range(0, len(together), at_once)), *dt[alone]]
@@ -213,11 +213,11 @@ class Search:
         self.run(self._drawn(bottom, top, count))
 
     def _drawn(self, bottom: float, top: float, count: int) -> np.ndarray:
-        """A number of random steps: one in each of equal parts between two steps on a logarithmic scale."""
+        """Random steps between two steps: one in each of ``count`` equal parts on a logarithmic scale."""
         return top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count)
 
     def _unconfirmed(self, steps: Iterable[float]) -> np.ndarray:
-        """Random steps at which runs are missing up to an octave below each of some steps."""
+        """Random steps that are still to be run, up to an octave below each of the ``steps``, to confirm it."""
         tried = self._arrays()[0]
         drawn = tried
         for step in sorted(steps, reverse=True):
@@ -242,7 +242,7 @@ class Search:
         return with_room(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
-        """Run down to a twentieth of each step that keeps an error, from all starts at round steps, and below these."""
+        """Run down to a twentieth of each step that keeps an error, at its round step from all starts, and below it."""
         top = self.coarsest
         while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]
@@ -269,7 +269,7 @@ class Search:
         return round_step(largest, self._spacing) if largest else 0.0
 
     def _known(self, step: float) -> bool:
-        """Whether a step was run, and all runs that confirm it."""
+        """Whether a step and all steps that confirm it were run."""
         tried = self._arrays()[0]
         return step in tried and tried.min() <= TWENTIETH * step and not len(self._unconfirmed([step]))
 

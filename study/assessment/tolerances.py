@@ -35,7 +35,7 @@ from study.scheme.wrapper.with_history import WithHistory
 #: Largest and smallest tolerance of a search.
 LOOSEST, TIGHTEST = 0.1, 1e-12
 
-#: Part of a tolerance down to which smaller ones are tried.
+#: Smaller tolerances are tried down to this part of a tolerance.
 HUNDREDTH = 0.01
 
 #: Number of runs of a range of tolerances, and largest number of steps of a run.
@@ -61,24 +61,24 @@ class Tolerance(NamedTuple):
     worst: float = np.nan
 
 
-#: Ends of a search. Multi-step schemes have no search, nor have period, phase and amplitude.
+#: Ends of a search. Multi-step schemes, and period, phase and amplitude of all schemes, need equal steps.
 ENDS = (*VERDICTS, "needs_equal_steps")
 EQUAL_ONLY = ENDS.index("needs_equal_steps")
 
 #: Name and attributes of each variable of the dataset, in the order of :class:`Tolerance`.
 VARIABLES = {
     "tolerance_verdict": flags("how the search for the tolerance ended", ENDS, np.int8),
-    "tolerance": {"long_name": "largest round tolerance below which all keep the error", "units": "1"},
-    "tolerance_error": {"long_name": "error with it", "units": "1"},
-    "controlled_steps": {"long_name": "steps of the run with it", "units": "1"},
-    "controlled_force_evaluations": {"long_name": "forces evaluated in that run", "units": "1"},
-    "tolerances_tried": {"long_name": "tolerances tried from a hundredth of it up to it", "units": "1"},
-    "tolerance_worst_error": {"long_name": "largest error among them over the allowed one", "units": "1"},
+    "tolerance": {"long_name": "largest round tolerance that keeps the error, as all smaller ones tried", "units": "1"},
+    "tolerance_error": {"long_name": "error with this tolerance", "units": "1"},
+    "controlled_steps": {"long_name": "steps of the run with this tolerance", "units": "1"},
+    "controlled_force_evaluations": {"long_name": "internal forces of all trial steps of this run", "units": "1"},
+    "tolerances_tried": {"long_name": "tolerances tried from a hundredth of this tolerance up to it", "units": "1"},
+    "tolerance_worst_error": {"long_name": "largest error with these tolerances over the allowed error", "units": "1"},
 }
 
 
 def round_tolerance(largest: float) -> float:
-    """The largest of 1, 2 and 5 times a power of ten up to another tolerance."""
+    """The largest tolerance up to ``largest`` that is 1, 2 or 5 times a power of ten."""
     unit = 10.0 ** math.floor(math.log10(largest) + 1e-9)
     return next(float(f"{digit * unit:.0e}") for digit in DIGITS if digit * unit <= largest * (1 + 1e-9))
 
@@ -100,7 +100,7 @@ class ToleranceSearch:
     end
         Value of ``time.monotonic()`` after which no runs begin.
     late
-        Whether the search ended because of that.
+        Whether ``end`` was reached before the search had finished.
     runs
         A row for each run: ``start``, ``tolerance``, ``steps``, ``forces``, and the error of each quantity.
     """
@@ -147,7 +147,7 @@ class ToleranceSearch:
         self.late = time.monotonic() > self.end
 
     def _drawn(self, bottom: float, top: float, first: Sequence[float] = ()) -> np.ndarray:
-        """Some tolerances and random ones on a logarithmic scale: the number that a call runs at once."""
+        """The tolerances ``first`` and random ones on a logarithmic scale, ``RUNS`` in all."""
         count = RUNS - len(first)
         return np.append(first, top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count))
 

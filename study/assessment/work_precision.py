@@ -28,13 +28,14 @@ def work_precision(
     Parameters
     ----------
     problem, schemes
-        As for :func:`study.assess`.
+        The same as of :func:`study.assess`.
     figure
         File for the diagram, ``.svg``; by default none is drawn.
     quantity
         Quantity of the diagram, by default the first.
     **options
-        Further parameters of :func:`study.assess`, such as ``duration`` and ``errors``, down to which runs go.
+        Further parameters of :func:`study.assess`, such as ``duration`` and ``errors``. Steps become finer until the
+        smallest error is kept.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The declaration of an experiment: the datasets that it makes and reads, its options, and their work.
+"""The declaration of an experiment: the datasets that it makes and reads, its options, and its effort.
 
     @experiment("accuracy", reads=lambda o: [f"reference/{name}" for name in o["problems"]])
     def accuracy(problems: Springs, schemes: Schemes, steps_per_period: Counts, periods: Counts) -> xr.Dataset:
@@ -25,37 +25,41 @@ class Experiment:
     Attributes
     ----------
     makes
-        The datasets, by their names in the results.
+        Names of the datasets in the results.
     function
-        Makes them, one or a tuple, of its options.
+        Function of the options that returns the dataset, or a tuple of datasets.
     section
-        Dotted key of the configuration that holds the options; it may be absent where all of them have defaults.
+        Dotted key of the configuration that holds the options. The section may be absent if all options have defaults.
     model
-        Type of that section, where it is not the arguments of the function; ``None`` where another experiment has it.
+        Type of that section. ``None`` if the arguments of the function define it, or if another experiment declares it
+        and ``options`` selects from it.
     options
-        Options out of the whole configuration, where they are not the section.
+        Function that selects the options from the whole configuration, if they are not the section.
     split
-        Jobs of an experiment, by their names: the options of each. The datasets of job ``x`` are ``makes/x``.
+        Function that divides the options among jobs; it returns the options of each job by the job's name. The datasets
+        of job ``x`` are ``makes/x``.
     along
-        Dimensions along which the jobs' datasets are put together to ``makes``; without them they stay apart.
+        Dimensions, separated by commas, along which the datasets of the jobs are concatenated to ``makes``. If empty,
+        they stay separate.
     parts
-        Folders of the jobs' datasets if they are kept, so that an interrupted experiment continues with them.
+        Folders in which the datasets of the jobs are kept, so that an interrupted experiment can continue.
     reads
-        Names of the datasets that a job reads, by its options.
+        Function of a job's options that returns the names of the datasets that the job reads.
     files
-        Other files that a job reads, by its options.
+        Function of a job's options that returns other files that the job reads.
     check
-        Sentence about options that do not fit each other or the rest of the configuration, or nothing.
+        Function of options and configuration that returns an error message if they do not fit each other.
     steps, values
-        Approximate number of steps of all runs of a job, and of values that it holds at once.
+        Functions that return the approximate number of steps of all runs of a job, and of values in its memory.
     page
-        Module that makes a page of HTML next to each dataset, of the dataset's file and its own.
+        Module that writes a page of HTML next to each dataset; its arguments are the file of the dataset and of the
+        page.
     stops_early
-        Whether runs that decide the result end a job before ``steps``, which is then a bound.
+        Whether a job ends before ``steps`` once its result is decided; ``steps`` is then an upper bound.
     timed
         Whether the experiment measures times, so that no other job may run at the same time.
     temporary
-        Whether the datasets are removed once others are made of them.
+        Whether the datasets are removed after other datasets have been made from them.
     """
 
     makes: tuple[str, ...]
@@ -78,12 +82,12 @@ class Experiment:
 
     @property
     def module(self) -> str:
-        """The module that declares it."""
+        """The module that declares the experiment."""
         return self.function.__module__
 
     @property
     def name(self) -> str:
-        """Name of its rule."""
+        """Name of the experiment's rule in the pipeline."""
         room, *_, last = self.module.split(".")
         return self.function.__name__ if room == "study" else f"{room}_{last}"
 
@@ -97,17 +101,17 @@ class Experiment:
 
     @property
     def defaults(self) -> Options:
-        """The arguments of the function that have defaults, with these."""
+        """Defaults of the function's arguments, by name; arguments without a default are left out."""
         return {name: default for name, (_, default) in arguments_of(self.function).items() if default is not ...}
 
     def jobs(self, configuration: Mapping) -> dict[str, Options]:
-        """The options of every job, by the job's name, which is empty where there is only one."""
+        """The options of every job, by the job's name, which is empty if there is only one."""
         options = self.options_of(configuration)
         return {"": options} if self.split is None else dict(self.split(options))
 
     @property
     def named_jobs(self) -> bool:
-        """Whether the jobs are keys of the section, which messages name."""
+        """Whether the jobs are keys of the section, so that error messages can name them."""
         return self.split is not None and not self.along and self.options is None
 
     @property
@@ -126,12 +130,12 @@ class Merged:
 
 #: Folders of the results that hold other products.
 _RESERVED = ("benchmarks", "figures", "logs", "tables")
-#: Every declaration of the modules that have been imported, by module and name.
+#: Declarations in all imported modules, by module and first dataset.
 DECLARED: dict[tuple[str, str], Experiment | Merged] = {}
 
 
 def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Callable], Callable]:
-    """Declare the decorated function an experiment that makes datasets; see :class:`Experiment` for the rest.
+    """Declare the decorated function as an experiment; :class:`Experiment` describes the further arguments.
 
     Raises
     ------
@@ -139,7 +143,7 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
         If the experiment makes no dataset, or its name is not a valid file name, or its module declares it twice.
     """
     if not makes or not all(isinstance(name, str) for name in makes):
-        raise ValueError('an experiment names the dataset that it makes: @experiment("name").')
+        raise ValueError('an experiment must name the dataset that it makes: @experiment("name").')
 
     def declare(function: Callable) -> Callable:
         one = Experiment(makes, function, section or makes[0].replace("/", "."), **declared)
@@ -158,7 +162,7 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
 
 
 def merged(makes: str, of: Sequence[str]) -> None:
-    """Declare a dataset that is merged of others."""
+    """Declare a dataset that is merged from others."""
     DECLARED["", makes] = Merged(makes, tuple(of))
 
 
@@ -176,7 +180,7 @@ def discover() -> list[Experiment | Merged]:
 
 
 def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
-    """Types and defaults of the arguments of a function, as pydantic takes fields; ``...`` is no default."""
+    """Types and defaults of a function's arguments, in the form of pydantic's fields; ``...`` means no default."""
     parameters = inspect.signature(function, eval_str=True).parameters
     for name, one in parameters.items():
         if one.annotation is one.empty or one.kind is one.VAR_KEYWORD:
@@ -187,7 +191,7 @@ def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
         if one.annotation in (str, list[str], Sequence[str]):
             raise ValueError(
                 f"{function.__module__}: the argument '{name}' of '{function.__name__}' needs a type of "
-                "study.declaration.options, such as ProblemName, SchemeName or Name, from which its job's files follow."
+                "study.declaration.options, such as ProblemName, SchemeName or Name, which determines the job's files."
             )
     return {
         name: (one.annotation, ... if one.default is one.empty else one.default) for name, one in parameters.items()
@@ -195,5 +199,5 @@ def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
 
 
 def progress(message: str) -> None:
-    """Print the present work of a job immediately."""
+    """Print the progress of a job immediately."""
     print(message, flush=True)

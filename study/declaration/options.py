@@ -1,8 +1,7 @@
 """Types of the options of experiments, with their bounds.
 
 The arguments of an experiment carry these types; the check of the configuration and its schema follow from them. Every
-job of the pipeline imports this module, so it does not import pydantic, which reads the types and takes a quarter of a
-second.
+job of the pipeline imports this module, so it does not import pydantic, whose import takes a quarter of a second.
 """
 
 import re
@@ -16,7 +15,7 @@ from typing_extensions import TypedDict
 
 
 def section(kind: type) -> type:
-    """A section of the configuration, a TypedDict: it accepts only its own keys, and numbers of the declared types."""
+    """Make a TypedDict a section of the configuration, which accepts only its own keys and the declared types."""
     kind.__pydantic_config__ = {"extra": "forbid", "strict": True}  # type: ignore[attr-defined]
     return kind
 
@@ -28,7 +27,8 @@ class Checked:
     Parameters
     ----------
     function
-        Takes a value and the registries of names by kind, and returns the value; a ``ValueError`` refuses it.
+        Function of a value and the registries of names by kind. It returns the value, or raises ``ValueError`` if the
+        value is invalid.
     early
         Whether the check comes before those of type and bounds.
     """
@@ -57,7 +57,7 @@ def _distinct(values: list, registries: Mapping[str, Any]) -> list:
 
 
 def _listed(kind: str) -> Checked:
-    """A name of the registry of this kind, as the registry writes it: datasets and files are called by it."""
+    """Check that a name is spelled as in the registry of this kind, because datasets and files carry the name."""
 
     def check(name: str, registries: Mapping[str, Any]) -> str:
         try:
@@ -65,7 +65,7 @@ def _listed(kind: str) -> Checked:
         except KeyError as error:
             raise ValueError(str(error.args[0]).rstrip(".")) from None
         if name != own:
-            raise ValueError(f"write '{own}', the name that the datasets have, for '{name}'")
+            raise ValueError(f"write '{own}', the name that the datasets have, instead of '{name}'")
         return name
 
     return Checked(check)
@@ -123,10 +123,13 @@ Size = Annotated[float, Ge(1e-9), Le(1e9)]
 Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
 Counts = Annotated[list[Count], _FEW, _DISTINCT]
 FallingSizes = Annotated[list[Size], _FEW, _DISTINCT, Checked(_falling)]
-#: Records of ground motion, periods in s of oscillators under them, elastic force over strength, and their seconds.
+#: Number of records of ground motion.
 Records = Annotated[int, Ge(1), Le(1000)]
+#: Periods in s of the oscillators under the records.
 RecordPeriods = Annotated[list[Annotated[float, Ge(0.05), Le(10)]], _FEW, _DISTINCT]
+#: Reductions of the strength: elastic force over strength.
 Reductions = Annotated[list[Annotated[float, Ge(1), Le(100)]], _FEW, _DISTINCT]
+#: Duration of the records in s.
 RecordDuration = Annotated[float, Ge(1), Le(100)]
 RisingCounts = Annotated[list[Count], _FEW, _DISTINCT, Checked(_rising)]
 Sizes = Annotated[list[Size], _FEW, _DISTINCT]
@@ -134,11 +137,12 @@ Tolerances = Annotated[list[Tolerance], _FEW, _DISTINCT]
 #: Tolerances of solvers; larger ones lose any motion.
 FallingTolerances = Annotated[list[Annotated[float, Ge(1e-15), Le(0.1)]], _FEW, _DISTINCT, Checked(_falling)]
 
-#: A name that files can have, and several names.
+#: Name that is valid in the name of a file, and a list of such names.
 Name = Annotated[str, Checked(_plain)]
 PlainNames = Annotated[list[Name], _FEW, _DISTINCT]
-#: Something in a file, FILE.py:NAME, or a problem by name or in a file.
+#: Object in a file, FILE.py:NAME.
 Place = Annotated[str, Len(1, 1000)]
+#: Problem by its name, or in a file.
 ProblemPlace = Annotated[str, Len(1, 1000), Names("problem")]
 #: Any problem, a free oscillator of Xie (1996), a structure with a time scale, a problem with a known displacement, and
 #: a scheme, each by name.
@@ -195,7 +199,7 @@ PowersOfTen = Annotated[_PowersOfTen, IN_ORDER]
 
 @section
 class StructureLength(TypedDict):
-    """Duration of a run of a structure, in its time scale."""
+    """Duration of a run of a structure, as a multiple of its time scale."""
 
     problem: Structure
     periods: Annotated[float, Gt(0), Le(10_000)]
@@ -209,7 +213,7 @@ StructureLengths = Annotated[list[StructureLength], Len(1, 1000), Checked(_each_
 
 
 def names_in(kind: Any, value: Any) -> Iterator[tuple[str, str]]:
-    """The problems and schemes that the value of an option names, by its type: pairs of kind and name."""
+    """Pairs of kind and name of all problems and schemes that an option of this type and value names."""
     if get_origin(kind) in (Union, UnionType):
         kind = get_args(kind)[0] if value is not None else None
     if get_origin(kind) is Annotated:

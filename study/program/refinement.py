@@ -47,7 +47,7 @@ class Refinement:
     Raises
     ------
     NoTruth
-        If fewer than two schemes run to the end at three steps that halve, or a quantity is zero all the time.
+        If fewer than two schemes run to the end at three steps that halve, or a quantity is zero at all times.
     """
 
     def __init__(self, program: Program, runs: Runs, smallest: float):
@@ -120,7 +120,7 @@ class Refinement:
         for name, size in truth.sizes.items():
             if not size:
                 raise NoTruth(
-                    f"the quantity '{name}' of '{self._program.title}' is zero all the time, so that an error relative "
+                    f"the quantity '{name}' of '{self._program.title}' is zero at all times, so that an error relative "
                     "to it has no meaning; leave it out."
                 )
 

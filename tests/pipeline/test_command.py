@@ -78,7 +78,7 @@ def test_an_experiment_with_an_option_without_bounds_is_refused(function, senten
 
 
 def test_an_experiment_names_its_dataset():
-    with pytest.raises(ValueError, match="an experiment names the dataset that it makes"):
+    with pytest.raises(ValueError, match="an experiment must name the dataset that it makes"):
         experiment()
-    with pytest.raises(ValueError, match="an experiment names the dataset that it makes"):
+    with pytest.raises(ValueError, match="an experiment must name the dataset that it makes"):
         experiment(_untyped)  # type: ignore[arg-type]

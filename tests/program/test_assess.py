@@ -242,10 +242,10 @@ def test_a_program_that_never_runs_has_no_truth(tmp_path):
     with pytest.raises(NoTruth, match=r"'wrong' ends at Δt = 0.1562 s: it returned nothing.$"):
         study.assess(own)
     still = program(lambda scheme, dt: models.linear(scheme, dt) | {"idle": 0.0}, tmp_path / "still")
-    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero all the time"):
+    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero at all times"):
         study.assess(still)
     alone = program(lambda scheme, dt: {"idle": 0.0}, tmp_path / "alone")
-    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero all the time"):
+    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero at all times"):
         study.assess(alone)
     with pytest.raises(KeyError, match="'model' has no scheme 'newmark'; known are wrong, average_acceleration."):
         study.assess(own, ["newmark", "wrong"])
