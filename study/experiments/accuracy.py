@@ -89,7 +89,7 @@ def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts
             "measure_title": (
                 "measure",
                 [attributes[measure]["long_name"] for measure in measures],
-                {"long_name": "what the measure is"},
+                {"long_name": "title of the measure"},
             ),
         },
         attrs={"title": "Accuracy of the schemes against the exact solution"},

@@ -28,7 +28,7 @@ def _single(values: np.ndarray) -> np.ndarray:
 
 
 def _column(runs: xr.Dataset, dt: np.ndarray, period: np.ndarray) -> dict[str, np.ndarray]:
-    """Variables of the maps at one step size, each (amplitudes,), out of the ensemble of its runs."""
+    """Variables of the maps at one step size, each (amplitudes,), from the ensemble of its runs."""
     outcome, began = outcomes(runs, period)
     step = np.where(np.isnan(began), -1, np.rint(began / dt))
     return {
@@ -68,7 +68,7 @@ def _number_of_amplitudes(configuration: Mapping) -> int:
 def _check(options: Options, configuration: Mapping) -> str | None:
     tiles, amplitudes = options["tiles"], _number_of_amplitudes(configuration)
     if tiles > amplitudes:
-        return f"tiles: there are more of them, {tiles}, than amplitudes, {amplitudes}."
+        return f"tiles: {tiles} are more than the number of amplitudes, {amplitudes}."
     return step_beyond_run(10 ** options["dt_over_period"]["last"], options["periods"])
 
 
@@ -156,7 +156,7 @@ def atlas(
     attributes = {
         "outcome": {**OUTCOME_ATTRIBUTES, "flag_explanations": "; ".join(EXPLANATIONS)},
         "at_step": {
-            "long_name": "step at which it began, -1 where the run is accurate or only its period is wrong",
+            "long_name": "step at which the outcome began, -1 where the run is accurate or only its period is wrong",
             "units": "1",
         },
         "max_energy_error": {
@@ -164,7 +164,7 @@ def atlas(
             "units": "percent",
         },
         "period_error": {
-            "long_name": "relative error of the mean period, NaN where there is none",
+            "long_name": "relative error of the mean period, NaN where the run has no period",
             "units": "1",
         },
         "max_newton_iterations": {

@@ -11,7 +11,7 @@ from study.marching.result import COMPLETED, FAILED_AT_STEP_ATTRIBUTES, STATUS_A
 from study.marching.run import run
 from study.problem.named import problems as problems_by_name
 
-#: Distance from which on a perturbation counts as of order one.
+#: Smallest distance that counts as of order one.
 ORDER_ONE = 0.1
 
 
@@ -30,7 +30,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 def bifurcation(
     problem: Spring, scheme: SchemeName, dt: StepSizes, steps: RecordedSteps, shown: Count, perturbation: Tolerance
 ) -> xr.Dataset:
-    """Compute last displacements, Lyapunov exponent and the steps until neighbours part, over step sizes.
+    """Compute last displacements, Lyapunov exponent and the number of steps until neighbours separate, over step sizes.
 
     A run that fails is evaluated up to the step before it failed.
 
@@ -65,7 +65,7 @@ def bifurcation(
     apart = np.abs(other - one) >= ORDER_ONE  # false once one of them has failed: its displacement is NaN
     status, failed_at_step = (pairs[name].values[::2] for name in ("status", "failed_at_step"))
     whole = np.full(len(step_sizes), steps)
-    # where the motion is chaotic, this program may fail at another step than the pairs, so it finds its own
+    # a chaotic run may fail here at another step than in the pairs, so its own last step is found first
     growth = run(problem, scheme, dt=step_sizes, steps=whole, observe=["lyapunov_exponent"], on_failure="ignore")
     lasted = np.where(growth.status == COMPLETED, whole, np.maximum(growth.failed_at_step - 1, 1))
     growth = run(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"], on_failure="ignore")
@@ -84,7 +84,7 @@ def bifurcation(
                 "dt",
                 np.where(apart.any(axis=1), apart.argmax(axis=1), -1),
                 {
-                    "long_name": f"steps until a perturbation of {perturbation:g} has become {ORDER_ONE}, -1 if never",
+                    "long_name": f"steps until a perturbation of {perturbation:g} grows to {ORDER_ONE}, -1 if never",
                     "units": "1",
                 },
             ),
@@ -100,7 +100,7 @@ def bifurcation(
             "iterate": (
                 "iterate",
                 np.arange(1 - shown, 1),
-                {"long_name": "steps after the last one of the run", "units": "1"},
+                {"long_name": "number of the step, counted from the last step of the run", "units": "1"},
             ),
         },
         attrs={

@@ -1,4 +1,4 @@
-"""Problems with exact motions on which schemes show their order, and how runs of them end."""
+"""Problems with exact motions on which the order of schemes is measured, and the errors of runs."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ QUANTITIES = ("displacement", "velocity", "acceleration")
 #: Duration of a run, and the initial velocities of the runs; an error is the root mean square over these runs.
 DURATION, SPEEDS = 6.0, np.linspace(0.6, 1.4, 12)
 
-#: Part of the mean step by which steps are larger and smaller in turn.
+#: Difference of unequal steps from their mean, as a part of it; the steps are larger and smaller in turn.
 UNEQUAL = 1 / 3
 
 #: Relative and absolute tolerance of the references, by the method of Dormand and Prince of eighth order.
@@ -89,7 +89,7 @@ class FromNoAcceleration(Wrapper):
 
 
 class LooselyBalanced(Wrapper):
-    """Another scheme whose Newton iterations end at a tolerance of practice.
+    """Another scheme whose Newton iterations end at a tolerance that is common in practice.
 
     References
     ----------
@@ -122,7 +122,7 @@ class Circumstance:
     Attributes
     ----------
     title
-        Its name in figures.
+        Title in figures.
     problem
         The problem, whose initial displacement and velocity the runs replace.
     u0, v0
@@ -132,7 +132,7 @@ class Circumstance:
     unequal, inconsistent
         Whether steps have two sizes in turn, and whether the first acceleration is zero.
     tolerance
-        At which Newton's iteration ends; round-off if None.
+        Tolerance of Newton's iteration; round-off if None.
     """
 
     title: str
@@ -194,7 +194,7 @@ def _by_adaptive_steps(rates: Callable, u0: np.ndarray, v0: np.ndarray, *interna
     return dict(zip(QUANTITIES, np.array(ends).T, strict=True))
 
 
-# The functions have names, because problems that differ only in numbers share the compiled program.
+# The functions are defined here once, so that problems that differ only in numbers share the compiled program.
 
 
 def _hardening(u):

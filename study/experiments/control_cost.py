@@ -1,4 +1,4 @@
-"""Forces that an error costs with controlled and with equal steps, on kinked, shaken and stiff problems."""
+"""Number of forces for an error with controlled and with equal steps, on kinked, shaken and stiff problems."""
 
 from collections.abc import Mapping
 
@@ -30,7 +30,7 @@ NOT_RUN = STATUSES.index("not_run")
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Steps of the runs with equal steps; the steps of the others are known afterwards."""
+    """Steps of the runs with equal steps; the number of controlled steps is not known in advance."""
     lengths = {one["problem"]: one["periods"] for one in configuration["structures"]["lengths"]}
     samples = 0.0
     for problem in options["problems"]:
@@ -57,10 +57,10 @@ def control_cost(
 ) -> xr.Dataset:
     """Measure error and forces of runs with controlled and with equal steps.
 
-    Steps of all runs end at the samples of the exact motion: eight in a period of the problems of the section
-    ``kinks``, and ten for a structure. The error is the largest distance there over the largest displacement. Forces of
-    a controlled run are the forces of all its trial steps and of the estimate. A trial step counts the mean number of
-    Newton iterations of the accepted steps. The estimator is the default one of the scheme.
+    Steps of all runs end at the samples of the exact motion, ``samples_per_period`` of the sections ``kinks`` and
+    ``structures``. The error is the largest distance at the samples over the largest displacement. The forces of a
+    controlled run are the forces of all its trial steps and of the estimate. Every trial step counts with the mean
+    number of Newton iterations of the accepted steps. The estimator is the default one of the scheme.
 
     Variables have the shape (problem, scheme, tolerance); with equal steps (problem, scheme, steps_per_sample).
     """
@@ -176,6 +176,6 @@ def _marched(problem: Problem, scheme: Scheme) -> Scheme:
 
 
 def _forces(scheme: Scheme, per_step: int, ds: xr.Dataset, steps: int, trials: int) -> float:
-    """Forces of a run, of trial steps that each take as many iterations as the steps that were taken."""
+    """Forces of a run, if each trial step takes the mean number of iterations of the accepted steps."""
     of_iterations = 0 if scheme.explicit else scheme.forces_per_iteration * ds.newton_iterations.item() / max(steps, 1)
     return trials * (per_step + of_iterations)

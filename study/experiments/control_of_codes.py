@@ -30,7 +30,7 @@ MOST = 1000
 
 
 class Rule(NamedTuple):
-    """The automatic step of a code: scheme, estimator, controller, and the tolerances that its manual names."""
+    """The automatic step of a code: scheme, estimator, controller, and the tolerances of its manual."""
 
     scheme: Scheme
     estimator: Estimator
@@ -38,8 +38,8 @@ class Rule(NamedTuple):
     tolerances: tuple[float, ...]
 
 
-#: Abaqus has three classes of the half-increment residual over the largest force; Nastran takes a part of the apparent
-#: period; OpenSees a number of Newton iterations.
+#: The tolerance of Abaqus is the half-increment residual over the largest force. The tolerance of Nastran is a part of
+#: the apparent period, and the tolerance of OpenSees a number of Newton iterations.
 RULES = {
     "Abaqus": Rule(hht_alpha, HalfStepResidual(), HalfIncrement(), (0.1, 1.0, 10.0)),
     "Nastran": Rule(average_acceleration, ApparentFrequency(), Nastran(), (1 / 40, 1 / 20, 1 / 10)),
@@ -47,7 +47,7 @@ RULES = {
 }
 CLASSES = ("tight", "middle", "loose")
 
-#: Tolerances and duration of the runs of a linear oscillator by which SciML tests its adaptive method of Newmark.
+#: Tolerances and duration of the runs of a linear oscillator with which SciML tests its adaptive method of Newmark.
 SCIML, LINEAR_DURATION = (1e-4, 1e-6, 1e-8), 5.0
 
 

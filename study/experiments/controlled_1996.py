@@ -13,7 +13,7 @@ from study.marching.run import run
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: Tolerances that are tried first, as powers of ten, and lanes of a run.
+#: Exponents of ten of the smallest and largest tolerance tried, and number of tolerances of a run.
 WIDEST, LANES = (-9.0, 0.5), 64
 
 ESTIMATOR = "zienkiewicz_xie"
@@ -23,12 +23,12 @@ ESTIMATOR = "zienkiewicz_xie"
 def controlled_1996(
     problems: Springs, schemes: OneStepSchemes, controllers: Controllers, steps_per_period: Counts, periods: Count
 ) -> xr.Dataset:
-    """Find the largest energy error with as many steps as equal ones of T/N, sized by the estimator of 1991.
+    """Find the largest energy error with N steps per period that the estimator of 1991 controls.
 
-    64 tolerances are tried, and then 64 between the nearest ones. The one whose number of steps is nearest to
-    N = ``steps_per_period`` a period counts. ``max_energy_error`` is eq. (17), in percent, of the shape (problem,
+    64 tolerances are tried, and then 64 around the best ones. The result is that of the run whose number of steps is
+    nearest to N = ``steps_per_period`` per period. ``max_energy_error`` is eq. (17), in percent, of the shape (problem,
     controller, steps_per_period, scheme). It is NaN if no run comes within a tenth of that number, and for schemes
-    whose error the estimator does not estimate.
+    that the estimator refuses.
     """
     shape = (len(problems), len(controllers), len(steps_per_period), len(schemes))
     error, taken, tolerance = (np.full(shape, np.nan) for _ in range(3))
@@ -73,7 +73,7 @@ def controlled_1996(
                 },
             ),
             "steps": (dims, taken, {"long_name": "number of steps", "units": "1"}),
-            "tolerance": (dims, tolerance, {"long_name": "tolerance that takes this number of steps", "units": "1"}),
+            "tolerance": (dims, tolerance, {"long_name": "tolerance with this number of steps", "units": "1"}),
         },
         coords={
             **coordinates.problem_coordinates(problems),
@@ -86,7 +86,7 @@ def controlled_1996(
 
 
 def _between(tolerances: np.ndarray, steps: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """The same number of new tolerances, around those nearest to the numbers of steps."""
+    """``LANES`` new tolerances, around each tolerance whose number of steps is nearest to a wanted one."""
     ratio = tolerances[1] / tolerances[0]
     nearest = [tolerances[np.argmin(abs(steps - number))] for number in wanted]
     each = -(-LANES // len(nearest))

@@ -56,7 +56,11 @@ def estimator_coordinates(names: Sequence[str]) -> dict:
     """Names of estimators along ``estimator``, with their titles."""
     return {
         "estimator": ("estimator", list(names), {"long_name": "estimator of the error of a step"}),
-        "estimator_title": ("estimator", [estimators[name].title for name in names], {"long_name": "its title"}),
+        "estimator_title": (
+            "estimator",
+            [estimators[name].title for name in names],
+            {"long_name": "title of the estimator"},
+        ),
     }
 
 
@@ -76,7 +80,7 @@ def steps_per_period_coordinate(values: Iterable[float]) -> dict:
 
 
 def periods(problem: str) -> dict[str, float]:
-    """The rounded period of a spring, printed for those of 1996, and the exact one of its reference."""
-    problems.resolve(problem)  # an unknown name is a clearer message than a missing dataset
+    """Rounded period of a spring, which Xie (1996) prints for its springs, and exact period of its reference."""
+    problems.resolve(problem)  # the message on an unknown name is clearer than on a missing dataset
     exact = io.open_dataset(f"reference/{problem}").period.item()
     return {"printed": approximate_periods[problem], "exact": exact}

@@ -71,7 +71,7 @@ def energy_error(problems: Springs, schemes: Schemes, steps_per_period: Counts, 
             "period_used": (
                 "period_used",
                 period_used,
-                {"long_name": "which period the step size is a part of: the paper's rounded one or the exact one"},
+                {"long_name": "period that gives the step size: the paper's rounded one or the exact one"},
             ),
             **coordinates.problem_coordinates(problems),
             **coordinates.steps_per_period_coordinate(steps_per_period),

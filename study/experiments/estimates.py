@@ -26,18 +26,18 @@ from study.scheme.runge_kutta import rk4
 #: Schemes that solve for the true motion over one step of another scheme, without damping and with it.
 UNDAMPED, DAMPED = dormand_prince6, rk4
 
-#: Smallest number of their steps in a step, and in a period of the stiffest mode.
+#: Smallest number of their steps in a step of the other scheme, and in a period of the stiffest mode.
 FINE_STEPS = 16
 
 #: Number of periods of the stiffest mode in the time scale of a problem that has one.
 STIFFEST = {"stiff_soft": 2635, "stiff_soft_sine": 2635, "elastic_pendulum": 7086}
 
-#: Part of the period at which the curve along the motion has a value.
+#: Parts of the period at which the ratio of estimate and true error is given.
 PHASES = np.linspace(0, 1, 101)
 
 
 def _fine_steps(problem: str, steps: int) -> int:
-    """Number of steps that solve for the true motion over a step of which there are so many in a period."""
+    """Number of steps that solve for the true motion over a step, with ``steps`` steps in a period."""
     return math.ceil(FINE_STEPS * max(1.0, STIFFEST.get(problem, 0) / steps))
 
 
@@ -62,7 +62,7 @@ def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, step
     errors are the largest of the period, after its first tenth; ``ratio`` is the estimate over the true error along the
     period, at the smallest step. ``linear_ratio`` is its closed form for a linear undamped oscillator that starts from
     a displacement (:mod:`study.control.leading`), and NaN if there is none. The period of a structure is its time
-    scale. A force with a history is left out, because the motion cannot start again within a run.
+    scale. A force with a history is left out, because its motion cannot be restarted within a run.
     """
     shape = (len(problems), len(schemes), len(estimators), len(steps_per_period))
     estimate, true, displacement = (np.full(shape, np.nan) for _ in range(3))

@@ -16,8 +16,8 @@ from study.mechanics.frequencies import highest_frequency
 from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 
-#: Bounds of errors that count towards the order: this multiple of the uncertainty of the reference, round-off, and a
-#: tenth of the motion, at steps that resolve the motion.
+#: Errors that enter the fit of the order: above this multiple of the reference's uncertainty, above round-off, below
+#: this part of the motion, and with at least this number of steps per period.
 ABOVE, SMALLEST, LARGEST, RESOLVED = 100.0, 1e-11, 0.1, 64
 
 #: Ends of a run; a scheme that does not fit a problem has no run.
@@ -38,7 +38,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 def _check(options: Options, configuration: Mapping) -> str | None:
     if options["periods"] > LONGEST:
-        return f"periods must be at most {LONGEST}, over which the references are known to be certain."
+        return f"periods must be at most {LONGEST}, up to which the references are accurate."
     for steps in options["steps_per_period"]:
         if steps % options["samples_per_period"]:
             return f"samples_per_period, {options['samples_per_period']}, does not divide {steps} steps per period."
@@ -46,7 +46,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _order(steps: np.ndarray, error: np.ndarray, uncertainty: float) -> float:
-    """Slope of the error over the step size, by least squares of their logarithms; NaN of fewer than three errors."""
+    """Slope of the error over the step size, by least squares of their logarithms; NaN for fewer than three errors."""
     counts = (steps >= RESOLVED) & (error > max(ABOVE * uncertainty, SMALLEST)) & (error < LARGEST)
     if counts.sum() < 3:
         return np.nan
@@ -108,7 +108,7 @@ def kinks(
                 {"long_name": "largest error of the balance of energies", "units": "1"},
             ),
             "status": (dims, status, flags("how the run ended", STATUSES, np.int8)),
-            "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations a step", "units": "1"}),
+            "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations per step", "units": "1"}),
             "observed_order": (dims[:2], order, {"long_name": "order that the errors show", "units": "1"}),
             "period": (
                 "problem",

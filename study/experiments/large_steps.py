@@ -28,9 +28,9 @@ def large_steps(problems: Springs, schemes: Schemes, dt_over_period: Sizes, peri
     """Compute energy error and failure of every scheme from small steps to steps as long as the period.
 
     The largest error is max |E − E₀|/|E₀| over ``periods`` printed periods, in percent, eq. (17) of Xie (1996). The
-    drift is (E − E₀)/|E₀| at the end, and the late gain the largest (E − E₀)/|E₀| in the second half, which an
-    overshoot of the first steps does not reach; both are fractions.
-    All variables have the shape (problem, scheme, dt_over_period).
+    drift is (E − E₀)/|E₀| at the end. The late gain is the largest (E − E₀)/|E₀| in the second half, so that an
+    overshoot of the first steps does not count. Both are fractions. All variables have the shape (problem, scheme,
+    dt_over_period).
     """
     dims = ("problem", "scheme", "dt_over_period")
     shape = (len(problems), len(schemes), len(dt_over_period))

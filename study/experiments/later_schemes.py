@@ -33,14 +33,15 @@ WITH_MODEL: dict[str, Scheme] = {
     "kr_alpha": KolayRicles(rho_inf=1.0),
     "mkr_alpha": KolayRicles(rho_inf=1.0, modified=True),
 }
-#: Tried ratios of the tangent to the model, and the excess of a spectral radius that counts as round-off.
+#: Ratios of the tangent to the model that are tried, and excess of a spectral radius over one that counts as round-off.
 RATIOS, GROWTH = np.geomspace(1.0001, 1e4, 20_000), 1e-7
 
-#: Schemes for the wave, for the cost, and for comparison with the auxiliary variable.
+#: Schemes for the wave, and schemes of fourth order whose cost is compared.
 OF_WAVES = ("rho_bathe", "beta_bathe", "average_acceleration", "noh_bathe", "central_difference")
 OF_FOURTH_ORDER = ("blanes_moan4", "mclachlan4", "yoshida4", "nystrom4")
 
-#: ωΔt of the stiff part in the test of trigonometric methods, of which two are resonances, and duration of its runs.
+#: Values of ωΔt of the stiff part in the test of trigonometric methods, two of them at resonances; duration of the
+#: runs.
 PHASES, OSCILLATES = np.pi * np.array([0.5, 1.0, 2.0]), 2.0
 
 #: Orders M of mixed Padé methods and their ρ∞, and numbers of steps of their runs.
@@ -56,7 +57,7 @@ def _offset(stiffness):
 
 
 def _largest_stiffening(scheme: Scheme, dt: float) -> float:
-    """Largest ratio tried of tangent to model stiffness up to which all steps are stable undamped; one if none is."""
+    """Largest of the ``RATIOS`` of tangent to model stiffness up to which undamped steps are stable; one if none is."""
 
     def matrix(ratio):
         problem = Problem(_offset(ratio), 10.0)
@@ -123,9 +124,10 @@ class _Push(eqx.Module):
 
 
 def _error_of_wave(scheme: str, courant: float, elements: int) -> float:
-    """Root mean square error of the velocity along a bar that is pushed at one end, when a part has been reached.
+    """Root mean square error of the velocity along a bar that is pushed at one end, at the time ``REACHED``.
 
-    Lumped masses, wave speed and impedance 1: the exact velocity is 1 behind the front and 0 ahead of it.
+    The masses are lumped. Wave speed and impedance are 1, so the exact velocity is 1 behind the front and 0 ahead of
+    it.
     """
     h = 1 / elements
     stiffness = (np.diag(np.full(elements, 2.0)) - np.eye(elements, k=1) - np.eye(elements, k=-1)) / h
@@ -176,15 +178,15 @@ def later_schemes(
     Parameters
     ----------
     omega_steps
-        ωΔt of the model, at which schemes with a model of the structure show how far the tangent may exceed it.
+        ωΔt of the model of the structure, at which the largest stable ratio of the tangent to the model is sought.
     steps
         Numbers of steps of trigonometric methods on a soft and a stiff unknown, and of the auxiliary variable.
     courant, elements
-        Steps over the time in which a wave crosses an element, and elements of the bar.
+        Steps over the time in which a wave crosses an element, and number of elements of the bar.
     long_steps
-        Steps of the auxiliary variable on the hardening oscillator ü + u + u³ = 0, over a thousand of them.
+        Step sizes of runs of a thousand steps by the auxiliary variable, on the oscillator ü + u + u³ = 0.
     forces
-        Forces that schemes of fourth order evaluate over the same motion.
+        Numbers of forces that schemes of fourth order evaluate over the same motion.
     """
     plain = circumstances_with([])["plain"]
     average = schemes_by_name["average_acceleration"]
@@ -243,7 +245,7 @@ def later_schemes(
             "omega_step": ("omega_step", list(omega_steps), {"long_name": "ωΔt of the model", "units": "1"}),
             "member": ("member", list(filters), {"long_name": "trigonometric method"}),
             "steps": ("steps", list(steps), {"long_name": "number of steps", "units": "1"}),
-            "wave_scheme": ("wave_scheme", list(OF_WAVES), {"long_name": "scheme of a wave"}),
+            "wave_scheme": ("wave_scheme", list(OF_WAVES), {"long_name": "scheme for the wave"}),
             "courant": ("courant", list(courant), {"long_name": "Courant number", "units": "1"}),
             "auxiliary": ("auxiliary", list(auxiliary), {"long_name": "scheme to compare with the auxiliary variable"}),
             "long_step": ("long_step", list(long_steps), {"long_name": "step", "units": "s"}),

@@ -34,7 +34,7 @@ ARITHMETIC = {
     "float64_compensated": (True, True),
 }
 #: Kinds of step sizes, by the number of their bits. Single precision, of 24 bits, rounds the squares of the first kind
-#: and represents those of the second exactly.
+#: and represents the squares of the second kind exactly.
 BITS = {"any": 24, "short": 12}
 #: Number of steps of all runs of a job beyond which each arithmetic is a separate job, of a minute or more.
 MOST_STEPS_OF_JOB = 10**9
@@ -128,7 +128,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     if options["steps_per_period"] * lengths[-1] > MOST_STEPS:
         return f"periods: a run of {lengths[-1]:,} has more than the {MOST_STEPS:,} steps that single precision counts."
     if sum(length >= lengths[-1] / 100 for length in lengths) < 3:
-        return "periods: a law of growth takes three lengths within the last two decades."
+        return "periods: a law of growth needs three lengths within the last two decades."
     problem = problems_by_name[options["problem"]]
     if not problem.stored_energy(0.0) < problem.stored_energy(problem.u0):
         return f"problem: the motion of '{options['problem']}' does not cross zero, where oscillations are counted."
@@ -174,7 +174,7 @@ def long_runs(
     periods
         Lengths of the runs, ascending.
     arithmetics
-        Some of ``ARITHMETIC``.
+        Keys of ``ARITHMETIC``.
 
     Returns
     -------
@@ -215,11 +215,15 @@ def long_runs(
         | {"dt": (("step", "run"), dt, {"long_name": "step size", "units": "s"})},
         coords={
             **coordinates.scheme_coordinates(schemes),
-            "arithmetic": ("arithmetic", list(arithmetics), {"long_name": "precision, and how is summed"}),
+            "arithmetic": ("arithmetic", list(arithmetics), {"long_name": "precision, and kind of summation"}),
             "step": ("step", list(BITS), {"long_name": "step sizes of 24 bits, or short ones of 12"}),
             "periods": ("periods", list(periods), {"long_name": "length of the run in exact periods", "units": "1"}),
             "problem": ((), problem, {"long_name": "problem"}),
-            "steps_per_period": ((), steps_per_period, {"long_name": "steps per exact period, about", "units": "1"}),
+            "steps_per_period": (
+                (),
+                steps_per_period,
+                {"long_name": "approximate number of steps per exact period", "units": "1"},
+            ),
         },
         attrs={"title": f"Long times on the {definition.title}, one by one"},
     )

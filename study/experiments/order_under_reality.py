@@ -26,7 +26,7 @@ SMALLEST, LARGEST, MOST, LEAST = 1e-11, 1.0, 4, 3
 
 
 def _applies(circumstance: Circumstance, scheme: Scheme) -> bool:
-    """Whether a scheme can be run so."""
+    """Whether a scheme can be run under the circumstance."""
     if circumstance.inconsistent:
         state, _ = jax.eval_shape(partial(scheme.start, circumstance.problem), jnp.ones(()), jnp.ones(()), 1.0)
         return carries(state)
@@ -61,9 +61,9 @@ def order_under_reality(
     """Measure the order of displacement, velocity and acceleration of schemes under the circumstances of real problems.
 
     The error is measured at the end of a run of six units of time: its root mean square over twelve motions and all
-    unknowns, relative to the root mean square of the exact motion. The order is its slope over the step. References are
-    exact, or computed by a Runge-Kutta method of eighth order with adaptive steps. The acceleration is the one that a
-    scheme carries, at the end of the step, or follows from the equation of motion if it carries none.
+    unknowns, relative to the root mean square of the exact motion. The order is its slope over the step, in logarithms.
+    References are exact, or computed by a Runge-Kutta method of eighth order with adaptive steps. The acceleration is
+    the one that a scheme carries, at the end of the step, or follows from the equation of motion if it carries none.
 
     - ``plain``, ``damping``, ``load``: ü + c u̇ + u + u³ = f cos(1.5t − 0.7), free, with c = 0.2 and with f = 1;
     - ``support_0``, ...: two masses on a moving support, held by a spring of each of the ``stiffness_ratios``;
@@ -79,7 +79,7 @@ def order_under_reality(
     stiffness_ratios
         Stiffness of the spring at the support over that between the masses.
     tolerances
-        Largest change of the displacement by the last correction of Newton's iteration, as a part of it.
+        Tolerances of Newton's iteration: largest last correction of the displacement, as a part of the displacement.
     """
     circumstances, counts = circumstances_with(stiffness_ratios, tolerances), np.array(steps)
     shape = len(schemes), len(circumstances), len(QUANTITIES)

@@ -69,9 +69,9 @@ def published_numbers(
     Parameters
     ----------
     coarsest
-        Problems, and the fewest steps of a run of each.
+        Problems, and the smallest number of steps of a run of each.
     refinements
-        Runs of each scheme and problem, each with four times the steps of the one before.
+        Number of runs of each scheme and problem; each run has four times the steps of the one before.
     controlled, tolerances
         Problems that are also run with steps that ``study.run`` controls by default, and the tolerances.
 

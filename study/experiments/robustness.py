@@ -24,11 +24,11 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
     observer = Excursions(OutcomeObserver.of(definition).rest)
     u0, period = lanes.u0.values, lanes.period.values
     needed = np.full((len(LEVELS), len(lengths)), np.nan)
-    open_still = np.ones(needed.shape, bool)
-    # from the finest step size on; a level and length that is exceeded once is settled
+    undecided = np.ones(needed.shape, bool)
+    # from the finest step size on; a level that is exceeded once at a length is decided
     for steps in sorted(candidates, reverse=True):
         for k, length in enumerate(lengths):
-            if not open_still[:, k].any():
+            if not undecided[:, k].any():
                 continue
             # each length has a separate run, because a run that fails has no errors of its earlier steps
             runs = run(
@@ -41,8 +41,8 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
                 on_failure="ignore",
             )
             kept = np.array([np.isinf(runs[name]).all() for name in observer.variables])
-            open_still[:, k:] &= kept[:, None]  # if a shorter run exceeds the level, so does a longer one
-            needed[open_still[:, k], k] = steps
+            undecided[:, k:] &= kept[:, None]  # if a shorter run exceeds the level, so does a longer one
+            needed[undecided[:, k], k] = steps
     return needed
 
 
@@ -70,7 +70,7 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
     """Find the fewest steps per period that keep the energy within 1, 5 and 10 percent at all amplitudes.
 
     The amplitudes are those of ``results/reference/amplitudes``; the period T in Δt = T/N is the exact one at each
-    amplitude. The errors are those of the energy over its height above rest.
+    amplitude. Errors are errors of the energy over its height above rest.
 
     Parameters
     ----------
@@ -102,8 +102,9 @@ def robustness(problems: Springs, schemes: Schemes, steps_per_period: Counts, pe
                 ("problem", "scheme", "level", "periods"),
                 needed,
                 {
-                    "long_name": "fewest steps per period from which on all that were tried keep the energy within the "
-                    f"level at all amplitudes of reference/amplitudes; NaN where {max(steps_per_period)} do not",
+                    "long_name": "fewest steps per period that keep the energy within the level at all amplitudes of "
+                    "reference/amplitudes, as all larger numbers of steps tried; "
+                    f"NaN where {max(steps_per_period)} steps do not",
                     "units": "1",
                 },
             ),

@@ -26,7 +26,7 @@ from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.newmark import Newmark
 
-#: Difference of the displacements at which two runs count as parted.
+#: Difference of the displacements at which two runs count as separated.
 PARTED = 0.1
 #: Starts of Newton's iteration, as factors of the acceleration before the step.
 GUESSES = {"last_acceleration": 1.0, "none": 0.0}
@@ -66,7 +66,7 @@ class _Inexact(Newmark):
 
 
 def _steps_together(problem: str, dt: np.ndarray, steps: int, tolerances: Sequence[float]) -> np.ndarray:
-    """Steps until a run parts from the run with Newmark's own tolerance, (starts, tolerances, step sizes).
+    """Steps until a run separates from the run with Newmark's own tolerance, (starts, tolerances, step sizes).
 
     ``steps`` if it never does.
     """
@@ -118,7 +118,7 @@ def roots(
     tolerances: Tolerances,
     steps: RecordedSteps,
 ) -> xr.Dataset:
-    """Count the roots of the effective equation, and find the roots that Newton's iteration takes.
+    """Count the roots of the effective equation, and find the root at which Newton's iteration ends.
 
     A step of the schemes solves u + κΔt² p(u) = ũ, with the predictor ũ and the effective coefficient κ of the scheme.
 
@@ -165,7 +165,7 @@ def roots(
             "root": (
                 along,
                 np.stack(found),
-                {"long_name": f"displacement that Newton finds at a step size of {paper_dt} s", "units": "1"},
+                {"long_name": f"root that Newton's iteration finds at a step size of {paper_dt} s", "units": "1"},
             ),
             "newton_iterations": (
                 along,
@@ -197,12 +197,16 @@ def roots(
             **coordinates.scheme_coordinates(schemes),
             "dt": ("dt", step_sizes, {"long_name": "step size", "units": "s"}),
             "predictor": ("predictor", predictors, {"long_name": "predictor of the displacement", "units": "1"}),
-            "guess": ("guess", predictors, {"long_name": "displacement at which Newton starts", "units": "1"}),
-            "start": ("start", list(GUESSES), {"long_name": "acceleration at which Newton starts"}),
+            "guess": (
+                "guess",
+                predictors,
+                {"long_name": "displacement at which Newton's iteration starts", "units": "1"},
+            ),
+            "start": ("start", list(GUESSES), {"long_name": "acceleration at which Newton's iteration starts"}),
             "newton_tolerance": (
                 "newton_tolerance",
                 list(tolerances),
-                {"long_name": "tolerance of Newton", "units": "1"},
+                {"long_name": "tolerance of Newton's iteration", "units": "1"},
             ),
         },
         attrs={"title": f"Roots of the effective equation of the {definition.title}", "problem": problem},

@@ -15,7 +15,7 @@ from study.problem.named import problems as problems_by_name
 #: Starts, as distances from the start of the problem in multiples of the perturbation.
 STARTS = (0, *(way * k for k in range(1, 5) for way in (1, -1)))
 
-#: Distance at which two displacements have parted.
+#: Distance at which two displacements count as separated.
 APART = 0.1
 
 
@@ -35,9 +35,9 @@ def _numbers_held(options: Options, configuration: Mapping) -> float:
 def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, perturbation: Tolerance) -> xr.Dataset:
     """Compute the distance over time of runs that start next to each other, for every scheme.
 
-    The distance |Δu| of two of them has the shape (scheme, t); their initial displacements differ by ``perturbation``.
-    Nine runs show the counts that differ from run to run in chaotic motion, (scheme, start). ``dt`` and
-    ``duration`` are in seconds.
+    The distance |Δu| of two runs whose initial displacements differ by ``perturbation`` has the shape (scheme, t). Nine
+    runs show which counts depend on the start in chaotic motion, (scheme, start). ``dt`` and ``duration`` are in
+    seconds.
     """
     progress(f"sensitivity of {problem}")
     u0 = float(problems_by_name[problem].u0) + perturbation * np.array(STARTS)

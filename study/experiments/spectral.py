@@ -22,9 +22,9 @@ from study.scheme.rederived import Rederived
 #: Variables over step sizes, with their long names.
 _OVER_STEPS = {
     "spectral_radius": "spectral radius of the amplification matrix",
-    "period_elongation": "relative elongation of the damped period; NaN where nothing swings",
-    "algorithmic_damping": "damping ratio of the numerical motion with the oscillator's own; NaN where nothing swings",
-    "amplitude_decay": "relative loss of amplitude per period; NaN where nothing swings",
+    "period_elongation": "relative elongation of the damped period; NaN without oscillation",
+    "algorithmic_damping": "damping ratio of the numerical motion with the oscillator's own; NaN without oscillation",
+    "amplitude_decay": "relative loss of amplitude per period; NaN without oscillation",
     "displacement_overshoot": f"largest displacement of {OVERSHOOT_STEPS} steps from rest over the initial one, less "
     "one; NaN where unstable",
     "velocity_overshoot": f"largest velocity of {OVERSHOOT_STEPS} steps from rest over the undamped motion's, "
@@ -35,8 +35,8 @@ _NUMBERS = {
     "stability_limit": "largest ωΔt up to which the spectral radius is at most one; infinite where it always is",
     "infinite_frequency_radius": "spectral radius at infinite frequency",
     "linear_order": "order with which the principal roots approach the exact ones",
-    "order_rederived": "the same where the acceleration is taken from the equation of motion after every step; NaN "
-    "where the scheme has none",
+    "order_rederived": "linear_order if the acceleration is taken from the equation of motion after every step; NaN "
+    "where the scheme carries no acceleration",
     "growth_u_from_u": "exponent of ωΔt with which the displacement of the first long step grows from u₀",
     "growth_v_from_u": "exponent of ωΔt with which the velocity of the first long step over ω grows from u₀",
     "growth_u_from_v": "exponent of ωΔt with which ω times the displacement of the first long step grows from u̇₀",

@@ -22,9 +22,10 @@ RATIO = 1.1
 
 
 def steps_tried(coarsest: float, finest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Falling steps, and whether each is commensurate with the record: its spacing over a whole number, or times one.
+    """Steps in descending order, and whether each is commensurate with the record.
 
-    The commensurate steps are added to a grid of a constant ratio.
+    A commensurate step divides the spacing of the record or is a multiple of it. The commensurate
+    steps are added to a grid of a constant ratio.
     """
     whole = np.arange(1, max(coarsest / SPACING, SPACING / finest) * (1 + 1e-9))
     commensurate = np.append(SPACING / whole, SPACING * whole[1:])
@@ -70,9 +71,9 @@ def spectrum(
     finest: Size,
     allowed_error: Tolerance,
 ) -> xr.Dataset:
-    """Measure the error of the peak drift at each step, and the largest step that keeps it below the allowed one.
+    """Measure the error of the peak drift at each step, and the largest step that keeps the allowed error.
 
-    All finer steps must keep it too: all tried steps, or all tried ones commensurate with the record. A run
+    All finer steps tried must keep it too, or all finer ones that are commensurate with the record. A run
     ends with the first step at the duration or beyond it, where the ground is at rest. ``step_needed`` is NaN if not
     even the finest step is enough, or if a scheme takes its force from a potential.
     """
@@ -138,5 +139,5 @@ def spectrum(
     )
     needed = [_needed(some, allowed_error) for some in (of_runs.error, of_runs.error[:, commensurate])]
     tried = xr.IndexVariable("tried", ["all", "commensurate"], {"long_name": "steps tried"})
-    size = {"long_name": "largest step within the error, as all finer ones", "units": "s"}
+    size = {"long_name": "largest step that keeps the error, as all finer ones", "units": "s"}
     return of_runs.assign(step_needed=xr.concat(needed, tried).assign_attrs(size))

@@ -55,11 +55,11 @@ def step_control(
 ) -> xr.Dataset:
     """March springs over whole periods with controlled and with equal steps.
 
-    The exact motion is back at its start after whole periods. ``return_error`` is the distance of the numerical motion
-    from there, the larger of displacement and velocity, each relative to its largest value. ``max_energy_error`` is
-    eq. (17) of Xie (1996), in percent. Reversible control takes about as many steps as the first controller at the
-    same tolerance. The histories are the largest energy errors of each period, for the first scheme at the middle
-    tolerance. The number of equal steps is the number of the first controller.
+    The exact motion returns to its start after whole periods. ``return_error`` is the distance of the numerical motion
+    from the start: the larger one of displacement and velocity, each relative to its largest value.
+    ``max_energy_error`` is eq. (17) of Xie (1996), in percent. Reversible control takes about as many steps as the
+    first controller at the same tolerance. The histories are the largest energy errors of each period, for the first
+    scheme at the middle tolerance. The history with equal steps has as many steps as the first controller takes.
     """
     controls = [*controllers, REVERSIBLE]
     shape = (len(problems), len(schemes), len(controls), len(tolerances))
@@ -78,7 +78,7 @@ def step_control(
             progress(f"control of {scheme} on {problem}")
             for c, (name, controller) in enumerate(named.items()):
                 allowed = np.array(tolerances)
-                if name == REVERSIBLE:  # a mean density of about 3π in a period
+                if name == REVERSIBLE:  # the density integrates to about 3π over a period
                     allowed = 3 * np.pi * periods / found["steps"][p, s, 0]
                 ds = _controlled(problem, scheme, controller, allowed, period * periods, MOST * periods)
                 at = p, s, c

@@ -1,4 +1,4 @@
-"""The step by the highest frequency of the motion: errors of energy and period at all amplitudes."""
+"""Step size relative to the highest frequency of the motion: errors of energy and period at all amplitudes."""
 
 from collections.abc import Mapping
 
@@ -102,7 +102,7 @@ def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> 
             "period_error": (
                 dims,
                 elongation,
-                {"long_name": f"relative error of the mean period, {failed} or never swings", "units": "1"},
+                {"long_name": f"relative error of the mean period, {failed} or does not oscillate", "units": "1"},
             ),
         },
         coords={

@@ -32,7 +32,7 @@ def _observers(problem: str, definition: Problem) -> list[str | Observer]:
         change = Quantity(
             lambda u, v: _sum_of_energies(u, v) / at_start - 1,
             "max_sum_change",
-            "largest change of the sum of the oscillatory energies over all steps, relative",
+            "largest relative change of the sum of the oscillatory energies over all steps",
             reduce="peak",
         )
         along_time = [
@@ -86,9 +86,9 @@ def structure_history(
 ) -> xr.Dataset:
     """Record the motion of a structure over time with every scheme at one step size, and its reference.
 
-    The history of the chain is the energies of its stiff springs. Others are displacement and velocity, and the energy
-    error if the structure does not start with zero energy. Histories have the shape (scheme, t, ...), those of the
-    reference (t_reference, ...).
+    The history of the chain has the energies of its stiff springs. The history of another structure has displacement
+    and velocity, and the energy error if its initial energy is not zero. Histories have the shape (scheme, t, ...), and
+    histories of the reference (t_reference, ...).
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ OBSERVED = ("lyapunov_exponent", "energy_balance", "newton_iterations")
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    # a step of many unknowns counts as one of each
+    # a step counts once for each unknown
     periods = sum(length["periods"] * np.size(problems_by_name[length["problem"]].u0) for length in options["lengths"])
     # every run is repeated over half its length
     runs = 1.5 * len(options["schemes"]) * len(options["excitations"])
@@ -95,7 +95,7 @@ def structure_stability(
                 dims,
                 exponent,
                 {
-                    "long_name": "Lyapunov exponent of the numerical map over half the run, in a time scale",
+                    "long_name": "largest Lyapunov exponent over the second half of the run, times the time scale",
                     "units": "1",
                 },
             ),

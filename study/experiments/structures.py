@@ -33,7 +33,7 @@ ATTRIBUTES = {
     "velocity_error": {"long_name": "largest error of the velocity over its largest size", "units": "1"},
     "acceleration_error": {"long_name": "largest error of the acceleration over its largest size", "units": "1"},
     "max_energy_imbalance": EnergyBalance.variables["max_energy_imbalance"],
-    # a support takes linear momentum, so the error of that is NaN for structures that are held
+    # a support takes linear momentum, whose error is NaN for structures with supports
     **MomentumErrors.variables,
     "iterations_per_step": {"long_name": "Newton iterations per step", "units": "1"},
     "max_newton_iterations": NewtonIterations.variables["max_newton_iterations"],
@@ -112,7 +112,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     samples = periods * per_period
     if round(samples) < 1 or abs(samples - round(samples)) > 1e-9:
         problem = options["problem"]
-        return f"lengths: {periods} periods of '{problem}' are no whole number of samples, {per_period} in each."
+        return f"lengths: {periods} periods of '{problem}' are not a whole number of samples, {per_period} per period."
     return no_multiple("steps_per_period", options["steps_per_period"], per_period, "samples_per_period")
 
 

@@ -30,7 +30,8 @@ def ueda(
 ) -> xr.Dataset:
     """Measure the largest Lyapunov exponent of the numerical map of Ueda's oscillator.
 
-    It is that over the second half of the runs, as the mean and its standard error over ``runs`` initial displacements.
+    The exponent is measured over the second half of each run. The dataset has its mean over ``runs`` initial
+    displacements, and the standard error of the mean.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
         if refused is not None:
             return refused
     if 100 not in configuration["accuracy"]["periods"]:
-        return "schemes needs 100 among accuracy.periods, from which it takes Newton's iterations."
+        return "schemes needs 100 among accuracy.periods, for the number of Newton iterations."
     return None
 
 
@@ -55,7 +55,7 @@ merged("work_precision", of=("work_precision/schemes", "work_precision/solvers")
 def work_precision(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, repeats: Repeats) -> xr.Dataset:
     """Measure time, force evaluations and Newton iterations of a step of every scheme, and its errors.
 
-    The errors are the dataset ``accuracy``, which the costs complement. The schemes are timed in turns, so that a slow
+    The errors come from the dataset ``accuracy``. The schemes are timed in turns, so that a slow
     moment of the machine affects all of them. Times of a step have the shape
     (problem, scheme, steps_per_period, repeat), in nanoseconds; they are NaN for a run that failed.
 
@@ -72,7 +72,7 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
         period = io.open_dataset(f"reference/{problem}").period.item()
-        # compiled at the same time, because nothing is timed yet, and timed one after the other
+        # compiled concurrently, because nothing is timed yet; the runs are timed one after the other
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             timed = list(pool.map(partial(Timed, problems_by_name[problem], reductions=(EnergyDrift(),)), chosen))
         for k, parts in enumerate(steps_per_period):
@@ -100,13 +100,13 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
         newton_iterations_per_step=(
             dims,
             iterations,
-            {"long_name": "Newton iterations a step: each one tangent and one solve", "units": "1"},
+            {"long_name": "Newton iterations per step, each with one tangent and one solve", "units": "1"},
         ),
-        force_evaluations_per_step=(dims, evaluations, {"long_name": "forces evaluated a step", "units": "1"}),
+        force_evaluations_per_step=(dims, evaluations, {"long_name": "forces evaluated per step", "units": "1"}),
     )
     ds = ds.assign(
         time_per_run=(1e-9 * ds.median_time_per_step * steps_of_run).assign_attrs(
-            long_name="median time of a run: of a step times the number of steps", units="s"
+            long_name="median time of a step times the number of steps of a run", units="s"
         ),
         force_evaluations=(ds.force_evaluations_per_step * steps_of_run).assign_attrs(
             long_name="forces evaluated in a run", units="1"

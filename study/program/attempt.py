@@ -28,7 +28,7 @@ TIME, SECONDS = "t", "seconds"
 #: Largest size of a value; a run that grows beyond it counts as unbounded.
 LARGEST = 1e100
 
-#: Tolerance of times as a part of a step, for the digits of a file.
+#: Tolerance of times as a part of a step, because files have few digits.
 UNIFORM = 1e-3
 
 #: Times of a run, of shape (t,).
@@ -55,11 +55,11 @@ class Run(NamedTuple):
     Attributes
     ----------
     status, reason
-        One of the ``STATUSES``, and the reason if it is not the first, otherwise empty.
+        One of the ``STATUSES``, and the reason for a failure, empty if the run completed.
     seconds
-        Time that it took, by the program's own measure if it has one.
+        Time of the run, as the program measures it, or else the wall time.
     elapsed
-        Wall time that it took, with the start of a process.
+        Wall time of the run, including the start of a process.
     t
         Times in s, of shape (t,); empty if all quantities are single numbers, or if the run failed.
     values
@@ -77,7 +77,7 @@ class Run(NamedTuple):
 
     @property
     def completed(self) -> bool:
-        """Whether it succeeded."""
+        """Whether the run succeeded."""
         return self.status == STATUSES[0]
 
 
@@ -155,7 +155,7 @@ def attempt(run: Runnable, scheme: str, dt: float, duration: float) -> Run:
         return Run(scheme, dt, STATUSES[0], "", float(seconds), elapsed, t, values)
     except Unusable as failed:
         status, reason = failed.status, failed.reason
-    except SystemExit as end:  # which would end this process too
+    except SystemExit as end:  # it would end this process too
         status, reason = "exit_code", f"it ended with the exit code {end.code}"
     except Exception as error:  # a user's program may raise anything
         status, reason = "raised", f"it raised {type(error).__name__}: {error}"

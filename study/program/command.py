@@ -22,7 +22,7 @@ from study.program.definition import Program
 #: Placeholders of a command that a run fills.
 PLACES = ("dt", "scheme", "output", "duration")
 
-#: Largest number of letters that a reason quotes of a program's last output.
+#: Largest number of characters of the last line of a program's output that a reason quotes.
 LAST_WORDS = 200
 
 
@@ -119,16 +119,16 @@ def _quantities(output: Path) -> dict[str, np.ndarray]:
 def command(
     template: str, schemes: Sequence[str], duration: float, *, time_limit: float | None = None, **options: Any
 ) -> Program:
-    """A program that any executable runs, which writes a CSV file.
+    """A program whose runs are calls of an executable that writes a CSV file.
 
     Parameters
     ----------
     template
-        The command, such as ``./mycode --dt {dt} --scheme {scheme} --output {output}``. The step in s, a scheme and the
-        file to write are put in place of ``{dt}``, ``{scheme}`` and ``{output}``, and the duration in s in place of
-        ``{duration}``. No shell interprets it. Runs share the folder of this process, so that a program that writes
-        files of fixed names needs ``workers=1``. The first line of the file names its columns: ``t`` and quantities
-        along time, or single numbers in one row.
+        The command, such as ``./mycode --dt {dt} --scheme {scheme} --output {output}``. Each run replaces ``{dt}``,
+        ``{scheme}`` and ``{output}`` by the step in s, the scheme and the file to write, and ``{duration}`` by the
+        duration in s. No shell interprets the command. Runs share the folder of this process, so that a program that
+        writes files of fixed names needs ``workers=1``. The first line of the file names its columns: ``t`` and
+        quantities along time, or single numbers in one row.
     schemes, duration
         As for :class:`study.Program`.
     time_limit
@@ -150,13 +150,13 @@ def command(
         If the command lacks ``{dt}``, ``{scheme}`` or ``{output}``.
     """
     if not isinstance(template, str):
-        raise TypeError(f"the command must be one text, not {template!r}.")
+        raise TypeError(f"the command must be a string, not {template!r}.")
     try:
         words = shlex.split(template)
     except ValueError as error:
         raise ValueError(f"the command {template!r} cannot be split into words: {error}.") from None
     if lacking := [place for place in PLACES[:3] if f"{{{place}}}" not in template]:
-        raise ValueError(f"the command must have {{{lacking[0]}}} where a run gives its own, not {template!r}.")
+        raise ValueError(f"the command must contain the placeholder {{{lacking[0]}}}, not {template!r}.")
     if shutil.which(words[0]) is None:
         raise FileNotFoundError(f"there is no executable '{words[0]}'.")
     return Program(Command(Path(words[0]).name, template, duration, time_limit), schemes, duration, **options)

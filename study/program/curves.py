@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 #: Interpolation between the steps.
 INTERPOLATION = "cubic splines through the steps of the finer run"
 
-#: Least number of points of a curve; every second one shows the error of its interpolation.
+#: Smallest number of points of a curve from which the error of its interpolation is estimated.
 FEWEST = 8
 
 
@@ -47,7 +47,7 @@ class Curve:
         return SAME * (self.t[1] - self.t[0])
 
     def at(self, times: np.ndarray) -> Values:
-        """Values at some times, those of its steps or by a cubic spline; of a single number, itself."""
+        """Values at times that are its steps, or by a cubic spline at other times; a single number is unchanged."""
         if not self.values.ndim:
             return self.values
         # a spline of many components takes longer than a run; a run with half the step has the times of the coarser one
@@ -57,20 +57,20 @@ class Curve:
         return self._spline(times)
 
     def within(self, other: Curve) -> Curve:
-        """The part of it at times that another curve covers."""
+        """The part of the curve at times that another curve covers."""
         if not self.values.ndim:
             return self
         shared = (self.t >= other.t[0] - self._slack) & (self.t <= other.t[-1] + self._slack)
         return Curve(self.t[shared], self.values[shared])
 
-    def from_(self, finer: Curve) -> Values:
+    def difference(self, finer: Curve) -> Values:
         """Difference from a finer curve at the times of this one that the finer one covers."""
         shared = self.within(finer)
         return shared.values - finer.at(shared.t)
 
     def distance(self, finer: Curve) -> float:
         """Largest difference from a finer curve."""
-        return float(np.abs(self.from_(finer)).max(initial=0.0))
+        return float(np.abs(self.difference(finer)).max(initial=0.0))
 
     def between(self) -> float:
         """Error of the values between its steps: half of the error of interpolation between every second step."""

@@ -38,24 +38,25 @@ class Program:
         a peak. The times are steps, or every n-th one. A program that measures its time returns it as ``seconds``. An
         exception is recorded and ends that run only.
     schemes
-        Names of schemes for ``run``, at least two with the witnesses. If the study has a scheme of that name, the
-        assessment describes it so.
+        Names of schemes for ``run``, at least two with the witnesses. A name that the study has too is described as the
+        study's scheme.
     duration
         Time of every run in s.
     spacing
         Time in s between the samples of a record. All steps then divide it.
     coarsest, finest
-        Largest and smallest step that may be run, in s. By default a sixteenth of the duration, or the spacing, and the
-        duration over 131,072.
+        Largest and smallest step that may be run, in s. By default the largest one is the spacing, or a sixteenth of
+        the duration if there is none, and the smallest one is the duration over 131,072.
     witnesses
         Names of further schemes, which help to find the reference. No step is sought for them.
     name
         Title of the program, which identifies its runs in place of its source.
     folder
-        Where runs are kept; by default in the user's cache folder.
+        Folder in which runs are kept; by default in the user's cache folder.
     workers
-        Runs at once. By default as many as there are cores, in processes, if ``run`` can be pickled, as a function of a
-        file can; otherwise one, in this process. A script then needs ``if __name__ == "__main__":``.
+        Number of concurrent runs. If ``run`` can be pickled, as a function in a file can, the default is the number of
+        cores, and runs are made in other processes; a script then needs ``if __name__ == "__main__":``. Otherwise one
+        run at a time is made in this process.
 
     Raises
     ------
@@ -100,8 +101,8 @@ class Program:
                 raise TypeError(f"{key} must be a list of names, such as ['newmark', 'hht'], not {names!r}.")
         if not self.schemes or len(set(self.all_schemes)) < max(2, len(self.all_schemes)):
             raise ValueError(
-                f"schemes must be at least two different names, not {self.all_schemes}: the truth is what two schemes "
-                "agree on."
+                f"schemes must be at least two different names, not {self.all_schemes}: the reference is the motion "
+                "on which two schemes agree."
             )
         for key in ("duration", "spacing", "coarsest", "finest"):
             value = getattr(self, key)
@@ -109,7 +110,7 @@ class Program:
             if not (value is None and key != "duration") and not (number and 0 < value < np.inf):
                 raise ValueError(f"{key} must be a time in s greater than zero, not {value!r}.")
         if not isinstance(self.name, str | None):
-            raise TypeError(f"name must be a text, not {self.name!r}.")
+            raise TypeError(f"name must be a string, not {self.name!r}.")
         if self.workers is not None and not (isinstance(self.workers, int) and self.workers > 0):
             raise ValueError(f"workers must be a whole number greater than zero, not {self.workers!r}.")
         if self.largest > self.duration / 2 or self.smallest >= self.largest:
@@ -134,7 +135,7 @@ class Program:
         return self.finest or self.duration / MOST_STEPS
 
     def fitted(self, step: float) -> float:
-        """The largest step up to another one that divides the spacing of a record, if there is one."""
+        """The largest step up to ``step`` that divides the spacing of a record; ``step`` itself without a record."""
         return self.spacing / math.ceil(self.spacing / step * (1 - 1e-9)) if self.spacing else step
 
     @property

@@ -19,7 +19,7 @@ _NAMES = {one.words[0]: name for name, one in reversed(INTEGRATORS.items())}
 
 
 def _name(given: str) -> str:
-    """The name among the integrators of a scheme that is given by OpenSees' name or by the study's."""
+    """Key of a scheme in ``INTEGRATORS``, from the name in OpenSees or in the study."""
     if not isinstance(given, str):
         raise TypeError(
             f"a scheme of OpenSees must be a name, such as 'hht_alpha', not an object of {type(given).__name__}."
@@ -37,15 +37,16 @@ def opensees(
 ) -> Program:
     """A program of a model of OpenSees, for :func:`study.assess`.
 
-    The extra ``opensees`` of this package has OpenSees. Each run is a process.
+    OpenSees comes with the extra ``opensees`` of this package. Each run is a process.
 
     Parameters
     ----------
     file
-        A file of Python with ``def build(ops)``, which makes the model with its masses, damping, patterns and, if need
-        be, gravity (then with ``ops.loadConst("-time", 0.0)``) in the interpreter ``ops``; and ``measure``, a dict from
-        names to functions of ``ops`` that return a number, such as ``{"roof": lambda ops: ops.nodeDisp(5, 1)}``. The
-        transient analysis is made here. Newton's iteration ends at a correction of 1e-10, or ``tolerance``.
+        A Python file with a function ``build(ops)`` and a dict ``measure``. The function makes the model in the
+        interpreter ``ops``: masses, damping, patterns and, if needed, gravity followed by
+        ``ops.loadConst("-time", 0.0)``. The dict maps names to functions of ``ops`` that return a number, such as
+        ``{"roof": lambda ops: ops.nodeDisp(5, 1)}``. The file makes no transient analysis. Newton's iteration ends at a
+        correction of 1e-10, or of ``tolerance`` if the file has this name.
     schemes
         Names of the study, such as ``"average_acceleration"``, ``"hht_alpha"`` or ``"bathe"``, or of OpenSees'
         integrators, such as ``"Newmark"``, ``"TRBDF2"`` or ``"CentralDifference"``.

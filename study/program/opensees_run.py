@@ -1,6 +1,6 @@
 """A run of a model of OpenSees in a separate process: ``FILE SCHEME DT DURATION OUTPUT``.
 
-OpenSees has one model in a process, and a failure may end the process.
+OpenSees holds one model in a process, and a failure may end the process.
 """
 
 import importlib
@@ -26,7 +26,7 @@ class Integrator(NamedTuple):
     algorithm, system
         Solution algorithm and system of equations.
     parts
-        OpenSees' steps in a step of the scheme.
+        Number of OpenSees' steps in a step of the scheme.
     """
 
     words: tuple[str | float, ...]
@@ -56,8 +56,8 @@ INTEGRATORS = {
 #: Algorithms that are tried one after the other if Newton's iteration finds no balance.
 OTHERS = (("NewtonLineSearch",), ("KrylovNewton",), ("ModifiedNewton", "-initial"))
 
-#: Norm of the last correction of the displacements, in the units of the model, if the file names no ``tolerance``; and
-#: the most iterations.
+#: Default of ``tolerance``, the norm of the last correction of the displacements in the units of the model, and largest
+#: number of iterations.
 TOLERANCE, ITERATIONS = 1e-10, 50
 
 

@@ -93,7 +93,7 @@ class Refinement:
                 if max(truth.uncertainty.values()) <= wanted or apart > 1:
                     break
                 work = {s: self._work(one, wanted) for s, one in known.items()}
-                # the two that need the least work decide, unless they go to different motions
+                # the two schemes with the least work decide, unless they converge to different motions
                 pair = sorted(work, key=work.__getitem__)[:2]
                 of_pair = agreed(known[s] for s in pair)
                 done = set() if truth.apart or (of_pair and of_pair.apart) else known.keys() - pair
@@ -141,7 +141,7 @@ class Refinement:
         return f"ends at Δt = {failed[-1].dt:.4g} s: {failed[-1].reason}" if failed else "has too few steps to halve"
 
     def _ignores(self, scheme: str) -> bool:
-        """Whether two runs of a scheme are the same to the last digit; a remark says so."""
+        """Whether two runs of a scheme are the same to the last digit, which is then added to the remarks."""
         runs = self.last_completed(scheme)[-2:]
         if self.noise[scheme] or len(runs) < 2:
             return bool(self.noise[scheme])
@@ -157,7 +157,7 @@ class Refinement:
         return bool(self.noise[scheme])
 
     def _judge(self, truth: Truth, wanted: float, apart: bool) -> None:
-        """A remark if the reference is not accurate enough for the smallest error."""
+        """Add a remark if the reference is not accurate enough for the smallest error."""
         name = max(truth.uncertainty, key=lambda one: truth.uncertainty[one])
         off = truth.uncertainty[name]
         if off <= wanted:

@@ -1,4 +1,4 @@
-"""All runs of a program: kept on disk, several at once."""
+"""All runs of a program, which are kept on disk and made concurrently."""
 
 import hashlib
 import io as streams
@@ -53,7 +53,7 @@ class Runs:
     seconds
         Wall time after which no run begins that would end later.
     report
-        Takes a sentence on the present work, and its expected seconds if these are known.
+        Function of a sentence on the current work and, if they are known, its expected seconds.
 
     Attributes
     ----------

@@ -50,11 +50,11 @@ class Search:
     allowed
         Allowed errors, the largest first.
     round_step
-        The largest round step up to another one, for the spacing of a record or None.
+        Function of a step and the spacing of a record, or None, that returns the largest round step up to the step.
     seconds
         Wall time after which no run begins that would end later.
     report
-        Takes a sentence on the present work, and its expected seconds if these are known.
+        Function of a sentence on the current work and, if they are known, its expected seconds.
 
     Attributes
     ----------
@@ -84,14 +84,15 @@ class Search:
             self.refinement = Refinement(program, runs, allowed[-1])
             self.truth = self.refinement.truth
             self._measure()
-            # the largest errors first, for which coarse steps suffice; a run for a smaller one may exceed a larger one
+            # the largest errors first, for which coarse steps suffice; a run for a smaller error may exceed a larger
+            # one that was decided before, so the search is repeated
             while any([self._search(error) for error in allowed]):
                 pass
             self._late = runs.late
-        self._remark_what_is_lacking(runs.interrupted)
+        self._add_remarks(runs.interrupted)
 
-    def _remark_what_is_lacking(self, interrupted: bool) -> None:
-        """Sentences on an interruption, and on schemes that keep no error and fail more often than not."""
+    def _add_remarks(self, interrupted: bool) -> None:
+        """Add remarks on an interruption, and on schemes that keep no error and fail more often than not."""
         if interrupted:
             self.refinement.remarks.append("interrupted: no step is named where more runs were needed")
         limits = [(name, error) for name in self.truth.uncertainty for error in self.allowed]
@@ -105,7 +106,7 @@ class Search:
                 )
 
     def _search(self, error: float) -> bool:
-        """Run until an error has its verdict; whether there was a run."""
+        """Run until an error has its verdict, and return whether there was a run."""
         before = len(self.errors)
         while self.refinement.run(job for scheme in self.program.schemes for job in self._wanted(scheme, error)):
             self._measure()
@@ -150,7 +151,7 @@ class Search:
         step = self._round(largest)
         if step not in tried:
             return [step]
-        # one of the halved steps is there
+        # one more, because one of the halved steps lies in the octave and is not random
         wanted = self._confirming(scheme, step)
         missing = wanted + 1 - sum(step / 2 <= dt < step for dt in tried)
         return [one for one in self._random(scheme, step, wanted) if one not in tried][: max(missing, 0)]
@@ -176,7 +177,7 @@ class Search:
         return [one for one in drawn if one < step and one >= self.program.smallest]
 
     def _hopeless(self, scheme: str, name: str) -> bool:
-        """Whether halving no longer reduces the error of a scheme; a remark says so."""
+        """Whether halving no longer reduces the error of a scheme, which is then added to the remarks."""
         runs = self.refinement.of(scheme)
         if runs[-1].status == "timed_out":
             return True
@@ -185,7 +186,8 @@ class Search:
             if not finest or run.dt > 1.99 * finest[-1]:
                 finest.append(run.dt)
         last = [self.errors[scheme, dt][name] for dt in finest[:FEWEST_RUNS]]
-        # as fine as the reference, since errors of an impact may stay for octaves of coarser steps
+        # only at steps as fine as the reference's, because the error of an impact may stay the same over coarser
+        # octaves
         stuck = len(last) == FEWEST_RUNS and finest[0] <= self.truth.best.dt * (1 + 1e-9)
         stuck = stuck and all(fine > STUCK * coarse for fine, coarse in pairwise(last))
         if stuck:

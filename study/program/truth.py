@@ -83,7 +83,7 @@ class Truth(NamedTuple):
 def _extrapolated(coarser: Curve, finer: Curve, order: int) -> Curve:
     """Richardson's extrapolation, at the times of the coarser run."""
     shared = coarser.within(finer)
-    return Curve(shared.t, shared.values - shared.from_(finer) * (1 + 1 / (2**order - 1)))
+    return Curve(shared.t, shared.values - shared.difference(finer) * (1 + 1 / (2**order - 1)))
 
 
 def estimate(runs: Sequence[Run]) -> Estimate | None:

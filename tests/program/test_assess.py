@@ -166,7 +166,7 @@ def test_what_is_wrong_with_all_runs_is_said(run, schemes, sentence, tmp_path):
         ({"schemes": "newmark"}, TypeError, "schemes must be a list of names, such as"),
         ({"schemes": ["newmark"]}, ValueError, "schemes must be at least two different names, not"),
         ({"duration": -1.0}, ValueError, "duration must be a time in s greater than zero, not -1.0."),
-        ({"name": 3}, TypeError, "name must be a text, not 3."),
+        ({"name": 3}, TypeError, "name must be a string, not 3."),
         ({"workers": 0}, ValueError, "workers must be a whole number greater than zero, not 0."),
         ({"coarsest": 15.0}, ValueError, "steps from 15 s down to .* do not fit a duration of 20 s"),
     ],

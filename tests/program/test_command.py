@@ -75,7 +75,7 @@ def test_a_scheme_that_hangs_is_run_once(script):
 
 
 def test_an_unfit_command_is_refused():
-    with pytest.raises(ValueError, match=r"the command must have \{output\} where a run gives its own"):
+    with pytest.raises(ValueError, match=r"the command must contain the placeholder \{output\}"):
         command("./mycode {dt} {scheme}", ["a", "b"], 4.0)
     with pytest.raises(ValueError, match="cannot be split into words: No closing quotation"):
         command("./mycode '{dt} {scheme} {output}", ["a", "b"], 4.0)
