@@ -1,12 +1,12 @@
 r"""Exact peaks of many oscillators on bilinear springs under records, from event to event.
 
-Between two events, a yield point, a turn of the motion or a sample of the record, the motion obeys
+An event is a yield point, a turning point of the motion or a sample of the record. Between two events the motion obeys
 
 .. math::
 
     \ddot u + c \dot u + k u = q_0 + q_1 \tau
 
-with the stiffness k of the piece. Its solution has a closed form, so that all oscillators advance at once, each from
+with the stiffness k of the piece. The solution has a closed form, so that all oscillators advance at once, each from
 its own event to the next. :mod:`reference.piecewise` solves for one oscillator of any damping by matrix exponentials.
 """
 
@@ -67,7 +67,7 @@ def peaks(
     hardening: float,
     places: int,
 ) -> Lanes:
-    """Largest displacement in size of unit masses that start at rest, exact up to round-off.
+    """Largest absolute displacement of unit masses that start at rest, exact up to round-off.
 
     Parameters
     ----------
@@ -77,11 +77,11 @@ def peaks(
         Stiffness k, damping c, force at yield, and the stiffness after yield over k; the oscillator must stay
         underdamped after yield.
     places
-        Number of times in every interval between two samples at which events are sought. Two turns between two of them
-        are missed, so the difference of the peaks at two numbers of places estimates their uncertainty.
+        Number of times in every interval between two samples at which events are sought. Two turning points between two
+        such times are missed. The difference of the peaks at two numbers of places estimates their uncertainty.
     """
     bound, slope, spacing = yield_force / stiffness, np.diff(acceleration) / dt, dt / places
-    # the side of the yield, zero while elastic; the time since the last place
+    # side: sign of the yielding, zero while elastic; passed: time since the last place
     u, v, plastic, side, passed, peak = np.zeros((6, len(acceleration)))
     place = np.zeros(len(acceleration), int)
     while (lanes := np.flatnonzero(place < places * slope.shape[1])).size:
@@ -98,7 +98,7 @@ def peaks(
         turns = v[lanes] * v_end < 0
         tau[turns] = _time_of(0.0, 1, left[turns], start[:, turns])
         u_end[turns], v_end[turns] = _motion(tau[turns], *start[:, turns])[0], 0.0
-        # the motion has one direction up to here, so it leaves the elastic range once at most
+        # up to ``tau`` the motion has one direction, so it leaves the elastic range at most once
         direction = np.sign(u_end - u[lanes])
         limit = plastic[lanes] + direction * bound[lanes]
         leaves = ~yields & (direction * (u_end - limit) > 0)

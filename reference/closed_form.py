@@ -16,7 +16,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import HarmonicLoad
 from study.problem.springs import CubicSpring, TanhSpring
 
-#: Number of decimal digits; 30 digits of a period are exact.
+#: Number of decimal digits of the arithmetic, in which 30 digits of a period are exact.
 DIGITS = 50
 
 
@@ -79,7 +79,7 @@ def period(problem: Problem, u0: float | None = None, digits: int = DIGITS) -> m
     u0
         Initial displacement; the problem's own by default.
     digits
-        Decimal digits that are carried.
+        Decimal digits of the arithmetic.
 
     Raises
     ------
@@ -112,12 +112,12 @@ def turning_points(problem: Problem, u0: float) -> tuple[float, float]:
 
 
 def has_trajectory(problem: Problem) -> bool:
-    """Whether the trajectory has a closed form too, as for the cubic springs."""
+    """Whether the trajectory has a closed form too; cubic springs have one."""
     return is_known(problem) and isinstance(_spring(problem), CubicSpring)
 
 
 def trajectory(problem: Problem, t: Iterable) -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
-    r"""Exact displacement and velocity of a cubic spring at the times ``t``, carried with ``DIGITS`` digits.
+    r"""Exact displacement and velocity of a cubic spring at the times ``t``, computed with ``DIGITS`` digits.
 
     With x = κt + φ it is one of
 

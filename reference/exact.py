@@ -1,9 +1,9 @@
 """Exact solutions beyond double precision, with a measured uncertainty.
 
 The Taylor method of heyoka is run with significands of 128 and 192 bits, each in two formulations of the equation. The
-digits common to all four integrations are certified; a closed form is compared too where one is known. A free
-oscillator is integrated over one period only: its period is known to more than thirty digits, so any time can be
-reduced by whole periods.
+digits common to all four integrations are certified. If a closed form is known, it is compared too. A free oscillator
+is integrated over one period only, because its period is known to more than thirty digits and any time can be reduced
+by whole periods.
 """
 
 import math
@@ -46,7 +46,7 @@ class ExactSolution(NamedTuple):
 
 
 def mpf(value: hy.real) -> mpmath.mpf:
-    """A number of heyoka as one of mpmath, with all its digits."""
+    """Convert a number of heyoka to mpmath, with all its digits."""
     with mpmath.workprec(value.prec):
         return mpmath.mpf(str(value))
 
@@ -61,7 +61,7 @@ def _doubles(values: np.ndarray) -> np.ndarray:
 
 
 def period(problem: Problem, estimate: float) -> tuple[hy.real, float]:
-    """Exact period of a free oscillator at rest, and its largest relative difference from the other routes.
+    """Exact period of a free oscillator released from rest, and its largest relative difference from other routes.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def folded(problem: Problem, t: ArrayLike, exact_period: hy.real, period_certifi
     """Exact solution of a free oscillator at times of any size, in any order.
 
     Each time is reduced by whole periods. The period is known to more than thirty digits, so a hundred thousand periods
-    leave the sixteen digits of a double exact. Their effect on the certified digits is added to the differences.
+    leave the sixteen digits of a double exact. The effect of the period's error is added to the certified differences.
 
     Parameters
     ----------

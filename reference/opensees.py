@@ -1,10 +1,10 @@
 """The same schemes in OpenSees, a finite element code, as an optional comparison.
 
-OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except two agree to round-off. OpenSees
-starts Houbolt's method by two steps of average acceleration. Its α-method evaluates one internal force at the weighted
-displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called TRBDF2,
-and each of its two sub-steps counts as a step. OpenSees' generalized-α method with α_m other than zero is left out: at
-a twentieth of the period its motion of this spring grows to a hundred times the amplitude within five periods.
+OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except two agree to round-off: OpenSees
+starts Houbolt's method by two steps of average acceleration, and its α-method evaluates one internal force at the
+weighted displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called
+TRBDF2, and each of its two sub-steps counts as a step. OpenSees' generalized-α method with non-zero α_m is left out,
+because at a step of a twentieth of the period its motion grows to a hundred times the amplitude within five periods.
 """
 
 import importlib
@@ -87,7 +87,7 @@ def _nodes(places: np.ndarray) -> ModuleType:
 
 
 def _line(nodes: int) -> ModuleType:
-    """OpenSees with nodes of unit mass on a line, all at its origin; the first one is fixed."""
+    """OpenSees in one direction, with nodes of unit mass at the origin; the first one is fixed."""
     ops = _nodes(np.zeros((nodes, 1)))
     ops.fix(1, 1)
     return ops
@@ -96,7 +96,7 @@ def _line(nodes: int) -> ModuleType:
 def _choose(ops: ModuleType, scheme: str) -> None:
     """Choose the integrator of a scheme and the rest of a transient analysis."""
     if scheme not in INTEGRATORS:
-        raise ValueError(f"OpenSees does not step '{scheme}'; it steps {', '.join(INTEGRATORS)}.")
+        raise ValueError(f"OpenSees has no scheme '{scheme}'; it has {', '.join(INTEGRATORS)}.")
     integrator, algorithm = INTEGRATORS[scheme]
     ops.constraints("Plain")
     ops.numberer("Plain")
@@ -154,7 +154,7 @@ def variable_steps(
 ) -> tuple[Times, Solution]:
     """Times, and displacement and velocity there, of a cubic spring with the steps that OpenSees chooses.
 
-    The next step is this one times ``iterations`` over the number of tests of convergence that it took
+    The next step is the present step times ``iterations`` over its number of tests of convergence
     (``VariableTransient``). The last step is not shortened, so that the run ends after its duration. Raises as
     :func:`trajectory` does.
 
@@ -177,7 +177,7 @@ def variable_steps(
         steps = round(duration / dt)
         failed = ops.analyze(steps, duration / steps, 1e-6 * dt, longest, iterations)
         elapsed = time.perf_counter() - start
-        ops.wipe()  # which closes the files
+        ops.wipe()  # closes the files
         (t, u), (_, v) = (np.loadtxt(file).T for file in files.values())
     if failed:
         raise ValueError(f"OpenSees failed on '{problem}' with '{scheme}'.")
@@ -246,8 +246,8 @@ def shear_frame(
 ) -> Solution:
     """Displacement and velocity relative to the ground of a frame of storeys, after every step, each (steps, storeys).
 
-    Storeys that yield are OpenSees' ``Steel01``, smooth hysteresis its ``BoucWen``, dampers its ``Viscous``. Its
-    ``BoucWen`` steps the rate of the law implicitly, so that its force has an error of the first order in Δt.
+    OpenSees' materials are ``Steel01`` for storeys that yield, ``BoucWen`` for smooth hysteresis and ``Viscous`` for
+    dampers. ``BoucWen`` integrates the rate of the law implicitly, so that its force has an error of first order in Δt.
 
     Parameters
     ----------
@@ -273,7 +273,7 @@ def shear_frame(
         if isinstance(storeys, Elastoplastic):
             ops.uniaxialMaterial("Steel01", number, bound, stiffness, hardening)
         else:
-            # its z is the displacement u_y y, and β = γ = 1/2 per u_yⁿ
+            # the variable z of OpenSees is the displacement u_y y, so β = γ = 1/(2 u_yⁿ)
             n, scale = storeys.exponent, 0.5 * (stiffness / bound) ** storeys.exponent
             ops.uniaxialMaterial("BoucWen", number, hardening, stiffness, n, scale, scale, 1.0, 0.0, 0.0, 0.0)
         ops.element("zeroLength", number, number, number + 1, "-mat", number, "-dir", 1)

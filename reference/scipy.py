@@ -9,7 +9,7 @@ from reference.solution import ATOL_BELOW_RTOL, RouteFailed, Solution, Times, ch
 from reference.symbolic import as_python
 from study.mechanics.definition import Problem
 
-#: Smallest tolerance; SciPy replaces smaller ones by it.
+#: Smallest relative tolerance of SciPy, which replaces smaller ones.
 SMALLEST_RTOL = 100 * np.finfo(float).eps
 
 

@@ -1,4 +1,4 @@
-"""Common parts of the routes: the solution that they return, their errors, and their checks of problem and times."""
+"""Common parts of the routes: their solution, their exceptions, and their checks of problem and times."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -122,7 +122,7 @@ def release(route: str, problem: Problem, estimate: float) -> float:
         "it is loaded": problem.load is not None,
         "it has more than one unknown": np.ndim(problem.u0) > 0,
         "it does not start from rest": np.ndim(problem.u0) == 0 and float(problem.v0) != 0.0,
-        "it starts in balance": np.ndim(problem.u0) == 0 and float(problem.static_force(problem.u0)) == 0.0,
+        "it starts in equilibrium": np.ndim(problem.u0) == 0 and float(problem.static_force(problem.u0)) == 0.0,
     }
     for reason, holds in reasons.items():
         if holds:

@@ -29,12 +29,13 @@ MAX_NUM_STEPS = 1_000_000
 CV_ROOT_RETURN, CV_TOO_MUCH_WORK = 2, -1
 #: Relative tolerance of the motion along which kinks are found.
 KINK_RTOL = 1e-12
-#: Part of the duration by which kinks of a force with a history are sought ahead; the first of kinks this close counts.
+#: Part of the duration by which kinks of a force with a history are sought ahead. Of kinks closer than this, only the
+#: first one counts.
 AHEAD = 1e-10
 
 
 class _Motion:
-    """A problem with the history that its motion has committed, which is None without a history."""
+    """A problem and the history that its motion has committed; None if the problem has no history."""
 
     def __init__(self, problem: Problem):
         shape = (2, *np.shape(problem.u0))
@@ -51,7 +52,7 @@ class _Motion:
 
 
 def _right_side_of(motion: _Motion):
-    """Function f(t, y, ẏ) that writes ẏ: plain Python for one unknown whose functions translate, otherwise compiled."""
+    """Function f(t, y, ẏ) that writes ẏ: in Python for one unknown with translatable functions, otherwise compiled."""
     if np.ndim(motion.problem.u0) == 0 and motion.history is None:
         from reference.symbolic import Untranslatable, as_python  # here, because importing SymPy takes a second
 
@@ -101,9 +102,9 @@ def trajectory(
 
     Values come from CVODE's own polynomial of the step that contains each time, which is as accurate as the step.
     Stopping at each time instead doubles the measured error, because every stop interrupts the sequence of step sizes.
-    A force with a history is computed for the straight motion from the last of the times ``t``, at which it is
-    committed. It equals the force of the motion itself if no part of the history reverses between two of them, so
-    ``restarts`` must contain the times of reversals.
+    A history is committed at each of the times ``t``. From one commit to the next, the force is computed as for a
+    motion without reversals. It is exact if no part of the history reverses between two of the times, so ``restarts``
+    must contain the times of reversals.
 
     Parameters
     ----------
@@ -137,7 +138,7 @@ def trajectory(
     restarted = np.isin(t, [] if restarts is None else restarts)
     stops = np.union1d(stops, t[restarted])
     start, evaluations = time.perf_counter(), 0
-    # a loop outside Python; for only two times it would return all steps between them
+    # a single call, whose loop is not in Python; for two times only, it would return all steps between them
     if len(t) > 2 and motion.history is None and not np.isfinite(stops).any():
         solution = solver.solve([*([] if t[0] == 0 else [0.0]), *t], motion.start)
         _check(problem, method, solution)
@@ -158,21 +159,21 @@ def trajectory(
 
 
 def _events_of_history(problem: Problem, ahead: float, u, v):
-    """Numbers whose sign changes where the force has a kink, or where a number of its history turns back."""
-    # right after a commit a yield point is reached up to round-off only
+    """Numbers whose sign changes where the force has a kink, or where a number of its history reverses."""
+    # evaluated ahead, because right after a commit the distance to a yield point is of the size of round-off
     u = u + ahead * v
     rates = jax.tree.leaves(jax.jvp(lambda u: problem.committed(u, v).history, (u,), (v,))[1])
     events = jnp.concatenate([switches(problem.varying_force, u, v), *map(jnp.ravel, rates)])
-    # CVODE ignores an event function that begins with zero, such as the rate of a history at rest
+    # one for zero, because CVODE ignores a function that begins with zero, such as the rate of a history at rest
     return jnp.where(events == 0, 1.0, events)
 
 
 def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adams") -> Times:
     """Times at which a switch of the internal force changes its sign or its history reverses, by CVODE's roots.
 
-    There the force may have a kink; see :func:`study.mechanics.internal_force.switches`. A history reverses where
-    the rate of one of its numbers changes its sign, and is committed there. A touch without a change of sign is not
-    found. Nothing is found after the time at which CVODE stops, for example at a force that switches without end.
+    The force may have a kink at these times; see :func:`study.mechanics.internal_force.switches`. A history reverses
+    where the rate of one of its numbers changes its sign, and is committed there. A zero without a change of sign is
+    not found. No times are found after CVODE stops, for example at a force that switches without end.
 
     Parameters
     ----------

@@ -56,13 +56,13 @@ _OPERATIONS: dict[str, Callable] = {
 
 
 class Untranslatable(ValueError):
-    """A function with an operation that has no Taylor series here, such as a branch or a table."""
+    """A function contains an operation that has no Taylor series here, such as a branch or a table."""
 
 
 def expression(function: Callable, argument: hy.expression) -> hy.expression:
     """Translate a smooth scalar JAX function into an expression of heyoka.
 
-    Constants keep the values of their doubles, also in arithmetic of more digits.
+    Constants keep the values that they have in double precision, also in arithmetic of more digits.
 
     Raises
     ------
@@ -111,7 +111,9 @@ def _acceleration(problem: Problem, internal_force, v) -> hy.expression:
 
 def _check_depends_on_displacement(problem: Problem) -> None:
     if problem.dissipative:
-        raise Untranslatable(f"the force of '{problem.title}' takes more than the displacement, and is not translated.")
+        raise Untranslatable(
+            f"the force of '{problem.title}' depends on more than the displacement, so it is not translated."
+        )
 
 
 def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:

@@ -23,7 +23,7 @@ ROUTES: dict[str, tuple[Callable, Callable]] = {
     "cvode_bdf": (partial(sundials.trajectory, method="BDF"), partial(sundials.period, method="BDF")),
     "dopri8": (partial(diffrax.trajectory, method="Dopri8"), partial(diffrax.period, method="Dopri8")),
     "tsit5": (partial(diffrax.trajectory, method="Tsit5"), partial(diffrax.period, method="Tsit5")),
-    # implicit and of order five: without a limit of steps a tight tolerance takes minutes over a hundred periods
+    # an implicit method of order five: without a limit of steps, a tight tolerance takes minutes for a hundred periods
     "kvaerno5": (
         partial(diffrax.trajectory, method="Kvaerno5", max_steps=30_000),
         partial(diffrax.period, method="Kvaerno5"),
@@ -34,7 +34,7 @@ FINISHED, STEP_LIMIT, FAILED, NOT_TRIED, LOST = range(5)
 STATUS_MEANINGS = ("finished", "step_limit", "failed", "not_tried", "lost")
 #: Error, in amplitudes, above which a solution has left the orbit.
 LOST_ABOVE = 10
-#: Number of samples in a period; at whole periods alone an error of the phase does not show in the displacement.
+#: Number of samples in a period. Samples at whole periods only would hide an error of the phase in the displacement.
 SAMPLES = 16
 #: Numbers of periods; a window ends with the last of them.
 WINDOWS = (1, 10, 100)
@@ -58,15 +58,15 @@ def errors(problem: Problem, exact_solution: exact.ExactSolution, solution: Solu
         "energy_error": np.abs(energy / initial - 1),
     }
     largest = {name: np.array([np.max(h[: w * SAMPLES]) for w in WINDOWS]) for name, h in histories.items()}
-    # at whole periods the velocity is zero, and so is the error of first order that a delay causes
+    # the velocity is zero at whole periods, so a delay causes no error of first order there
     at_periods = histories["u_error"][SAMPLES - 1 :: SAMPLES]
     return largest | {"u_error_at_periods": np.array([np.max(at_periods[:w]) for w in WINDOWS])}
 
 
-def _attempt(ask: Callable, *arguments):
-    """Result of a route, ``None`` if it failed, and how it ended."""
+def _attempt(route: Callable, *arguments):
+    """Result of a route, or ``None`` if it failed, and its status."""
     try:
-        return ask(*arguments), FINISHED
+        return route(*arguments), FINISHED
     except RouteFailed as failure:
         progress(str(failure))
         return None, STEP_LIMIT if isinstance(failure, StepLimit) else FAILED
@@ -141,9 +141,9 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
         "energy_error": "largest relative error of the energy",
         "u_error_at_periods": "largest error of the displacement at whole periods, relative to its largest size",
         "period_error": "relative error of the period",
-        "evaluations": f"evaluations of the right side over {max(WINDOWS)} periods: of kvaerno5 its stages, each of "
-        "which takes several; of heyoka those of a Taylor coefficient; of CVODE without those for its Jacobian",
-        "run_time": f"run time over {max(WINDOWS)} periods, without compilation, of one run while other jobs run",
+        "evaluations": f"evaluations of the right side over {max(WINDOWS)} periods: for kvaerno5 stages, each of "
+        "which takes several; for heyoka Taylor coefficients; for CVODE without evaluations for its Jacobian",
+        "run_time": f"run time over {max(WINDOWS)} periods of one run without compilation, while other jobs run",
         "status": "how the trajectory ended",
         "period_status": "how the search for the period ended",
     }
@@ -164,7 +164,7 @@ def _of_problem(problem: str, tolerances: Sequence[float]) -> xr.Dataset:
             "periods": (
                 "periods",
                 list(WINDOWS),
-                {"long_name": "periods over which the error is the largest", "units": "1"},
+                {"long_name": "periods over which the largest error is taken", "units": "1"},
             ),
         },
         attrs={"title": "What a tolerance delivers: true errors of the reference solvers"},

@@ -18,7 +18,7 @@ from study.problem.named import problems as problems_by_name
 #: Tolerance of the solvers under step size control.
 RTOL = 1e-13
 
-#: Spacings at which exact pieces search for events; the difference of the motions is their uncertainty.
+#: Numbers of places at which exact pieces search for events; the difference of the motions is their uncertainty.
 PLACES = (200, 331)
 
 
@@ -40,7 +40,7 @@ def from_kink_to_kink(problem: Problem, t: Times) -> tuple[str, Solution, Soluti
     return "diffrax Dopri8 from kink to kink", one, other
 
 
-#: Solution of each problem.
+#: Function that solves each problem.
 _WAYS = {
     "yielding": _in_pieces,
     "bouncing": _in_pieces,
@@ -89,8 +89,8 @@ def inelastic(problems: Kinked, periods: int, samples_per_period: int) -> xr.Dat
         {
             "u": (("problem", "sample"), np.stack(u), {"long_name": "displacement", "units": "1"}),
             "u_uncertainty": ("problem", uncertainty, {"long_name": "uncertainty of the displacement", "units": "1"}),
-            "route": ("problem", route, {"long_name": "how the motion was found"}),
-            "time_scale": ("problem", scale, {"long_name": "time that measures the step", "units": "s"}),
+            "route": ("problem", route, {"long_name": "route of the motion"}),
+            "time_scale": ("problem", scale, {"long_name": "time scale by which steps are counted", "units": "s"}),
         },
         coords={
             "problem": ("problem", list(problems), {"long_name": "problem"}),

@@ -1,4 +1,4 @@
-"""Forces that general solvers need for an error, on the problems on which controlled steps are measured."""
+"""Number of forces that general solvers need for an error, on the problems of the section ``control_cost``."""
 
 from collections.abc import Mapping
 from typing import Annotated, Literal

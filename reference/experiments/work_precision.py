@@ -51,10 +51,10 @@ MEASURES = {
     "max_energy_error": ("largest relative error of the total energy in the last period", "percent"),
     "energy_drift": ("signed relative error of the total energy at the end", "1"),
 }
-#: Lengths in periods of the runs; shorter ones are beginnings of these.
+#: Lengths of the runs in periods; a shorter length is the beginning of one of these runs.
 RUNS = (100, 1000)
-#: Long name of a cost.
-SHARE = "{} of a run; of less than a hundred periods its share of that"
+#: Pattern of the long name of a cost.
+SHARE = "{} of a run; a shorter length has its share of the next longer run"
 #: Samples of the last period of a run, in which its errors are measured.
 SAMPLES = 16
 
@@ -86,7 +86,7 @@ def errors(
 
 
 def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> list[Solution]:
-    """Solutions of up to ``repeats`` equal runs, which end once they took ``longest`` seconds; none if one failed."""
+    """Solutions of equal runs, at most ``repeats``, until they have taken ``longest`` seconds; fewer if one fails."""
     runs: list[Solution] = []
     try:
         while len(runs) < repeats and sum(run.seconds for run in runs) < longest:
@@ -97,7 +97,7 @@ def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> li
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse problems, step sizes and lengths that the schemes are not run with, and tolerances out of reach."""
+    """Refuse problems, steps and lengths for which the schemes are not run, and tolerances that are too tight."""
     for key in ("problems", "steps_per_period"):
         of_schemes = configuration["work_precision"]["schemes"][key]
         refused = unlisted(key, options[key], f"work_precision.schemes.{key}", of_schemes)
@@ -112,7 +112,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Steps of a scheme, of thirty nanoseconds each, in the time that all solvers may take together."""
+    """Steps of a scheme, at thirty nanoseconds per step, in the time that all solvers may take together."""
     runs = len(options["problems"]) * len(SOLVERS) * len(options["tolerances"]) * len(RUNS)
     return runs * options["longest"] / 30e-9
 
@@ -136,9 +136,9 @@ def work_precision(
 
     Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
     and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.
-    A run is repeated until the repeats took ``longest`` seconds. A run of 1,000 periods that would take longer is left
-    out (NaN), and so are all tolerances tighter than one at which 100 periods took longer. The classical Runge-Kutta
-    method, which is also a scheme of the study, is timed in diffrax too.
+    A run is repeated until the repeats have taken ``longest`` seconds. A run of 1,000 periods that would take longer is
+    left out (NaN). If 100 periods took longer at one tolerance, all tighter tolerances are left out too. The classical
+    Runge-Kutta method, which is also a scheme of the study, is timed in diffrax too.
 
     Variables of the solvers have the shape (problem, solver, tolerance, periods).
 
@@ -209,8 +209,8 @@ def work_precision(
                 evaluations,
                 {
                     "long_name": SHARE.format("evaluations of the right side")
-                    + "; of kvaerno5 its stages, each of which takes "
-                    "several; of heyoka those of a Taylor coefficient; of CVODE without those for its Jacobian",
+                    + "; for kvaerno5 stages, each of which takes "
+                    "several; for heyoka Taylor coefficients; for CVODE without evaluations for its Jacobian",
                     "units": "1",
                 },
             ),
@@ -221,7 +221,7 @@ def work_precision(
             "right_side": (
                 "solver",
                 [RIGHT_SIDES[solver] for solver in SOLVERS],
-                {"long_name": "what the right side is; in Python it takes most of the time"},
+                {"long_name": "language of the right side; in Python it takes most of the time"},
             ),
             "tolerance": ("tolerance", list(tolerances), {"long_name": "prescribed relative tolerance", "units": "1"}),
             "steps_per_period": (

@@ -78,7 +78,7 @@ def test_a_problem_without_period_says_so(duffing):
         with pytest.raises(ValueError, match=r"finds no period of 'Duffing': it is (damped|loaded)"):
             period(duffing, 5.0, 1e-9)
         resting = study.Problem(lambda u: u, u0=0.0, title="resting")
-        with pytest.raises(ValueError, match="it starts in balance"):
+        with pytest.raises(ValueError, match="it starts in equilibrium"):
             period(resting, 5.0, 1e-9)
         moving = study.Problem(lambda u: u, u0=1.0, v0=1.0, title="moving")
         with pytest.raises(ValueError, match="it does not start from rest"):

@@ -163,7 +163,7 @@ def test_the_alpha_method_of_finite_elements_weights_displacements(theirs):
 def test_what_opensees_cannot_do_says_so(theirs):
     with pytest.raises(ValueError, match="OpenSees has no material for the spring of 'softening spring'"):
         opensees.trajectory("softening", "houbolt", DT, 1)
-    with pytest.raises(ValueError, match="OpenSees does not step 'rk4'; it steps average_acceleration"):
+    with pytest.raises(ValueError, match="OpenSees has no scheme 'rk4'; it has average_acceleration"):
         opensees.trajectory("hardening", "rk4", DT, 1)
 
 
