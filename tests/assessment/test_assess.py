@@ -49,7 +49,7 @@ def _by_scipy(t):
 @pytest.mark.parametrize("allowed", [0.05, 0.01])
 @pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
 def test_a_recommended_step_keeps_its_error_against_another_solver(driven, assessed, scheme, allowed):
-    """And a step a third larger than the largest one does not."""
+    """A step a third larger than the largest one does not keep it."""
     one = assessed.sel(scheme=scheme, quantity="path", allowed_error=allowed)
     largest = np.abs(_by_scipy(np.linspace(0, DURATION, 4001))).max()
 
