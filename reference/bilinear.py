@@ -72,7 +72,7 @@ def peaks(
     Parameters
     ----------
     acceleration, dt
-        Acceleration of the ground of each oscillator, linear between its samples, and the time between two of them.
+        Acceleration of the ground of each oscillator, linear between its samples, and the time between two samples.
     stiffness, damping, yield_force, hardening
         Stiffness k, damping c, force at yield, and the stiffness after yield over k; the oscillator must stay
         underdamped after yield.

@@ -36,7 +36,7 @@ STATUS_MEANINGS = ("finished", "step_limit", "failed", "not_tried", "lost")
 LOST_ABOVE = 10
 #: Number of samples in a period. Samples at whole periods only would hide an error of the phase in the displacement.
 SAMPLES = 16
-#: Numbers of periods; a window ends with the last of them.
+#: Lengths of the windows, in periods.
 WINDOWS = (1, 10, 100)
 
 
@@ -93,7 +93,8 @@ def agreement(problems: Springs, tolerances: Sequence[float]) -> xr.Dataset:
     """Measure the true errors and the effort of every reference solver at every tolerance.
 
     Tolerances tighter than one at which a trajectory reached the limit of steps are not tried. Errors have the shape
-    (problem, route, tolerance, periods); they are NaN for a trajectory that did not finish, and its status says why.
+    (problem, route, tolerance, periods); they are NaN for a trajectory that did not finish, with the reason in its
+    status.
 
     Raises
     ------

@@ -9,7 +9,7 @@ from study.scheme.base import Scheme
 from study.scheme.contract import check_attributes
 from study.scheme.named import schemes as schemes_by_name
 
-#: Default schemes of an assessment: those of common codes, and the best of each family.
+#: Default schemes of an assessment: schemes of common codes, and the best scheme of each family.
 USUAL = (
     "average_acceleration",
     "central_difference",

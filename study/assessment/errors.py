@@ -198,9 +198,13 @@ class ErrorsAlong(Reduction):
         before, after = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
         table = np.stack(quintic(before, after, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
         # padded to a power of two, so that few programs are compiled; nothing ends the last interval
-        room = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
-        begin = np.append(solution.t[:-1], np.full(room, np.inf))
-        numbers = begin, np.append(length, np.ones(room)), np.append(table, np.zeros((room, *table.shape[1:])), axis=0)
+        padding = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
+        begin = np.append(solution.t[:-1], np.full(padding, np.inf))
+        numbers = (
+            begin,
+            np.append(length, np.ones(padding)),
+            np.append(table, np.zeros((padding, *table.shape[1:])), axis=0),
+        )
         scales = np.array([one.scale for one in targets])
         return cls(tuple(one.quantity for one in targets), *map(jnp.asarray, (scales, *numbers)))
 

@@ -101,7 +101,7 @@ def _not_linear(problem: Problem) -> np.ndarray:
 
 
 def _spread(places: np.ndarray, count: int) -> np.ndarray:
-    """Some of the places, spread evenly; all of them if they are few."""
+    """At most ``count`` of the places, spread evenly."""
     return places[np.unique(np.linspace(0, len(places) - 1, min(count, len(places))).astype(int))]
 
 

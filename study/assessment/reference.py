@@ -120,7 +120,7 @@ class Reference:
     Attributes
     ----------
     kinks
-        The kinks of load and force; those of the force are found along the motion.
+        The kinks of load and force; kinks of the force are found along the motion.
     routes
         The two routes, the more accurate one first.
 

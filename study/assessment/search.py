@@ -17,7 +17,7 @@ from study.marching.ensemble import FEW, TILE
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
-from study.program.confirmation import TWENTIETH, with_room
+from study.program.confirmation import TWENTIETH, largest_with_margin
 from study.scheme.base import Scheme
 from study.settings import cores
 
@@ -235,11 +235,11 @@ class Search:
         return self.runs.dt.to_numpy()[own], self.runs[name].to_numpy()[own]
 
     def largest(self, name: str, allowed: float) -> float:
-        """Largest step tried below which all runs keep an error, with room for their scatter; zero if there is none."""
+        """Largest step tried below which all runs keep an error, with a margin for scatter; zero if there is none."""
         fails = ~(self.runs[name].to_numpy() <= allowed)  # a failed run, NaN, counts as above
         dt, error = self._arrays(name)
         below = dt < self.runs.dt.to_numpy()[fails].min(initial=np.inf)
-        return with_room(dt[below], error[below], allowed)
+        return largest_with_margin(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
         """Run down to a twentieth of each step that keeps an error, at its round step from all starts, and below it."""

@@ -28,7 +28,7 @@ from study.control.named import estimators
 from study.io import flags
 from study.marching.control import usual_estimator
 from study.marching.run import run
-from study.program.confirmation import with_room
+from study.program.confirmation import largest_with_margin
 from study.scheme.base import Scheme
 from study.scheme.wrapper.with_history import WithHistory
 
@@ -152,12 +152,15 @@ class ToleranceSearch:
         return np.append(first, top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count))
 
     def largest(self, name: str, allowed: float) -> float:
-        """Largest tolerance below which all runs keep an error, with room for their scatter; zero if there is none."""
+        """Largest tolerance below which all runs keep an error, with a margin for scatter; zero if there is none."""
         fails = ~(self.runs[name].to_numpy() <= allowed)  # a failed run, NaN, counts as above
         lowest = self.runs.tolerance.to_numpy()[fails].min(initial=np.inf)
         own = self.runs[(self.runs.start == 1.0) & (self.runs.tolerance < lowest)]
         # the step is proportional to this root of the tolerance
-        return with_room(own.tolerance.to_numpy() ** (1 / self._power), own[name].to_numpy(), allowed) ** self._power
+        return (
+            largest_with_margin(own.tolerance.to_numpy() ** (1 / self._power), own[name].to_numpy(), allowed)
+            ** self._power
+        )
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None]) -> None:
         """Run down to a hundredth of the tolerance that keeps each error, and from all starts with round tolerances."""

@@ -29,12 +29,9 @@ class Checked:
     function
         Function of a value and the registries of names by kind. It returns the value, or raises ``ValueError`` if the
         value is invalid.
-    early
-        Whether the check comes before those of type and bounds.
     """
 
     function: Callable[[Any, Mapping[str, Any]], Any]
-    early: bool = False
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Callable) -> Any:
         """The validation schema, for pydantic."""
@@ -43,10 +40,7 @@ class Checked:
         def check(value, info):
             return self.function(value, info.context)
 
-        schema = handler(source)
-        if self.early:
-            return core_schema.with_info_before_validator_function(check, schema)
-        return core_schema.with_info_after_validator_function(check, schema)
+        return core_schema.with_info_after_validator_function(check, handler(source))
 
 
 def _distinct(values: list, registries: Mapping[str, Any]) -> list:
@@ -122,7 +116,6 @@ Size = Annotated[float, Ge(1e-9), Le(1e9)]
 #: A relative tolerance, error or perturbation.
 Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
 Counts = Annotated[list[Count], _FEW, _DISTINCT]
-FallingSizes = Annotated[list[Size], _FEW, _DISTINCT, Checked(_falling)]
 #: Number of records of ground motion.
 Records = Annotated[int, Ge(1), Le(1000)]
 #: Periods in s of the oscillators under the records.
@@ -158,7 +151,7 @@ Problems = Annotated[list[ProblemName], _FEW, _DISTINCT]
 #: Problems whose force has kinks or memory or whose load has kinks, and a smooth one for comparison.
 KinkedName = Annotated[Literal["hardening", "yielding", "hysteretic", "bouncing", "shaken", "pulse"], Names("problem")]
 Kinked = Annotated[list[KinkedName], _FEW, _DISTINCT]
-#: Problems whose exact motion has samples: those of the section ``kinks``, and structures.
+#: Problems with samples of the exact motion: problems of the section ``kinks``, and structures.
 Sampled = Annotated[list[KinkedName | Structure], _FEW, _DISTINCT]
 Schemes = Annotated[list[SchemeName], _FEW, _DISTINCT]
 Estimators = Annotated[list[Annotated[str, _listed("estimator")]], _FEW, _DISTINCT]

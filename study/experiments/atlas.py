@@ -22,7 +22,7 @@ from study.problem.named import problems as problems_by_name
 
 
 def _single(values: np.ndarray) -> np.ndarray:
-    """Values in single precision; those that overflow become infinite."""
+    """Values in single precision; a value that overflows becomes infinite."""
     with np.errstate(over="ignore"):
         return values.astype(np.float32)
 
@@ -74,7 +74,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
     first, last, count = (options["dt_over_period"][key] for key in ("first", "last", "count"))
-    # at most 100 step sizes are summed; more of them scale the sum
+    # the sum has at most 100 step sizes; more step sizes scale it
     of_amplitude = np.sum(options["periods"] / np.logspace(first, last, min(count, 100))) * max(count / 100, 1)
     return len(options["problems"]) * of_amplitude * _number_of_amplitudes(configuration) / options["tiles"]
 

@@ -62,7 +62,7 @@ def bifurcation(
         on_failure="ignore",
     )
     one, other = pairs.u.values.reshape(len(step_sizes), 2, -1).transpose(1, 0, 2)
-    apart = np.abs(other - one) >= ORDER_ONE  # false once one of them has failed: its displacement is NaN
+    apart = np.abs(other - one) >= ORDER_ONE  # false after a failure, because the displacement is then NaN
     status, failed_at_step = (pairs[name].values[::2] for name in ("status", "failed_at_step"))
     whole = np.full(len(step_sizes), steps)
     # a chaotic run may fail here at another step than in the pairs, so its own last step is found first

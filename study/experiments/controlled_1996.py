@@ -25,7 +25,7 @@ def controlled_1996(
 ) -> xr.Dataset:
     """Find the largest energy error with N steps per period that the estimator of 1991 controls.
 
-    64 tolerances are tried, and then 64 around the best ones. The result is that of the run whose number of steps is
+    64 tolerances are tried, and then 64 around the best ones. The result is of the run whose number of steps is
     nearest to N = ``steps_per_period`` per period. ``max_energy_error`` is eq. (17), in percent, of the shape (problem,
     controller, steps_per_period, scheme). It is NaN if no run comes within a tenth of that number, and for schemes
     that the estimator refuses.

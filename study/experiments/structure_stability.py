@@ -126,7 +126,7 @@ def structure_stability(
             "excitation": (
                 "excitation",
                 list(excitations),
-                {"long_name": "initial velocity and load over those of the problem", "units": "1"},
+                {"long_name": "initial velocity and load over the values of the problem", "units": "1"},
             ),
             **coordinates.steps_per_period_coordinate(steps_per_period),
             "periods": ("problem", [one["periods"] for one in lengths], {"long_name": "length of runs", "units": "1"}),

@@ -103,7 +103,7 @@ class Runs:
         return self.program.place / f"{hashlib.sha256(key.encode()).hexdigest()[:32]}.npz"
 
     def run(self, wanted: Iterable[Job], repeat: int = 0) -> list[Run]:
-        """Runs of pairs of a scheme and a step; those that are on disk are read. ``repeat`` numbers repeated runs."""
+        """Runs of pairs of a scheme and a step; runs on disk are read. ``repeat`` numbers repeated runs."""
         jobs = {job: self._path(*job, repeat) for job in wanted}
         missing = [job for job, path in jobs.items() if not path.exists() or self._waited_less(_read(path))]
         expected = self._expected(missing)

@@ -259,7 +259,7 @@ def test_runs_are_known_by_the_source(tmp_path):
     made: dict = {}
     exec("def bare(scheme, dt): ...", made)
     with pytest.raises(
-        ValueError, match="cannot be distinguished from those of other programs.*give the program a name"
+        ValueError, match="cannot be distinguished from runs of other programs.*give the program a name"
     ):
         own(made["bare"])
 

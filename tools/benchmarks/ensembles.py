@@ -49,7 +49,7 @@ def cases(folder: str) -> Iterator[Case]:
             )
     for lanes in (8 * MANY, 1_000_000):
         yield Case(
-            f"{lanes} lanes : {MANY} lanes, as often",
+            f"{lanes} lanes : {MANY} lanes, in proportion",
             lambda lanes=lanes: run("hardening", lanes, STEPS // 4),
             lambda lanes=lanes: run("hardening", MANY, STEPS // 4) * (lanes / MANY),
             1.1,

@@ -134,7 +134,7 @@ def many_steps() -> Iterator[Case]:
     scheme = Timed(study.problems["hardening"], study.schemes["central_difference"], (MaxEnergyError(),))
     for steps in (10**7, 10**8):
         yield Case(
-            f"{steps:.0e} steps : {STEPS:.0e} steps, as often",
+            f"{steps:.0e} steps : {STEPS:.0e} steps, in proportion",
             lambda steps=steps: scheme.run(step_size("hardening"), steps)[0],
             lambda steps=steps: (
                 np.mean([scheme.run(step_size("hardening"), STEPS)[0] for _ in range(20)]) * (steps / STEPS)

@@ -1,4 +1,4 @@
-"""The pipeline on a Slurm of one node: its products equal those of a local run, also after interrupted jobs."""
+"""The pipeline on a Slurm of one node: its products equal the products of a local run, also after interrupted jobs."""
 
 import os
 import platform
@@ -17,7 +17,7 @@ from tests.pipeline.pipeline import SMALL, call_snakemake, copied
 
 #: Products: jobs on the node, figures in one group, a table on the login node, and a job that measures times.
 PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "figures/roots.pdf", "cpu_time.nc"]
-#: Products whose bytes equal those of a local run.
+#: Products that are the same, byte by byte, as in a local run.
 UNTIMED = PRODUCTS[:-1]
 #: Options without accounting: the state of a job is read from the queue.
 OPTIONS = "--workflow-profile profiles/slurm --slurm-status-command squeue --slurm-no-account".split()
