@@ -69,7 +69,7 @@ def recommend(
             How the search for the step ended.
         ``tolerance``, ``controlled_force_evaluations``, ``control_over_equal``
             If the assessment had a controller: the tolerance that keeps the error, the internal forces of that run, and
-            their ratio to those with equal steps. Below one, controlled steps are cheaper.
+            their ratio to the forces with equal steps. Below one, controlled steps are cheaper.
 
     Raises
     ------

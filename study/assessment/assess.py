@@ -92,9 +92,9 @@ def assess(
         controlled steps at random tolerances. The result holds the tolerance that keeps each error, and its cost. The
         problem must have at most 1,000 unknowns.
     seconds
-        Wall time after which no run begins. The results so far are returned, and the verdict on the rest is
-        ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case. There is
-        no map if a scheme runs out of time.
+        Limit of the wall time, in s, after which no run begins. The results so far are returned, and the verdict on the
+        rest is ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case.
+        There is no map if a scheme runs out of time.
 
     Returns
     -------

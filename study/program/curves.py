@@ -1,4 +1,4 @@
-"""Quantities of runs at different steps, compared."""
+"""Comparison of quantities of runs at different steps."""
 
 from __future__ import annotations
 

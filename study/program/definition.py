@@ -26,9 +26,9 @@ class Program:
     It may be anything with a fixed step: a function of NumPy, a simulation in another process, a finite element code.
     :func:`study.opensees` makes a program of a model of OpenSees, and :func:`study.command` of an executable.
 
-    Every run is kept on disk, so that a second or an interrupted assessment repeats none. The source of a program
-    identifies its runs: the file that contains ``run`` and the data that ``run`` holds. Imports of that file are not
-    checked. If that is not enough, give a ``name``, and change it whenever the program changes.
+    Every run is kept on disk, so that no assessment repeats it. The source of a program
+    identifies its runs: the file that contains ``run`` and the data that ``run`` holds. Modules that this file imports
+    are not checked. If they change, give a ``name``, and change it whenever the program changes.
 
     Parameters
     ----------

@@ -90,7 +90,7 @@ def _prepare(ops: ModuleType, one: Integrator, tolerance: float) -> None:
 
 
 def _step(ops: ModuleType, one: Integrator, dt: float) -> None:
-    """One step; if its iteration fails, by other algorithms."""
+    """Make one step; if its iteration fails, other algorithms are tried."""
     for _ in range(one.parts):
         failed = ops.analyze(1, dt / one.parts)
         for other in OTHERS if failed and one.algorithm == "Newton" else ():

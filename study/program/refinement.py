@@ -47,7 +47,8 @@ class Refinement:
     Raises
     ------
     NoTruth
-        If fewer than two schemes run to the end at three steps that halve, or a quantity is zero at all times.
+        If fewer than two schemes complete three runs with successively halved steps, or a quantity is zero at all
+        times.
     """
 
     def __init__(self, program: Program, runs: Runs, smallest: float):
@@ -125,7 +126,7 @@ class Refinement:
                 )
 
     def last_completed(self, scheme: str) -> list[Run]:
-        """Runs of a scheme at its finest steps, from the last failure on."""
+        """Runs of a scheme at steps finer than its last failure."""
         runs = self.of(scheme)
         failed = [place for place, run in enumerate(runs) if not run.completed]
         return runs[failed[-1] + 1 :] if failed else runs

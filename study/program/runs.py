@@ -26,7 +26,7 @@ from study.settings import cores
 #: Version of the file format; a run in another format is made again.
 FORM = 2
 
-#: Names in the file of a run: scheme, status, reason, seconds of the run, and its own times.
+#: Names in the file of a run: scheme, status and reason; step and seconds; times.
 WORDS, NUMBERS, T = "words", "numbers", "t"
 #: Pair of a scheme and a step.
 Job = tuple[str, float]
@@ -51,7 +51,7 @@ class Runs:
     program
         The program.
     seconds
-        Wall time after which no run begins that would end later.
+        Limit of the wall time, in s. A run that is expected to end later does not begin.
     report
         Function of a sentence on the current work and, if they are known, its expected seconds.
 
@@ -150,12 +150,12 @@ class Runs:
         of_all = left * self._at_once
         for job in sorted(expected, key=expected.__getitem__):
             of_all -= expected[job]
-            # one run has one worker
+            # a run has only one worker, so it must fit into the remaining time
             found += [job] if expected[job] < left and of_all > 0 else []
         return found
 
     def _waited_less(self, run: Run) -> bool:
-        """Whether a run was stopped before the present limit."""
+        """Whether a run was stopped at a limit of time that is shorter than the present one."""
         limit = getattr(self.program.run, "time_limit", None)
         return run.status == "timed_out" and (limit is None or run.elapsed < limit)
 

@@ -52,7 +52,7 @@ class Search:
     round_step
         Function of a step and the spacing of a record, or None, that returns the largest round step up to the step.
     seconds
-        Wall time after which no run begins that would end later.
+        Limit of the wall time, in s. A run that is expected to end later does not begin.
     report
         Function of a sentence on the current work and, if they are known, its expected seconds.
 
