@@ -6,7 +6,7 @@ An event is a yield point, a turn of the motion or a sample of the record. Betwe
 
     \ddot u + c \dot u + k u = q_0 + q_1 \tau
 
-with the stiffness k of the piece. Its solution has a closed form, so that all oscillators advance at once, each from
+with the stiffness k of the piece. The solution has a closed form, so that all oscillators advance at once, each from
 its own event to the next. :mod:`reference.piecewise` solves for one oscillator of any damping by matrix exponentials.
 """
 
@@ -72,7 +72,7 @@ def peaks(
     Parameters
     ----------
     acceleration, dt
-        Acceleration of the ground of each oscillator, linear between its samples, and the time between two of them.
+        Acceleration of the ground of each oscillator, linear between its samples, and the time between two samples.
     stiffness, damping, yield_force, hardening
         Stiffness k, damping c, force at yield, and the stiffness after yield over k; the oscillator must stay
         underdamped after yield.
@@ -98,7 +98,7 @@ def peaks(
         turns = v[lanes] * v_end < 0
         tau[turns] = _time_of(0.0, 1, left[turns], start[:, turns])
         u_end[turns], v_end[turns] = _motion(tau[turns], *start[:, turns])[0], 0.0
-        # the motion has one direction up to here, so it leaves the elastic range once at most
+        # up to ``tau`` the motion has one direction, so it leaves the elastic range at most once
         direction = np.sign(u_end - u[lanes])
         limit = plastic[lanes] + direction * bound[lanes]
         leaves = ~yields & (direction * (u_end - limit) > 0)

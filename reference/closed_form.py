@@ -16,7 +16,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.loads import HarmonicLoad
 from study.problem.springs import CubicSpring, TanhSpring
 
-#: Number of decimal digits; 30 digits of a period are exact.
+#: Number of decimal digits of the arithmetic, in which 30 digits of a period are exact.
 DIGITS = 50
 
 
@@ -112,7 +112,7 @@ def turning_points(problem: Problem, u0: float) -> tuple[float, float]:
 
 
 def has_trajectory(problem: Problem) -> bool:
-    """Whether the trajectory has a closed form too, as for the cubic springs."""
+    """Whether the trajectory has a closed form too; cubic springs have one."""
     return is_known(problem) and isinstance(_spring(problem), CubicSpring)
 
 

@@ -125,8 +125,8 @@ def trajectory(
 ) -> Solution:
     """Displacement and velocity at the increasing times ``t``. Steps end at these times; nothing is interpolated.
 
-    A force with a history is computed for the straight motion from the last of these times, at which it is committed.
-    It equals the force of the motion itself if no part of the history reverses between two of them; see
+    A history is committed at each of these times. From one commit to the next, the force is computed as for a motion
+    without reversals. It is exact if no part of the history reverses between two of the times; see
     :func:`reference.sundials.kinks`.
 
     Parameters
@@ -224,7 +224,7 @@ def period(problem: Problem, estimate: float, rtol: float = 1e-14, method: str =
     """
     sign = release(f"diffrax {method}", problem, estimate)
     untitled = problem.untitled()
-    # all numbers are arrays of one type; otherwise each call is compiled again
+    # all numbers are arrays of one type, because otherwise each call would be compiled again
     tolerance = np.float64(rtol)
     found = _until(untitled, np.float64(0.75 * estimate), np.float64(-sign), tolerance, method)
     _check(problem, method, found.result)

@@ -1,10 +1,10 @@
 """The same schemes in OpenSees, a finite element code, as an optional comparison.
 
-OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except two agree to round-off. OpenSees
-starts Houbolt's method by two steps of average acceleration. Its α-method evaluates one internal force at the weighted
-displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called TRBDF2,
-and each of its two sub-steps counts as a step. OpenSees' generalized-α method with α_m other than zero is left out: at
-a twentieth of the period its motion of this spring grows to a hundred times the amplitude within five periods.
+OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except two agree to round-off: OpenSees
+starts Houbolt's method by two steps of average acceleration, and its α-method evaluates one internal force at the
+weighted displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called
+TRBDF2, and each of its two sub-steps counts as a step. OpenSees' generalized-α method with non-zero α_m is left out,
+because at a step of a twentieth of the period its motion grows to a hundred times the amplitude within five periods.
 """
 
 import importlib
@@ -176,7 +176,7 @@ def variable_steps(
         steps = round(duration / dt)
         failed = ops.analyze(steps, duration / steps, 1e-6 * dt, longest, iterations)
         elapsed = time.perf_counter() - start
-        ops.wipe()  # which closes the files
+        ops.wipe()  # closes the files
         (t, u), (_, v) = (np.loadtxt(file).T for file in files.values())
     if failed:
         raise ValueError(f"OpenSees failed on '{problem}' with '{scheme}'.")

@@ -149,7 +149,8 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     spacing = 2 * np.pi * np.sqrt(mass / float(problem.force.stiffness)) / places  # type: ignore[attr-defined]
     found, pieces = {}, 1
     for stop, f0, middle in zip(stops, loads[:-1].tolist(), middles.tolist(), strict=True):
-        # at the middle, because the load may jump at the end, as does a record that does not end in zero
+        # the slope is taken at the middle, because the load may jump at the end, as a record may that does not end in
+        # zero
         slope = 2 * (middle - f0) / (stop - now) if stop > now else 0.0
         while now < stop:
             passed, y, piece = _to_event((mass, damping), piece, y, (f0, slope), stop - now, spacing)
@@ -183,7 +184,7 @@ def _to_event(terms: tuple[float, float], piece: _Piece, y: np.ndarray, load: tu
             def value(tau, event=event):
                 return event(*at(tau))
 
-            # right after an event the same function may be above zero by round-off
+            # right after an event its function may be above zero by round-off
             tau = scipy.optimize.brentq(value, *places, xtol=1e-300, rtol=1e-15) if value(places[0]) < 0 else places[0]
             return tau, at(tau), following(at(tau)[0])
     return None, state[:2], piece

@@ -1,4 +1,4 @@
-"""Common parts of the routes: the solution that they return, their errors, and their checks of problem and times."""
+"""Common parts of the routes: their solution, their exceptions, and their checks of problem and times."""
 
 from collections.abc import Sequence
 from itertools import pairwise

@@ -102,9 +102,9 @@ def trajectory(
 
     Values come from CVODE's own polynomial of the step that contains each time, which is as accurate as the step.
     Stopping at each time instead doubles the measured error, because every stop interrupts the sequence of step sizes.
-    A force with a history is computed for the straight motion from the last of the times ``t``, at which it is
-    committed. It equals the force of the motion itself if no part of the history reverses between two of them, so
-    ``restarts`` must contain the times of reversals.
+    A history is committed at each of the times ``t``. From one commit to the next, the force is computed as for a
+    motion without reversals. It is exact if no part of the history reverses between two of the times, so ``restarts``
+    must contain the times of reversals.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def _events_of_history(problem: Problem, ahead: float, u, v):
     u = u + ahead * v
     rates = jax.tree.leaves(jax.jvp(lambda u: problem.committed(u, v).history, (u,), (v,))[1])
     events = jnp.concatenate([switches(problem.varying_force, u, v), *map(jnp.ravel, rates)])
-    # CVODE ignores an event function that begins with zero, such as the rate of a history at rest
+    # one for zero, because CVODE ignores a function that begins with zero, such as the rate of a history at rest
     return jnp.where(events == 0, 1.0, events)
 
 

@@ -56,13 +56,13 @@ _OPERATIONS: dict[str, Callable] = {
 
 
 class Untranslatable(ValueError):
-    """A function with an operation that has no Taylor series here, such as a branch or a table."""
+    """A function contains an operation that has no Taylor series here, such as a branch or a table."""
 
 
 def expression(function: Callable, argument: hy.expression) -> hy.expression:
     """Translate a smooth scalar JAX function into an expression of heyoka.
 
-    Constants keep the values of their doubles, also in arithmetic of more digits.
+    Constants keep the values that they have in double precision, also in arithmetic of more digits.
 
     Raises
     ------

@@ -65,7 +65,7 @@ def cited_in(docstring: str, references: dict[str, str]) -> list[str]:
     Raises
     ------
     ValueError
-        If the section has anything else than these works in their words, each with a place in it and a full stop.
+        If the section has anything but ``references``, each followed by a place in the work, if any, and a full stop.
     """
     _, _, section = inspect.cleandoc(docstring).partition("References\n----------\n")
     text, keys = " ".join(section.split()), []

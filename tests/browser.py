@@ -15,7 +15,7 @@ WIDTHS = (390, 800, 1600)
 
 
 def start(profile: Path) -> Any:
-    """A browser without a window, which keeps what it stores in a folder."""
+    """A browser without a window, whose data are in the folder ``profile``."""
     from selenium import webdriver
 
     assert CHROMIUM and DRIVER  # needs_browser skips the test otherwise
@@ -40,14 +40,14 @@ def start(profile: Path) -> Any:
 
 
 def wait(browser: Any, script: str) -> Any:
-    """What a script returns as soon as that is true."""
+    """Value of a script as soon as it is true."""
     from selenium.webdriver.support.ui import WebDriverWait
 
     return WebDriverWait(browser, 60, poll_frequency=0.05).until(lambda b: b.execute_script(script))
 
 
 def set_width(browser: Any, width: int, height: int = 1000) -> None:
-    """Give the browser a screen of some width; one as narrow as a phone's is a phone's."""
+    """Set the size of the browser's screen; a narrow screen is the screen of a phone."""
     size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
 

@@ -1,4 +1,4 @@
-"""What catalogues read agrees with CITATION.cff, which ``make citation`` validates, and with pyproject.toml."""
+"""The files for catalogues agree with CITATION.cff, which ``make citation`` validates, and with pyproject.toml."""
 
 import json
 import re

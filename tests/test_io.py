@@ -1,4 +1,4 @@
-"""Files are whole or not there, have the same bytes for the same data, and are refused in one sentence."""
+"""Files are complete or absent, have the same bytes for the same data, and are refused in one sentence if damaged."""
 
 import multiprocessing
 import resource
@@ -14,7 +14,7 @@ import xarray as xr
 import study
 from study import io
 
-#: Seconds for which writers and readers meet.
+#: Seconds for which writers and readers work concurrently.
 MEETING = 3.0
 
 
@@ -114,7 +114,7 @@ def test_two_writers_and_three_readers_never_meet_half_a_file(tmp_path):
 
 
 def _fill(content, path: Path, answers) -> None:
-    """Write more than a file may hold, which a library meets as it meets a full disk."""
+    """Write more than a limit of the file's size, whose effect on a library is that of a full disk."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
     with pytest.raises(io.NotWritten) as caught:
         io.write(content, path)

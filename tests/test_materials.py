@@ -1,4 +1,4 @@
-"""Materials against closed forms, independent integration, and what every force with a memory must keep."""
+"""Materials against closed forms, independent integration, and laws that hold for every force with a history."""
 
 from typing import Any
 
@@ -47,7 +47,7 @@ def test_a_committed_state_gives_its_force_again(name, path):
 @settings(max_examples=40, deadline=None)
 @given(path=paths, parts=st.integers(2, 7))
 def test_a_way_in_parts_is_the_way_at_once(name, path, parts):
-    """Nothing but turning points matters to materials without a rate."""
+    """Materials without a rate depend on turning points only."""
     material, between, last = REMEMBER[name], [], 0.0
     for u in path:
         between += np.linspace(last, u, parts + 1)[1:].tolist()

@@ -1,4 +1,4 @@
-"""``import study`` as a user meets it: its names, its help, its version, and what it changes in the process."""
+"""``import study``: its names, its help, its version, and its effects on the process."""
 
 import inspect
 import os
@@ -38,7 +38,7 @@ def test_the_help_names_all_that_is_public():
     assert public <= named
 
 
-def test_a_scheme_of_ones_own_needs_no_other_import():
+def test_your_own_scheme_needs_no_other_import():
     """The implicit Euler method, from its formula to linear theory."""
 
     class ImplicitEuler(study.Scheme):

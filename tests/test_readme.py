@@ -72,7 +72,7 @@ for product in one:
 
 
 def test_the_examples_of_contributing_run(tmp_path):
-    """In a process of their own, as declarations stay."""
+    """They run in a separate process, because declarations persist."""
     files = {block.split("\n")[0].removeprefix("# "): block for block in blocks(CONTRIBUTING, "python")}
     options = yaml.safe_load(next(block for block in blocks(CONTRIBUTING, "yaml") if "last_displacement" in block))
     environment = os.environ | {"PYTHONPATH": str(PROJECT), "MPLBACKEND": "agg"}
@@ -135,7 +135,7 @@ def test_the_results_of_the_readme_are_those_of_the_study():
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_files_that_are_named_exist(name):
-    """Other than those that CONTRIBUTING has its readers add."""
+    """The files that readers of CONTRIBUTING add are exempt."""
     added = {block.split("\n")[0].removeprefix("# ") for block in blocks(CONTRIBUTING, "python")}
     named = set(re.findall(r"[`(]((?:study|paper|tests|config|docs|\.github|\.ci)/[\w./-]*)[`)]", TEXTS[name]))
     named |= set(re.findall(r"`([\w.-]+\.(?:md|cff|toml|txt))`", TEXTS[name]))
@@ -151,7 +151,7 @@ def test_the_rooms_of_the_design_are_those_of_the_tree():
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_target_stands_before_the_configuration(name):
-    """Or Snakemake reads the target as one more configuration."""
+    """Otherwise Snakemake reads the target as one more configuration."""
     commands = [line for line in TEXTS[name].splitlines() if "snakemake " in line and "--configfile" in line]
     assert not any(re.search(r"--configfile \S+ +results/", line) for line in commands)
     assert commands or name != "docs/pages/how_to/pipeline.md"

@@ -1,4 +1,4 @@
-"""Time of ``study.assess`` for a model of many unknowns, in seconds and in runs at the recommended step.
+"""Time of ``study.assess`` for a model of many unknowns, in seconds and as a multiple of a run at the recommended step.
 
 python tools/large_model.py COLUMNS ROWS [SECONDS]
 

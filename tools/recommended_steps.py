@@ -1,9 +1,9 @@
-"""Fresh random steps against the steps that ``study.assess`` recommends: how many of them exceed the error.
+"""Number of fresh random steps below the steps that ``study.assess`` recommends at which a run exceeds the error.
 
     python tools/recommended_steps.py [NAME ...]
 
-It draws 1,000 random steps between a twentieth of a recommended step and the step itself, with another seed, and
-prints how many exceed the error, and the largest error over the allowed one.
+The script draws 1,000 random steps between a twentieth of a recommended step and the step itself, with another seed. It
+prints how many of them exceed the error, and the largest error over the allowed one.
 """
 
 import sys
@@ -47,7 +47,7 @@ PROBLEMS = {
 
 
 def check(name: str) -> None:
-    """Print a line for every scheme, quantity and error."""
+    """Print a line for every scheme, quantity and error of a problem."""
     problem, quantities, duration = PROBLEMS[name]()
     ds = assess(problem, SCHEMES, duration=duration, quantities=quantities, errors=(0.1, 0.01), maps=False)
     equation, wanted = excited(problem, 1.0, displaced=True), errors.named(quantities)

@@ -1,15 +1,16 @@
 """Estimated time of a study on many cores, from the measured times of its jobs.
 
 ``python tools/scaling.py OUTPUT``, in the folder of a finished study, reads the plan of the pipeline and
-``results/benchmarks``, assigns ready jobs to free cores, the longest path first, and writes a table OUTPUT.csv
-and a figure OUTPUT.png of time against cores. The time of a job is at most its processor time, as on one idle
-core. Figures and pages are drawn one after the other. Waiting in a queue and the exclusive node of timed jobs are
+``results/benchmarks``. It assigns ready jobs to free cores, the longest path first, and writes a table OUTPUT.csv and a
+figure OUTPUT.png of time against cores. The time of a job is at most its processor time, as on one idle core. Figures
+and pages are drawn one after the other. Waiting in a queue and the exclusive node of timed jobs are
 not counted.
 
 The study must have been made with ``snakemake --no-hooks``, without the worker that runs the jobs of a local run,
 because Snakemake measures the processor and memory of the processes that it starts itself.
 
-It also prints entries for ``profiles/slurm``: memory and run time of the rules that need more than its defaults.
+The script also prints entries for ``profiles/slurm``: memory and run time of the rules that need more than the
+defaults.
 """
 
 import heapq
@@ -23,7 +24,7 @@ import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.ticker import LogLocator
 
-#: Numbers of cores; the first one is a single machine's.
+#: Numbers of cores.
 CORES = (1, 2, 4, 8, 16, 32, 64, 100, 128)
 #: Memory in MB and run time in minutes that ``profiles/slurm`` gives every job.
 DEFAULT_MEMORY, DEFAULT_MINUTES = 1500, 15
@@ -64,7 +65,7 @@ def measured() -> dict[str, Job]:
         inputs = step["jobs"][job]["inputs"]
         after = tuple(dict.fromkeys(maker[one] for one in inputs if one in maker))
         taken = pd.read_csv(file, sep="\t").iloc[0]
-        # Snakemake measures every half second, and later every half minute; the shortest jobs not at all
+        # Snakemake measures every half second and later every half minute; it does not measure the shortest jobs
         missed = SAMPLED[int(taken.s > SAMPLED[1])]
         seconds = taken.s if pd.isna(taken.cpu_time) else min(taken.s, taken.cpu_time + missed)
         jobs[name] = Job(name, float(seconds), after, step["group"] or "", step["name"], float(taken.max_rss))
@@ -72,7 +73,7 @@ def measured() -> dict[str, Job]:
 
 
 def longest_paths(jobs: dict[str, Job]) -> dict[str, float]:
-    """Seconds from the start of each job to the end of all that depends on it, at the least."""
+    """Smallest number of seconds from the start of each job to the end of all jobs that depend on it."""
     followers: dict[str, list[str]] = {name: [] for name in jobs}
     for job in jobs.values():
         for before in job.after:
@@ -95,7 +96,7 @@ def critical_path(jobs: dict[str, Job]) -> list[str]:
 
 
 def makespan(jobs: dict[str, Job], cores: int) -> float:
-    """Seconds until all jobs are done, when ready jobs with the longest path go first."""
+    """Seconds until all jobs are done, if ready jobs with the longest path start first."""
     length, waits = longest_paths(jobs), {name: set(job.after) for name, job in jobs.items()}
     ready = [(-length[name], name) for name, after in waits.items() if not after]
     heapq.heapify(ready)
@@ -139,7 +140,7 @@ def resources(jobs: dict[str, Job]) -> str:
 
 
 def table(jobs: dict[str, Job]) -> pd.DataFrame:
-    """Time against cores, and the part of the cores' time that is lost."""
+    """Time against cores, and the part of the cores' time that is idle."""
     work = sum(job.seconds for job in jobs.values())
     rows = [(cores, makespan(jobs, cores)) for cores in CORES]
     return pd.DataFrame(
@@ -152,7 +153,7 @@ def table(jobs: dict[str, Job]) -> pd.DataFrame:
 
 
 def draw(jobs: dict[str, Job], times: pd.DataFrame, output: Path) -> None:
-    """Time against cores, with the lower bounds by work and by the critical path."""
+    """Draw time against cores, with the lower bounds by work and by the critical path."""
     path, work = critical_path(jobs), sum(job.seconds for job in jobs.values())
     length = sum(jobs[name].seconds for name in path)
     figure, ax = plt.subplots(figsize=(5.5, 3.6), layout="constrained")

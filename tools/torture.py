@@ -1,7 +1,8 @@
 """Kill the pipeline at random moments, and compare the products of the next calls with an undisturbed run.
 
 ``python tools/torture.py KILLS OUTPUT`` works in copies of the project. Before every kill some products are removed, so
-that there is work; after it a plain call must succeed. OUTPUT is a table of kills, restarts and differences.
+that the pipeline has work. After every kill a plain call must succeed. OUTPUT is a table of kills, restarts and
+differences.
 """
 
 import hashlib
@@ -53,7 +54,7 @@ def _snakemake_alone(run: subprocess.Popen, moment: float) -> bool:
 
 
 def _one_job(run: subprocess.Popen, moment: float) -> bool:
-    """Kill a job: the first one that comes, if none is at work at that moment."""
+    """Kill a running job, or the first one that starts if no job is running at that moment."""
     time.sleep(moment)
     jobs: list[psutil.Process] = []
     while not jobs and run.poll() is None:
@@ -64,7 +65,7 @@ def _one_job(run: subprocess.Popen, moment: float) -> bool:
 
 
 def _a_writer(run: subprocess.Popen, moment: float) -> bool:
-    """Kill all jobs at the first moment at which a file is unfinished; whether there was one."""
+    """Kill all jobs as soon as a file is unfinished, and return whether there was one."""
     folders = {Path(psutil.Process(run.pid).cwd(), "results", name).parent for name in PRODUCTS}
     seen = False
     while not seen and run.poll() is None:
@@ -94,14 +95,14 @@ def _hashes(folder: Path) -> dict[str, str]:
 
 
 def _killed(folder: Path, mode: str, moment: float) -> bool:
-    """Start the pipeline and kill it; whether it was still at work then."""
+    """Start the pipeline and kill it, and return whether it was still running."""
     command = [sys.executable, "-m", "snakemake", *_targets(), "--configfile", str(SMALL)]
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     with (folder / "torture.log").open("a") as log:
         run = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment, start_new_session=True)
         try:
             at_work = MODES[mode](run, moment)
-        except (ProcessLookupError, psutil.NoSuchProcess):  # it ended in that moment
+        except (ProcessLookupError, psutil.NoSuchProcess):  # the run ended at that moment
             at_work = False
         run.wait()
     return at_work
@@ -125,17 +126,17 @@ def _targets() -> list[str]:
 
 
 def torture(undisturbed: Path, tortured: Path, kills: int, seed: int = 0) -> pd.DataFrame:
-    """Kill the pipeline in a copy of the project where everything is made; a row for each kind of kill.
+    """Kill the pipeline in a finished copy of the project; the table has a row for each kind of kill.
 
     The moments of the kills spread evenly over the time that an undisturbed call takes.
 
     Raises
     ------
     RuntimeError
-        If a call after a kill does not end well.
+        If a call after a kill fails.
     """
     choose, expected, rows = random.Random(seed), _hashes(undisturbed), []
-    latest = min(_undisturbed(tortured, choose) for _ in range(2))  # the first call in a copy plans again
+    latest = min(_undisturbed(tortured, choose) for _ in range(2))  # the first call in a copy makes the plan again
     for number in range(kills):
         mode = list(MODES)[number % len(MODES)]
         _remove(tortured, choose)
@@ -153,7 +154,7 @@ def restarted(folder: Path) -> None:
     """Make the products with a plain call."""
     done = call_snakemake(folder, *_targets())
     if done.returncode:
-        raise RuntimeError(f"a plain call did not end well in {folder}:\n{(done.stdout + done.stderr)[-4000:]}")
+        raise RuntimeError(f"a plain call failed in {folder}:\n{(done.stdout + done.stderr)[-4000:]}")
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ ROUTES: dict[str, tuple[Callable, Callable]] = {
     "cvode_bdf": (partial(sundials.trajectory, method="BDF"), partial(sundials.period, method="BDF")),
     "dopri8": (partial(diffrax.trajectory, method="Dopri8"), partial(diffrax.period, method="Dopri8")),
     "tsit5": (partial(diffrax.trajectory, method="Tsit5"), partial(diffrax.period, method="Tsit5")),
-    # implicit and of order five: without a limit of steps a tight tolerance takes minutes over a hundred periods
+    # an implicit method of order five: without a limit of steps, a tight tolerance takes minutes for a hundred periods
     "kvaerno5": (
         partial(diffrax.trajectory, method="Kvaerno5", max_steps=30_000),
         partial(diffrax.period, method="Kvaerno5"),
@@ -36,7 +36,7 @@ STATUS_MEANINGS = ("finished", "step_limit", "failed", "not_tried", "lost")
 LOST_ABOVE = 10
 #: Number of samples in a period; samples only at whole periods would hide an error of the phase.
 SAMPLES = 16
-#: Numbers of periods; a window ends with the last of them.
+#: Lengths of the windows, in periods.
 WINDOWS = (1, 10, 100)
 
 
@@ -58,7 +58,7 @@ def errors(problem: Problem, exact_solution: exact.ExactSolution, solution: Solu
         "energy_error": np.abs(energy / initial - 1),
     }
     largest = {name: np.array([np.max(h[: w * SAMPLES]) for w in WINDOWS]) for name, h in histories.items()}
-    # at whole periods the velocity is zero, and so is the error of first order that a delay causes
+    # the velocity is zero at whole periods, so a delay causes no error of first order there
     at_periods = histories["u_error"][SAMPLES - 1 :: SAMPLES]
     return largest | {"u_error_at_periods": np.array([np.max(at_periods[:w]) for w in WINDOWS])}
 

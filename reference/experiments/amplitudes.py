@@ -13,7 +13,7 @@ from study.declaration.options import Springs
 from study.mechanics.definition import Problem
 from study.problem.named import problems as problems_by_name
 
-#: Number of decimal digits: more than the sixteen that are kept, and few enough for a hundred periods a second.
+#: Number of decimal digits: more than the sixteen that are stored, and few enough for a hundred periods per second.
 DIGITS = 20
 #: A value, or the turning points, of each motion.
 _ByAmplitude = Float[np.ndarray, "amplitudes"]
@@ -41,8 +41,8 @@ def _options(configuration: Mapping) -> Options:
 def amplitudes(problems: Springs, exponents: dict[str, float]) -> xr.Dataset:
     """Compute the exact period of every spring over decades of amplitude.
 
-    The springs are released from rest at u₀ 10ˣ, with u₀ the problem's own displacement. Variables have the shape
-    (problem, amplitude).
+    The springs are released from rest at u₀ 10ˣ, with the initial displacement u₀ of the problem. Variables have the
+    shape (problem, amplitude).
 
     Parameters
     ----------

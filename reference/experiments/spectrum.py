@@ -24,8 +24,8 @@ def _options(configuration) -> dict:
 def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, duration: RecordDuration) -> xr.Dataset:
     """Compute exact peak drifts over records, periods and reductions of the strength.
 
-    The strength is the largest force of the elastic oscillator divided by the reduction; at 1 nothing yields. The
-    ground is at rest after the duration.
+    The strength is the largest force of the elastic oscillator divided by the reduction. At a reduction of 1 no
+    oscillator yields. The ground is at rest after the duration.
     """
     grounds = ground_motions(records)
     spacing = float(grounds[0].dt)

@@ -97,7 +97,7 @@ def _repeated(solve: Callable[[], Solution], repeats: int, longest: float) -> li
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse problems, step sizes and lengths that the schemes are not run with, and tolerances out of reach."""
+    """Refuse problems, steps and lengths for which the schemes are not run, and tolerances that are too tight."""
     for key in ("problems", "steps_per_period"):
         of_schemes = configuration["work_precision"]["schemes"][key]
         refused = unlisted(key, options[key], f"work_precision.schemes.{key}", of_schemes)
@@ -112,7 +112,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Steps of a scheme, of thirty nanoseconds each, in the time that all solvers may take together."""
+    """Steps of a scheme, at thirty nanoseconds per step, in the time that all solvers may take together."""
     runs = len(options["problems"]) * len(SOLVERS) * len(options["tolerances"]) * len(RUNS)
     return runs * options["longest"] / 30e-9
 

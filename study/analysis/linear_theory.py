@@ -83,7 +83,8 @@ def amplification_matrix(scheme: Scheme, dt_over_period, damping_ratio) -> jax.A
     Multi-step schemes, whose state holds their history, appear in companion form.
     """
     problem, dt = oscillator(damping_ratio), 2 * jnp.pi * dt_over_period
-    # the map is linear, so any state is valid; discrete gradients need one that moves in short and in long steps
+    # the map is linear, so its derivative is the same at any state; discrete gradients divide by the displacement of
+    # the step, so the state must move in short and in long steps
     state, _ = started(scheme, problem, jnp.ones(()), jnp.ones(()), dt)
     flat, unflatten = ravel_pytree(state)
 
@@ -256,9 +257,9 @@ class LinearTheory:
     def growth(self) -> Growth:
         r"""Exponents of Ω with which the first step grows for Ω → ∞, of shape (2, 2).
 
-        The first row belongs to :math:`|u_1|` and :math:`|\dot u_1|/\omega` from u = 1 and u̇ = 0, the second to a start
-        from u = 0 and u̇ = ω. Zero means bounded. For a scheme with a stability limit the exponents describe its
-        instability.
+        The columns hold the exponents of :math:`|u_1|` and :math:`|\dot u_1|/\omega`. The first row is for a start from
+        u = 1 and u̇ = 0, the second for a start from u = 0 and u̇ = ω. Zero means bounded. For a scheme with a stability
+        limit the exponents describe its instability.
 
         References
         ----------

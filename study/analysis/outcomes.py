@@ -95,7 +95,7 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     if "lane" not in runs.dims:
         raise ValueError("outcomes need an ensemble: give study.run an array of u0 or of dt.")
     for name in _EVENTS.values():
-        if name not in runs and name != "crossed_at":  # which only problems with a barrier have
+        if name not in runs and name != "crossed_at":  # only problems with a barrier have this variable
             raise ValueError(
                 f"outcomes need '{name}': observe study.OutcomeObserver.of(problem) and 'lyapunov_exponent'."
             )

@@ -28,15 +28,15 @@ def recommend(
         Allowed error, as a fraction of the largest value of the quantity: 0.01 is one percent. It must be one of the
         errors that were assessed.
     quantity
-        Quantity that must keep the error, one of the assessment's; by default the first, which is ``displacement`` if
-        none were given.
+        Quantity of the assessment that must keep the error. The default is its first quantity, which is
+        ``displacement`` if the assessment was given no quantities.
     folder
         Folder of the results, which has the dataset of a named assessment.
 
     Returns
     -------
     pandas.DataFrame
-        By ``scheme``, the fastest first; schemes without a step are last.
+        One row for each ``scheme``, the fastest first; schemes without a step are last.
 
         ``kind``
             ``implicit`` or ``explicit``.

@@ -49,7 +49,7 @@ def chosen_schemes(given: str | Scheme | Mapping[str, Scheme] | Iterable[str | S
             raise ValueError(f"two schemes have the name '{name}'; give a mapping from names to schemes.")
         chosen[name] = scheme
     if not chosen:
-        raise ValueError("schemes is empty; name at least one, or leave it out for the default ones.")
+        raise ValueError("schemes is empty; name at least one, or leave schemes out for the default ones.")
     return chosen
 
 

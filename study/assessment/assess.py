@@ -63,9 +63,9 @@ def assess(
 
     A run ends with the last step that fits into the duration. Quantities along time are compared at every step.
 
-    A problem of more than 1,000 unknowns is assessed like a :class:`study.Program`: two schemes, among the named ones,
-    ``rk4`` and ``nystrom4``, run with halved steps until they agree. Their common result is the reference, and their
-    difference is its uncertainty. Few random finer steps confirm a step.
+    A problem of more than 1,000 unknowns is assessed like a :class:`study.Program`: the given schemes, ``rk4`` and
+    ``nystrom4`` run with halved steps until two of them agree. Their common result is the reference, and their
+    difference is its uncertainty. A step is confirmed by few random finer steps.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def assess(
         Names in ``study.schemes``, your own :class:`study.Scheme`, or a mapping from names to schemes; ten common
         schemes by default.
     duration
-        Time of the runs in seconds. A free oscillator of one unknown runs ten of its periods by default.
+        Simulated time of the runs in seconds. The default for a free oscillator of one unknown is ten of its periods.
     quantities
         Quantities whose errors are measured: a mapping from names to :class:`study.Quantity`. The default quantities
         are displacement and velocity along time; the acceleration, unless an unknown has no mass or the force has a
@@ -85,7 +85,8 @@ def assess(
     errors
         Allowed errors, as fractions of the largest value of each quantity.
     maps
-        Whether to map over step size and excitation how each scheme fails, for up to 1,000 unknowns.
+        Whether to map how each scheme fails over step size and excitation. A problem of more than 1,000 unknowns has no
+        map.
     controller
         Name in ``study.controllers``, or your own :class:`study.Controller`. Each one-step scheme then also runs with
         controlled steps at random tolerances; the result has the tolerance that keeps each error, and its cost. It is
@@ -168,7 +169,7 @@ def assess(
     if length < requested:
         warnings.warn(
             f"the references of '{equation.title}' agree up to t = {length:.4g} of {requested:g} s: errors are "
-            "measured up to there only.",
+            "measured up to this time only.",
             RuntimeWarning,
             stacklevel=2,
         )

@@ -84,7 +84,7 @@ def certified(
     assert reached is not None
     one, other, apart, rtol = reached
     if not np.any(one.u != one.u[0]) and not np.any(one.v):
-        raise ValueError(f"'{problem.title}' does not move: give it a start away from balance, or a load.")
+        raise ValueError(f"'{problem.title}' does not move: give it a start away from equilibrium, or a load.")
     horizon = duration
     if max(apart.values()) > ACCEPTED * tightest:
         horizon = _holds(one, other, quantities, problem, AIMED * tightest)

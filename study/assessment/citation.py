@@ -73,7 +73,7 @@ def cite(dataset: xr.Dataset) -> str:
     Raises
     ------
     ValueError
-        If it is not a dataset of the study.
+        If ``dataset`` is not a dataset of the study.
     """
     if not isinstance(dataset, xr.Dataset) or "version" not in dataset.attrs:
         raise ValueError("cite takes a dataset of the study, such as the result of study.assess.")

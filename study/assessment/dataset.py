@@ -20,7 +20,7 @@ from study.scheme.wrapper.with_history import WithHistory
 #: Timing of a recommended step: number of runs, sufficient duration of a run in s, and most steps of the first run.
 REPEATS, ENOUGH, MOST_TIMED = 5, 0.003, 20_000
 
-#: Ends of a run, and the mark of steps that were not tried.
+#: Outcomes of a run, and the mark of steps that were not tried.
 ENDS = (*STATUSES, "not_tried")
 NOT_TRIED = ENDS.index("not_tried")
 
@@ -50,7 +50,7 @@ ATTRIBUTES = {
     "dt": {"long_name": "step size", "units": "s"},
     "steps": {"long_name": "number of steps", "units": "1"},
     "quantity": {"long_name": "quantity whose error is measured"},
-    "allowed_error": {"long_name": "largest error allowed", "units": "1"},
+    "allowed_error": {"long_name": "largest allowed error", "units": "1"},
 }
 
 

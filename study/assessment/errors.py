@@ -158,7 +158,7 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Tar
     Raises
     ------
     ValueError
-        If the quantity is not finite along the reference, or zero all the time.
+        If the quantity is not finite along the reference, or zero at all times.
     """
     parts = np.arange(FINER) / FINER
     times = np.append((solution.t[:-1, None] + np.diff(solution.t)[:, None] * parts).ravel(), solution.t[-1])
@@ -167,7 +167,7 @@ def target(quantity: Quantity, problem: Problem, solution: DenseSolution) -> Tar
     scale = float(np.abs(values).max())
     if scale == 0:
         raise ValueError(
-            f"the quantity '{quantity.long_name}' of '{problem.title}' is zero all the time, so that an error relative "
+            f"the quantity '{quantity.long_name}' of '{problem.title}' is zero at all times, so that an error relative "
             "to it has no meaning."
         )
     found = Target(quantity, problem, solution, times, values, scale)
@@ -197,10 +197,14 @@ class ErrorsAlong(Reduction):
         solution, length = targets[0].solution, np.diff(targets[0].solution.t)
         before, after = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
         table = np.stack(quintic(before, after, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
-        # a power of two, so that few programs are compiled; the last interval has no end
-        room = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
-        begin = np.append(solution.t[:-1], np.full(room, np.inf))
-        numbers = begin, np.append(length, np.ones(room)), np.append(table, np.zeros((room, *table.shape[1:])), axis=0)
+        # padded to a power of two, so that few programs are compiled; nothing ends the last interval
+        padding = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
+        begin = np.append(solution.t[:-1], np.full(padding, np.inf))
+        numbers = (
+            begin,
+            np.append(length, np.ones(padding)),
+            np.append(table, np.zeros((padding, *table.shape[1:])), axis=0),
+        )
         scales = np.array([one.scale for one in targets])
         return cls(tuple(one.quantity for one in targets), *map(jnp.asarray, (scales, *numbers)))
 
@@ -254,7 +258,8 @@ def difference(quantity: Quantity, problem: Problem, one: DenseSolution, other: 
     Returns
     -------
     tuple
-        The difference of the reductions, or the largest along time; and the largest up to each time, of shape (t,).
+        The difference of the reductions, or the largest difference along time if the quantity is not reduced; and the
+        largest difference up to each time, of shape (t,).
     """
     values, others = (values_along(quantity, problem, s, other.t) for s in (one, other))
     _check_finite(values, other.t, quantity, problem)

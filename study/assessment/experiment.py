@@ -30,7 +30,7 @@ class _Assessment(TypedDict):
 
 
 def _places(options: Options) -> list[tuple[str, str]]:
-    """Keys and values that name something in a file."""
+    """Keys and values that name an object in a file."""
     return [(key, options[key]) for key in ("problem", "quantities") if ".py" in options.get(key, "")]
 
 
@@ -39,7 +39,7 @@ def _files(options: Options) -> Iterable[str]:
 
 
 def _reads(options: Options) -> list[str]:
-    """The exact solution of a spring whose run is counted in periods."""
+    """Dataset with the exact period of a spring, if the length of the runs is given in periods."""
     return [f"reference/{options['problem']}"] if "periods" in options else []
 
 
@@ -87,7 +87,7 @@ def assessment(
     errors: Sequence[float] = (0.1, 0.01, 0.001),
     maps: bool = True,
 ) -> xr.Dataset:
-    """Assess a problem in a file, or one of the study: which scheme and which step it needs for an error.
+    """Assess which scheme and which step a problem of the study, or one in a file, needs for an error.
 
     ``problem`` and ``quantities`` name a :class:`study.Problem` and a dict of :class:`study.Quantity` as
     ``FILE.py:NAME``; ``problem`` may also be a name of the study. ``periods`` is the duration in exact periods of a

@@ -53,7 +53,7 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     -------
     xarray.Dataset
         ``outcome``, ``lyapunov_exponent``, ``max_newton_iterations`` over ``excitation`` and ``map_dt``;
-        ``largest_safe_dt`` and ``failure``, a sentence on what limits it.
+        ``largest_safe_dt`` and ``failure``, a sentence on the cause of this limit.
     """
     drawn = coarsest * STEPS[STEPS >= min(1.0, duration / (coarsest * MOST_STEPS))]
     dt = np.unique(np.append(recommended[recommended > drawn[-1]], drawn))[::-1]

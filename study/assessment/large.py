@@ -105,7 +105,7 @@ def _spread(places: np.ndarray, count: int) -> np.ndarray:
 
 
 def compared(problem: Problem) -> np.ndarray:
-    """Unknowns at which motions are compared: up to half where the force is not linear, the others spread evenly."""
+    """Unknowns at which motions are compared: up to half where the force is not linear, the rest spread evenly."""
     chosen = _spread(_not_linear(problem), SHOWN // 2)
     others = np.setdiff1d(np.arange(np.size(problem.u0)), chosen)
     return np.union1d(chosen, _spread(others, SHOWN - len(chosen)))

@@ -52,7 +52,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
     Raises
     ------
     ValueError
-        If it is not a positive time, or the problem has no period.
+        If the duration is not a positive time, or is missing and the problem has no period.
     """
     if duration is not None:
         if isinstance(duration, bool) or not isinstance(duration, int | float | np.number) or not 0 < duration < np.inf:
@@ -60,7 +60,7 @@ def length_of(problem: Problem, duration: float | None) -> float:
         return float(duration)
     period = _period(problem)
     if period is None:
-        raise ValueError(f"'{problem.title}' has no period to count in: give duration=, the time to be run.")
+        raise ValueError(f"'{problem.title}' has no period that gives the length of the runs: give duration=.")
     return PERIODS * period
 
 

@@ -19,7 +19,7 @@ from study.mechanics.internal_force import switches
 #: Number of points of the first grid in the shortest period of small motions, or in the coarsest step.
 POINTS = 12
 
-#: Number of parts of a run that are searched for changes of a comparison in the load.
+#: Number of parts of a run in which changes of a condition in the load are sought.
 SWITCHES = 4096
 
 #: Least number of points between two kinks of the force: a contact may be far shorter than a period.
@@ -50,7 +50,7 @@ class Kinks(NamedTuple):
 
 
 class Route(NamedTuple):
-    """A way to the solution: its name, and displacement and velocity at increasing times for a tolerance."""
+    """A route's name, and its function of times and tolerance that returns displacement and velocity."""
 
     name: str
     trajectory: Callable[[Times, float], tuple[History, History]]
@@ -188,7 +188,7 @@ class Reference:
         return self.with_kinks(np.linspace(0.0, self.duration, points + 1))
 
     def with_kinks(self, grid: Times) -> Times:
-        """The grid with all kinks, and some points between any two of the force.
+        """The grid with all kinks, and some points between any two kinks of the force.
 
         Points next to a kink are left out, because they would only cause short steps.
         """

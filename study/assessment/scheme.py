@@ -1,4 +1,4 @@
-"""``study.assess_scheme``: your own scheme, compared with those of the study."""
+"""``study.assess_scheme``: your own scheme, compared with schemes of the study."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple

@@ -17,7 +17,7 @@ from study.marching.ensemble import FEW, TILE
 from study.marching.run import run
 from study.mechanics.definition import Problem
 from study.observer.base import Observer
-from study.program.confirmation import TWENTIETH, with_room
+from study.program.confirmation import TWENTIETH, largest_with_margin
 from study.scheme.base import Scheme
 from study.settings import cores
 
@@ -102,7 +102,7 @@ def sentence_on_starts(cases: dict[float, Case]) -> str:
     own = cases[1.0].problem
     others = [case.problem for factor, case in cases.items() if factor != 1.0]
     if own.load is None and all(np.array_equal(one.u0, own.u0) and np.array_equal(one.v0, own.v0) for one in others):
-        return "No other start was tried: u, u̇ and the load are zero at the start."
+        return "No other start was tried: initial displacement, initial velocity and load are zero."
     return "Runs from two starts, one percent below and above, keep the error too."
 
 
@@ -200,7 +200,7 @@ class Search:
 
     def run(self, dt: np.ndarray, start: float = 1.0) -> None:
         """Run at some steps."""
-        dt = np.sort(dt)  # lanes of a tile end together
+        dt = np.sort(dt)  # sorted, so that the lanes of a tile end together
         alone = (self.duration / dt > self._long) & (self._size == 1)
         at_once, together = TILE * cores() if self._size == 1 else FEW, dt[~alone]
         parts = [*(together[i : i + at_once] for i in range(0, len(together), at_once)), *dt[alone]]
@@ -240,7 +240,7 @@ class Search:
         fails = ~(self.runs[name].to_numpy() <= allowed)  # a failed run, NaN, counts as above
         dt, error = self._arrays(name)
         below = dt < self.runs.dt.to_numpy()[fails].min(initial=np.inf)
-        return with_room(dt[below], error[below], allowed)
+        return largest_with_margin(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
         """Run down to a twentieth of each step that keeps an error, then at round steps from all starts and below."""

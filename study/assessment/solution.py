@@ -7,8 +7,8 @@ from jaxtyping import Float
 
 from study.algebra.elementwise import quintic, value
 
-#: Places in an interval at which its interpolant is compared. Its errors are about s³(1 − s)³ in u, and the slope of
-#: this function in u̇; a single place may lie where the slope is zero.
+#: Places s in an interval at which the interpolant is compared. Its error is about proportional to s³(1 − s)³ in u, and
+#: to the derivative of this function in u̇. The derivative is zero at s = 1/2, so a single place could miss an error.
 BETWEEN = (0.25, 0.6)
 
 #: Largest number of parts into which an interval is divided at once.

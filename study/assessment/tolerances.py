@@ -28,14 +28,14 @@ from study.control.named import estimators
 from study.io import flags
 from study.marching.control import usual_estimator
 from study.marching.run import run
-from study.program.confirmation import with_room
+from study.program.confirmation import largest_with_margin
 from study.scheme.base import Scheme
 from study.scheme.wrapper.with_history import WithHistory
 
 #: Largest and smallest tolerance of a search.
 LOOSEST, TIGHTEST = 0.1, 1e-12
 
-#: Part of a tolerance down to which smaller ones are tried.
+#: Smaller tolerances are tried down to this part of a tolerance.
 HUNDREDTH = 0.01
 
 #: Number of runs made at once, and largest number of steps of a run.
@@ -78,7 +78,7 @@ VARIABLES = {
 
 
 def round_tolerance(largest: float) -> float:
-    """The largest of 1, 2 and 5 times a power of ten up to another tolerance."""
+    """The largest tolerance up to ``largest`` that is 1, 2 or 5 times a power of ten."""
     unit = 10.0 ** math.floor(math.log10(largest) + 1e-9)
     return next(float(f"{digit * unit:.0e}") for digit in DIGITS if digit * unit <= largest * (1 + 1e-9))
 
@@ -157,7 +157,10 @@ class ToleranceSearch:
         lowest = self.runs.tolerance.to_numpy()[fails].min(initial=np.inf)
         own = self.runs[(self.runs.start == 1.0) & (self.runs.tolerance < lowest)]
         # the step is proportional to this root of the tolerance
-        return with_room(own.tolerance.to_numpy() ** (1 / self._power), own[name].to_numpy(), allowed) ** self._power
+        return (
+            largest_with_margin(own.tolerance.to_numpy() ** (1 / self._power), own[name].to_numpy(), allowed)
+            ** self._power
+        )
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None]) -> None:
         """Run down to a hundredth of the tolerance that keeps each error, then from all starts at round tolerances."""

@@ -28,7 +28,7 @@ def work_precision(
     Parameters
     ----------
     problem, schemes
-        As for :func:`study.assess`.
+        The same as of :func:`study.assess`.
     figure
         File for the diagram, ``.svg``; by default none is drawn.
     quantity

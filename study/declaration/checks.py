@@ -1,7 +1,7 @@
 """Checks of options that several experiments declare.
 
-Each returns the sentence that refuses the options, or ``None``. The sentence follows the name of the experiment's
-section and a dot, so it starts with a key of that section.
+Each check returns an error message, or ``None`` if the options are valid. The message follows the name of the
+experiment's section and a dot, so it starts with a key of that section.
 """
 
 from collections.abc import Collection, Iterable

@@ -42,16 +42,16 @@ class Experiment:
         Dimensions, separated by commas, along which the datasets of all jobs are joined to ``makes``. If it is empty,
         they remain separate.
     parts
-        Folders of the jobs' datasets if they are kept, so that an interrupted experiment continues with them.
+        Folders in which the datasets of the jobs are kept, so that an interrupted experiment can continue.
     reads
-        Names of the datasets that a job reads, by its options.
+        Function of a job's options that returns the names of the datasets that the job reads.
     files
-        Other files that a job reads, by its options.
+        Function of a job's options that returns other files that the job reads.
     check
         Function that returns a sentence if the options contradict each other or the rest of the configuration, and
         ``None`` otherwise.
     steps, values
-        Approximate number of steps of all runs of a job, and of values that it holds at once.
+        Functions that return the approximate number of steps of all runs of a job, and of values in its memory.
     page
         Module that makes a page of HTML next to each dataset. Its arguments are the files of the dataset and the page.
     stops_early
@@ -130,7 +130,7 @@ class Merged:
 
 #: Folders of the results that hold other products.
 _RESERVED = ("benchmarks", "figures", "logs", "tables")
-#: Every declaration of the modules that have been imported, by module and name.
+#: Declarations in all imported modules, by module and first dataset.
 DECLARED: dict[tuple[str, str], Experiment | Merged] = {}
 
 
@@ -191,7 +191,7 @@ def arguments_of(function: Callable) -> dict[str, tuple[Any, Any]]:
         if one.annotation in (str, list[str], Sequence[str]):
             raise ValueError(
                 f"{function.__module__}: the argument '{name}' of '{function.__name__}' needs a type of "
-                "study.declaration.options, such as ProblemName, SchemeName or Name, from which its job's files follow."
+                "study.declaration.options, such as ProblemName, SchemeName or Name, which determines the job's files."
             )
     return {
         name: (one.annotation, ... if one.default is one.empty else one.default) for name, one in parameters.items()

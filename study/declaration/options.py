@@ -33,7 +33,6 @@ class Checked:
     """
 
     function: Callable[[Any, Mapping[str, Any]], Any]
-    early: bool = False
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Callable) -> Any:
         """The validation schema, for pydantic."""
@@ -42,10 +41,7 @@ class Checked:
         def check(value, info):
             return self.function(value, info.context)
 
-        schema = handler(source)
-        if self.early:
-            return core_schema.with_info_before_validator_function(check, schema)
-        return core_schema.with_info_after_validator_function(check, schema)
+        return core_schema.with_info_after_validator_function(check, handler(source))
 
 
 def _distinct(values: list, registries: Mapping[str, Any]) -> list:
@@ -201,7 +197,7 @@ PowersOfTen = Annotated[_PowersOfTen, IN_ORDER]
 
 @section
 class StructureLength(TypedDict):
-    """Duration of a run of a structure, in its time scale."""
+    """Duration of a run of a structure, as a multiple of its time scale."""
 
     problem: Structure
     periods: Annotated[float, Gt(0), Le(10_000)]

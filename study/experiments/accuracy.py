@@ -40,7 +40,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 def accuracy(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, periods: RisingCounts) -> xr.Dataset:
     """Measure the errors of every scheme against the exact solution, by step size and length of the run.
 
-    The measures are those of :mod:`study.analysis.comparison`; the step size is Δt = T/N, with T the exact period and
+    :mod:`study.analysis.comparison` defines the measures. The step size is Δt = T/N, with T the exact period and
     N the steps per period. Each variable has the shape (problem, scheme, steps_per_period, periods).
 
     Raises

@@ -22,7 +22,7 @@ from study.problem.named import problems as problems_by_name
 
 
 def _single(values: np.ndarray) -> np.ndarray:
-    """Values in single precision; those that overflow become infinite."""
+    """Values in single precision; a value that overflows becomes infinite."""
     with np.errstate(over="ignore"):
         return values.astype(np.float32)
 
@@ -164,7 +164,7 @@ def atlas(
             "units": "percent",
         },
         "period_error": {
-            "long_name": "relative error of the mean period, NaN where there is none",
+            "long_name": "relative error of the mean period, NaN where the run has no period",
             "units": "1",
         },
         "max_newton_iterations": {

@@ -62,7 +62,7 @@ def bifurcation(
         on_failure="ignore",
     )
     one, other = pairs.u.values.reshape(len(step_sizes), 2, -1).transpose(1, 0, 2)
-    apart = np.abs(other - one) >= ORDER_ONE  # false once one of them has failed: its displacement is NaN
+    apart = np.abs(other - one) >= ORDER_ONE  # false after a failure, because the displacement is then NaN
     status, failed_at_step = (pairs[name].values[::2] for name in ("status", "failed_at_step"))
     whole = np.full(len(step_sizes), steps)
     # in chaotic motion these runs may fail at another step than the pairs, so their length follows from themselves
@@ -84,7 +84,7 @@ def bifurcation(
                 "dt",
                 np.where(apart.any(axis=1), apart.argmax(axis=1), -1),
                 {
-                    "long_name": f"steps until a perturbation of {perturbation:g} has become {ORDER_ONE}, -1 if never",
+                    "long_name": f"steps until a perturbation of {perturbation:g} grows to {ORDER_ONE}, -1 if never",
                     "units": "1",
                 },
             ),
@@ -100,7 +100,7 @@ def bifurcation(
             "iterate": (
                 "iterate",
                 np.arange(1 - shown, 1),
-                {"long_name": "steps after the last one of the run", "units": "1"},
+                {"long_name": "number of the step, counted from the last step of the run", "units": "1"},
             ),
         },
         attrs={

@@ -194,7 +194,7 @@ def _by_adaptive_steps(rates: Callable, u0: np.ndarray, v0: np.ndarray, *interna
     return dict(zip(QUANTITIES, np.array(ends).T, strict=True))
 
 
-# The functions have names, because problems that differ only in numbers share the compiled program.
+# The functions are defined here once, so that problems that differ only in numbers share the compiled program.
 
 
 def _hardening(u):

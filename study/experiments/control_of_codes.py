@@ -47,7 +47,7 @@ RULES = {
 }
 CLASSES = ("tight", "middle", "loose")
 
-#: Tolerances and duration of the runs of a linear oscillator by which SciML tests its adaptive method of Newmark.
+#: Tolerances and duration of the runs of a linear oscillator with which SciML tests its adaptive method of Newmark.
 SCIML, LINEAR_DURATION = (1e-4, 1e-6, 1e-8), 5.0
 
 

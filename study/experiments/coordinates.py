@@ -40,7 +40,7 @@ def scheme_coordinates(names: Sequence[str]) -> dict:
         "forces_per_step": (
             "scheme",
             [s.forces_per_step for s in chosen],
-            {"long_name": "forces that a step evaluates in addition to those of Newton's iterations", "units": "1"},
+            {"long_name": "forces that a step evaluates in addition to Newton's iterations", "units": "1"},
         ),
         "forces_per_iteration": (
             "scheme",

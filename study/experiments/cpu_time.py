@@ -22,7 +22,7 @@ BASELINE = "average_acceleration"
 
 def _check(options: Options, configuration: Mapping) -> str | None:
     if BASELINE not in options["schemes"]:
-        return f"schemes lacks '{BASELINE}', to which times are compared."
+        return f"schemes lacks '{BASELINE}', with which times are compared."
     return None
 
 

@@ -62,7 +62,7 @@ def energy_drift(
     periods: Count,
     oscillations: Count,
 ) -> xr.Dataset:
-    """Compute the signed energy error at the end of a run and the steps of an oscillation, over step sizes.
+    """Compute the signed energy error at the end of a run and the steps per oscillation, over step sizes.
 
     The energy error is (E − E₀)/|E₀| after ``periods`` periods; both variables are (steps_per_period,).
 
@@ -99,7 +99,7 @@ def energy_drift(
             "steps_per_oscillation": (
                 along,
                 count,
-                {"long_name": f"steps that one of the last {oscillations} oscillations takes", "units": "1"},
+                {"long_name": f"mean number of steps of the last {oscillations} oscillations", "units": "1"},
             ),
             "status": (along, lanes.status.values, STATUS_ATTRIBUTES),
             "failed_at_step": (along, lanes.failed_at_step.values, FAILED_AT_STEP_ATTRIBUTES),

@@ -23,7 +23,7 @@ def houbolt_start(problems: Springs, steps_per_period: Counts, periods: Count) -
     """Compute the largest energy error of Houbolt's method for every way to start it.
 
     The error is max |E − E₀|/|E₀| over ``periods`` printed periods, in percent, of shape
-    (problem, steps_per_period, start). The ways are those of ``study.scheme.houbolt.starts``.
+    (problem, steps_per_period, start). The ways are listed in ``study.scheme.houbolt.starts``.
     """
     error = np.empty((len(problems), len(steps_per_period), len(starts)))
     for p, problem in enumerate(problems):

@@ -34,7 +34,7 @@ ARITHMETIC = {
     "float64_compensated": (True, True),
 }
 #: Kinds of step sizes, by the number of their bits. Single precision, of 24 bits, rounds the squares of the first kind
-#: and represents those of the second exactly.
+#: and represents the squares of the second kind exactly.
 BITS = {"any": 24, "short": 12}
 #: Number of steps of all runs of a job beyond which each arithmetic is a separate job, of a minute or more.
 MOST_STEPS_OF_JOB = 10**9
@@ -174,7 +174,7 @@ def long_runs(
     periods
         Lengths of the runs, ascending.
     arithmetics
-        Some of ``ARITHMETIC``.
+        Keys of ``ARITHMETIC``.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Energy and phase errors of very long runs, and the growth of their round-off, over the runs with each step size."""
+"""Energy and phase errors of very long runs, and the growth of their round-off, as means over the runs."""
 
 import numpy as np
 import xarray as xr
@@ -76,7 +76,7 @@ def summary(runs: xr.Dataset) -> xr.Dataset:
     growing = [name for name in errors if name != "energy_error"]
     exponent, exponent_error = growth(runs.periods.values, np.stack([errors[name] for name in growing]))
     first_to_fail = runs.isel(run=runs.failed_at_step.where(runs.failed_at_step >= 0, np.inf).argmin("run"))
-    than_exact, slope = "less that in compensated double precision", "slope of log rms quantity over log periods"
+    than_exact, slope = "less the value in compensated double precision", "slope of log rms quantity over log periods"
     along = ("quantity", "scheme", "arithmetic", "step")
     return xr.Dataset(
         {

@@ -69,7 +69,7 @@ def published_numbers(
     Parameters
     ----------
     coarsest
-        Problems, and the fewest steps of a run of each.
+        Problems, and the smallest number of steps of a run of each.
     refinements
         Number of runs of each scheme and problem, each with four times as many steps as the one before.
     controlled, tolerances

@@ -72,7 +72,7 @@ def relaxation(problems: Springs, steps_per_period: Counts, periods: Count) -> x
         coords={
             **coordinates.problem_coordinates(problems),
             **coordinates.steps_per_period_coordinate(steps_per_period),
-            "variant": ("variant", list(VARIANTS), {"long_name": "Runge-Kutta as it is, or with relaxation"}),
+            "variant": ("variant", list(VARIANTS), {"long_name": "Runge-Kutta without or with relaxation"}),
         },
         attrs={"title": "Runge-Kutta with and without relaxation by problem and step size"},
     )

@@ -24,11 +24,11 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
     observer = Excursions(OutcomeObserver.of(definition).rest)
     u0, period = lanes.u0.values, lanes.period.values
     needed = np.full((len(LEVELS), len(lengths)), np.nan)
-    open_still = np.ones(needed.shape, bool)
-    # from the finest step size on; a level and length that is exceeded once is settled
+    undecided = np.ones(needed.shape, bool)
+    # from the finest step size on; a level that is exceeded once at a length is decided
     for steps in sorted(candidates, reverse=True):
         for k, length in enumerate(lengths):
-            if not open_still[:, k].any():
+            if not undecided[:, k].any():
                 continue
             # each length has a separate run, because a run that fails has no errors of its earlier steps
             runs = run(
@@ -41,8 +41,8 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
                 on_failure="ignore",
             )
             kept = np.array([np.isinf(runs[name]).all() for name in observer.variables])
-            open_still[:, k:] &= kept[:, None]  # if a shorter run exceeds the level, so does a longer one
-            needed[open_still[:, k], k] = steps
+            undecided[:, k:] &= kept[:, None]  # if a shorter run exceeds the level, so does a longer one
+            needed[undecided[:, k], k] = steps
     return needed
 
 

@@ -118,7 +118,7 @@ def roots(
     tolerances: Tolerances,
     steps: RecordedSteps,
 ) -> xr.Dataset:
-    """Count the roots of the effective equation, and find the roots that Newton's iteration takes.
+    """Count the roots of the effective equation, and find the root at which Newton's iteration ends.
 
     A step of the schemes solves u + κΔt² p(u) = ũ, with the predictor ũ and the effective coefficient κ of the scheme.
 

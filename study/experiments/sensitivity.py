@@ -15,7 +15,7 @@ from study.problem.named import problems as problems_by_name
 #: Starts, as distances from the start of the problem in multiples of the perturbation.
 STARTS = (0, *(way * k for k in range(1, 5) for way in (1, -1)))
 
-#: Distance at which two displacements have parted.
+#: Distance at which two displacements count as separated.
 APART = 0.1
 
 

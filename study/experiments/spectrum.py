@@ -70,7 +70,7 @@ def spectrum(
     finest: Size,
     allowed_error: Tolerance,
 ) -> xr.Dataset:
-    """Measure the error of the peak drift at each step, and the largest step that keeps it below the allowed one.
+    """Measure the error of the peak drift at each step, and the largest step that keeps the allowed error.
 
     All finer steps must keep it too, either all steps tried or only those commensurate with the record. A run ends with
     the first step at the duration or beyond it, where the ground is at rest. ``step_needed`` is NaN if not even the

@@ -47,7 +47,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> xr.Dataset:
     """Measure the errors of energy and period over ω Δt, with the highest ω of the tangent along each motion.
 
-    The problems and amplitudes are those of ``results/reference/amplitudes``.
+    The problems and amplitudes come from ``results/reference/amplitudes``.
 
     Parameters
     ----------

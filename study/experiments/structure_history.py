@@ -32,7 +32,7 @@ def _observers(problem: str, definition: Problem) -> list[str | Observer]:
         change = Quantity(
             lambda u, v: _sum_of_energies(u, v) / at_start - 1,
             "max_sum_change",
-            "largest change of the sum of the oscillatory energies over all steps, relative",
+            "largest relative change of the sum of the oscillatory energies over all steps",
             reduce="peak",
         )
         along_time = [

@@ -95,7 +95,7 @@ def structure_stability(
                 dims,
                 exponent,
                 {
-                    "long_name": "Lyapunov exponent of the numerical map over half the run, in a time scale",
+                    "long_name": "largest Lyapunov exponent over the second half of the run, times the time scale",
                     "units": "1",
                 },
             ),
@@ -126,7 +126,7 @@ def structure_stability(
             "excitation": (
                 "excitation",
                 list(excitations),
-                {"long_name": "initial velocity and load over those of the problem", "units": "1"},
+                {"long_name": "initial velocity and load over the values of the problem", "units": "1"},
             ),
             **coordinates.steps_per_period_coordinate(steps_per_period),
             "periods": ("problem", [one["periods"] for one in lengths], {"long_name": "length of runs", "units": "1"}),

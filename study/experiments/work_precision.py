@@ -72,7 +72,7 @@ def work_precision(problems: Springs, schemes: Schemes, steps_per_period: Rising
     for p, problem in enumerate(problems):
         progress(f"timing on {problem}")
         period = io.open_dataset(f"reference/{problem}").period.item()
-        # compiled at the same time, because nothing is timed yet, and timed one after the other
+        # compiled concurrently, because nothing is timed yet; the runs are timed one after the other
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             timed = list(pool.map(partial(Timed, problems_by_name[problem], reductions=(EnergyDrift(),)), chosen))
         for k, parts in enumerate(steps_per_period):

@@ -14,8 +14,8 @@ USUAL = 0.9
 Steps = Float[np.ndarray, "step"]
 
 
-def with_room(dt: Steps, error: Steps, allowed: float) -> float:
-    r"""Largest step that keeps an error together with all finer ones, with room for scatter; zero if there is none.
+def largest_with_margin(dt: Steps, error: Steps, allowed: float) -> float:
+    r"""Largest step that keeps an error, as all finer ones, with a margin for scatter; zero if there is none.
 
     .. math::
 

@@ -163,8 +163,8 @@ class Program:
             return hashlib.sha256(repr(_source(self.run)).encode()).hexdigest()
         except (OSError, TypeError, pickle.PicklingError, AttributeError) as error:
             raise ValueError(
-                f"the runs of '{self.title}' cannot be distinguished from those of other programs, as its source "
-                f"cannot be read ({error}); give the program a name."
+                f"the runs of '{self.title}' cannot be distinguished from runs of other programs, because its "
+                f"source cannot be read ({error}); give the program a name."
             ) from None
 
 

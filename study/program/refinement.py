@@ -120,7 +120,7 @@ class Refinement:
         for name, size in truth.sizes.items():
             if not size:
                 raise NoTruth(
-                    f"the quantity '{name}' of '{self._program.title}' is zero all the time, so that an error relative "
+                    f"the quantity '{name}' of '{self._program.title}' is zero at all times, so that an error relative "
                     "to it has no meaning; leave it out."
                 )
 

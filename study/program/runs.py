@@ -1,4 +1,4 @@
-"""All runs of a program: kept on disk, several at once."""
+"""All runs of a program, which are kept on disk and made concurrently."""
 
 import hashlib
 import io as streams
@@ -54,7 +54,7 @@ class Runs:
     seconds
         Wall time in s. No run begins that is expected to end later.
     report
-        Takes a sentence on the present work, and its expected seconds if these are known.
+        Function of a sentence on the current work and, if they are known, its expected seconds.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ class Runs:
         return found
 
     def _waited_less(self, run: Run) -> bool:
-        """Whether a run was stopped before the present limit."""
+        """Whether a run was stopped at a limit of time that is shorter than the present one."""
         limit = getattr(self.program.run, "time_limit", None)
         return run.status == "timed_out" and (limit is None or run.elapsed < limit)
 

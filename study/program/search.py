@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from study.program.confirmation import TWENTIETH, with_room
+from study.program.confirmation import TWENTIETH, largest_with_margin
 from study.program.definition import Program
 from study.program.refinement import CERTAIN, Refinement
 from study.program.runs import Job, Runs
@@ -54,7 +54,7 @@ class Search:
     seconds
         Wall time in s. No run begins that is expected to end later.
     report
-        Takes a sentence on the present work, and its expected seconds if these are known.
+        Function of a sentence on the current work and, if they are known, its expected seconds.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ class Search:
         name, allowed = limit
         dt, error = np.array([(dt, one[name]) for (s, dt), one in self.errors.items() if s == scheme]).T
         below = dt < dt[~(error <= allowed)].min(initial=math.inf)  # a failed run, NaN, counts as above
-        largest = with_room(dt[below], error[below], allowed)
+        largest = largest_with_margin(dt[below], error[below], allowed)
         return largest, dt[dt > largest].min(initial=math.inf)
 
     def _wanted(self, scheme: str, error: float) -> list[Job]:

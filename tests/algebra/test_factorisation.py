@@ -76,7 +76,7 @@ def test_factors_are_kept_while_matrices_come_again(width):
         for factor in 1.0, 2.0, 4.0:
             np.testing.assert_allclose(factor * (matrix @ solver.solved(factor * values, rhs)), rhs, atol=1e-9)
     assert solver.count == 3
-    # the oldest one makes room, in whose memory the new one is
+    # the new factorisation takes the memory of the oldest one
     for factor in 8.0, 1.0, 8.0:
         np.testing.assert_allclose(factor * (matrix @ solver.solved(factor * values, rhs)), rhs, atol=1e-9)
     assert solver.count == 5

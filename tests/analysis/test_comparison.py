@@ -67,7 +67,7 @@ def test_after_one_crossing_there_is_a_phase_and_no_mean_period():
 
 
 def test_a_crossing_never_leaves_its_step():
-    """Also if the velocities at both ends contradict the crossing: zero or backwards."""
+    """The velocities at both ends may contradict the crossing: they are zero or backwards."""
     reference, problem = _harmonic(50)
     _, (_, period, _) = against(reference, 50, longest=50)
     for before, after in ((0.0, 1.0), (1.0, 0.0), (-5.0, 1e-9), (0.0, 0.0)):
@@ -113,7 +113,7 @@ def test_phases_that_the_reference_lacks_are_refused():
 def test_the_reference_is_taken_at_the_times_of_the_run():
     """The lag of a rounded step size is accounted for; over a million steps it would look like an error."""
     reference, problem = _harmonic(400, stretch=1 + 1e-5)
-    # the motion of a period that the stored one lacks by 1e-5 has no error when the remainder is known
+    # the true period is longer than the stored one by 1e-5; a run with the true period has no error if this is known
     errors = []
     for remainder in (0.0, 1e-5):
         dt, observers = against(reference.assign(period_remainder=remainder), 400, longest=400)

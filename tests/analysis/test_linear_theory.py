@@ -1,4 +1,4 @@
-"""Linear theory out of the code, against closed forms, against the run itself, and against what is claimed."""
+"""Linear theory derived from the code, against closed forms, runs and published claims."""
 
 import re
 import runpy
@@ -14,11 +14,11 @@ from study.scheme.rederived import Rederived
 
 PARTS = np.logspace(-3, 3, 121)
 
-#: Of the runs that linear theory is held against.
+#: Number of steps of the runs with which linear theory is compared.
 STEPS = 2000
 
 
-#: Schemes with parameters that no named one has; their limits follow from formulas.
+#: Schemes with parameters that no named scheme has; their limits follow from formulas.
 OTHERS = [
     study.Newmark(beta=0.1, gamma=0.6),
     study.Newmark(beta=0.25, gamma=0.4),
@@ -40,7 +40,7 @@ OTHERS = [
 ]
 
 
-#: Spectral radii at infinite frequency as claimed by those who made the schemes.
+#: Spectral radii at infinite frequency that the authors of the schemes claim.
 AT_INFINITY = {
     "average_acceleration": 1.0,
     "newmark_dissipative": 0.9 / 1.1,
@@ -107,7 +107,7 @@ def test_the_limits_in_docstrings_are_those_of_named_schemes():
 @pytest.mark.parametrize("name", AT_INFINITY)
 def test_radii_at_infinite_frequency(name):
     theory = LinearTheory(study.schemes[name], PARTS)
-    # where two or three roots meet they approach it slowly, and half or two thirds of the digits are lost
+    # two or three roots that meet converge slowly, so half or two thirds of the digits are lost
     assert theory.infinite_frequency_radius() == pytest.approx(AT_INFINITY[name], abs=1e-3)
 
 
@@ -116,7 +116,7 @@ def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
     """The roots have the order that a scheme claims, except where errors of the start lower the order of the motion."""
     scheme = study.schemes[scheme_name]
     expected = {
-        # conjugate to velocity Verlet, and to the generalized-α method: the map is as good, the start is not
+        # conjugate to velocity Verlet, and to the generalized-α method: the map has their order, the start has not
         ("symplectic_euler", 0.0): 2,
         ("symplectic_euler", 0.1): 2,
         ("kr_alpha", 0.0): 2,
@@ -191,7 +191,7 @@ def test_principal_roots_predict_the_motion_of_a_run(scheme, part):
     """A run decays and turns as the principal roots of the matrix predict, over many periods."""
     motion = LinearTheory(scheme, np.array([1e-3, 1e-2, part])).motion()
     u = study.run(_unit_oscillator(), scheme, dt=2 * np.pi * part, steps=STEPS).u.values
-    # fitted to the later half, where what is not a principal root has died away: u = Re(c λⁿ)
+    # fitted to the later half, in which only the principal roots are left: u = Re(c λⁿ)
     n = np.arange(STEPS // 2, STEPS + 1)
     rate = 2 * np.pi * part / (1 + motion.period_elongation[-1])
     decay = -np.log1p(-motion.amplitude_decay[-1]) * rate / (2 * np.pi)
@@ -221,7 +221,7 @@ def test_wilson_overshoots_and_the_generalized_alpha_method_does_not():
 
 
 def test_an_overshoot_that_comes_late_is_seen():
-    """Symplectic Euler keeps u² ± Ω u u̇/ω + (u̇/ω)² = 1, by which both reach 1/√(1 − Ω²/4)."""
+    """Symplectic Euler keeps u² ± Ω u u̇/ω + (u̇/ω)² = 1, so that both reach 1/√(1 − Ω²/4)."""
     part = 0.158  # step over the period, at which both need more than 32 steps to reach it
     overshoot = LinearTheory("symplectic_euler", np.array([part])).overshoot()
     np.testing.assert_allclose(overshoot[:, 0], 1 / np.sqrt(1 - (np.pi * part) ** 2) - 1, rtol=0.01)
@@ -277,7 +277,7 @@ def test_a_scheme_that_grows_weakly_is_stable_at_no_step():
     [
         ("average_acceleration", [0, 0], [0, 0]),
         ("hht_alpha", [0, 1], [0, 0]),
-        ("wilson_theta", [2, 1], [1, 0]),  # as Hilber and Hughes have it for collocation
+        ("wilson_theta", [2, 1], [1, 0]),  # as in Hilber and Hughes for collocation
         ("central_difference", [2, 3], [1, 2]),  # u₁ = (1 − Ω²/2) u₀ + Ω v₀
         ("chen_ricles", [0, 0], [1, 0]),
     ],

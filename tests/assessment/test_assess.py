@@ -49,7 +49,7 @@ def _by_scipy(t):
 @pytest.mark.parametrize("allowed", [0.05, 0.01])
 @pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
 def test_a_recommended_step_keeps_its_error_against_another_solver(driven, assessed, scheme, allowed):
-    """And a step a third larger than the largest one does not."""
+    """A step a third larger than the largest one does not keep it."""
     one = assessed.sel(scheme=scheme, quantity="path", allowed_error=allowed)
     largest = np.abs(_by_scipy(np.linspace(0, DURATION, 4001))).max()
 
@@ -197,7 +197,7 @@ def test_chaos_ends_what_a_reference_can_say():
 @pytest.mark.parametrize(
     "arguments, sentence",
     [
-        ({"duration": None}, "'driven' has no period to count in: give duration="),
+        ({"duration": None}, "'driven' has no period that gives the length of the runs: give duration="),
         ({"duration": -1.0}, "duration must be a time in seconds greater than zero, not -1.0"),
         ({"errors": [2.0]}, "errors must be fractions between zero and one"),
         ({"schemes": []}, "schemes is empty"),
@@ -206,7 +206,7 @@ def test_chaos_ends_what_a_reference_can_say():
         ({"quantities": {"u": lambda u: u}}, r"quantities\['u'\] must be a study.Quantity"),
         ({"quantities": {"energy": QUANTITIES["peak"]}}, "the name 'energy' is reserved for the balance of energies"),
         ({"quantities": {"x": study.Quantity(lambda u: jnp.log(u))}}, "'x' of 'driven' is not finite at t = 0"),
-        ({"quantities": {"x": study.Quantity(lambda u: 0 * u)}}, "'x' of 'driven' is zero all the time"),
+        ({"quantities": {"x": study.Quantity(lambda u: 0 * u)}}, "'x' of 'driven' is zero at all times"),
         ({"quantities": {"x": study.Quantity(lambda u: u[3])}}, "the quantity 'x' cannot be computed for 'driven'"),
     ],
 )

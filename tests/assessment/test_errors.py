@@ -34,7 +34,7 @@ def test_a_balance_without_energy_to_compare_with_is_left_out_with_a_warning():
     with pytest.warns(RuntimeWarning, match="the balance of energies of 'hanging' is left out: .* add a constant to"):
         ds = study.assess(hanging, "rk4", duration=5.0, errors=[0.1], maps=False)
     assert ds.quantity.values.tolist() == ["displacement", "velocity", "acceleration"]
-    assert ds.starts == "No other start was tried: u, u̇ and the load are zero at the start."
+    assert ds.starts == "No other start was tried: initial displacement, initial velocity and load are zero."
 
 
 def test_a_duration_of_more_steps_than_a_search_has_is_refused_at_once():

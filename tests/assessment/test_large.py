@@ -1,4 +1,4 @@
-"""Problems of many unknowns, whose reference is what two schemes agree on."""
+"""Problems of many unknowns, whose reference is the motion on which two schemes agree."""
 
 from dataclasses import replace
 
@@ -32,7 +32,7 @@ def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, 
     certified = study.assess(damped_chain(), SCHEMES, quantities=quantities, **OPTIONS)
     assert set(found.quantity.values) == {"displacement", "velocity"}
     assert found.reference_uncertainty.max() < 1e-3
-    # at one percent, whose steps are finer than the coarsest of a program
+    # at one percent, because its steps are finer than the coarsest step of a program
     ratio = (found.largest_dt / certified.largest_dt).sel(quantity=found.quantity, allowed_error=0.01)
     assert ((ratio > 0.9) & (ratio < 1.1)).all()
     assert found.attrs["reference"].startswith(("rk4", "nystrom4"))
@@ -61,7 +61,7 @@ def test_another_problem_of_the_same_title_has_other_runs(damped_chain, of_progr
 
 
 def test_unknowns_whose_force_is_not_linear_are_compared():
-    """Two stops on a row of springs; of springs that are all cubic, half of those compared."""
+    """A row of linear springs with two stops, and a row of cubic springs only."""
     n, stops = 1000, [311, 737]
     linear = sparse.diags_array([np.full(n - 1, -1.0), np.full(n, 2.0), np.full(n - 1, -1.0)], offsets=[-1, 0, 1])
 

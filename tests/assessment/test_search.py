@@ -1,4 +1,4 @@
-"""The search for the step that keeps an error, on errors that are made up."""
+"""The search for the step that keeps an error, on made-up errors."""
 
 import math
 
@@ -74,7 +74,7 @@ def test_an_unlucky_stretch_of_steps_is_found():
 
 
 def test_errors_that_scatter_keep_a_larger_distance():
-    """One in a hundred is five times the median, and fresh ones are larger than any of those tried."""
+    """One error in a hundred is five times the median, so fresh steps have larger errors than all steps tried."""
 
     def error(dt, start):
         return dt * np.random.default_rng(int(dt * 2**60)).lognormal(sigma=0.7)

@@ -136,7 +136,7 @@ def test_both_routes_reach_the_exact_motion_of_a_spring_that_yields():
 
 
 def test_both_routes_follow_elements_that_turn_back_apart_from_each_other():
-    """The rate equation of Bouc and Wen, solved as one, has no commits."""
+    """The exact motion solves the rate equation of Bouc and Wen, which has no commits."""
     k, bound = np.array([40.0, 25.0]), np.array([0.05, 0.04])
     springs = study.materials.elements(study.materials.bouc_wen(k, k * bound), lambda u: jnp.diff(u, prepend=0.0), 2)
     problem = study.Problem(springs, np.zeros(2), np.array([1.0, -0.5]), title="two springs")

@@ -66,7 +66,7 @@ PYTHON = [
     ("- sizes, sizes, strict=True)", "- sizes, [sizes[0], *sizes[:-1]], strict=True)", "size of the one before"),
 ]
 
-#: What keeps generalized-α of second order where steps are not equal, which is no mistake.
+#: A change that keeps generalized-α of second order on unequal steps, which is no mistake.
 MOVED = (
     "        tau = theta * dt\n",
     """        if t > 0:

@@ -1,4 +1,4 @@
-"""Input files of Abaqus and code_aster: they state the case, and what they cannot state has none."""
+"""Input files of Abaqus and code_aster: they state the case, and a case that they cannot state has no file."""
 
 import builtins
 from functools import partial

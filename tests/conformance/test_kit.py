@@ -86,7 +86,7 @@ def test_a_case_is_what_the_generator_makes(place):
 
 
 def test_the_stored_end_of_a_case_of_order_is_exact():
-    """By SciPy's pair of order eight, which shares nothing with the Taylor series of the generator."""
+    """It agrees with SciPy's pair of order eight, which shares nothing with the Taylor series of the generator."""
     from scipy.integrate import solve_ivp
 
     from conformance.problem import Problem
@@ -220,7 +220,7 @@ def test_the_reader_in_javascript_judges_a_case(tmp_path):
 
 
 def test_the_zip_works_without_the_study(tmp_path):
-    """In a Python that finds NumPy and nothing else of the project."""
+    """It runs in a Python that finds NumPy but not the project."""
     subprocess.run(
         ["make", "conformance", f"CONFORMANCE={tmp_path / 'kit.zip'}"], cwd=PROJECT, check=True, capture_output=True
     )
@@ -244,7 +244,7 @@ def test_stored_verdicts_are_those_of_these_cases_and_on_the_page():
         code["tool"] for code in codes
     }
     for code in codes:
-        # those of an older version have no newer cases
+        # results of an older version of the kit have no newer cases
         names = {case["name"] for case in ALL if _number(case["version"]) <= _number(code["kit"])}
         assert {case["name"] for case in code["cases"]} == names and code["version"]
         assert code["counts"] == {verdict: counted_in(code, verdict) for verdict in code["counts"]}
@@ -280,7 +280,7 @@ def test_the_third_set_of_opensees_moves_from_rest_as_the_schemes_do_and_not_fro
 
 
 def test_diffrax_has_average_acceleration_as_the_trapezoidal_rule():
-    """With steps that are not equal too."""
+    """Also on unequal steps."""
     pytest.importorskip("diffrax")
     (case,) = [case for case in ALL if case["name"] == "G-LIN-AVG"]
     with jax.numpy_rank_promotion("allow"), jax.numpy_dtype_promotion("standard"):

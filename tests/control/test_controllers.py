@@ -1,4 +1,4 @@
-"""Controllers: their published factors, what they do to the energy, and steps that are given."""
+"""Controllers: their published factors, their effect on the energy, and prescribed steps."""
 
 import jax
 import jax.numpy as jnp

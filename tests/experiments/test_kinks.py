@@ -21,7 +21,7 @@ def test_a_kink_costs_the_order(reference, monkeypatch):
     smooth, yielding, shaken = ds.observed_order.sel(scheme="gauss4").values
     assert smooth == pytest.approx(4.0, abs=0.2) and yielding < 3.0 and shaken < 3.0
     assert ds.observed_order.sel(scheme="average_acceleration").values == pytest.approx(np.full(3, 2.0), abs=0.4)
-    # the balance is no verdict on average acceleration, however wrong its motion is
+    # the balance of energies does not show errors of average acceleration, however large they are
     blind = ds.sel(scheme="average_acceleration", problem="yielding").isel(steps_per_period=0)
     assert float(blind.error) > 1e-3 and float(blind.max_energy_imbalance) < 1e-12
     # a method that takes its force from a potential is left out where the force dissipates

@@ -27,7 +27,7 @@ def test_a_law_of_growth_is_recovered_with_its_error(exponent):
     values = np.random.default_rng(0).normal(size=(2, 7, 64)) * periods[:, None] ** exponent
     found, error = growth(periods, values)
     assert np.all(np.abs(found - exponent) < 4 * error) and np.all((0.01 < error) & (error < 0.1))
-    # the same from run to run is known without scatter
+    # without scatter between runs the exponent is exact
     found, error = growth(periods, np.broadcast_to(3 * periods[:, None] ** exponent, (7, 64)))
     assert found == pytest.approx(exponent, abs=1e-12) and error < 1e-12
 

@@ -34,7 +34,7 @@ def test_circumstances_cost_the_order_of_theory(found):
     assert wrong == pytest.approx(1.0, abs=0.1)
     # a kink costs the Runge-Kutta method two orders
     assert (order.sel(scheme="rk4", circumstance=["hysteresis", "contact"]) < 2.7).all()
-    # the stiff spring is integrated by none that has a limit of stability below it
+    # a scheme whose limit of stability is too low cannot integrate the stiff spring
     support = found.sel(circumstance="support_0")
     assert support.observed_order.sel(scheme="average_acceleration")[0] == pytest.approx(2.0, abs=0.1)
     assert (support.status.sel(scheme="rk4") == STATUSES.index("failed")).all()

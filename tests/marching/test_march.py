@@ -64,7 +64,7 @@ def test_a_number_of_samples_fits_runs_of_every_length(u0):
 
 @pytest.mark.parametrize("every", [1, 10, 1000])
 def test_a_pause_changes_nothing(monkeypatch, every):
-    """Also between two samples."""
+    """A pause may lie between two samples."""
     arguments = {"dt": 0.002, "steps": 3000, "every": every, "observe": ["trajectory", "max_energy_error"]}
     at_once = study.run("softening", "houbolt", **arguments)
     monkeypatch.setattr(program, "PAUSE", 257)
@@ -95,7 +95,7 @@ def test_a_long_run_can_be_interrupted(tmp_path, u0):
             process.send_signal(signal.SIGINT)
             _, error = process.communicate(timeout=60)
         finally:
-            process.kill()  # which it would otherwise survive by weeks
+            process.kill()  # otherwise it would run on for weeks after the test
     assert process.returncode != 0 and b"KeyboardInterrupt" in error
     assert xr.load_dataset(tmp_path / "kept.nc").status == 0
 
@@ -174,7 +174,7 @@ def test_step_size_and_count_share_one_compilation(caplog):
 
 
 def test_labels_and_samples_share_one_compilation(caplog):
-    """Titles of problems and schemes, and the number of samples, are no part of what is compiled; parameters are."""
+    """Titles of problems and schemes, and the number of samples, are not compiled into a program; parameters are."""
 
     def times_compiled(*variants):
         caplog.clear()
@@ -193,7 +193,7 @@ def test_labels_and_samples_share_one_compilation(caplog):
 
 
 def test_a_word_in_a_force_is_no_label():
-    """A user's own module may decide by a field of that name."""
+    """A field ``source`` of a user's module may decide its force, so it must not be removed like a label."""
 
     class Spring(eqx.Module):
         source: str = eqx.field(static=True)

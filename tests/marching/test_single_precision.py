@@ -14,7 +14,7 @@ def test_schemes_run_in_single_precision(kind):
         single = study.run("hardening", kind, **arguments)
     assert single.u.dtype == np.float32 and single.status == 0
     difference = np.abs(single.u - double.u).max().item()
-    # by more than nothing, and by no more than some hundred round-offs; differences over Δt² lose more
+    # more than zero, and at most some hundred round-offs; schemes with differences over Δt² lose more
     assert 1e-8 < difference < (2e-3 if kind == "houbolt" else 5e-5)
 
 
@@ -55,7 +55,7 @@ def _single_round_off(scheme, dt, steps):
 
 
 def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
-    """Newmark's form of central difference; the same scheme as kicks and drifts, velocity Verlet, does not."""
+    """Newmark's form of central difference drifts; velocity Verlet, the same scheme by kicks and drifts, does not."""
     short = np.ldexp(np.arange(3936, 4064), -19)
     long = short + np.ldexp(1365, -31)
     newmark, verlet = study.schemes["central_difference"], study.Composition((1.0,), of_order=2)

@@ -23,7 +23,7 @@ def _cubic(coefficient, x):
 @given(u=finite, v=finite, rhs=finite, c_u=st.floats(1e-6, 1.0), weight=st.floats(0.5, 1.0), cubic=st.floats(0.0, 10.0))
 def test_newton_finds_the_root(u, v, rhs, c_u, weight, cubic):
     problem = study.Problem(eqx.Partial(_cubic, np.float64(cubic)), u0=0.0, mass=2.0, damping=0.3)
-    # arrays, because each Python number would be compiled again
+    # arrays, because a new program would be compiled for each Python number
     numbers = [jnp.asarray(number) for number in (rhs, u, v, c_u, 0.5, 0.0, weight)]
     a, effort = eqx.filter_jit(balance)(problem, *numbers)
 
@@ -96,7 +96,7 @@ def _dense(x, default):
 
 @pytest.mark.parametrize("name", ["average_acceleration", "gauss4", "energy_momentum"])
 def test_steps_are_vectorised_and_differentiated_twice(name):
-    """Also without a compiler, and beyond the derivative that the Lyapunov exponent takes."""
+    """Steps are vectorised without a compiler too. The Lyapunov exponent takes the first derivative only."""
     scheme, problem, dt = study.schemes[name], study.problems["hardening"], jnp.asarray(0.01)
 
     def moved(u0):

@@ -1,4 +1,4 @@
-"""What the study reads off a force: its arguments, whether it uses them, and whether its slope may jump."""
+"""Detected properties of a force: its arguments, whether it uses them, and whether its slope may jump."""
 
 import functools
 

@@ -40,7 +40,7 @@ def test_random_pieces_are_solved_as_by_bisection(slopes, kinks, rhs, u, c_u):
 
 
 def test_two_branches_do_not_take_turns():
-    """Plain Newton from either outer branch of this force lands on the other one for ever."""
+    """Plain Newton's iteration jumps between the outer branches of this force for ever."""
     force = PieceByPiece(np.array([1.0, 100.0, 1.0]), np.array([-1.0, 1.0]))
     plain = 3.0
     for _ in range(20):
@@ -53,7 +53,7 @@ def test_two_branches_do_not_take_turns():
 
 
 def test_a_force_that_jumps_is_met_in_the_jump():
-    """A mass that Coulomb's law brings to rest: the acceleration is the one that stops it, whatever the force says."""
+    """The acceleration of a mass that Coulomb's law brings to rest is the one that stops it within the jump."""
     problem = study.Problem(lambda u, v: 5.0 * jnp.sign(v), u0=0.0, v0=0.1)
     a, effort = eqx.filter_jit(balance)(problem, *map(jnp.asarray, (0.0, 0.05, 0.1, 0.25, 0.5, -5.0)))
     assert effort.converged and effort.iterations < MAX_ITERATIONS
@@ -95,7 +95,7 @@ def test_uncoupled_springs_that_soften_run_as_each_of_them_alone(v0, dt):
         study.Problem(_softened, np.zeros(len(v0)), v0), "average_acceleration", dt=dt, steps=100, on_failure="raise"
     )
     alone = study.run(study.Problem(_softened, 0.0, v0[0]), "average_acceleration", dt=dt, steps=100)
-    # neighbours part where the step is beyond what the spring allows
+    # neighbouring runs diverge later, because the step is too long for the spring
     np.testing.assert_allclose(together.u[:20, 0], alone.u[:20], atol=1e-6)
 
 
@@ -119,7 +119,7 @@ def test_fluid_dampers_of_small_exponent_run(exponent):
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e9])
 def test_several_unknowns_do_not_swing_between_sticking_and_slipping(stiffness):
-    """A contact far stiffer than its neighbours: the balance is the least of a convex function, and is found."""
+    """The balance of a contact far stiffer than its neighbours, the minimum of a convex function, is found."""
     contact = study.materials.elements(study.materials.friction(20.0, stiffness), lambda u: u[:-1] - u[1:], 1)
 
     def force(u, v, history):

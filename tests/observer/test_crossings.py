@@ -31,7 +31,7 @@ def test_the_period_is_that_of_linear_theory(scheme, double, accuracy):
     assert ds.crossings == np.floor(2_000_000 * dt / period + 0.25)
     assert ds.mean_period.item() == pytest.approx(period, rel=accuracy)
     last = (ds.crossings.item() - 0.25) * period / dt
-    # what single precision loses of the phase of 31,250 periods, and what interpolation leaves
+    # single precision loses part of the phase of 31,250 periods; in double precision the interpolation has an error
     assert ds.last_crossing_step.item() + ds.last_crossing_part.item() == pytest.approx(last, abs=1e-4 if double else 2)
     assert ds.last_crossing_step % 1 == 0 and 0 < ds.last_crossing_part <= 1
 
@@ -70,7 +70,7 @@ def test_a_level_that_is_crossed_once_has_no_mean_period():
 
 
 def test_a_crossing_never_leaves_its_step():
-    """Also if the velocities at both ends contradict the crossing: zero, backwards, or far too large."""
+    """The velocities at both ends may contradict the crossing: they are zero, backwards, or far too large."""
     for start in (0.0, -5.0, 1e9, 1e-300):
         for end in (0.0, -5.0, 1e9, 1e-300):
             part = _crossing((jnp.asarray(-0.2), jnp.asarray(start)), (jnp.asarray(0.3), jnp.asarray(end)), 0.1, 0.0)

@@ -37,7 +37,7 @@ def test_neighbours_part_as_two_runs_do():
 def test_equal_unknowns_have_the_exponent_of_one(n):
     problem = study.Problem(lambda u: -2 * u, np.ones(n), np.zeros(n))
     ds = study.run(problem, "rk4", dt=0.01, steps=2000, observe="lyapunov_exponent", bound=np.inf)
-    # of √2, with a length of one at the start
+    # √2, and the logarithm of the growing part of a perturbation of length one
     assert ds.lyapunov_exponent.item() == pytest.approx(np.sqrt(2) + np.log(np.sqrt(3) / 2) / 20, rel=1e-4)
 
 

@@ -1,4 +1,4 @@
-"""Small configurations that chance has changed."""
+"""Small configurations with random changes."""
 
 import copy
 import random
@@ -13,9 +13,9 @@ from pipeline import configuration
 from study.declaration.experiment import discover
 from tests.pipeline.pipeline import PROJECT, SMALL
 
-#: Sections on which most of the others depend, so that all would be made again.
+#: Sections on which most other sections depend, so that a change would make all datasets again.
 DEEP = {"references", "agreement", "accuracy", "work_precision", "assess", "structures"}
-#: Numbers that are changed, and what they are multiplied by.
+#: Number of values that are changed, and the factors by which they are multiplied.
 NUMBERS, FACTORS = 5, (0.3, 0.5, 0.7, 1.4, 2.0)
 
 

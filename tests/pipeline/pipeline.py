@@ -9,7 +9,7 @@ from pathlib import Path
 
 PROJECT = Path(__file__).parents[2]
 SMALL = Path("tests", "pipeline", "small.yaml")
-#: Products of measured times, which differ from run to run, and what is made of them.
+#: Products with measured times, which differ from run to run, and products made from them.
 TIMED = {
     "cpu_time",
     "reference_agreement",
@@ -29,7 +29,7 @@ TIMED = {
 
 
 def copied(target: Path) -> Path:
-    """Copy what is tracked and what is new, so that sources can be edited."""
+    """Copy tracked and new files of the project, so that sources can be edited."""
     listed = subprocess.run(
         ["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=PROJECT, capture_output=True, text=True
     ).stdout.split()

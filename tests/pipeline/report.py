@@ -1,4 +1,4 @@
-"""What the report of Snakemake must show."""
+"""Checks of Snakemake's report."""
 
 import json
 import re

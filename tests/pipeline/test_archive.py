@@ -1,4 +1,4 @@
-"""What an archive holds, and what it refuses to leave out."""
+"""Contents of an archive, and files that it cannot hold."""
 
 import subprocess
 from pathlib import Path

@@ -101,7 +101,7 @@ def test_an_invalid_configuration_is_refused(whole):
         (lambda c: c["phase_portrait"]["hardening"].update(dt=75), "phase_portrait.hardening.duration, 15.0, is"),
         (lambda c: c["energy_drift"]["steps_per_period"].update(first=50), "first, 50.0, must be less than last"),
         (lambda c: c["large_steps"].update(dt_over_period=[0.1, 300.0]), "large_steps.dt_over_period: a step is"),
-        (lambda c: c["cpu_time"].update(schemes=["rk4"]), "cpu_time.schemes lacks 'average_acceleration', to which"),
+        (lambda c: c["cpu_time"].update(schemes=["rk4"]), "cpu_time.schemes lacks 'average_acceleration', with which"),
         (
             lambda c: c["structures"]["lengths"].append({"problem": "fpu_chian", "periods": 1}),
             "there is no structure 'fpu_chian'; did you mean 'fpu_chain'?",
@@ -185,7 +185,7 @@ def test_mistakes_get_a_sentence(config, change, sentence):
     assert sentence in str(caught.value)
 
 
-#: What a slip of the pen or of mind may put into a configuration.
+#: Values that a mistake may put into a configuration.
 _ODD = st.one_of(
     st.sampled_from([None, True, -1, 0, 1, 7, 10**7, 10**30, 1e-12, 1e300, math.nan, math.inf, "", "all", "hardening"]),
     st.sampled_from(["rk4", "houbolt", "bdf2", "../up", "$(touch x)", [], {}, [1, 1], [[]], ["rk4", "rk4"], {1: 2}]),
@@ -197,7 +197,7 @@ _ODD = st.one_of(
 
 
 def _places(section, above=()):
-    """Every place of a configuration that holds something."""
+    """Places of all values of a configuration."""
     entries = section.items() if isinstance(section, dict) else enumerate(section) if isinstance(section, list) else ()
     for key, value in entries:
         yield (*above, key)
@@ -246,7 +246,8 @@ def test_any_configuration_is_accepted_or_refused_in_one_sentence(config, chance
     except ValueError as error:
         assert re.fullmatch(r"\S[^\n]*[.?]", str(error)), error
         return
-    # what is accepted names no file outside of the results, and can be planned, which takes long and is seen at times
+    # an accepted configuration names no file outside the results, and can be planned; the slow plan is tested at random
+    # only
     names = configuration.datasets_of(EXPERIMENTS, whole)
     assert len(names) == len(set(names)) and not any(".." in name or name.startswith("/") for name in names)
     if chance == 1:

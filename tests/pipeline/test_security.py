@@ -43,7 +43,7 @@ def test_a_name_that_becomes_a_file_is_plain(name):
 
 @pytest.mark.parametrize("hostile", HOSTILE)
 def test_a_string_reaches_the_experiment_as_it_is(tmp_path, monkeypatch, hostile):
-    """A file of a problem may be called anything; the shell hands its name over and does nothing else."""
+    """The file of a problem may have any name; the shell only passes it on."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     file = Path("problems", f"{hostile.replace('/', '_')}.py")

@@ -1,4 +1,4 @@
-"""The assessment of a program: its steps, its truth, and what goes wrong."""
+"""The assessment of a program: its steps, its reference, and its failures."""
 
 import math
 import time
@@ -29,7 +29,7 @@ def program(run, folder, schemes=models.SCHEMES, **options):
 
 @pytest.fixture(scope="module", autouse=True)
 def few_confirming():
-    """Cheap programs confirm their steps by as few runs as dear ones, except in the test of that."""
+    """Cheap programs confirm their steps by as few runs as expensive ones, except in the test of this number."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
         yield
@@ -180,7 +180,7 @@ def test_ctrl_c_answers_what_is_known_and_loses_no_run(tmp_path):
     made: list[tuple[str, float]] = []
 
     def interrupted(below, scheme, dt):
-        """Below a step, with one that is none of the halved ones."""
+        """Interrupts the first run below a step whose step is not a halved one."""
         if dt < below and math.log2(1.25 / dt) % 1:
             raise KeyboardInterrupt
         made.append((scheme, dt))
@@ -194,7 +194,7 @@ def test_ctrl_c_answers_what_is_known_and_loses_no_run(tmp_path):
     assert (ds.verdict.sel(allowed_error=0.001) == out_of_time).all()
     again = study.assess(replace(own, run=partial(interrupted, 0.0)), errors=[0.1, 0.001])
     assert (again.verdict == found).all()
-    # as is always done, one run of each is repeated
+    # one run of each scheme is always repeated
     assert len(made) == len(set(made)) + len(models.SCHEMES)
 
 
@@ -242,10 +242,10 @@ def test_a_program_that_never_runs_has_no_truth(tmp_path):
     with pytest.raises(NoTruth, match=r"'wrong' ends at Δt = 0.1562 s: it returned nothing.$"):
         study.assess(own)
     still = program(lambda scheme, dt: models.linear(scheme, dt) | {"idle": 0.0}, tmp_path / "still")
-    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero all the time"):
+    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero at all times"):
         study.assess(still)
     alone = program(lambda scheme, dt: {"idle": 0.0}, tmp_path / "alone")
-    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero all the time"):
+    with pytest.raises(NoTruth, match="the quantity 'idle' of 'model' is zero at all times"):
         study.assess(alone)
     with pytest.raises(KeyError, match="'model' has no scheme 'newmark'; known are wrong, average_acceleration."):
         study.assess(own, ["newmark", "wrong"])
@@ -259,13 +259,13 @@ def test_runs_are_known_by_the_source(tmp_path):
     made: dict = {}
     exec("def bare(scheme, dt): ...", made)
     with pytest.raises(
-        ValueError, match="cannot be distinguished from those of other programs.*give the program a name"
+        ValueError, match="cannot be distinguished from runs of other programs.*give the program a name"
     ):
         own(made["bare"])
 
 
 def test_a_curve_at_its_steps_needs_no_spline():
-    """And between them has one."""
+    """Between its steps it needs one."""
     t = np.linspace(0, 1, 11)
     curve = Curve(t, np.stack([np.sin(t), np.cos(t)], axis=1))
     assert (curve.at(t[::2] + 1e-9) == curve.values[::2]).all() and "_spline" not in vars(curve)
@@ -275,7 +275,7 @@ def test_a_curve_at_its_steps_needs_no_spline():
 
 
 def _on_another_branch(scheme, dt):
-    """A number of two schemes that agree, of which one is dear, and of one that goes to another solution."""
+    """A number by two schemes that agree, one of them expensive, and by one that converges to another solution."""
     time.sleep(0.01 if scheme == "b" else 0.0)
     return {"drift": {"a": 1 + dt**2, "b": 1 - dt**2 / 2, "stray": 1.5 + dt**2}[scheme]}
 

@@ -16,7 +16,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 @pytest.fixture
 def example(tmp_path):
-    """Makes a program of an example; skipped with a sentence where OpenSees is not installed."""
+    """A function that makes a program of an example; tests are skipped where OpenSees is not installed."""
     try:
         opensees_run.interpreter()
     except ImportError as reason:
@@ -74,7 +74,7 @@ def test_a_scheme_that_is_no_name_is_refused():
 
 
 def test_integrators_are_those_that_agree_to_round_off():
-    """Those of the comparison with OpenSees step by step."""
+    """They are the integrators of the comparison with OpenSees step by step."""
     for name, (words, algorithm) in reference.INTEGRATORS.items():
         one = opensees_run.INTEGRATORS.get(name)
         assert one is None or (one.words, one.algorithm) == (words, algorithm)

@@ -43,8 +43,8 @@ def test_a_bouncing_mass_keeps_its_energy_and_its_period():
     assert motion.v == pytest.approx(np.zeros(10), abs=1e-6)
 
 
-def test_a_slipping_mass_loses_four_slip_forces_over_stiffness_a_cycle():
-    """Coulomb friction parallel to a linear spring would need both; without the spring, a stiff contact is enough."""
+def test_a_slipping_mass_stops_where_friction_has_spent_its_energy():
+    """Coulomb friction by a contact of high stiffness: the mass slips by v₀²/2 over the slip force."""
     problem = study.Problem(materials.friction(2.0, 1e4), u0=0.0, v0=3.0)
     motion = piecewise.trajectory(problem, np.linspace(0.01, 5.0, 500))
     assert motion.u[-1] == pytest.approx(3.0**2 / 2 / 2.0, rel=1e-3)

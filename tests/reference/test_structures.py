@@ -20,7 +20,7 @@ def test_two_solvers_agree_on_a_stiff_chain():
     t = np.linspace(0, time_scales["fpu_chain"], 9)
     one, other = (trajectory(problem, t, RTOL) for trajectory in TRAJECTORIES)
     np.testing.assert_allclose(one.u, other.u, atol=1e-6)
-    # the stiff springs are fifty times as fast as they are long
+    # velocities of the stiff springs are fifty times as large as their displacements
     np.testing.assert_allclose(one.v, other.v, atol=5e-5)
     energy = [float(problem.energy(u, v)) for u, v in zip(one.u, one.v, strict=True)]
     np.testing.assert_allclose(energy, energy[0], rtol=1e-6)

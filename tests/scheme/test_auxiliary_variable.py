@@ -37,7 +37,7 @@ def test_its_energy_does_not_grow_and_its_motion_ends_where_no_forces_balance():
     energies = []
     for _ in range(300):
         state = step(state)
-        # without a stiffness u has no part in it
+        # u is not in this energy, because the problem has no stiffness
         energies.append(
             state.v**2 / 2 + (2 * state.v - state.v_1) ** 2 / 2 + state.r**2 + (2 * state.r - state.r_1) ** 2
         )

@@ -1,4 +1,4 @@
-"""What schemes say of themselves."""
+"""Declared properties of schemes."""
 
 from typing import ClassVar
 

@@ -55,7 +55,7 @@ def test_the_discrete_gradient_needs_a_potential():
 
 
 def test_the_energy_momentum_method_converges_at_small_amplitude_too():
-    """The potential of the softening spring is a difference there of much larger numbers."""
+    """At small amplitude the potential of the softening spring is a difference of much larger numbers."""
     u0 = np.array([0.126, 0.141, 0.175, 0.195])
     runs = study.run(
         "softening", "energy_momentum", dt=0.6290 / 256, u0=u0, steps=100_000, observe=["max_energy_error"]

@@ -68,7 +68,7 @@ def test_limits(one, other, problem):
 
 
 def test_velocity_verlet_is_registered_once():
-    """It is central difference, also with damping and a load, and an alias of its name."""
+    """Its name is an alias of central difference, which it equals also with damping and a load."""
     assert study.schemes["velocity_verlet"] is study.schemes["central_difference"]
     assert "velocity_verlet" not in list(study.schemes)
     problem = study.Problem(

@@ -1,4 +1,4 @@
-"""Which schemes can step an unknown without mass: what they say, against their roots at infinite frequency."""
+"""Which schemes can step an unknown without mass: their declaration, against their roots at infinite frequency."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -16,7 +16,7 @@ from study.scheme.wrapper.linearised import Linearised
 #: Three roots that meet at −1 are known to a third of their digits only.
 GROWTH = 1e-3
 
-#: No parameter of a scheme is nearer to the edge of its condition, unless it is on it.
+#: Smallest distance of tested parameters from the edge of a condition, unless they lie on it.
 EDGE = 0.02
 
 theta = st.one_of(st.just(1.0), st.floats(1.0, 4.0))

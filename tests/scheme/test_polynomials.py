@@ -1,4 +1,4 @@
-"""Characteristic polynomials out of the code, against closed forms."""
+"""Characteristic polynomials derived from the code, against closed forms."""
 
 import math
 
@@ -170,7 +170,7 @@ def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
     ids=["ρ_s = ρ_b", "ICL, ρ_b = ½", "ICL, ρ_b = 1"],
 )
 def test_explicit_methods_with_one_force_share_their_polynomials(one, other, damping_ratio):
-    """GSSE evaluates its force elsewhere than they do, and the sequence of its displacements is theirs."""
+    """GSSE evaluates its force elsewhere than the others, but has the same sequence of displacements."""
     parts = PARTS[STEPS < 2]
     of_one, of_other = (_polynomials(scheme, parts, damping_ratio) for scheme in (one, other))
     np.testing.assert_allclose(of_one, of_other, atol=1e-10)

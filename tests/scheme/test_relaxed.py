@@ -25,7 +25,7 @@ def _order(scheme):
 
 
 class _WithoutLead(study.Relaxed):
-    """The motion y₀ + γ Δy is taken as that at the end of the step."""
+    """The motion y₀ + γ Δy is taken as the motion at the end of the step."""
 
     def step(self, problem, state, t, dt):
         new, effort = super().step(problem, state, t, dt)

@@ -82,7 +82,7 @@ def test_one_unknown_and_diagonals_may_have_a_stiffness():
 
 @pytest.mark.parametrize(("scheme", "factors"), [("average_acceleration", 1), ("bathe", 2), ("wilson_theta", 1)])
 def test_a_linear_structure_factorises_once(scheme, factors):
-    """One solution a step without iteration, of one matrix, or two with sub-steps; and the mass at the start."""
+    """A step has one linear solution, or one for each sub-step. Each matrix and the mass are factorised once."""
     linear = _model(force=None, potential=None)
     factorisations.cache_clear()
     jax.clear_caches()

@@ -22,8 +22,9 @@ from case import Case
 
 from study.io import provenance, write
 
-#: Least number of turns of each case for reliable ratios.
+#: Number of turns of each case; nine give reliable ratios.
 REPEATS = int(os.environ.get("REPEATS", "9"))
+#: Target of the time to trace and compile, in s.
 COMPILE_AT_MOST = 0.3
 
 _COMPILE = """
@@ -41,7 +42,7 @@ print(len(misses))
 
 
 def compilation() -> pd.DataFrame:
-    """Seconds to trace and compile by problem and scheme, in a first and a second process, and programs compiled."""
+    """Seconds to trace and compile, by problem and scheme, and number of compiled programs, in two processes."""
     with tempfile.TemporaryDirectory() as folder:
         environment = os.environ | {"XDG_CACHE_HOME": folder}
         columns = {}
@@ -56,7 +57,7 @@ def compilation() -> pd.DataFrame:
 
 
 def measure(cases: list[Case]) -> xr.Dataset:
-    """Every case by turns; the first turn is a warm-up."""
+    """Measure every case in turns; the first turn is a warm-up."""
     ours, baseline = np.empty((len(cases), REPEATS)), np.empty((len(cases), REPEATS))
     for c, case in enumerate(cases):
         for repeat in range(-1, REPEATS):
@@ -71,19 +72,23 @@ def measure(cases: list[Case]) -> xr.Dataset:
         {
             "time": (dims, ours, {"long_name": "time of a step", "units": "ns"}),
             "baseline_time": (dims, baseline, {"long_name": "time of a step of the baseline", "units": "ns"}),
-            "ratio": ("case", np.median(ratio, axis=1), {"long_name": "median ratio of the two", "units": "1"}),
-            "spread": ("case", quartiles[1] - quartiles[0], {"long_name": "its interquartile range", "units": "1"}),
-            "target": ("case", [c.target for c in cases], {"long_name": "the most that it should be", "units": "1"}),
+            "ratio": ("case", np.median(ratio, axis=1), {"long_name": "median ratio of the two times", "units": "1"}),
+            "spread": (
+                "case",
+                quartiles[1] - quartiles[0],
+                {"long_name": "interquartile range of the ratio", "units": "1"},
+            ),
+            "target": ("case", [c.target for c in cases], {"long_name": "largest acceptable ratio", "units": "1"}),
         },
         {
-            "case": ("case", [c.name for c in cases], {"long_name": "what is timed : its baseline"}),
+            "case": ("case", [c.name for c in cases], {"long_name": "timed case : baseline"}),
             "repeat": ("repeat", np.arange(REPEATS), {"long_name": "repeat", "units": "1"}),
         },
     )
 
 
 def main(output: Path) -> None:
-    """Measure, print, write."""
+    """Measure all cases, print a table and write the dataset."""
     os.environ["OMP_NUM_THREADS"] = "1"
     with tempfile.TemporaryDirectory() as folder:
         if not peer.compiler():

@@ -14,14 +14,14 @@ STEPS = 100_000
 
 
 class Case(NamedTuple):
-    """Two functions to time in turns, which return seconds for the same work, or their units."""
+    """Two functions that are timed in turns and return the seconds of the same work."""
 
     name: str
     ours: Callable[[], float]
     baseline: Callable[[], float]
     #: Largest acceptable ratio.
     target: float
-    #: Number of steps to which nanoseconds refer.
+    #: Number of steps by which the times are divided.
     steps: int
 
 
@@ -40,7 +40,7 @@ def step_size(problem: str) -> float:
 
 
 def timed(work: Callable[[], object]) -> float:
-    """Seconds that it takes."""
+    """Seconds that the work takes."""
     start = time.perf_counter()
     work()
     return time.perf_counter() - start

@@ -11,7 +11,7 @@ from study.problem.named import approximate_periods
 
 
 def cases() -> Iterator[Case]:
-    """A spring and a chain, with schemes whose estimate takes no more forces."""
+    """A spring and a chain, with schemes whose estimate needs no further forces."""
     for problem, duration, tolerance in (
         ("hardening", 200 * approximate_periods["hardening"], 1e-6),
         ("fpu_chain", 60.0, 1e-6),

@@ -17,7 +17,7 @@ FEW, MANY = 1_024, 16_384
 
 
 def cases(folder: str) -> Iterator[Case]:
-    """All timed cases of ensembles; compiled C is in the folder."""
+    """All timed cases of ensembles; the folder holds the compiled C code."""
 
     def run(spring, lanes, steps=STEPS, dt=1.0, scheme="average_acceleration", observe=("max_energy_error",)):
         u0 = np.linspace(0.5, 1.0, lanes) * float(study.problems[spring].u0)
@@ -49,7 +49,7 @@ def cases(folder: str) -> Iterator[Case]:
             )
     for lanes in (8 * MANY, 1_000_000):
         yield Case(
-            f"{lanes} lanes : {MANY} lanes, as often",
+            f"{lanes} lanes : {MANY} lanes, in proportion",
             lambda lanes=lanes: run("hardening", lanes, STEPS // 4),
             lambda lanes=lanes: run("hardening", MANY, STEPS // 4) * (lanes / MANY),
             1.1,

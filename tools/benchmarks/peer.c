@@ -1,8 +1,9 @@
-/* The formulas of the study's schemes in C, for the benchmark: what a compiler makes of them is the peer of what XLA
- * makes of ours. The energy is observed, Newton's convergence tested and a failure reported, as in study/march.py.
+/* The formulas of the study's schemes in C. The benchmark compares this code, compiled by a C compiler, with the code of
+ * the study, compiled by XLA. The energy is observed, Newton's convergence is tested and a failure is reported, as in
+ * study/marching/march.py.
  *
- * Compiled twice by the benchmark: -O3 -march=native for a single run, and with -ffast-math -fopenmp-simd for the
- * ensemble with two fixed iterations. SPRING is 0 for the hardening spring and 1 for the softening one. */
+ * The benchmark compiles it twice: with -O3 -march=native for a single run, and also with -ffast-math -fopenmp-simd for
+ * the ensemble with two fixed iterations. SPRING is 0 for the hardening spring and 1 for the softening one. */
 #include <math.h>
 
 #define TOLERANCE 1e-12
@@ -27,7 +28,7 @@ static inline double potential(double u) {
 }
 #endif
 
-/* a of a + w p(u + c_u a) = r */
+/* Solve a + w p(u + c_u a) = r for a. */
 static inline int balance(double r, double u, double c_u, double w, double *a) {
   int iterations = 0;
   double before, moved = 0, size;
@@ -121,7 +122,7 @@ RUN(run_houbolt, houbolt(&s, dt))
 RUN(run_hht_alpha_1996, hht(&s, dt, -0.1, 0.3025, 0.6))
 RUN(run_rk4, rk4(&s, dt))
 
-/* Average acceleration on an ensemble, tile by tile, with two iterations and no test of anything. */
+/* Average acceleration on an ensemble, tile by tile, with two iterations and no tests of convergence or failure. */
 #define TILE 128
 void ensemble(long lanes, double dt, long steps, double *u, double *v, double *a, double *largest) {
   const double c_u = 0.25 * dt * dt;

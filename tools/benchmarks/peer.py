@@ -1,4 +1,4 @@
-"""The schemes in C, compiled on the spot."""
+"""The schemes in C, which the benchmark compiles."""
 
 import ctypes
 import os
@@ -49,7 +49,7 @@ def single(spring: str, scheme: str, u0: float, dt: float, steps: int, folder: s
 
 
 def ensemble(spring: str, u0: np.ndarray, dt: float, steps: int, force, folder: str) -> tuple[float, np.ndarray]:
-    """Seconds of an ensemble with two fixed Newton iterations a step, and the displacements at its end."""
+    """Seconds of an ensemble with two fixed Newton iterations per step, and the displacements at its end."""
     run = _library(spring, _ENSEMBLE, folder).ensemble
     u, v, a, largest = u0.copy(), np.zeros_like(u0), -np.asarray(force(u0)), np.zeros_like(u0)
     pointers = [array.ctypes.data_as(ctypes.c_void_p) for array in (u, v, a, largest)]

@@ -13,9 +13,9 @@ from study.observer.base import Reduction
 from study.observer.energy import EnergyDrift, MaxEnergyError
 from study.problem.named import printed_periods
 
-#: Stages that one Newton iteration of a scheme solves for together.
+#: Number of stages that one Newton iteration of a scheme solves for together, if not one.
 STAGES = {"gauss4": 2}
-#: Largest acceptable ratio to C, by spring and scheme; other schemes in proportion.
+#: Largest acceptable ratio to C, by spring and scheme; other schemes have the one of average acceleration.
 TO_C = {
     "hardening": {"average_acceleration": 1.2, "central_difference": 1.2, "rk4": 1.0},
     "softening": {"average_acceleration": 0.7},
@@ -23,7 +23,7 @@ TO_C = {
 
 
 def cases(folder: str) -> Iterator[Case]:
-    """All timed cases of single runs; compiled C is in the folder."""
+    """All timed cases of single runs; the folder holds the compiled C code."""
     if peer.compiler():
         yield from against_c(folder)
     yield from tangents()
@@ -103,7 +103,7 @@ def against_heyoka() -> Iterator[Case]:
     run = Timed(problem, study.schemes["extrapolation12"], (EnergyDrift(),))
     yield Case(
         "extrapolation12, 100 periods to 1e-10 : heyoka",
-        # heyoka's time excludes its set-up and the call: ours is measured over ten times the periods
+        # heyoka's time excludes its set-up and the call, so ours is measured over ten times as many periods
         lambda: run.run(period / parts, 10 * parts * periods)[0] / 10,
         lambda: taylor.trajectory(problem, t, 1e-13).seconds,
         1.0,
@@ -112,7 +112,7 @@ def against_heyoka() -> Iterator[Case]:
 
 
 def recording() -> Iterator[Case]:
-    """A trajectory against none."""
+    """Runs that record a trajectory against runs that record none."""
 
     def run(steps, **more):
         return timed(
@@ -130,11 +130,11 @@ def recording() -> Iterator[Case]:
 
 
 def many_steps() -> Iterator[Case]:
-    """A long run against a short one as many times: cost is linear in the number of steps."""
+    """A long run against short runs with as many steps in all; the cost must be linear in the number of steps."""
     scheme = Timed(study.problems["hardening"], study.schemes["central_difference"], (MaxEnergyError(),))
     for steps in (10**7, 10**8):
         yield Case(
-            f"{steps:.0e} steps : {STEPS:.0e} steps, as often",
+            f"{steps:.0e} steps : {STEPS:.0e} steps, in proportion",
             lambda steps=steps: scheme.run(step_size("hardening"), steps)[0],
             lambda steps=steps: (
                 np.mean([scheme.run(step_size("hardening"), STEPS)[0] for _ in range(20)]) * (steps / STEPS)

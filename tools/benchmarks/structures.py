@@ -59,7 +59,7 @@ def long_bars() -> Iterator[Case]:
         bar = chains.impact_bar(n)
         ours, solved = _iterations(bar, 1 / n, max(10, 1_000_000 // n))
         bands = np.array([np.full(n, -1.0), np.full(n, 4.0), np.full(n, -1.0)])
-        # LAPACK's gtsv, which pivots, once for every Newton iteration
+        # one call of LAPACK's gtsv, which pivots, for every Newton iteration
         yield Case(
             f"bar of {n:,}, an unknown and iteration : LAPACK's tridiagonal solution",
             ours,
@@ -112,7 +112,7 @@ def _by_superlu(matrix) -> Callable:
 
 
 def _as_sparse(matrix) -> sparse.csc_array:
-    """A matrix of the study as one of SciPy, from one triangle."""
+    """Convert a symmetric matrix of the study, which stores one triangle, to SciPy."""
     pattern = matrix.pattern
     lower = sparse.csc_array((matrix.values, (pattern.rows, pattern.columns)))
     return sparse.csc_array(lower + sparse.tril(lower, -1).T)

@@ -1,4 +1,4 @@
-"""The pipeline on a Slurm of one node: the bytes of a local run, and interrupted jobs."""
+"""The pipeline on a Slurm of one node: its products equal the products of a local run, also after interrupted jobs."""
 
 import os
 import platform
@@ -17,7 +17,7 @@ from tests.pipeline.pipeline import SMALL, call_snakemake, copied
 
 #: Products: jobs on the node, figures in one group, a table on the login node, and a job that measures times.
 PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "figures/roots.pdf", "cpu_time.nc"]
-#: Products whose bytes equal those of a local run.
+#: Products that are the same, byte by byte, as in a local run.
 UNTIMED = PRODUCTS[:-1]
 #: Options without accounting: the state of a job is read from the queue.
 OPTIONS = "--workflow-profile profiles/slurm --slurm-status-command squeue --slurm-no-account".split()
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture(scope="module", autouse=True)
 def slurm():
-    """A Slurm that runs; skipped with a sentence where there is none."""
+    """Start Slurm; tests are skipped with a reason where it is not installed."""
     if shutil.which("slurmctld") is None or find_spec("snakemake_executor_plugin_slurm") is None or os.getuid():
         pytest.skip("a Slurm needs root, Debian's slurm-wlm and munge, and the extra 'slurm' of this package")
     subprocess.run([Path(__file__).with_name("start")], check=True)
@@ -46,7 +46,7 @@ def local(tmp_path_factory) -> Path:
 
 @pytest.fixture
 def folder(tmp_path) -> Path:
-    """A copy of the project where nothing is made."""
+    """A copy of the project without products."""
     return copied(tmp_path)
 
 
@@ -112,7 +112,7 @@ def test_a_node_that_goes_and_comes_back_is_survived(folder, local):
     try:
         _wait(lambda: not _queue(folder, "RUNNING"))
     finally:
-        # a node that has come back by itself cannot be resumed
+        # without check, because a node that has returned by itself cannot be resumed
         subprocess.run(["scontrol", "update", f"nodename={node}", "state=resume"], check=False)
         for number in _queue(folder, "PENDING"):  # Slurm lets such jobs wait for two minutes
             subprocess.run(["scontrol", "update", f"jobid={number}", "starttime=now"], check=True)
