@@ -1,8 +1,17 @@
-# `make` installs everything and makes the study; `make test` installs everything and runs the tests;
-# `make coverage` measures their coverage; `make check` checks style and types; `make benchmark` measures speed;
-# `make torture` kills the pipeline again and again; `make cluster` runs it on a Slurm of this machine; `make archive`
-# packs what it has made; `make latex` writes the LaTeX source of its texts; `make conformance` packs the conformance
-# kit; `make site` makes the pages of the site; `make CLUSTER=slurm` makes the study on a cluster.
+# make                installs everything and makes the study
+# make CLUSTER=slurm  makes the study on a cluster
+# make site           makes the pages of the site
+# make test           installs everything and runs the tests
+# make coverage       measures the coverage of the tests
+# make check          checks style, format and types
+# make benchmark      measures speed
+# make torture        kills the pipeline at random moments
+# make cluster        runs the pipeline on a Slurm of this machine
+# make archive        packs the finished study
+# make latex          writes the LaTeX sources of the texts
+# make conformance    packs the conformance kit
+# make citation       validates CITATION.cff
+# make lock           updates the pinned versions in requirements.txt
 
 PYTHON ?= python3
 CONFIG ?= config/study.yaml
@@ -10,7 +19,7 @@ BIN := .venv/bin
 # `make CLUSTER=slurm` sends the jobs to the cluster that profiles/slurm describes
 CLUSTER ?=
 OPTIONS ?= $(if $(CLUSTER),--workflow-profile profiles/$(CLUSTER) $(WITHOUT_ACCOUNTING))
-# without accounts of jobs in Slurm, their state is read from its queue
+# if Slurm has no accounting of jobs, their state is read from its queue
 WITHOUT_ACCOUNTING = $(shell sacct > /dev/null 2>&1 || echo --slurm-status-command squeue --slurm-no-account)
 
 KILLS ?= 100
@@ -25,7 +34,7 @@ study site: .venv/ready
 test: .venv/ready
 	$(BIN)/pytest -n auto
 
-# the tests with the lines that they run; pyproject.toml states the least coverage
+# the tests with their coverage; pyproject.toml states the smallest coverage allowed
 coverage: .venv/ready
 	$(BIN)/pytest -n auto --cov=study --cov=reference --cov-report=term
 
@@ -48,12 +57,12 @@ benchmark: .venv/ready
 	$(BIN)/pip install --quiet --no-deps --no-build-isolation --editable .
 	touch $@
 
-# bring requirements.txt in line with pyproject.toml; other pins stay, unless `make lock UPGRADE=--upgrade` renews them
+# update requirements.txt after a change of pyproject.toml; `make lock UPGRADE=--upgrade` also renews all other pins
 lock: .venv/ready
 	$(BIN)/uv pip compile --quiet --universal --generate-hashes --no-emit-index-url --no-annotate $(UPGRADE) \
 	  --extra pipeline --extra test --python-version 3.11 pyproject.toml -o requirements.txt
 
-# kill the pipeline at random moments, and compare what is made in the end with an undisturbed run
+# kill the pipeline at random moments, and compare its products with those of an undisturbed run
 torture: .venv/ready
 	$(BIN)/python tools/torture.py $(KILLS) results/torture.csv
 
@@ -61,7 +70,7 @@ torture: .venv/ready
 cluster: .venv/ready
 	$(BIN)/pytest -n 0 tools/cluster
 
-# the finished study for others: sources, configuration, results, and how they were made
+# the finished study for others: sources, configuration, results, and a description of the run
 archive: study
 	$(BIN)/python -m pipeline.archive . results/archive.zip
 
@@ -75,7 +84,7 @@ conformance:
 	@find conformance -type f -not -path '*/__pycache__/*' | sort | $(PYTHON) -c "import sys, zipfile; \
 	  [zipped.write(name.strip()) for zipped in [zipfile.ZipFile('$(CONFORMANCE)', 'w', 8)] for name in sys.stdin]"
 
-# whether CITATION.cff is valid; a test compares it with codemeta.json and .zenodo.json
+# validate CITATION.cff; a test compares it with codemeta.json and .zenodo.json
 citation: .venv/ready
 	$(BIN)/uv tool run cffconvert --validate
 

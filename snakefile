@@ -1,7 +1,7 @@
 """From the problems to the manuscript: references, experiments, figures, tables, ledger of claims, PDF and site.
 
-Every experiment, figure, table and claim declares in its own file what it reads, how it is called and what it requires of
-the configuration. The planner turns these declarations into steps, and every step becomes a rule. `snakemake` makes
+Every experiment, figure, table and claim declares in its own file its inputs, its name and its requirements on the
+configuration. The planner turns these declarations into steps, and every step becomes a rule. `snakemake` makes
 everything but the site, which `snakemake site` makes.
 """
 
@@ -13,7 +13,7 @@ from snakemake.utils import min_version
 
 min_version("9.15")
 
-# also where workflow/Snakefile includes this file
+# the folder of this file, also if workflow/Snakefile includes it
 PROJECT = str(workflow.current_basedir)
 
 
@@ -23,7 +23,7 @@ configfile: f"{PROJECT}/config/study.yaml"
 report: "paper/pages/workflow.rst"
 
 
-ROOT = os.path.relpath(PROJECT)  # relative, so that a project that is moved stays made
+ROOT = os.path.relpath(PROJECT)  # relative, so that a moved project stays up to date
 BIN = os.path.dirname(sys.executable)
 # the commands run with this Python and find the project wherever the results are made
 os.environ |= {
@@ -31,7 +31,7 @@ os.environ |= {
     "STUDY_BIN": BIN,
     "PYTHONPATH": PROJECT,
     "PYTHONSAFEPATH": "1",
-    # the study needs all settings, also where the user declines some for other runs
+    # the study needs all settings, even if the user disables some for other runs
     "STUDY_SETTINGS": "precision,compiler,cache",
 }
 sys.path.insert(0, PROJECT)
@@ -45,7 +45,7 @@ except Refused as error:
 
 
 onstart:
-    global run  # its handles close with this process, however that ends
+    global run  # its handles close when this process ends, even if it is killed
     try:
         run = begun(config, workflow.local_exec)
     except Refused as error:
@@ -74,7 +74,7 @@ for step in plan["steps"]:
             ],
         output:
             *(
-                # which Snakemake's report lists with its heading and label by job
+                # the report of Snakemake lists these outputs with heading and label by job
                 (
                     report(
                         kept(one),
@@ -98,7 +98,7 @@ for step in plan["steps"]:
             job="|".join(step["jobs"]),
         group:
             step["group"]
-        localrule: step["quick"]  # on a cluster it stays where Snakemake is
+        localrule: step["quick"]  # on a cluster it runs next to Snakemake
         conda:
             "config/environment.yaml"  # for --sdm conda only
         # jobs that measure times run alone: on all cores of this machine, or on a node of a cluster
@@ -108,7 +108,7 @@ for step in plan["steps"]:
             )
         resources:
             **({"slurm_extra": "'--exclusive'"} if step["alone"] else {}),
-            **({"paper": 1} if step["group"] else {}),  # which a cluster draws one by one, in one job
+            **({"paper": 1} if step["group"] else {}),  # a cluster runs these one by one, in one job
         params:
             script=f"{ROOT}/pipeline/job.py",
             command=lambda wildcards, jobs=step["jobs"]: jobs[

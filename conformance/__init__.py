@@ -1,5 +1,5 @@
 """A conformance kit: cases that show whether the integrator of a code does what its name says."""
 
-#: Year and number of the newest cases. A case never changes; a wrong one retires, and another name takes its place. New
-#: cases raise the number, which they have as their version.
+#: Version of the kit: year and number of the newest cases. New cases raise the number and have it as their version. A
+#: case never changes: a wrong case is removed, and its replacement has another name.
 VERSION = "2026.2"

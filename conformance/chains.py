@@ -15,9 +15,9 @@ class Chain(NamedTuple):
     Attributes
     ----------
     springs
-        Nodes, stiffness and damping of every pair of nodes that has one.
+        Nodes, stiffness and damping of every pair of nodes with a spring or a dashpot.
     forces
-        For every unknown the amplitude of its harmonic load.
+        Amplitude of the harmonic load of every unknown.
     ground
         Times and accelerations of the ground; empty if it rests.
     """
@@ -49,7 +49,7 @@ def _pairs(problem: Mapping[str, Any]) -> Iterator[tuple[int, int, float, float]
     matrices = [[*map(_numbers, matrix)] for matrix in (problem["parameters"]["stiffness"], problem["damping"])]
     for i in range(len(problem["u0"])):
         for j in range(-1, i):
-            # stiffness of the spring to the ground: the sum of the row, as those to other nodes cancel
+            # stiffness of the spring to the ground: the sum of the row, in which springs to other nodes cancel
             k, c = (sum(m[i]) if j < 0 else -m[i][j] for m in matrices)
             if k or c:
                 yield j + 1, i + 1, k, c
@@ -82,7 +82,7 @@ def _operator(scheme: Mapping[str, str]) -> str | None:
 
 
 def _amplitude(one: Chain, i: int) -> str:
-    """The force on an unknown along time, less K u₀."""
+    """The force on an unknown over time, less K u₀."""
     name, pull = f"*AMPLITUDE, NAME=FORCE{i + 1}", one.pull[i]
     if one.ground:
         return "\n".join([name, *(f"{t!r}, {-one.mass[i] * a - pull!r}" for t, a in one.ground)])
@@ -133,7 +133,7 @@ def _schema(scheme: Mapping[str, str]) -> str | None:
     family, numbers = scheme["family"], {n: float(x) for n, x in scheme.items() if n not in ("family", "start")}
     if family == "newmark":
         return f'SCHEMA="NEWMARK", FORMULATION="DEPLACEMENT", BETA={numbers["beta"]!r}, GAMMA={numbers["gamma"]!r}'
-    # its β and γ follow from α
+    # code_aster derives β and γ of this method from α
     if family == "hht" and math.isclose(numbers["beta"], (1 - numbers["alpha"]) ** 2 / 4):
         return f'SCHEMA="HHT", FORMULATION="DEPLACEMENT", ALPHA={numbers["alpha"]!r}, MODI_EQUI="OUI"'
     if family == "central_difference":

@@ -43,7 +43,7 @@ def conform(arguments: argparse.Namespace) -> None:
     Raises
     ------
     ValueError
-        If not exactly one runner is chosen, or there is no such function, folder or tag.
+        If not exactly one runner is chosen, or if the function, folder or tag does not exist.
     SystemExit
         With code 1 if a case fails.
     """

@@ -1,4 +1,4 @@
-"""Problems and schemes whose cases the kit holds."""
+"""Problems and schemes of the cases."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -19,7 +19,7 @@ def _alpha(alpha_m: str, alpha_f: str) -> dict[str, str]:
         return {"family": "generalized_alpha", **{name: mp.nstr(+value, 30) for name, value in numbers.items()}}
 
 
-#: Title and numbers of each scheme by its code.
+#: Title and parameters of each scheme by its code.
 SCHEMES: dict[str, tuple[str, dict[str, str]]] = {
     "AVG": ("average acceleration", {"family": "newmark", "beta": "0.25", "gamma": "0.5"}),
     "LIN": ("linear acceleration", {"family": "newmark", "beta": _SIXTH, "gamma": "0.5"}),
@@ -53,7 +53,7 @@ class Entry(NamedTuple):
     Attributes
     ----------
     name, title, why
-        Short name, whose first letter is the level; a few words; one sentence.
+        Short name, whose first letter is the level; title of a few words; reason in one sentence.
     problem, dt, steps, at
         The parts of the cases, and the steps at which values are compared.
     schemes
@@ -65,7 +65,7 @@ class Entry(NamedTuple):
     sizes
         Sizes of the steps, if they are not equal, in place of ``dt`` and ``steps``.
     version
-        Version of the kit that has the case first.
+        First version of the kit that has the case.
     """
 
     name: str
@@ -118,7 +118,7 @@ _MAIN = ("AVG", "DIS", "CDM", "WIL", "HOU", "HHT", "GEN", "BAT", "RK4")
 _IMPLICIT = ("AVG", "DIS", "WIL", "HOU", "HHT", "WBZ", "GEN", "BAT", "TRB", "MID")
 _FEW = ("AVG", "DIS", "WIL", "HHT", "GEN", "BAT")
 
-#: The ten steps ωΔt of level B, each with the schemes that take it.
+#: The ten steps ωΔt of level B, each with its schemes.
 _STEPS: dict[str, tuple[str, ...] | None] = {
     "0.05": _MAIN,
     "0.1": ("AVG", "CDM"),
@@ -143,7 +143,7 @@ def _level_a() -> Iterator[Entry]:
 
 
 def _level_b() -> Iterator[Entry]:
-    # with the velocity 0.5 the first step at ωΔt = 1 would end at u₀ again, and mistakes would look alike
+    # with the velocity 0.5 the first step at ωΔt = 1 would end at u₀ again, and mistakes could not be distinguished
     problem = _problem("linear", "1", "0.7", stiffness="1")
     for step, schemes in _STEPS.items():
         why = f"Every step of linear motion is the amplification matrix at ωΔt = {step}, which is the scheme itself."

@@ -1,8 +1,8 @@
 """Make all cases: ``python -m conformance.generate`` writes ``cases/*.json`` from 50 digits.
 
 A case is a problem and a scheme of the tables in ``contents.py``. It holds the values of the scheme, the values of the
-alternatives and mistakes of ``variants.py`` if they differ, and the slopes of the values in the numbers of the scheme,
-which identify a slightly wrong number.
+alternatives and mistakes of ``variants.py`` if they differ, and the derivatives of the values in the parameters of the
+scheme, which identify a slightly wrong parameter.
 """
 
 import json
@@ -20,14 +20,15 @@ from conformance.variants import UNEQUAL, VARIANTS, WITHOUT_ACCELERATION
 
 CASES = Path(__file__).parent / "cases"
 
-#: Digits of the arithmetic, of expected values and of those of variants.
+#: Number of digits of the arithmetic, of the expected values and of the values of variants.
 DIGITS, EXPECTED, STORED = 50, 17, 12
 
-#: Smallest tolerance as a part of the largest value of a quantity, the number of round-offs and the largest tolerance.
+#: Smallest tolerance, relative to the largest value of a quantity; tolerance over the observed round-off; largest
+#: tolerance, also relative.
 SAME, ROUND_OFFS, LOOSE = 1e-9, 100, 1e-6
 
-#: Smallest difference of a variant from the expected values in tolerances, and the growth over the largest value or
-#: energy of the scheme from which a variant is unstable and left out.
+#: Smallest difference of a variant from the expected values, in tolerances; growth relative to the largest value or
+#: energy of the scheme above which a variant counts as unstable and is left out.
 DISTINCT, UNSTABLE = 100, 1e6
 
 
@@ -42,7 +43,7 @@ def _decimal(value: Any, digits: int) -> str:
 
 
 def _quantities(entry: Entry, scheme: Mapping[str, str]) -> list[tuple[str, int]]:
-    """Quantity and number of the unknown of every list of values, accelerations last."""
+    """Quantity and number of the unknown for every list of values; accelerations are last."""
     names = "uv" if scheme["family"] in WITHOUT_ACCELERATION else "uva"
     return [(name, unknown) for name in names for unknown in range(len(entry.problem["u0"]))]
 
@@ -54,7 +55,7 @@ def _identical(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
     for name, unknown in _quantities(entry, scheme):
         one = exact[name][:, unknown]
         scale = float(max(abs(one)))
-        # what round-off does to the same formulas in double precision
+        # round-off of the same formulas in double precision
         off = float(max(abs(one - double[name][:, unknown])))
         tolerance = max(SAME * scale, ROUND_OFFS * off)
         if tolerance > LOOSE * scale:
@@ -103,7 +104,7 @@ def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> 
 
 
 def _slopes(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> Iterator[dict]:
-    """Derivatives of the values in the numbers of the scheme, and in factors of Δt and of the mass."""
+    """Derivatives of the values in the parameters of the scheme, and in factors of Δt and of the mass."""
     here = _values(entry, _march(entry, scheme), expected)
     little = mp.mpf(10) ** (-DIGITS // 2)
     for name in [*(name for name in scheme if name not in ("family", "start")), "factor of dt", "factor of the mass"]:
@@ -124,7 +125,7 @@ def _stored(values: list[np.ndarray]) -> list[list[str]]:
 
 
 def _bound(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
-    """The largest energy of the scheme and its stable alternatives over that at the start, and five percent more."""
+    """Limit of the energy relative to the start: the largest of the scheme and its stable alternatives, plus 5 %."""
     problem, largest = Problem(entry.problem), []
     alternatives = [one for one in VARIANTS if one.verdict == "differs" and scheme["family"] in one.families]
     for changed, words in [(scheme, ()), *(({**scheme, **one.change(scheme)}, one.words) for one in alternatives)]:
@@ -136,7 +137,7 @@ def _bound(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
 
 
 def exact(problem: Mapping[str, Any], end: str) -> Any:
-    """Displacement at the end of the motion of one unknown, by Taylor series."""
+    """Exact displacement of one unknown at the end of the motion, by Taylor series."""
     one = Problem(problem, mp)
 
     def slope(t, y):
@@ -148,7 +149,7 @@ def exact(problem: Mapping[str, Any], end: str) -> Any:
 
 
 def _order(entry: Entry, scheme: Mapping[str, str], end: Any) -> list[dict]:
-    """Order of the displacement at the end, as the formulas have it over four steps."""
+    """Order of the displacement at the end, measured over four step sizes of the formulas."""
     errors = []
     for part in (1, 2, 4, 8):
         motion = _march(entry, scheme, dt=mp.mpf(entry.dt) / part, steps=entry.steps * part)
@@ -209,7 +210,7 @@ def _lines(value: Any) -> str:
 
 
 def main() -> None:
-    """Write every case in place of those that are there."""
+    """Write every case, in place of the existing ones."""
     mp.dps = DIGITS
     texts = {f"{one['name']}.json": written(one) for one in made()}
     CASES.mkdir(exist_ok=True)

@@ -1,4 +1,4 @@
-"""Verdict on a case: whether motions of a code are those that it expects, and the likely cause if they are not."""
+"""Verdict on a case: whether the motions of a code agree with the expected ones, and the likely cause if not."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -13,16 +13,16 @@ from conformance.variants import LATER, VARIANTS
 
 CASES = Path(__file__).parent / "cases"
 
-#: Most digits that double precision has.
+#: Largest number of digits reported, that of double precision.
 DIGITS = 16.0
 
-#: Variants are stored with so small an error, as a part of the largest value.
+#: Error of the stored values of variants, relative to the largest value.
 STORED = 1e-11
 
-#: A number of the scheme is off if its slope explains all but this part of the difference.
+#: Largest part of the difference that the slope in a parameter may leave unexplained if the parameter is wrong.
 UNEXPLAINED = 0.01
 
-#: Differences below this part of the largest value are those of an iteration that ends early.
+#: Relative difference below which single precision or an iteration that ends early is the likely cause.
 EARLY = 1e-5
 
 #: Displacement ``u``, velocity ``v`` and acceleration ``a`` at 0, Δt, 2Δt, ..., each (steps + 1, n) or None.
@@ -41,7 +41,8 @@ class Verdict(NamedTuple):
     verdict
         ``pass``, ``differs`` (an alternative that the case names), ``fail`` or ``skip``.
     digits
-        Number of correct digits of the worst value, relative to the largest of its quantity; None if not computed.
+        Number of correct digits of the worst value, relative to the largest value of its quantity; None if not
+        computed.
     cause
         Name of the alternative, or likely cause of a failure.
     """
@@ -115,7 +116,7 @@ def _digits(error: float, scale: float) -> float:
 
 
 class _Compared(NamedTuple):
-    """One list of expected values, and those of the code."""
+    """One list of expected values, and the values of the code."""
 
     expected: np.ndarray
     found: np.ndarray
@@ -137,7 +138,7 @@ def _identical(case: Mapping[str, Any], motion: Motion) -> Verdict:
     digits = min(_digits(float(max(abs(one.found - one.expected))), one.scale) for one in pairs)
     if all(max(abs(one.found - one.expected)) <= one.tolerance for one in pairs):
         return Verdict(case["name"], "pass", digits)
-    # variants and slopes have no accelerations, which stand last
+    # variants and slopes have no accelerations, which are last in the list
     moved = [pair for pair, one in zip(pairs, given, strict=True) if one["quantity"] != "a"]
     places = [
         i for i, one in enumerate(case["expect"]) if motion[one["quantity"]] is not None and one["quantity"] != "a"
@@ -147,7 +148,7 @@ def _identical(case: Mapping[str, Any], motion: Motion) -> Verdict:
 
 
 def _explained(case: Mapping[str, Any], pairs: list[_Compared], places: list[int], motion: Motion) -> tuple[str, str]:
-    """Verdict and cause of values that are not those expected."""
+    """Verdict and cause for values that differ from the expected ones."""
     if all(max(abs(one.found - one.expected)) <= one.tolerance for one in pairs):
         return "differs", "displacement and velocity agree; the acceleration is not the one that the scheme carries"
     for variant in case["variants"]:
@@ -181,7 +182,7 @@ def _explained(case: Mapping[str, Any], pairs: list[_Compared], places: list[int
 
 
 def _met_later(case: Mapping[str, Any], pairs: list[_Compared], places: list[int]) -> tuple[str, str] | None:
-    """Verdict and text of a change that the case holds no values of; None if no change has those of the code."""
+    """Verdict and text of a change whose values are not in the case; None if no change gives the values of the code."""
     (dt, steps), scheme = times(case), case["scheme"]
     changes = [("fail", text, words, changed(case["problem"]), scheme) for text, words, changed in LATER]
     if "sizes" in case["run"]:
@@ -204,7 +205,7 @@ def _met_later(case: Mapping[str, Any], pairs: list[_Compared], places: list[int
 
 
 def times(case: Mapping[str, Any], part: int = 1) -> tuple[float | np.ndarray, int]:
-    """Size of the steps, or the sizes of all that are not equal, and their number."""
+    """The common size of the steps, or an array of unequal sizes, and the number of steps."""
     sizes = np.array(case["run"].get("sizes", []), float)
     return (sizes, len(sizes)) if sizes.size else (float(case["run"]["dt"]) / part, case["run"]["steps"] * part)
 

@@ -1,4 +1,4 @@
-"""Problems of the cases by their formulas, for arrays of any numbers: floats, or mpmath's with 50 digits."""
+"""Problems of the cases by their formulas, in floats or in mpmath's numbers with 50 digits."""
 
 import math
 from collections.abc import Mapping
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-#: Binary floating point numbers, under the names that mpmath has for them.
+#: Double-precision numbers and functions under the names of mpmath.
 FLOAT = SimpleNamespace(mpf=float, cos=math.cos, sin=math.sin, tanh=math.tanh, eps=2e-16)
 
 
@@ -62,7 +62,7 @@ class Problem:
         return np.minimum(np.maximum(u - self._plastic, -bound), bound)
 
     def force(self, u: np.ndarray) -> np.ndarray:
-        """p(u), shape (n,); for an elastoplastic spring after the motion from the last ``commit``."""
+        """p(u), shape (n,). The force of an elastoplastic spring depends on the last ``commit``."""
         form, p = self.text["form"], self._parameters
         if form == "linear":
             return p["stiffness"] @ u
@@ -115,7 +115,7 @@ class Problem:
             self._plastic = u - self._elastic(u)
 
     def load(self, t: Any) -> np.ndarray:
-        """f(t), shape (n,): harmonic, and −M 1 a_g(t) of a ground whose acceleration is linear between samples."""
+        """f(t), shape (n,): a harmonic load, plus −M 1 a_g(t) with a ground acceleration linear between samples."""
         load = 0 * self.u0
         if harmonic := self.text.get("load"):
             frequency, phase = self.array([harmonic["frequency"], harmonic["phase"]])

@@ -1,7 +1,7 @@
-"""Schemes by their formulas, for arrays of any numbers: the arithmetic behind the cases.
+"""Schemes by their formulas, in floats or in mpmath's numbers: the arithmetic behind the cases.
 
 The schemes solve for the displacement, as textbooks on finite elements do, and share nothing with a code that is
-judged. Words change a scheme: into a legitimate alternative, or into one with a mistake.
+judged. Words change a scheme into a legitimate alternative or into a scheme with a mistake.
 """
 
 from collections.abc import Collection, Mapping
@@ -11,7 +11,7 @@ import numpy as np
 
 from conformance.problem import Problem, solve
 
-#: Largest number of Newton's iterations.
+#: Largest number of Newton iterations.
 ITERATIONS = 60
 
 
@@ -35,9 +35,9 @@ class March:
         self.past = self.fictitious(self.start) if scheme["family"] == "houbolt" else []
 
     def next_size(self, size: Any) -> None:
-        """Change the step; the alternatives that keep the second order change the carried acceleration too.
+        """Change the step, and in the alternatives that keep the second order also the carried acceleration.
 
-        The acceleration of generalized-α belongs to t₁ + (α_m − α_f) Δt, with the step that ends at t₁.
+        The acceleration of generalized-α belongs to t₁ + (α_m − α_f) Δt, where Δt is the step that ends at t₁.
         """
         change = size / self.dt - 1
         if "corrected for step" in self.words:
@@ -51,7 +51,7 @@ class March:
         self.dt, self.before = size, self.a
 
     def signed(self, load: np.ndarray) -> np.ndarray:
-        """A load, or its wrong form by a mistake in the whole run."""
+        """A load, or zero or the opposite load if the scheme has that mistake."""
         return load * (0 if "no load" in self.words else -1 if "sign of load" in self.words else 1)
 
     def load(self, part: Any) -> np.ndarray:
@@ -64,7 +64,10 @@ class March:
         return self.signed(load(self.t + (part + ("load early" in words)) * self.dt))
 
     def acceleration(self, part: Any, u: np.ndarray, v: np.ndarray, lag: Any = 0, force: Any = None) -> np.ndarray:
-        """The a of M a + C (v + lag a) + p(u) = f(t₀ + part Δt), with ``force`` in place of p(u) if it is given."""
+        """The acceleration a that solves M a + C (v + lag a) + p(u) = f(t₀ + part Δt).
+
+        A given ``force`` takes the place of p(u).
+        """
         damping = self.problem.damping * ("no damping" not in self.words)
         if "damping at start" in self.words:
             v, lag = self.v, 0
@@ -72,7 +75,7 @@ class March:
         return solve(self.problem.mass + lag * damping, self.load(part) - damping @ v - force)
 
     def balanced(self, place, damping, inertia, load, weight=1, rest=0) -> np.ndarray:
-        """The x of M (a + a′x) + C (v + v′x) + w p(u + u′x) + rest = f, by Newton's iteration.
+        """The solution x of M (a + a′x) + C (v + v′x) + w p(u + u′x) + rest = f, by Newton's iteration.
 
         ``place``, ``damping`` and ``inertia`` are the pairs (u, u′), (v, v′) and (a, a′).
         """
@@ -109,7 +112,7 @@ class March:
         self.rows.append((self.u, self.v, self.a))
 
     def fictitious(self, start: str) -> list:
-        """Displacements of Houbolt's method before t = 0, or no more than u₀ where another scheme makes two steps."""
+        """Displacements of Houbolt's method up to t = 0; u₀ alone if another scheme makes the first two steps."""
         if "two steps" in start:
             return [self.u]
         u, v, a, dt = self.u, self.v, self.a, self.dt
@@ -158,7 +161,7 @@ class March:
         self.generalized_alpha(0, -alpha, beta, gamma)
 
     def hht_1996(self, alpha: Any, beta: Any, gamma: Any) -> None:
-        """The same with two weighted forces, and with neither damping nor load weighted."""
+        """HHT-α with two weighted forces, and with neither damping nor load weighted."""
         self.words = {*self.words, "two forces", "damping at end", "load at end"}
         self.hht(alpha, beta, gamma)
 
@@ -255,7 +258,7 @@ class March:
         self.move(u, v)
 
     def kr_alpha(self, rho_inf: Any) -> None:
-        """The explicit method of Kolay and Ricles, whose coefficients hold the stiffness at u = 0."""
+        """The explicit method of Kolay and Ricles, whose coefficients contain the stiffness at u = 0."""
         dt, problem = self.dt, self.problem
         alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
         gamma = problem.numbers.mpf(1) / 2 - alpha_m + alpha_f
@@ -300,7 +303,7 @@ def run(
     scheme
         The part ``scheme`` of a case.
     dt
-        Size of all steps, or the sizes of each.
+        Common size of all steps, or an array with the size of each step.
     words
         Changes of the scheme, listed in ``generate.py``.
     """

@@ -25,11 +25,11 @@ class Variant(NamedTuple):
     text
         Description of a code with the values of this variant.
     families
-        Families of schemes that it changes.
+        Families of schemes to which the variant applies.
     words
-        Words for ``schemes.run``.
+        Words that ``schemes.run`` takes.
     change
-        New numbers from those of the scheme.
+        Function that returns new parameters from the parameters of the scheme.
     """
 
     verdict: str
@@ -48,7 +48,7 @@ def _mistake(text, families, *words, change=lambda scheme: {}):
 
 
 def _with(**numbers: str) -> Callable[[Mapping[str, str]], Mapping[str, str]]:
-    """New numbers where the scheme has such numbers."""
+    """New values of the parameters that the scheme has."""
     return lambda scheme: {name: value for name, value in numbers.items() if name in scheme}
 
 
@@ -173,7 +173,7 @@ def _uncoupled(problem: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _loaded(change: Callable[[float, float], tuple[float, float]]) -> Callable[[Mapping[str, Any]], dict[str, Any]]:
-    """The same problem with another frequency and phase of the load, as functions of both."""
+    """The same problem with a frequency and a phase of the load that ``change`` computes from both."""
 
     def changed(problem: Mapping[str, Any]) -> dict[str, Any]:
         if "load" not in problem:
@@ -192,7 +192,8 @@ def _cubic_alone(problem: Mapping[str, Any]) -> dict[str, Any]:
     return {**problem, "parameters": {**parameters, "S2": repr(float(parameters["S2"]) / float(parameters["S1"]))}}
 
 
-#: Mistakes that were met after the cases were made, which therefore hold no values of them: words and another problem.
+#: Mistakes that were found after the cases were made, so that the cases hold no values of them: text, words for the
+#: scheme, and change of the problem.
 LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[str, Any]]], ...] = (
     ("the internal force is that of the end of the step", ("force at end",), dict),
     ("the masses that couple unknowns are missing", (), _uncoupled),
@@ -203,7 +204,7 @@ LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[s
     ("the cubic term of the force leaves out S1", (), _cubic_alone),
 )
 
-#: Variants of a scheme that differ with unequal steps; cases with such steps have values of these only.
+#: Variants of a scheme with unequal steps; cases with such steps have only the values of these variants.
 UNEQUAL = (
     _alternative(
         "the carried acceleration is moved to the new step", ("hht", "generalized_alpha"), "corrected for step"

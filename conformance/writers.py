@@ -1,4 +1,4 @@
-"""Input files from the same cases, for codes that read no JSON: of OpenSees here, of others in ``chains``.
+"""Input files of the cases for codes that read no JSON: OpenSees here, other codes in ``chains``.
 
 The files of OpenSees are linear and cubic oscillators without moving ground. Each one writes its motion as ``NAME.csv``
 into the folder where it runs; a case without a file is skipped, because it has no result.
@@ -69,12 +69,12 @@ close $out
 """
 
 
-#: What writes the file of each ending: OpenSees', Abaqus', and the commands and the mesh of code_aster.
+#: Writer of the files of each suffix: OpenSees, Abaqus, and the commands and the mesh of code_aster.
 WRITERS = {".tcl": opensees, ".inp": abaqus, ".comm": code_aster, ".mail": mesh}
 
 
 def write(chosen: Iterable[Mapping[str, Any]], folder: Path) -> int:
-    """Write the files of the cases that have one, which have equal steps, and return their number."""
+    """Write the input files of all cases that have one, and return their number. Cases of unequal steps have none."""
     folder.mkdir(parents=True, exist_ok=True)
     made = [
         (case["name"] + ending, one(case)) for case in chosen if "dt" in case["run"] for ending, one in WRITERS.items()

@@ -1,6 +1,6 @@
 """Build the site: ``python -m docs.build RESULTS OUTPUT [FILE.py:NAME ...]`` writes OUTPUT/index.html and its pages.
 
-Each FILE.py:NAME is a scheme of a user's own, which gets a page as the named ones have.
+Each FILE.py:NAME is a user's scheme, which gets a page like the pages of the named schemes.
 """
 
 import os
@@ -34,7 +34,7 @@ INCLUDED = ("CONTRIBUTING.md", "CHANGELOG.md", "examples/scheme.py")
 
 
 def library_of(results: Path, own: Iterable[str]) -> Library:
-    """All named schemes and a user's own, with the datasets."""
+    """All named schemes and the user's schemes, with the datasets."""
     for place in own:
         if place.rpartition(":")[2] in study.schemes:
             raise SystemExit(f"'{place}' has the name of a scheme of the study; give it another one.")
@@ -83,12 +83,12 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
     Raises
     ------
     SystemExit
-        If Sphinx warns of anything; the earlier site stays.
+        If Sphinx warns; the earlier site then stays.
     """
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
     results, output = results.absolute(), output.absolute()
     output.parent.mkdir(parents=True, exist_ok=True)
-    # the pipeline removes files of such names that a process left when it was killed
+    # the pipeline removes files with such names, which a killed process leaves
     unfinished = output.with_name(f".{output.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
     try:
         with tempfile.TemporaryDirectory() as folder:
@@ -97,13 +97,13 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
             write_sources(results, sources, own)
             options = ["-q", "-W", "--keep-going", "-b", "html", "-c", str(Path(__file__).parent)]
             if build_main([*options, "-d", str(Path(folder, "trees")), str(sources), str(unfinished)]):
-                raise SystemExit("the site is not built: the lines above say what Sphinx warns of.")
+                raise SystemExit("the site is not built: the lines above are the warnings of Sphinx.")
         accessible.complete(unfinished)
         (unfinished / ".buildinfo").unlink()  # a checksum with paths of this machine, for incremental builds
         for name in PRODUCTS:
             (unfinished / name).parent.mkdir(exist_ok=True)
             shutil.copy(results / name, unfinished / name)
-        explorer = unfinished / "explorer.html"  # which links to the site from the folder above it
+        explorer = unfinished / "explorer.html"  # it links to the site from the folder above
         explorer.write_text(explorer.read_text("utf-8").replace('href="site/', 'href="'), "utf-8")
         shutil.rmtree(output, ignore_errors=True)
         unfinished.rename(output)

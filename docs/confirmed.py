@@ -28,7 +28,7 @@ def names_in_codes(scheme: str) -> str:
 
 
 def printed_limit(scheme: str) -> str:
-    """Limits that textbooks print, in a phrase; empty where none has been confirmed."""
+    """Limits that textbooks print, in a phrase; empty if none has been confirmed."""
     found = [(float(row["limit"]), row) for row in limits() if row["scheme"] == scheme]
     return "; ".join(
         f"{'at any step size' if math.isinf(limit) else f'ωΔt ≤ {number(limit, 4)}'} in {row['work']}, {row['place']}"

@@ -10,18 +10,18 @@ from docs.text import described, table
 
 RESULTS = Path(__file__).parent.parent / "conformance" / "verdicts"
 
-#: Causes without their numbers, which differ from case to case.
+#: Causes by kind, without the numbers that differ from case to case.
 _OF_KIND = {"ORDER": "the order is not that of the scheme", "BOUND": "the energy grows"}
 
 #: Columns of counts; all other cases are skipped.
 _SHOWN = ("pass", "differs", "fail")
 
-#: Largest number of names of cases in a row.
+#: Maximum number of example cases in a row.
 SHOWN = 4
 
 
 def found() -> list[dict[str, Any]]:
-    """Verdicts of all codes, the one with the most passes first."""
+    """Verdicts of all codes; the code with the most passes is first."""
     results = [json.loads(file.read_text(encoding="utf-8")) for file in RESULTS.glob("*.json")]
     return sorted(results, key=lambda one: (-one["counts"]["pass"], one["tool"]))
 
@@ -31,7 +31,7 @@ def _named(code: Mapping[str, Any]) -> str:
 
 
 def _overview(codes: Sequence[Mapping[str, Any]]) -> str:
-    """A row for every code, with the passes of the cases that it has, by level."""
+    """A row for every code, with its passed cases over its supported cases by level."""
     rows = []
     for code in codes:
         ran, passed = Counter[str](), Counter[str]()
@@ -66,8 +66,9 @@ def conformance_page() -> str:
     codes = found()
     parts = [
         "```{include} /included/conformance.md\n```",
-        "## What it found",
-        "Passes over the cases that a code has, by level. It skips the others. A name ends with its version.",
+        "## Results for codes",
+        "Each cell gives the passed cases over the supported cases of a level. Unsupported cases are skipped. The name "
+        "of a code ends with its version.",
         _overview(codes),
         *filter(None, map(_causes, codes)),
     ]

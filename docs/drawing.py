@@ -12,10 +12,10 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from paper.figures.style import OUTCOME_STYLES  # whose settings hold for these figures too
+from paper.figures.style import OUTCOME_STYLES  # its settings hold for these figures too
 from study.words import RAISED
 
-#: Colours that a page replaces by its own, see ``static/site.css``: text and lines, highlighted curve, other curves.
+#: Colours of text and lines, of the highlighted curve and of other curves; ``static/site.css`` replaces them.
 INK, ACCENT, OTHER = "#000000", "#0072b2", "#999999"
 _NAMES = {INK: "currentColor", ACCENT: "var(--curve)", OTHER: "var(--curve-other)"}
 
@@ -65,7 +65,7 @@ def svg(figure: Figure, label: str) -> str:
     text = text[text.index("<svg") :].strip()
     text = re.sub(r"\s*<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     text = re.sub(r' (width|height)="[\d.]+pt"', "", text, count=2)
-    text = re.sub(r'<g id="[^"]*">', "<g>", text)  # names of parts, which would occur several times in a page
+    text = re.sub(r'<g id="[^"]*">', "<g>", text)  # identifiers of parts, which would occur several times in a page
     for colour, name in _NAMES.items():
         text = re.sub(rf"(fill|stroke): {colour}\b", rf"\1: {name}", text)
     text = text.replace("<svg", f'<svg role="img" aria-label="{html.escape(label)}"', 1)

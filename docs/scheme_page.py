@@ -1,4 +1,4 @@
-"""The page of a scheme: the same for a named scheme and for a user's scheme."""
+"""The page of a named scheme or of a user's scheme."""
 
 import dataclasses
 import html
@@ -96,15 +96,16 @@ def high_frequencies(theory: Theory) -> str:
 
 
 def overshoot(theory: Theory) -> str:
-    """Growth of the first step, and the largest of 64 steps, in a phrase."""
+    """Growth of the first step, and the largest overshoot of 64 steps, in a phrase."""
     if not math.isinf(theory.limit):
         return "bounded by the stability limit"
     (u_from_u, v_from_u), (u_from_v, v_from_v) = np.round(theory.growth).astype(int)
     powers = f"U{u_from_u}V{v_from_u} from u₀ and U{u_from_v}V{v_from_v} from u̇₀"
     displacement, velocity = (number(value, 2) for value in theory.overshoot)
     return (
-        f"{powers}, the powers of ωΔt with which displacement (U) and velocity (V) grow in a long first step; at most "
-        f"{displacement} and {velocity} in 64 steps from rest, at steps up to {number(PARTS[-1])} periods"
+        f"{powers}: the powers of ωΔt with which displacement (U) and velocity (V) grow in a long first step. In 64 "
+        f"steps from rest they overshoot by at most {displacement} and {velocity}, at step sizes up to "
+        f"{number(PARTS[-1])} periods."
     )
 
 
@@ -122,7 +123,9 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
     damped = "" if scheme.order_with_damping == scheme.order else f", {scheme.order_with_damping} with damping or load"
     measured = f"{number(theory.order)} on the linear oscillator, {number(theory.order_with_damping)} with damping"
     if scheme.order < round(theory.order):
-        measured += "; a motion has the order claimed, as its displacement and velocity err by more than the roots do"
+        measured += (
+            "; a motion has the order claimed, because its displacement and velocity have larger errors than the roots"
+        )
     return definitions(
         {
             "names here": ", ".join(f"<code>{name}</code>" for name in [subject.name, *aliases]),

@@ -1,4 +1,4 @@
-"""The table of all schemes, which a reader sorts and narrows down."""
+"""The table of all schemes, with sorting and filters."""
 
 import html
 import math
@@ -15,13 +15,13 @@ COLUMNS = {
     "scheme": "",
     "family": "",
     "kind": "",
-    "order": "claimed, without damping and load; in brackets with them, where it is another",
+    "order": "claimed order without damping and load; in brackets the order with them, if it differs",
     "largest stable ωΔt": "without damping",
     "ρ∞": "spectral radius at infinite frequency",
     "period, %": f"relative error of the period at {STEPS} steps a period, in linear theory",
     "amplitude, %": f"loss of amplitude a period at {STEPS} steps a period, in linear theory",
-    "forces": "a step for explicit schemes, a Newton iteration for implicit ones",
-    "memory": "vectors of the size of u from step to step",
+    "forces": "forces a step for explicit schemes, forces a Newton iteration for implicit schemes",
+    "memory": "vectors of the size of u that a step passes to the next",
     "time, ns": "median of a step on the softening spring at the finest step; a dash where it is not measured",
 }
 
@@ -94,16 +94,16 @@ def index_page(library: Library) -> str:
     meanings = "\n".join(f"- **{name}**: {meaning}" for name, meaning in COLUMNS.items() if meaning)
     text = f"""# Time integration schemes: order, stability and numerical damping compared
 
-{len(subjects)} schemes for M ü + C u̇ + p(u) = f(t), each with a page of its own. The heading of a column sorts by it;
-ticks keep some schemes side by side.
+{len(subjects)} schemes for M ü + C u̇ + p(u) = f(t), each with a page of its own. Click the heading of a column to sort
+by it. Tick schemes to compare them side by side.
 
 {table_of(subjects, library)}
 
 {meanings}
 
-Orders are those that schemes claim; their pages give measured ones. Stability, damping and memory follow from the code
-of each scheme by automatic differentiation. Times were measured on the machine that made this site. On a narrow screen
-the table scrolls sideways. The box above it finds schemes by their other names and by those in codes too.
+Orders are the claimed orders; the pages of schemes give measured orders. Stability, damping and memory follow from the
+code of each scheme by automatic differentiation. Times were measured on the machine that made this site. On a narrow
+screen the table scrolls sideways. The box above it also finds schemes by their other names and by their names in codes.
 {{doc}}`/how_to/choose` compares schemes at equal error.
 
 ```{{toctree}}

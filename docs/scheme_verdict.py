@@ -102,10 +102,10 @@ def _steps(subject: "Subject", library: "Library") -> str:
         "Steps in a period, and in brackets the forces evaluated in it, for an error of the displacement:\n\n"
         + table(head, rows, numbers_from=len(head))
         + f"\n\nAll finer steps keep the error too, and the energies to {percent(LEVEL)}. On the hardening and the "
-        "softening spring the error is the largest over a hundred periods, in which the delay of the phase grows. The "
+        "softening spring the error is the largest over a hundred periods, in which the phase error grows. The "
         f"last column names the {_kind(subject.scheme)} scheme with the fewest forces. ≤ marks the coarsest step that "
-        "was tried, and † the finest. A dash means that no step tried keeps the error. {doc}`/decisions` compares all "
-        "schemes."
+        "was tried, and † marks the finest. A dash means that no step tried keeps the error. {doc}`/decisions` "
+        "compares all schemes."
     )
 
 
@@ -168,8 +168,8 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
         titles = structures.problem_title.values[of_it.values].tolist()
         if titles:
             yield (
-                f"coarse steps on the {listed(titles)}: with some the run fails or the energies are out of balance by "
-                f"more than {percent(LEVEL)}, and another scheme keeps them with all steps tried"
+                f"coarse steps on the {listed(titles)}: with some of them the run fails or the energies are out of "
+                f"balance by more than {percent(LEVEL)}, while another scheme keeps the balance with all steps tried"
             )
 
 
@@ -179,7 +179,7 @@ def _error(subject: "Subject") -> float:
 
 
 def _dominates(other: "Subject", one: "Subject") -> bool:
-    """Whether a scheme errs less after a period, and is nowhere worse in linear theory, for as few forces."""
+    """Whether a scheme has a smaller error after a period and is nowhere worse in linear theory, for as few forces."""
     a, b, s, t = other.theory, one.theory, other.scheme, one.scheme
     return bool(
         s.explicit == t.explicit
@@ -195,7 +195,7 @@ def _dominates(other: "Subject", one: "Subject") -> bool:
 
 
 def _alternative(subject: "Subject", library: "Library") -> str:
-    """The scheme that is better in linear theory, of those the one with the nearest radius at infinite frequency."""
+    """Of the schemes that are better in linear theory, the one with the nearest radius at infinite frequency."""
     theory, found = subject.theory, []
     for name in library.schemes:
         other = library.subject(name)
@@ -204,14 +204,14 @@ def _alternative(subject: "Subject", library: "Library") -> str:
             found.append((apart, _error(other), name))
     if not found:
         return (
-            f"none in linear theory: every {_kind(subject.scheme)} scheme here that needs as few forces a step errs as "
-            f"much at {STEPS} steps a period, or is worse in order, stability or damping of high frequencies"
+            f"none in linear theory: every {_kind(subject.scheme)} scheme here that needs as few forces a step has as "
+            f"large an error at {STEPS} steps a period, or is worse in order, stability or damping of high frequencies"
         )
     best = library.subject(min(found)[2])
     return (
-        f"{_link(best.name, library)}: in linear theory, for as few forces, a motion errs by {percent(_error(best))} "
-        f"instead of {percent(_error(subject))} of its amplitude after a period of {STEPS} steps, and order, stability "
-        "and damping of high frequencies are no worse"
+        f"{_link(best.name, library)}: in linear theory, for as few forces, the error of a motion after a period of "
+        f"{STEPS} steps is {percent(_error(best))} of its amplitude instead of {percent(_error(subject))}. Order, "
+        "stability and damping of high frequencies are no worse."
     )
 
 
@@ -222,12 +222,10 @@ def _items(reasons: Iterator[str], none: str) -> str:
 
 def _not_run(subject: "Subject") -> str:
     """A sentence on missing runs of a scheme."""
-    missing = (
-        "The study that made this page has no steps by error of this scheme, and sections without data are omitted"
-    )
+    missing = "The study behind this page has no steps by error of this scheme. Sections without data are omitted"
     if subject.name in study.schemes:
-        return f"{missing}; the full study runs all schemes that have names."
-    return f"{missing}; the key `own_schemes` of the configuration takes it into the datasets."
+        return f"{missing}. The full study runs all named schemes."
+    return f"{missing}. The key `own_schemes` of the configuration adds the scheme to the datasets."
 
 
 def verdict(subject: "Subject", library: "Library") -> str:

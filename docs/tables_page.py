@@ -1,4 +1,4 @@
-"""The ledger of claims and all tables of the study as pages of the site, which a reader narrows down."""
+"""The ledger of claims and all tables of the study as pages of the site, with filters."""
 
 import html
 from collections.abc import Iterable

@@ -13,7 +13,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]], numbers_from: int 
 def narrowed(
     head: str, rows: str, what: tuple[str, str], placeholder: str, choices: str = "", kind: str = "plain"
 ) -> str:
-    """A table that scrolls by itself, below a form that narrows it down by words; see ``static/table.js``.
+    """A table with its own scroll bar, below a form that filters its rows by words; see ``static/table.js``.
 
     Parameters
     ----------

@@ -4,8 +4,8 @@ The assessment finds the scheme and the step that its drift needs.
 
     study assess examples/frame.py:frame --quantities examples/frame.py:quantities --duration 31.2 --output frame
 
-Every storey is a cubic spring, which stiffens as it drifts. Rayleigh damping gives about three percent of the critical
-one in the first and third mode. The unknowns are the displacements of the floors relative to the ground.
+Every storey is a cubic spring, which stiffens as it drifts. Rayleigh damping gives about three percent of critical
+damping in the first and third mode. The unknowns are the displacements of the floors relative to the ground.
 """
 
 import jax.numpy as jnp

@@ -19,7 +19,7 @@ RUN = {"dt": 0.005, "steps": 2400, "observe": [DRIFT]}
 
 
 def oscillator(intensity=1.0, period=0.5, strength=0.15):
-    """A unit mass with a period in s that yields at a part of its weight, the strength, under the scaled record."""
+    """A unit mass under the scaled record; ``strength`` is its yield force over its weight, ``period`` is in s."""
     stiffness = (2 * np.pi / period) ** 2
     spring = materials.elastoplastic(stiffness, strength * 9.81, hardening=0.02)
     damping = 2 * 0.05 * 2 * np.pi / period

@@ -1,4 +1,4 @@
-/* A hardening spring, u'' + u + u^3 / 2 = 0 from u = 1 at rest, by two schemes: the program of anyone, in C.
+/* A hardening spring, u'' + u + u^3 / 2 = 0 from u = 1 at rest, by two schemes: an example of a program in C.
 
    cc -O2 -o oscillator examples/oscillator.c -lm
    study assess --command "./oscillator --scheme {scheme} --dt {dt} --output {output}" \

@@ -13,7 +13,7 @@ import study
 #: Half the span and the rise in m, axial stiffness in N, mass in kg and load in N.
 SPAN, RISE, STIFFNESS, MASS, LOAD = 1.0, 0.2, 1e6, 10.0, 800.0
 
-#: From each support to the mass.
+#: Vectors from each support to the mass.
 BARS = np.array([[SPAN, -RISE], [-SPAN, -RISE]])
 
 
@@ -26,7 +26,7 @@ def energy(u):
 
 truss = study.Problem(
     potential=energy,
-    u0=[0.001, 0.0],  # off the axis, so that the mass sways too
+    u0=[0.001, 0.0],  # off the axis, so that the mass also moves sideways
     mass=MASS,
     damping=10.0,
     load=lambda t: jnp.array([0.0, LOAD]),

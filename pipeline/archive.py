@@ -1,7 +1,7 @@
 """Pack a finished study for others: ``python -m pipeline.archive PROJECT OUTPUT``, where its results lie.
 
-The archive is a Workflow Run RO-Crate: the sources, the configuration that was used, with the files that it names, the
-results, and a description of the run in ``ro-crate-metadata.json``: inputs of each product, versions, machine and
+The archive is a Workflow Run RO-Crate. It holds the sources, the configuration that was used with the files that it
+names, and the results. ``ro-crate-metadata.json`` describes the run: inputs of each product, versions, machine and
 time. Datasets themselves contain neither machine nor time. See https://w3id.org/ro/wfrun/workflow.
 """
 
@@ -66,7 +66,7 @@ def _is_hidden(file: Path) -> bool:
 
 
 def configuration() -> dict:
-    """The whole configuration of the last run, with which the study was made."""
+    """The complete configuration of the last run, which made the study."""
     return json.loads(CONFIGURATION.read_text()) if CONFIGURATION.exists() else {}
 
 
@@ -85,7 +85,7 @@ def own_files(configuration: dict) -> list[Path]:
     Raises
     ------
     SystemExit
-        If one lies outside of the project, where no archive can hold it.
+        If one is outside the project, so that the archive cannot hold it.
     """
     files = sorted(_files_of(configuration))
     for file in files:

@@ -1,4 +1,4 @@
-"""The configuration of the pipeline: its model, put together of the experiments' own, and its check before any work.
+"""The configuration of the pipeline: its model, composed of the models of the experiments, and its check.
 
 ``python -m pipeline.configuration`` prints the JSON schema.
 """
@@ -96,7 +96,7 @@ def _nested(name: str, tree: dict[str, Any]) -> type[BaseModel]:
 _TYPES = {
     "int_type": "a whole number",
     "float_type": "a number",
-    "string_type": "a text",
+    "string_type": "a string",
     "list_type": "a list",
     "dict_type": "a mapping of keys",
     "model_type": "a mapping of keys",
@@ -104,7 +104,7 @@ _TYPES = {
 
 
 def _sentence(mistake: Any, model: type[BaseModel]) -> str:
-    """One mistake that pydantic found, with the key and what would be right."""
+    """A sentence on one mistake that pydantic found, with the key and the expected value."""
     location = [part for part in mistake["loc"] if part != "[key]"]
     place, received = _place(location), mistake["input"]
     match mistake["type"]:
@@ -167,13 +167,13 @@ def check_form(model: type[BaseModel], configuration: Any) -> None:
     try:
         model.model_validate(configuration, context=_registries())
     except ValidationError as mistakes:
-        # where a key is misspelt another is missing, which is the weaker message
+        # a misspelt key is reported in place of the missing key that results from it
         first = min(mistakes.errors(), key=lambda mistake: mistake["type"] != "extra_forbidden")
         raise ValueError(_sentence(first, model)) from None
 
 
 def _strange_keys(section: Any, place: str):
-    """Keys that are not texts, as YAML makes of ``1:`` or ``yes:``."""
+    """Keys that are not strings: YAML reads ``1:`` as a number and ``yes:`` as a boolean."""
     if isinstance(section, Mapping):
         for key, value in section.items():
             if not isinstance(key, str):
@@ -185,7 +185,7 @@ def _strange_keys(section: Any, place: str):
 
 
 def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dict[str, Any]:
-    """The complete configuration, if every experiment can be run with it to its end.
+    """The complete configuration, if every experiment can run to its end with it.
 
     Raises
     ------
@@ -230,7 +230,7 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
 
 
 def register_own(place: str) -> None:
-    """Give a scheme of a user's own, ``FILE.py:NAME``, its name in this process.
+    """Register a user's scheme, ``FILE.py:NAME``, under its name in this process.
 
     Raises
     ------
@@ -244,7 +244,7 @@ def register_own(place: str) -> None:
 
 
 def _register_own_schemes(configuration: Any) -> None:
-    """Register a user's own schemes, before other sections are read that name them."""
+    """Register a user's schemes, before the sections that name them are read."""
     listed = configuration.get("own_schemes", []) if isinstance(configuration, Mapping) else []
     if not isinstance(listed, list) or not all(isinstance(place, str) for place in listed):
         raise ValueError(f"own_schemes must be a list of FILE.py:NAME, not {listed!r}.")

@@ -1,7 +1,7 @@
 """Put datasets together: ``python -m pipeline.gather OUTPUT DIMENSIONS INPUT...``.
 
-Datasets of one form are concatenated along a dimension, or along several (``rows,columns``) when they are given row by
-row. Datasets that complement each other are merged; their dimension is ``none``.
+Datasets of one form are concatenated along a dimension, or along several (``rows,columns``) if they are given row by
+row. Datasets of different variables are merged, with ``none`` in place of the dimension.
 """
 
 import sys
@@ -15,7 +15,7 @@ from study.io import NotWritten, check_writable, provenance, read, write
 
 
 def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
-    """Concatenate along the first dimension; before that, along the others what shares a place on the first."""
+    """Concatenate along all dimensions; parts with the same place on the first are joined along the others first."""
     first, *others = dimensions
     if others:
         parts = [_along(others, group) for _, group in groupby(parts, lambda part: part[first].values.tolist())]
@@ -39,7 +39,7 @@ def main(output: str, dimensions: str, inputs: list[str]) -> None:
 
 def _gather(path: Path, dimensions: str, inputs: list[str]) -> None:
     parts = [read(name) for name in inputs]
-    # the encoding of the first part would cut names to its own length
+    # the encoding of the first part would truncate longer names of other parts
     parts = [part.drop_encoding() for part in parts]
     if dimensions == "none":
         dataset = xr.merge(parts, join="outer", combine_attrs="override")

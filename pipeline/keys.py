@@ -6,13 +6,13 @@ from typing import Any
 from pipeline.configuration import model_of
 from study.declaration.experiment import Experiment, discover
 
-_TYPES = {"integer": "whole number", "number": "number", "string": "text", "boolean": "true or false"}
+_TYPES = {"integer": "whole number", "number": "number", "string": "string", "boolean": "true or false"}
 _BOUNDS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
 _HEAD = """# Configuration
 
-`study.yaml` is the short study, and `full.yaml`, laid over it, the full one. `environment.yaml` lists the packages for
-`snakemake --sdm conda`. A file of your own, laid over `study.yaml` by `--configfile FILE`, holds only what differs.
-A list replaces a whole list. Other keys and values are refused before any work.
+`study.yaml` is the short study. `full.yaml` overrides some of its keys and gives the full study. `environment.yaml`
+lists the packages for `snakemake --sdm conda`. A file of your own, `--configfile FILE`, overrides keys of `study.yaml`
+and holds only the differences. A list replaces a whole list. Other keys and values are refused before any work.
 
 `NAME` stands for a name of your choice and `[]` for each item of a list. The word `all` in place of a list of schemes
 stands for all schemes. `own_schemes` lists schemes in your own files as `FILE.py:NAME`.

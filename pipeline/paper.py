@@ -35,7 +35,7 @@ def _data(products: Iterable[Product]) -> list[str]:
 
 
 def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
-    """The step that makes every figure or page, a job each."""
+    """The step that makes all figures or pages, with one job for each."""
     folder, formats = _FILES[kind]
     jobs = {
         one.name: job(
@@ -50,7 +50,7 @@ def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
 
 
 def _of_all(kind: str, products: list[Product], sources: Sources) -> Step:
-    """The step that makes all tables, claims or numbers, which take less time than a process to start."""
+    """The step that makes all tables, claims or numbers in one job. Each takes less time than starting a process."""
     name, output, formats = _WHOLES[kind]
     outputs = tuple(f"{output}/{one.name}.{form}" for one in products for form in formats) or (output,)
     modules = [f"paper.{name}.__main__", *(one.module for one in products)]
@@ -77,7 +77,7 @@ def steps_of(products: list[Product], root: Path, sources: Sources) -> list[Step
 
 
 def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) -> None:
-    """Refuse files of the results that a product reads, if one is a dataset that the configuration does not make.
+    """Refuse a product that reads a dataset which the configuration does not make.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) ->
 
 
 def check_places(products: Iterable[Product]) -> None:
-    """Refuse a table, claim or number outside of the folder that the module of its kind reads.
+    """Refuse a table, claim or number outside the folder that the module of its kind reads.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The files that a job depends on, so that only the users of a changed module are made again."""
+"""The files that a job depends on, so that a changed module makes only its users out of date."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -7,9 +7,9 @@ import grimp
 
 #: Modules that declare options and do not affect results.
 _DECLARATIONS = ("study.declaration.experiment", "study.declaration.options", "study.declaration.checks")
-#: Modules of ``study`` that run before any other, which imports do not show.
+#: Modules of ``study`` that run before any other; the graph of imports does not show them.
 _FIRST = ("study.settings",)
-#: Files next to a module that it reads: printed numbers, styles, and parts of the explorer.
+#: Suffixes of files that a module reads from its folder: printed numbers, styles, and parts of the explorer.
 _DATA = (".csv", ".js", ".css", ".html", ".mplstyle")
 
 

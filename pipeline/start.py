@@ -76,7 +76,7 @@ def begun(configuration: Any, local: bool) -> tuple:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise Refused(f"another run is at work in '{Path.cwd()}': wait for it, or end it.") from None
-    for unfinished in Path("results").rglob(".*.unfinished"):  # of a run that was killed
+    for unfinished in Path("results").rglob(".*.unfinished"):  # left by a killed run
         unfinished.unlink()
     Path("results/configuration.json").write_text(json.dumps(configuration))
     if local:
@@ -92,19 +92,19 @@ def _worker() -> subprocess.Popen:
         listener.listen(1000)
         number = listener.fileno()
         command = [sys.executable, "-m", "pipeline.worker", str(number)]
-        environment = os.environ | {"OMP_NUM_THREADS": "1"}  # each core has a job already
+        environment = os.environ | {"OMP_NUM_THREADS": "1"}  # the jobs already use all cores
         return subprocess.Popen(
             command, pass_fds=[number], stdin=subprocess.PIPE, start_new_session=True, env=environment
         )
 
 
 def _cancel_queued() -> None:
-    """Cancel the jobs in Slurm's queue that a killed run has sent from this folder."""
+    """Cancel the jobs that a killed run has submitted to Slurm from this folder."""
     if shutil.which("squeue"):
         command = ["squeue", "--me", "--noheader", "--format=%i|%k|%Z"]
         listed = subprocess.run(command, capture_output=True, text=True).stdout.splitlines()
         jobs = [line.split("|", 2) for line in listed]
-        # Snakemake comments its jobs so; other jobs of the folder, including this run, stay
+        # these are Snakemake's comments of its jobs; other jobs of the folder, including this run, stay
         ours = [
             job for job, comment, place in jobs if comment.startswith(("rule_", "group_")) and place == str(Path.cwd())
         ]

@@ -28,11 +28,11 @@ class Step:
     name, message
         Name of the rule, and its message when it starts.
     outputs
-        Files that it makes, with ``{job}`` for the name of the job where there are several.
+        Files that it makes, with ``{job}`` for the name of the job if there are several jobs.
     jobs
         The jobs by name; the name of a single job is empty.
     temporary
-        Whether the outputs are removed when they have been used.
+        Whether the outputs are removed after their last use.
     alone
         Whether the job measures times, so that no other may run at the same time.
     quick

@@ -1,8 +1,8 @@
 """The process that forks a child for each job of a local run: ``python -m pipeline.worker LISTENER < PIPE``.
 
-It imports the study, JAX, the solvers and matplotlib once, which takes each process two seconds. LISTENER is the number
-of a listening socket, and PIPE has the run of Snakemake at its other end. Worker and children end when that run ends,
-even if it is killed, and a child ends with the command that requested it (:mod:`pipeline.job`).
+It imports the study, JAX, the solvers and matplotlib once, which would take every job two seconds. LISTENER is the
+number of a listening socket, and the run of Snakemake holds the other end of PIPE. Worker and children end when that
+run ends, even if it is killed. A child also ends with the command that requested it (:mod:`pipeline.job`).
 """
 
 import gc
@@ -53,7 +53,7 @@ def _run(connection: socket.socket) -> None:
 def main(listener: socket.socket) -> None:
     """Fork a child for each connection until the run of Snakemake ends."""
     discover()
-    gc.freeze()  # imported objects stay: the children need not collect them as garbage
+    gc.freeze()  # imported objects stay, so the children need not collect them as garbage
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)
     while True:
         ready, _, _ = select.select([listener, sys.stdin], [], [])

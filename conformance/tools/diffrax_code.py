@@ -1,8 +1,8 @@
 """diffrax, a library of solvers in JAX: ``python -m conformance conformance.tools.diffrax_code:step``.
 
-It solves for (u, v). Symplectic Euler is one of its solvers; the others are its explicit and diagonally implicit
-Runge-Kutta solvers with the tableau of the scheme: average acceleration is the trapezoidal rule, Bathe's method has
-three stages. The equations are those of the study, as JAX must differentiate them.
+The unknowns are (u, v). Symplectic Euler is a solver of diffrax. Other schemes are its explicit and diagonally implicit
+Runge-Kutta solvers with the tableau of the scheme: average acceleration is the trapezoidal rule, and Bathe's method has
+three stages. The equations are taken from the study, because JAX must differentiate them.
 """
 
 import json
@@ -16,7 +16,7 @@ import optimistix
 from conformance.tools.time_integration_study import problem_of
 from study.mechanics.balance import acceleration
 
-#: Newton's iterations end at a correction of this part of the state, so that the error is its square.
+#: Relative correction of the state at which Newton's iteration ends; the error is about its square.
 _TOLERANCE = 1e-10
 
 

@@ -17,7 +17,7 @@ INTEGRATORS: dict[str, Callable[..., tuple]] = {
     "newmark": lambda beta, gamma: ("Newmark", gamma, beta),
     "central_difference": lambda: ("NewmarkExplicit", 0.5),
     "hht": lambda alpha, beta, gamma: ("HHT", 1 + alpha, gamma, beta),
-    # its message of usage has γ before β, its constructor β before γ
+    # its usage message has γ before β, but its constructor has β before γ
     "generalized_alpha": lambda alpha_m, alpha_f, beta, gamma: (
         "GeneralizedAlpha",
         1 - alpha_m,
@@ -46,7 +46,7 @@ OTHERS: dict[str, Callable[..., tuple]] = {
     "kr_alpha": lambda rho_inf: ("KRAlphaExplicit_TP", rho_inf),
 }
 
-#: A third set of them.
+#: A third set of integrators.
 MORE: dict[str, Callable[..., tuple]] = {
     "central_difference": lambda: ("CentralDifference",),
     "hht": lambda alpha, beta, gamma: ("HHT_TP", 1 + alpha, beta, gamma),

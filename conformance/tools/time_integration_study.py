@@ -23,14 +23,14 @@ _ARRAYS = ("u0", "v0", "mass", "damping")
 #: Rows of the longest case.
 _ROWS = 321
 
-#: Loads of zero, so that problems with and without a load share a program.
+#: Zero load, so that problems with and without a load share a program.
 _NO_LOAD, _NO_GROUND = {"frequency": 0, "phase": 0}, {"acceleration": [0] * 17, "dt": 1}
 
 _STARTS = {"linear acceleration": "linear_acceleration", "taylor": "taylor"}
 
 
 class _Smooth(eqx.Module):
-    """K u for several unknowns, and the smooth springs of the kit for one."""
+    """K u for several unknowns, and the smooth springs of the kit for one unknown."""
 
     stiffness: np.ndarray
     S1: np.ndarray
@@ -45,7 +45,7 @@ class _Smooth(eqx.Module):
 
 
 class _Sine(eqx.Module):
-    """A stiff spring and a soft one with a sine in a row."""
+    """A stiff spring and a soft sine spring in series."""
 
     k1: np.ndarray
     k2: np.ndarray
@@ -81,7 +81,7 @@ def _force(form, parameters, n):
 
 @cache
 def problem_of(written):
-    """The problem of a case, a text in JSON, as one of the study."""
+    """The problem of a case, given as JSON, as a problem of the study."""
     text = json.loads(written)
     n, (u0, v0, mass, damping) = len(text["u0"]), (np.array(text[name], float) for name in _ARRAYS)
     load, ground = text.get("load", _NO_LOAD | {"amplitude": [0] * n}), text.get("ground", _NO_GROUND)
@@ -100,7 +100,7 @@ def problem_of(written):
 
 
 def scheme_of(text):
-    """The scheme of a case as one of the study."""
+    """The scheme of a case as a scheme of the study."""
     # NumPy numbers are arguments of a compiled program, Python numbers would be constants in it
     numbers = {name: np.float64(value) for name, value in text.items() if name not in ("family", "start")}
     makers: dict[str, Callable[..., study.Scheme]] = {
