@@ -47,7 +47,7 @@ def of_function(place: str) -> Runner:
     try:
         step = getattr(importlib.import_module(module), name)
         if not callable(step):
-            raise TypeError(f"{name} is no function")
+            raise TypeError(f"{name} is not a function")
     except Exception as error:  # importing a module may raise any error
         raise ValueError(
             f"'{place}' must name a module and a function in it, such as my_code:step ({error})."
@@ -78,7 +78,7 @@ def _arrays(found: Any) -> Motion:
                 None if values is None and name != "u" else np.asarray(values, float).reshape(len(values), -1)
             )
         except (TypeError, ValueError):
-            raise ValueError(f"{name} must be an array of numbers, with a row at t = 0 and one a step") from None
+            raise ValueError(f"{name} must be an array of numbers, with a row for t = 0 and for each step") from None
     return motion
 
 
@@ -173,7 +173,9 @@ def _read(file: Path, case: Mapping[str, Any], part: int) -> Motion:
         names = [name.strip() for name in first.split(",")]
         columns = dict(zip(names, map(np.array, zip(*rows, strict=True)), strict=True))
     except ValueError:
-        raise ValueError(f"{file.name} must be a line of names and rows of as many numbers, with commas") from None
+        raise ValueError(
+            f"{file.name} must have a line of names and rows with as many numbers, separated by commas"
+        ) from None
     wanted = {name: [f"{name}{i + 1}" for i in range(len(case["problem"]["u0"]))] for name in "uva"}
     if missing := [name for name in ("t", *wanted["u"]) if name not in columns]:
         raise ValueError(f"{file.name} has no column {missing[0]}")
@@ -190,7 +192,7 @@ def _checked(case: Mapping[str, Any], part: int, motion: Motion, t: np.ndarray |
     shape = steps + 1, len(case["problem"]["u0"])
     for name, values in motion.items():
         if values is not None and values.shape != shape:
-            raise ValueError(f"{name} has the shape {values.shape}, not {shape}: a row at t = 0 and one a step")
+            raise ValueError(f"{name} has the shape {values.shape}, not {shape}: a row for t = 0 and for each step")
     if t is not None and (wrong := np.flatnonzero(~(abs(t - ends) < np.min(dt) / 100))).size:
         raise ValueError(f"t is {t[wrong[0]]:g} after {wrong[0]} steps, and not {ends[wrong[0]]:g}")
     return motion

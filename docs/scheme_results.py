@@ -35,7 +35,7 @@ _FLOOR = 1e-14
 
 
 def _of(subject: "Subject", dataset: xr.Dataset) -> xr.Dataset | None:
-    """The part of a dataset with a scheme, None if it has none."""
+    """The part of a dataset with a scheme; None if the dataset lacks the scheme."""
     return dataset.sel(scheme=subject.name) if subject.name in dataset.scheme.values else None
 
 
@@ -172,8 +172,8 @@ def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
                 f"on the {title} at {number(1 / part)} steps a period ({_FAILURES[names[int(status[first])]]})"
             )
     if not found:
-        return "At the amplitudes of 1996 no run fails, down to one step a period, though its energy may be wrong."
-    return f"With ever larger steps, runs at the amplitudes of 1996 first fail {listed(found)}."
+        return "At the amplitudes of 1996 no run fails, down to one step a period, though the energy may be wrong."
+    return f"As the steps grow, runs at the amplitudes of 1996 first fail {listed(found)}."
 
 
 def work(subject: "Subject", data: Mapping[str, Any]) -> str:

@@ -75,8 +75,8 @@ def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
                 place[last] = one.model or create_model(last, __config__=_STRICT, **fields)
             except PydanticSchemaGenerationError as error:
                 raise ValueError(
-                    f"{one.module}: the type of an argument of '{one.function.__name__}' is none that a configuration "
-                    f"can hold: {str(error).splitlines()[0]}"
+                    f"{one.module}: the type of an argument of '{one.function.__name__}' is not one that a "
+                    f"configuration can hold: {str(error).splitlines()[0]}"
                 ) from None
     own: Any = (OwnSchemes, [])
     return create_model("configuration", __base__=_nested("sections", tree), own_schemes=own)

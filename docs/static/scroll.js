@@ -1,4 +1,4 @@
-// What scrolls sideways can be reached by the keyboard.
+// Elements that scroll sideways can be reached by the keyboard.
 const reachable = () => {
   for (const box of document.querySelectorAll("pre, .table-wrapper, div.math")) {
     if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;

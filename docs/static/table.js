@@ -1,11 +1,11 @@
-// Tables whose headings sort them, and a form that narrows them down. Without a script the table stands as it is.
+// Tables that their headings sort, and a form that filters their rows. Without JavaScript the whole table is shown.
 for (const table of document.querySelectorAll("table.sortable")) {
   const body = table.tBodies[0], heads = [...table.tHead.rows[0].cells];
   const form = table.closest(".wide").previousElementSibling;
 
   const value = (row, column) => {
     const cell = row.cells[column];
-    // errors sort by their size, whatever their sign
+    // errors are sorted by their absolute value
     return "value" in cell.dataset ? Math.abs(cell.dataset.value.replace("inf", "Infinity")) : cell.textContent;
   };
   const compare = (a, b) => {

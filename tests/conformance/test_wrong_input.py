@@ -27,7 +27,7 @@ def _verdicts(runner, chosen):
         (["nowhere:step"], "'nowhere:step' must name a module and a function in it, such as my_code:step"),
         (["--collect", "nowhere"], "there is no folder 'nowhere'."),
         (["--collect", str(CASES)], "has no table of a case, such as A-LIN-AVG.csv."),
-        (["conformance.tools.newmark:FAMILIES"], "FAMILIES is no function"),
+        (["conformance.tools.newmark:FAMILIES"], "FAMILIES is not a function"),
         (["conformance.tools.newmark:step", "--only", "A", "newmrk"], "no case has the tag 'newmrk'; tags are A, B,"),
         (["conformance.tools.newmark:step", "--skip", "Z"], "no case has the tag 'Z'"),
         (["conformance.tools.newmark:step", "--only", "A", "B"], "no case has all tags of --only and none of --skip."),
@@ -58,7 +58,7 @@ def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence(monk
     causes = {one.name: one.cause for one in outcomes}
     assert causes["A-LIN-WIL"] == "the code raises ZeroDivisionError: division by zero"
     assert causes["A-LIN-HOU"] == "values are not finite from step 0 on"
-    assert causes["A-LIN-AVG"] == "u has the shape (2, 1), not (3, 1): a row at t = 0 and one a step"
+    assert causes["A-LIN-AVG"] == "u has the shape (2, 1), not (3, 1): a row for t = 0 and for each step"
 
 
 @pytest.mark.parametrize(
@@ -67,8 +67,8 @@ def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence(monk
         (None, "the function must return u, v and, if it has it, a"),
         ({"u": 0, "v": 0}, "the function must return u, v and, if it has it, a"),
         ([np.zeros((3, 1))] * 4, "the function must return u, v and, if it has it, a"),
-        ([np.zeros((3, 1)), [["a"]] * 3], "v must be an array of numbers, with a row at t = 0 and one a step"),
-        ([None, np.zeros((3, 1))], "u must be an array of numbers, with a row at t = 0 and one a step"),
+        ([np.zeros((3, 1)), [["a"]] * 3], "v must be an array of numbers, with a row for t = 0 and for each step"),
+        ([None, np.zeros((3, 1))], "u must be an array of numbers, with a row for t = 0 and for each step"),
     ],
 )
 def test_a_function_that_returns_no_motion_fails_with_a_sentence(found, sentence, monkeypatch):
@@ -88,7 +88,7 @@ def test_a_function_may_import_its_neighbours_when_it_runs(tmp_path, monkeypatch
     assert one.verdict == "pass"
 
 
-_TABLE = "out.csv must be a line of names and rows of as many numbers, with commas"
+_TABLE = "out.csv must have a line of names and rows with as many numbers, separated by commas"
 
 
 @pytest.mark.parametrize(
@@ -105,7 +105,7 @@ _TABLE = "out.csv must be a line of names and rows of as many numbers, with comm
         (
             "printf 't, u1\\n0,1\\n1,1\\n' > {out}",
             "fail",
-            "u has the shape (2, 1), not (3, 1): a row at t = 0 and one a step",
+            "u has the shape (2, 1), not (3, 1): a row for t = 0 and for each step",
         ),
         ("printf 't,u1\\n0,1\\n1,1\\n2,1\\n' > {out}", "fail", "t is 1 after 1 steps, and not 0.05"),
         ("printf 't,u1\\n0,1\\n.05,nan\\n.1,1\\n' > {out}", "fail", "values are not finite from step 1 on"),
