@@ -1,13 +1,13 @@
-"""Names and levels that the theme leaves out, without which screen readers announce parts of a page poorly."""
+"""Names and levels for screen readers that the theme omits."""
 
 from pathlib import Path
 
-#: What the theme writes, and what stands in a page instead.
+#: Replacements in the HTML of the theme.
 REPLACED = {
     'class="caption" role="heading"': 'class="caption" role="heading" aria-level="2"',
     '<aside class="sidebar-drawer"': '<aside class="sidebar-drawer" aria-label="pages of the site"',
     '<aside class="toc-drawer': '<aside aria-label="headings of the page" class="toc-drawer',
-    # the page of the search has a heading only once it has found something
+    # the search page has no heading until it shows results
     '<div id="search-results">': '<h1 class="hidden">Search</h1>\n<div id="search-results">',
 }
 

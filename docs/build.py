@@ -1,6 +1,6 @@
 """Build the site: ``python -m docs.build RESULTS OUTPUT [FILE.py:NAME ...]`` writes OUTPUT/index.html and its pages.
 
-Each FILE.py:NAME is a scheme of a user's own, which gets a page as the named ones have.
+Each FILE.py:NAME is a user's own scheme, which also has a page.
 """
 
 import os
@@ -29,7 +29,7 @@ from study.scheme.named import ALIASES
 from study.user_files import load
 
 PROJECT = Path(__file__).parent.parent
-#: Files of the project that pages include.
+#: Files of the project that are included in pages.
 INCLUDED = ("CONTRIBUTING.md", "CHANGELOG.md", "examples/scheme.py")
 
 
@@ -37,7 +37,7 @@ def library_of(results: Path, own: Iterable[str]) -> Library:
     """All named schemes and a user's own, with the datasets."""
     for place in own:
         if place.rpartition(":")[2] in study.schemes:
-            raise SystemExit(f"'{place}' has the name of a scheme of the study; give it another one.")
+            raise SystemExit(f"'{place}' has the name of a scheme of the study; choose another name.")
     read, aliases = reader(results), defaultdict(list)
     for alias, name in ALIASES.items():
         aliases[name].append(alias)
@@ -78,7 +78,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
 
 
 def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
-    """Build the site of some results, in place of an earlier one.
+    """Build the site of some results, and replace an earlier one.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
     results, output = results.absolute(), output.absolute()
     output.parent.mkdir(parents=True, exist_ok=True)
-    # the pipeline removes files of such names that a process left when it was killed
+    # the pipeline removes files with such names, which a killed process leaves
     unfinished = output.with_name(f".{output.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
     try:
         with tempfile.TemporaryDirectory() as folder:
@@ -103,7 +103,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
         for name in PRODUCTS:
             (unfinished / name).parent.mkdir(exist_ok=True)
             shutil.copy(results / name, unfinished / name)
-        explorer = unfinished / "explorer.html"  # which links to the site from the folder above it
+        explorer = unfinished / "explorer.html"  # its links are relative to the folder above the site
         explorer.write_text(explorer.read_text("utf-8").replace('href="site/', 'href="'), "utf-8")
         shutil.rmtree(output, ignore_errors=True)
         unfinished.rename(output)

@@ -1,4 +1,4 @@
-"""The tables of decisions, whole and in short, and the input lines of their schemes, as parts of pages."""
+"""The full and the short table of decisions, and the input lines of their schemes, as parts of pages."""
 
 import re
 from collections.abc import Iterable
@@ -16,7 +16,7 @@ from study.scheme.codes import NameInCode, names_in_codes
 #: The title of a scheme in a cell: before a number of steps, or at the end of a remark.
 _TITLE = re.compile(r"(?:^|[:;] )([^:;\n]+)(?=[:;]|$)", re.MULTILINE)
 
-#: Programs whose schemes the short table compares, by the beginning of their names.
+#: Programs whose schemes the short table compares, by the first part of their names.
 _PROGRAMS = ("OpenSees", "Abaqus", "LS-DYNA")
 _HEAD = ("scheme", "code", "name and parameters", "remark")
 #: Quantities of the short table.
@@ -33,7 +33,7 @@ def _short_cell(cell: str) -> str:
 
 
 def _input_lines(cells: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[NameInCode]:
-    """Names in codes of the schemes in some cells of the table; ``codes`` are beginnings of names of codes."""
+    """Names in codes of the schemes in some cells of the table; ``codes`` are prefixes of names of codes."""
     titles = set(_TITLE.findall("\n".join(cells)))
     named = [one for one in names_in_codes() if one.code.startswith(codes)]
     return [one for one in named if study.schemes[one.scheme].title in titles]

@@ -21,7 +21,7 @@ OF_SCHEMES = (
 )
 #: Numbers of the article, and its table of decisions.
 NUMBERS, DECISION = "numbers.json", "tables/decision.csv"
-#: The declaration of that table, which the table of recommendations makes again of fewer schemes.
+#: Declaration of that table; the table of recommendations evaluates it for fewer schemes.
 (RECOMMENDED,) = (one for one in discover(["tables"]) if one.name == "decision")
 #: All tables of the study, and the table of claims.
 TABLES, LEDGER = tuple(one for one in discover(["tables"]) if one.kind == "table"), "claims"

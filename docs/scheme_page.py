@@ -77,7 +77,7 @@ def _values(subject: Subject) -> str:
 
 
 def stability(theory: Theory) -> str:
-    """Up to which step size a scheme is stable, in a phrase."""
+    """Largest stable step size, in a phrase."""
     if math.isinf(theory.limit):
         return "unconditionally, for linear systems"
     if theory.limit == 0:
@@ -91,12 +91,12 @@ def high_frequencies(theory: Theory) -> str:
     if theory.limit == 0:
         return "unstable"
     if math.isnan(theory.at_infinity):
-        return "unstable, as it is stable up to a step size only"
+        return "unstable, as the scheme is only conditionally stable"
     return f"spectral radius ρ∞ = {number(theory.at_infinity)} at infinite frequency"
 
 
 def overshoot(theory: Theory) -> str:
-    """Growth of the first step, and the largest of 64 steps, in a phrase."""
+    """Growth in the first step, and the largest in 64 steps, in a phrase."""
     if not math.isinf(theory.limit):
         return "bounded by the stability limit"
     (u_from_u, v_from_u), (u_from_v, v_from_v) = np.round(theory.growth).astype(int)
@@ -110,8 +110,8 @@ def overshoot(theory: Theory) -> str:
 
 def forces(scheme: study.Scheme) -> str:
     """Forces that a step evaluates, in a phrase."""
-    counted = [f"{scheme.forces_per_step} a step"] if scheme.forces_per_step else []
-    counted += [] if scheme.explicit else [f"{scheme.forces_per_iteration} a Newton iteration"]
+    counted = [f"{scheme.forces_per_step} per step"] if scheme.forces_per_step else []
+    counted += [] if scheme.explicit else [f"{scheme.forces_per_iteration} per Newton iteration"]
     return " and ".join(counted)
 
 
@@ -122,7 +122,9 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
     damped = "" if scheme.order_with_damping == scheme.order else f", {scheme.order_with_damping} with damping or load"
     measured = f"{number(theory.order)} on the linear oscillator, {number(theory.order_with_damping)} with damping"
     if scheme.order < round(theory.order):
-        measured += "; a motion has the order claimed, as its displacement and velocity err by more than the roots do"
+        measured += (
+            "; a motion has the order claimed, as the errors of displacement and velocity exceed those of the roots"
+        )
     return definitions(
         {
             "names here": ", ".join(f"<code>{name}</code>" for name in [subject.name, *aliases]),
@@ -135,7 +137,7 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
             **({"stable, as printed": printed} if (printed := printed_limit(subject.name)) else {}),
             "high frequencies": high_frequencies(theory),
             "overshoot": overshoot(theory),
-            f"at {STEPS} steps a period": scheme_results.by_the_rule_of_thumb(theory) + ", in linear theory",
+            f"at {STEPS} steps per period": scheme_results.by_the_rule_of_thumb(theory) + ", in linear theory",
             "forces": forces(scheme),
             "memory": f"{theory.memory} vectors of the size of u from step to step",
         }

@@ -1,4 +1,4 @@
-"""The table of all schemes, which a reader sorts and narrows down."""
+"""The table of all schemes, which a reader can sort and filter."""
 
 import html
 import math
@@ -15,12 +15,12 @@ COLUMNS = {
     "scheme": "",
     "family": "",
     "kind": "",
-    "order": "claimed, without damping and load; in brackets with them, where it is another",
+    "order": "claimed, without damping and load; in brackets with them, if different",
     "largest stable ωΔt": "without damping",
     "ρ∞": "spectral radius at infinite frequency",
-    "period, %": f"relative error of the period at {STEPS} steps a period, in linear theory",
-    "amplitude, %": f"loss of amplitude a period at {STEPS} steps a period, in linear theory",
-    "forces": "a step for explicit schemes, a Newton iteration for implicit ones",
+    "period, %": f"relative error of the period at {STEPS} steps per period, in linear theory",
+    "amplitude, %": f"loss of amplitude per period at {STEPS} steps per period, in linear theory",
+    "forces": "per step for explicit schemes, per Newton iteration for implicit ones",
     "memory": "vectors of the size of u from step to step",
     "time, ns": "median of a step on the softening spring at the finest step; a dash where it is not measured",
 }
@@ -94,16 +94,16 @@ def index_page(library: Library) -> str:
     meanings = "\n".join(f"- **{name}**: {meaning}" for name, meaning in COLUMNS.items() if meaning)
     text = f"""# Time integration schemes: order, stability and numerical damping compared
 
-{len(subjects)} schemes for M ü + C u̇ + p(u) = f(t), each with a page of its own. The heading of a column sorts by it;
+{len(subjects)} schemes for M ü + C u̇ + p(u) = f(t), each with its own page. The heading of a column sorts by it;
 ticks keep some schemes side by side.
 
 {table_of(subjects, library)}
 
 {meanings}
 
-Orders are those that schemes claim; their pages give measured ones. Stability, damping and memory follow from the code
+Orders are as claimed; the pages of the schemes give measured ones. Stability, damping and memory follow from the code
 of each scheme by automatic differentiation. Times were measured on the machine that made this site. On a narrow screen
-the table scrolls sideways. The box above it finds schemes by their other names and by those in codes too.
+the table scrolls sideways. The box above it also finds schemes by their other names and by their names in codes.
 {{doc}}`/how_to/choose` compares schemes at equal error.
 
 ```{{toctree}}

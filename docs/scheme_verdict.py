@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 #: Error at which schemes are compared.
 COMPARED = 0.01
-#: Loss of amplitude a period at the rule of thumb above which a scheme is said to damp.
+#: Loss of amplitude per period at the rule of thumb above which a scheme counts as dissipative.
 DAMPS = 0.01
-#: Spectral radius at infinite frequency below which unresolved modes are said to be damped.
+#: Spectral radius at infinite frequency below which unresolved modes count as damped.
 RADIUS = 0.9
 #: Largest ratio of errors at which a scheme counts as better.
 BETTER = 0.9
@@ -46,7 +46,7 @@ def _of_spring(spring: Any, error: float) -> pd.DataFrame:
 
 
 def needs(data: Mapping[str, Any]) -> dict[str, dict[float, pd.DataFrame]]:
-    """Steps in a period and forces in it that keep an error of the displacement, by title of the problem and error.
+    """Steps and forces per period that keep an error of the displacement, by title of the problem and error.
 
     The rows of a table are the schemes that keep the error, with their ``kind``, as in the table of decisions.
     """
@@ -133,7 +133,7 @@ def _good(subject: "Subject", library: "Library") -> Iterator[str]:
 def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
     scheme, theory, data = subject.scheme, subject.theory, library.data
     if theory.limit == 0:
-        yield "motions without damping, which grow at any step"
+        yield "undamped motions, which grow at any step"
     elif math.isfinite(theory.limit):
         yield f"structures with ωΔt above {number(theory.limit, 3)} in any mode, where it is unstable"
     elif theory.at_infinity > 1 - ROUND_OFF:
@@ -141,8 +141,8 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
     if abs(theory.decay_of_rule) > DAMPS and theory.limit > 0:
         how = "falls" if theory.decay_of_rule > 0 else "grows"
         yield (
-            f"long motions with few steps: at {STEPS} a period the amplitude {how} by "
-            f"{percent(abs(theory.decay_of_rule))} a period"
+            f"long motions with few steps: at {STEPS} per period the amplitude {how} by "
+            f"{percent(abs(theory.decay_of_rule))} per period"
         )
     if scheme.order == 1:
         yield "small errors, as its order is 1"
@@ -154,13 +154,13 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
         lost = robust.problem_title.values[np.isnan(needed.values)].tolist()
         if lost:
             yield (
-                f"all amplitudes of the {listed(lost)}: {int(robust.most_steps)} steps a period do not keep the energy "
-                f"within {percent(LEVEL)}"
+                f"all amplitudes of the {listed(lost)}: {int(robust.most_steps)} steps per period do not keep the "
+                f"energy within {percent(LEVEL)}"
             )
     if subject.name in kinks.scheme.values and scheme.order >= 2:
         first = kinks.problem_title.values[kinks.observed_order.sel(scheme=subject.name).values < 1.5].tolist()
         if first:
-            yield f"small errors on the {listed(first)}, where it shows the first order only"
+            yield f"small errors on the {listed(first)}, where its observed order is one"
     if subject.name in structures.scheme.values:
         lost = (structures.status != 0) | ~(structures.max_energy_imbalance <= LEVEL)
         lost = lost.any("steps_per_period")
@@ -179,7 +179,7 @@ def _error(subject: "Subject") -> float:
 
 
 def _dominates(other: "Subject", one: "Subject") -> bool:
-    """Whether a scheme errs less after a period, and is nowhere worse in linear theory, for as few forces."""
+    """Whether a scheme has a smaller error after a period and is no worse in linear theory, for as few forces."""
     a, b, s, t = other.theory, one.theory, other.scheme, one.scheme
     return bool(
         s.explicit == t.explicit
@@ -188,14 +188,14 @@ def _dominates(other: "Subject", one: "Subject") -> bool:
         and s.order_with_damping >= t.order_with_damping
         and a.limit >= b.limit
         and (not math.isinf(b.limit) or a.at_infinity <= b.at_infinity + ROUND_OFF)
-        # a scheme that keeps the amplitude is surpassed only by one that keeps it too
+        # only a scheme that also keeps the amplitude can dominate a scheme that keeps it
         and (abs(b.decay_of_rule) > ROUND_OFF or abs(a.decay_of_rule) <= ROUND_OFF)
         and _error(other) < BETTER * _error(one)
     )
 
 
 def _alternative(subject: "Subject", library: "Library") -> str:
-    """The scheme that is better in linear theory, of those the one with the nearest radius at infinite frequency."""
+    """The scheme that is better in linear theory; among several, the one with the nearest ρ∞."""
     theory, found = subject.theory, []
     for name in library.schemes:
         other = library.subject(name)
@@ -204,14 +204,15 @@ def _alternative(subject: "Subject", library: "Library") -> str:
             found.append((apart, _error(other), name))
     if not found:
         return (
-            f"none in linear theory: every {_kind(subject.scheme)} scheme here that needs as few forces a step errs as "
-            f"much at {STEPS} steps a period, or is worse in order, stability or damping of high frequencies"
+            f"none in linear theory: every {_kind(subject.scheme)} scheme here with as few forces per step has at "
+            f"least as large an error at {STEPS} steps per period, or is worse in order, stability or damping of high "
+            "frequencies"
         )
     best = library.subject(min(found)[2])
     return (
-        f"{_link(best.name, library)}: in linear theory, for as few forces, a motion errs by {percent(_error(best))} "
-        f"instead of {percent(_error(subject))} of its amplitude after a period of {STEPS} steps, and order, stability "
-        "and damping of high frequencies are no worse"
+        f"{_link(best.name, library)}: in linear theory, for as few forces, the error of a motion after a period of "
+        f"{STEPS} steps is {percent(_error(best))} instead of {percent(_error(subject))} of its amplitude. Order, "
+        "stability and damping of high frequencies are no worse"
     )
 
 
@@ -227,7 +228,7 @@ def _not_run(subject: "Subject") -> str:
     )
     if subject.name in study.schemes:
         return f"{missing}; the full study runs all schemes that have names."
-    return f"{missing}; the key `own_schemes` of the configuration takes it into the datasets."
+    return f"{missing}; the key `own_schemes` of the configuration adds it to the datasets."
 
 
 def verdict(subject: "Subject", library: "Library") -> str:
