@@ -1,4 +1,4 @@
-"""Names and levels that the theme leaves out, without which screen readers announce parts of a page poorly."""
+"""Names and levels for screen readers that the theme omits."""
 
 from pathlib import Path
 

@@ -29,7 +29,7 @@ from study.scheme.named import ALIASES
 from study.user_files import load
 
 PROJECT = Path(__file__).parent.parent
-#: Files of the project that pages include.
+#: Files of the project that are included in pages.
 INCLUDED = ("CONTRIBUTING.md", "CHANGELOG.md", "examples/scheme.py")
 
 
@@ -37,7 +37,7 @@ def library_of(results: Path, own: Iterable[str]) -> Library:
     """All named schemes and the user's schemes, with the datasets."""
     for place in own:
         if place.rpartition(":")[2] in study.schemes:
-            raise SystemExit(f"'{place}' has the name of a scheme of the study; give it another one.")
+            raise SystemExit(f"'{place}' has the name of a scheme of the study; choose another name.")
     read, aliases = reader(results), defaultdict(list)
     for alias, name in ALIASES.items():
         aliases[name].append(alias)
@@ -78,7 +78,7 @@ def write_sources(results: Path, folder: Path, own: Iterable[str]) -> None:
 
 
 def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
-    """Build the site of some results, in place of an earlier one.
+    """Build the site of some results, and replace an earlier one.
 
     Raises
     ------

@@ -30,7 +30,7 @@ extensions = [
 ]
 exclude_patterns = ["included/*"]
 nitpicky = True
-# other packages, whose documentation is not looked up when the site is built, and modules that are not public
+# other packages, whose documentation is not available when the site is built, and modules that are not public
 nitpick_ignore_regex = [("py:.*", r"(jax|numpy|scipy|xarray|study\.(?!building|materials|settings)[a-z]\w*)\..*")]
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
@@ -59,7 +59,7 @@ def _docstring(app, what, name, documented, options, lines):
 
 
 def _describe(app, pagename, templatename, context, doctree):
-    """Describe a page without a description by its first paragraph, which searches show."""
+    """Use the first paragraph as the description of a page without one, for search engines."""
     if doctree is not None and 'name="description"' not in context["metatags"]:
         said = next((paragraph.astext() for paragraph in doctree.findall(nodes.paragraph)), "")
         text = html.escape(textwrap.shorten(said, 160, placeholder=" …"))

@@ -1,4 +1,4 @@
-"""Facts on schemes that were looked up elsewhere: names in other codes, and limits of stability in textbooks."""
+"""Facts on schemes from other sources: names in other codes, and limits of stability in textbooks."""
 
 import csv
 import math

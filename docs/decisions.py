@@ -1,4 +1,4 @@
-"""The tables of decisions, whole and in short, and the input lines of their schemes, as parts of pages."""
+"""The full and the short table of decisions, and the input lines of their schemes, as parts of pages."""
 
 import re
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""Curves and maps as SVG elements of a page: text and lines take the colours of the page, light or dark."""
+"""Curves and maps as SVG elements of a page; text and lines have the colours of the page, light or dark."""
 
 import html
 import io
@@ -26,7 +26,7 @@ _SETTINGS: Any = {"font.family": ["DejaVu Sans", "sans-serif"], "font.size": 9, 
 
 
 def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
-    """A figure with one panel, which a page places next to others if it is wide enough.
+    """A figure with one panel; a page that is wide enough shows several side by side.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
         Axes that are logarithmic: "x", "y", "xy" or none.
     """
     with rc_context(_SETTINGS):
-        # margins for every panel; a layout that measures all texts would take most of the time
+        # fixed margins, because a layout that measures all texts would take most of the time
         figure = Figure(figsize=PANEL, facecolor="none")
         figure.set_layout_engine("none")
         axes = figure.add_axes((0.17, 0.18, 0.8, 0.72))
@@ -42,7 +42,7 @@ def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
         for name in logarithmic:
             axes.set(**{f"{name}scale": "log"})
             axis = getattr(axes, f"{name}axis")
-            # typesetting as mathematics takes longer than the rest
+            # mathematical typesetting would take longer than the rest
             axis.set_major_formatter(lambda value, _: "10" + str(round(math.log10(value))).translate(RAISED))
             axis.set_minor_formatter(NullFormatter())
         axes.grid(color=OTHER, linewidth=0.3, alpha=0.6)
@@ -51,7 +51,7 @@ def panel(logarithmic: str = "") -> tuple[Figure, Axes]:
 
 
 def svg(figure: Figure, label: str) -> str:
-    """A figure as an element of a page, the same for the same data.
+    """A figure as an element of a page; equal data give equal elements.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def figure_of(panels: list[str], caption: str) -> str:
 
 
 def lines_legend(lines: list[tuple[str, str]]) -> str:
-    """The lines of curves, by line style, the first of them in colour, as an element of a page."""
+    """A legend of line styles, the first in colour, as an element of a page."""
     styles = {"-": "solid", "--": "dashed", ":": "dotted"}
     colours = ["var(--curve)"] + ["var(--curve-other)"] * (len(lines) - 1)
     items = "\n".join(

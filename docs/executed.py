@@ -1,8 +1,8 @@
 """Pages whose numbers come from the datasets.
 
 The Python of some pages runs when the site is built, and its output follows each block. In any page the role ``eval``
-is the value of an expression in the names that this Python defines, in ``n``, the numbers of the article, and in
-the functions ``listed``, ``number`` and ``percent`` of :mod:`study.words`.
+prints the value of an expression. The expression may use the names that this Python defines, the numbers ``n`` of the
+article, and the functions ``listed``, ``number`` and ``percent`` of :mod:`study.words`.
 """
 
 import contextlib

@@ -1,4 +1,4 @@
-r"""Formulas as MathML, set when the site is built, so that a page loads no script for them.
+r"""Formulas as MathML, converted when the site is built, so that a page needs no script.
 
 Equations of one block are separated by ``\\`` or by an empty line, and aligned at ``&``, as Sphinx does elsewhere.
 """

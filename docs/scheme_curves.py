@@ -40,8 +40,8 @@ def linear_theory(subject: "Subject", library: "Library") -> str:
         axes.set(xlim=horizontal, ylim=vertical, xlabel="step size over period", ylabel=label)
         panels.append(svg(figure, f"{label} of {subject.scheme.title} over the step size"))
     caption = (
-        "Linear theory, from the derivative of a step of the code. Above a spectral radius of one a run grows without "
-        "bound; curves end where the roots become real and nothing oscillates."
+        "Linear theory, from the derivative of a step of the code. A run grows without bound where the spectral radius "
+        "exceeds one. Curves end where the roots become real and nothing oscillates."
         + (" The scheme has no numerical damping." if undamped else "")
     )
     lines = {COMPARED[name]: name for name in COMPARED if name != subject.name and name in library.schemes}

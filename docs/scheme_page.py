@@ -77,7 +77,7 @@ def _values(subject: Subject) -> str:
 
 
 def stability(theory: Theory) -> str:
-    """Up to which step size a scheme is stable, in a phrase."""
+    """Largest stable step size, in a phrase."""
     if math.isinf(theory.limit):
         return "unconditionally, for linear systems"
     if theory.limit == 0:
@@ -91,7 +91,7 @@ def high_frequencies(theory: Theory) -> str:
     if theory.limit == 0:
         return "unstable"
     if math.isnan(theory.at_infinity):
-        return "unstable, as it is stable up to a step size only"
+        return "unstable, as the scheme is only conditionally stable"
     return f"spectral radius ρ∞ = {number(theory.at_infinity)} at infinite frequency"
 
 
@@ -111,8 +111,8 @@ def overshoot(theory: Theory) -> str:
 
 def forces(scheme: study.Scheme) -> str:
     """Forces that a step evaluates, in a phrase."""
-    counted = [f"{scheme.forces_per_step} a step"] if scheme.forces_per_step else []
-    counted += [] if scheme.explicit else [f"{scheme.forces_per_iteration} a Newton iteration"]
+    counted = [f"{scheme.forces_per_step} per step"] if scheme.forces_per_step else []
+    counted += [] if scheme.explicit else [f"{scheme.forces_per_iteration} per Newton iteration"]
     return " and ".join(counted)
 
 
@@ -138,7 +138,7 @@ def _facts(subject: Subject, aliases: list[str]) -> str:
             **({"stable, as printed": printed} if (printed := printed_limit(subject.name)) else {}),
             "high frequencies": high_frequencies(theory),
             "overshoot": overshoot(theory),
-            f"at {STEPS} steps a period": scheme_results.by_the_rule_of_thumb(theory) + ", in linear theory",
+            f"at {STEPS} steps per period": scheme_results.by_the_rule_of_thumb(theory) + ", in linear theory",
             "forces": forces(scheme),
             "memory": f"{theory.memory} vectors of the size of u from step to step",
         }

@@ -75,7 +75,7 @@ def energy(subject: "Subject", data: Mapping[str, Any]) -> str:
     printed = printed_energy_errors()
     known = subject.name in printed.scheme.values
     titles = _titles(data["energy_error"])
-    head = ["steps a period"]
+    head = ["steps per period"]
     for title in titles.values():
         head += [f"{title}, 1996", "here"] if known else [title]
     rows = []
@@ -142,7 +142,7 @@ def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
         ]
         length = int(last.periods)
         parts.append(
-            f"Steps a period that keep the energy within some percent over {length} periods at all amplitudes:"
+            f"Steps per period that keep the energy within some percent over {length} periods at all amplitudes:"
         )
         parts.append(table(["problem", *(f"{100 * level:g} %" for level in last.level.values)], rows))
     return "\n\n".join(parts)
@@ -157,7 +157,7 @@ def _steps(needed: float, robust: xr.Dataset) -> str:
 
 
 def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """From which step size on runs fail at the amplitudes of 1996."""
+    """Smallest step size at which runs fail at the amplitudes of 1996."""
     one = _of(subject, data["large_steps"])
     if one is None:
         return ""
@@ -169,7 +169,7 @@ def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
             first = int(np.argmax(status != 0))
             part = one.dt_over_period.values[first]
             found.append(
-                f"on the {title} at {number(1 / part)} steps a period ({_FAILURES[names[int(status[first])]]})"
+                f"on the {title} at {number(1 / part)} steps per period ({_FAILURES[names[int(status[first])]]})"
             )
     if not found:
         return "At the amplitudes of 1996 no run fails, down to one step a period, though the energy may be wrong."
@@ -200,9 +200,9 @@ def work(subject: "Subject", data: Mapping[str, Any]) -> str:
         rows.append([title, _range(time), _range(forces)])
     caption = (
         f"Largest error of the displacement over {_LONG} periods against the forces evaluated: {subject.scheme.title} "
-        "with points, the other schemes of the dataset as thin lines."
+        "with points, the other schemes of the dataset with thin lines."
     )
-    measured = table(["problem", "time of a step, ns", "forces a step"], rows)
+    measured = table(["problem", "time of a step, ns", "forces per step"], rows)
     return f"{figure_of(panels, caption)}\n\n{measured}\n\nTimes depend on the machine; the dataset holds every repeat."
 
 
@@ -212,7 +212,7 @@ def _range(values: xr.DataArray) -> str:
 
 
 def by_the_rule_of_thumb(theory: Theory) -> str:
-    """Elongation of the period and loss of amplitude in linear theory at 20 steps a period, in a phrase."""
+    """Elongation of the period and loss of amplitude in linear theory at 20 steps per period, in a phrase."""
     elongation, decay = theory.elongation_of_rule, theory.decay_of_rule
     if np.isnan(elongation):
         return "nothing oscillates"
@@ -222,4 +222,4 @@ def by_the_rule_of_thumb(theory: Theory) -> str:
     if abs(decay) < ROUND_OFF:
         return f"the period is {longer}, and the amplitude stays"
     changes = "falls" if decay > 0 else "grows"
-    return f"the period is {longer}, and the amplitude {changes} by {percent(abs(decay))} a period"
+    return f"the period is {longer}, and the amplitude {changes} by {percent(abs(decay))} per period"

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 #: Error at which schemes are compared.
 COMPARED = 0.01
-#: Loss of amplitude a period at the rule of thumb above which a scheme is said to damp.
+#: Loss of amplitude per period at the rule of thumb above which a scheme counts as dissipative.
 DAMPS = 0.01
-#: Spectral radius at infinite frequency below which unresolved modes are said to be damped.
+#: Spectral radius at infinite frequency below which unresolved modes count as damped.
 RADIUS = 0.9
 #: Largest ratio of errors at which a scheme counts as better.
 BETTER = 0.9
@@ -46,7 +46,7 @@ def _of_spring(spring: Any, error: float) -> pd.DataFrame:
 
 
 def needs(data: Mapping[str, Any]) -> dict[str, dict[float, pd.DataFrame]]:
-    """Steps in a period and forces in it that keep an error of the displacement, by title of the problem and error.
+    """Steps and forces per period that keep an error of the displacement, by title of the problem and error.
 
     The rows of a table are the schemes that keep the error, with their ``kind``, as in the table of decisions.
     """
@@ -133,7 +133,7 @@ def _good(subject: "Subject", library: "Library") -> Iterator[str]:
 def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
     scheme, theory, data = subject.scheme, subject.theory, library.data
     if theory.limit == 0:
-        yield "motions without damping, which grow at any step"
+        yield "undamped motions, which grow at any step"
     elif math.isfinite(theory.limit):
         yield f"structures with ωΔt above {number(theory.limit, 3)} in any mode, where it is unstable"
     elif theory.at_infinity > 1 - ROUND_OFF:
@@ -141,8 +141,8 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
     if abs(theory.decay_of_rule) > DAMPS and theory.limit > 0:
         how = "falls" if theory.decay_of_rule > 0 else "grows"
         yield (
-            f"long motions with few steps: at {STEPS} a period the amplitude {how} by "
-            f"{percent(abs(theory.decay_of_rule))} a period"
+            f"long motions with few steps: at {STEPS} per period the amplitude {how} by "
+            f"{percent(abs(theory.decay_of_rule))} per period"
         )
     if scheme.order == 1:
         yield "small errors, as its order is 1"
@@ -154,13 +154,13 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
         lost = robust.problem_title.values[np.isnan(needed.values)].tolist()
         if lost:
             yield (
-                f"all amplitudes of the {listed(lost)}: {int(robust.most_steps)} steps a period do not keep the energy "
-                f"within {percent(LEVEL)}"
+                f"all amplitudes of the {listed(lost)}: {int(robust.most_steps)} steps per period do not keep the "
+                f"energy within {percent(LEVEL)}"
             )
     if subject.name in kinks.scheme.values and scheme.order >= 2:
         first = kinks.problem_title.values[kinks.observed_order.sel(scheme=subject.name).values < 1.5].tolist()
         if first:
-            yield f"small errors on the {listed(first)}, where it shows the first order only"
+            yield f"small errors on the {listed(first)}, where its observed order is one"
     if subject.name in structures.scheme.values:
         lost = (structures.status != 0) | ~(structures.max_energy_imbalance <= LEVEL)
         lost = lost.any("steps_per_period")
@@ -188,7 +188,7 @@ def _dominates(other: "Subject", one: "Subject") -> bool:
         and s.order_with_damping >= t.order_with_damping
         and a.limit >= b.limit
         and (not math.isinf(b.limit) or a.at_infinity <= b.at_infinity + ROUND_OFF)
-        # a scheme that keeps the amplitude is surpassed only by one that keeps it too
+        # only a scheme that also keeps the amplitude can dominate a scheme that keeps it
         and (abs(b.decay_of_rule) > ROUND_OFF or abs(a.decay_of_rule) <= ROUND_OFF)
         and _error(other) < BETTER * _error(one)
     )

@@ -20,8 +20,8 @@ def main(results: Path, folder: Path) -> None:
     Raises
     ------
     SystemExit
-        If a text uses a number, figure or table that the results lack, in which case the message has the line of the
-        text, or one of them is damaged.
+        If a text uses a number, figure or table that the results lack, or if one of them is damaged. The message for a
+        missing one has the line of the text.
     """
     numbers = read(results / "numbers.json")
     for included in (*results.glob("figures/*.pdf"), *results.glob("tables/*.csv")):

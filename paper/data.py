@@ -23,7 +23,7 @@ SOLVERS = {
     "heyoka": "heyoka",
 }
 
-#: Structures that turn, so that their stiff modes are not linear.
+#: Rotating structures, whose stiff modes are non-linear.
 TURNING = ["elastic_pendulum", "spinning_truss"]
 
 
@@ -44,13 +44,13 @@ def families(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
 
 
 def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
-    """The part of a dataset with those of the given schemes that it has; if it has none, its first schemes."""
+    """The part of a dataset with the given schemes that it has, or with its first schemes if it has none of them."""
     there = [name for name in schemes if name in dataset.scheme.values]
     return dataset.sel(scheme=there or dataset.scheme.values[: len(schemes)])
 
 
 def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataArray:
-    """Size of the loss of amplitude per period of the longer runs, NaN where it is not a loss.
+    """Size of the loss of amplitude per period of the longer runs, NaN where the change is not a steady loss.
 
     Schemes that keep the amplitude have a ripple, which depends on where steps fall and does not grow with the length
     of the run. A loss per period is the same, within a factor of two, in runs of both lengths at five neighbouring step
@@ -65,7 +65,7 @@ def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataA
 
 
 def steps_of_period(assessed: xr.Dataset, step: float) -> int:
-    """Steps in a period of an assessed spring, rounded up, of a step in seconds."""
+    """Number of steps of a given size in seconds in a period of an assessed spring, rounded up."""
     return math.ceil(assessed.attrs["duration"] / assessed.attrs["periods"] / step * (1 - 1e-9))
 
 
@@ -80,16 +80,16 @@ def keeps(atlas: xr.Dataset, error: float) -> xr.DataArray:
 
 
 def largest_safe(atlas: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest Δt/T from which on all finer steps of the maps keep energy and period within an error in percent.
+    """Largest Δt/T at and below which all steps of the maps keep energy and period within an error in percent.
 
-    It is zero where already the finest step does not.
+    It is zero if the finest step exceeds the error.
     """
     unbroken = keeps(atlas, error).sortby("dt_over_period").astype(int).cumprod("dt_over_period")
     return (unbroken.dt_over_period * unbroken).max("dt_over_period")
 
 
 def largest_omega_step(rule: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest ω Δt up to which all steps tried keep energy and period within an error; zero if the finest does not."""
+    """Largest ω Δt up to which all steps tried keep energy and period within an error; zero if there is none."""
     kept = (rule.energy_error <= error) & (rule.period_error <= error)
     unbroken = kept.sortby("omega_step").astype(int).cumprod("omega_step")
     return (unbroken.omega_step * unbroken).max("omega_step")

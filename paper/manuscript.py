@@ -1,4 +1,4 @@
-"""The numbers, figures and tables that the texts use, and the facts that they state without them."""
+"""Numbers, figures and tables that the texts use, and requirements of statements without a number."""
 
 import json
 import re
@@ -7,10 +7,10 @@ from pathlib import Path
 from paper.products import Product, enter
 from paper.requirements import as_many
 
-#: Common part of the texts, and the texts; each text becomes a PDF of its name.
+#: Common part of the texts, and the texts; each text becomes a PDF with its name.
 LAYOUT = Path(__file__).parent / "text" / "layout.typ"
 TEXTS = [LAYOUT.with_name(name) for name in ("manuscript.typ", "supplement.typ", "replication.typ")]
-#: Files that they include.
+#: Files that the texts include.
 SHARED = [LAYOUT, *(LAYOUT.with_name(name) for name in ("energy_errors.typ", "metadata.yaml"))]
 
 _COMMENT = re.compile(r"^[ \t]*//.*$", re.MULTILINE)
@@ -53,7 +53,7 @@ def check_uses(text: Path, results: Path) -> None:
 
 
 #: Requirements of statements that the text makes without a number from the datasets.
-_ASKS = {
+_REQUIRES = {
     "large_steps.problems": ["hardening", "softening", "softening_large", "double_well"],
     "sensitivity.problem": "double_well",
     "sensitivity.perturbation": 1e-10,
@@ -63,4 +63,4 @@ _ASKS = {
     "robustness.problems": as_many(3),
 }
 
-enter(Product("text", "manuscript", __name__, uses, {}, "", _ASKS))
+enter(Product("text", "manuscript", __name__, uses, {}, "", _REQUIRES))

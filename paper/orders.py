@@ -3,8 +3,8 @@
 import numpy as np
 import xarray as xr
 
-#: The measures of error whose order is fitted, and after how many periods. Errors act on each other over time (a loss
-#: of amplitude changes the period), so the run is the shortest that has the measure: means over periods need three.
+#: Measures of error whose order is fitted, with the number of periods of the run. Errors affect each other over time (a
+#: loss of amplitude changes the period), so the run is the shortest with the measure. Means over periods need three.
 PERIODS = {
     "max_trajectory_error": 1,
     "rms_trajectory_error": 1,
@@ -14,9 +14,9 @@ PERIODS = {
     "max_energy_error": 1,
     "energy_drift": 1,
 }
-#: Smallest relative error that counts; smaller ones are near the round-off of such a run.
+#: Smallest relative error in a fit; smaller errors are near the round-off of such a run.
 FLOOR = 1e-10
-#: Largest error, other than a delay, that counts; larger ones are saturated.
+#: Largest error in a fit, except of a delay; larger errors are saturated.
 SATURATED = 0.5
 #: Neighbouring octaves of the step size in a fit, the finest above the floor.
 POINTS = 5
@@ -27,8 +27,9 @@ STEADY = 0.2
 def observed_order(error: xr.DataArray) -> float:
     """Slope of log |error| over log Δt at the finest ``POINTS`` neighbouring octaves of the step size above the floor.
 
-    Octaves are counted from the finest step size; steps between them are left out. NaN with fewer points, and where the
-    slope changes within them: two causes of error of different order are then of one size, or of opposite sign.
+    Octaves are counted from the finest step size; steps between them are omitted. The order is NaN if there are fewer
+    points, or if the slope changes within them: two errors of different order are then of similar size or of opposite
+    sign.
 
     An error in percent is taken as a fraction, so that one floor serves all measures.
     """

@@ -1,4 +1,4 @@
-"""The scheme that keeps an error with the fewest forces, its step, and their cell in a table."""
+"""The scheme that keeps an error with the fewest forces, with its step, as a cell of a table."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -17,8 +17,8 @@ ERRORS = (0.1, 0.01, 0.001)
 LEVEL = 0.1
 #: Verdict of a search that ends at the coarsest step.
 COARSEST = "already the coarsest step"
-#: Largest errors of a structure's motion over its size. An unresolved oscillation that is left out costs half of a
-#: velocity and all of an acceleration; a sawtooth costs more.
+#: Largest errors of a structure's motion over its size. Without an unresolved oscillation, half of the velocity and all
+#: of the acceleration are missing; a sawtooth causes larger errors.
 BOUNDS = {"displacement_error": LEVEL, "velocity_error": 0.75, "acceleration_error": 1.25}
 #: Numbers of evaluations of the force up to this multiple of the fewest tie.
 TIED = 1.1
@@ -32,7 +32,7 @@ class Pick(NamedTuple):
     """A scheme with its step, in the form of a cell.
 
     ``step`` and ``forces`` are texts: the step or the number of steps, and the evaluations of the force in a time.
-    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` its limit in linear theory.
+    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` is its stability limit in linear theory.
     ``acceleration_error`` is the error of the acceleration of a structure at the step.
     """
 
@@ -45,7 +45,7 @@ class Pick(NamedTuple):
 
 
 def cell(picks: list[Pick]) -> str:
-    """The first of the schemes that tie, and ``…`` if there are others; a dash of none."""
+    """The first of the schemes that tie, and ``…`` if there are others; a dash if there are none."""
     if not picks:
         return "–"
     one = picks[0]
@@ -60,7 +60,7 @@ def first_of(titles: list[str]) -> str:
 
 
 def tied(forces: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Places of the fewest forces and of those that tie with them, ordered by their errors; NaN does not count."""
+    """Indices of the fewest forces and of all that tie, ordered by their errors; NaN is ignored."""
     places = np.flatnonzero(forces <= TIED * np.fmin.reduce(forces, initial=np.inf))
     return places[np.argsort(error[places], kind="stable")]
 
@@ -71,7 +71,7 @@ def sentence(title: str) -> str:
 
 
 def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataFrame:
-    """Rows of ``study.recommend``, each for the finest step that a scheme needs for a quantity, energy and phase.
+    """Rows of ``study.recommend`` with the finest step that each scheme needs for a quantity, energy and phase.
 
     Schemes that exceed one of the errors at every step have no row. ``steps`` and ``forces`` are numbers of steps and
     evaluations in a period, and ``made`` is the error of the quantity.
@@ -88,7 +88,7 @@ def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataF
 
 
 def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Fewest forces in a period with which each scheme and all its finer steps keep an error, and the step's place.
+    """Fewest forces per period at which a step of each scheme and all finer ones keep an error, and the step's index.
 
     A run does not count if its balance of energies is wrong by more than ``LEVEL``, or if one of its errors exceeds its
     bound in ``BOUNDS``. The number is NaN if no step keeps the error.
@@ -119,7 +119,7 @@ def picks_of(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapp
     steps = runs.steps_per_period.values
     ties = tied(fewest, error.values[np.arange(len(best)), best])
     picks = []
-    # of ties, a step that a finer one confirms comes before the finest step
+    # among ties, a step that a finer step confirms comes before the finest step
     for k in sorted(ties, key=lambda k: best[k] == len(steps) - 1):
         per_period = steps[best[k]]
         step, work = marked(steps, best[k]), f"{fewest[k]:,.0f} forces"

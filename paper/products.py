@@ -45,7 +45,7 @@ class Product:
         The dataset that each argument takes, by its name in the results, or a list of names. A name with a suffix is
         another file of the results.
     caption
-        Sentence for the report of the pipeline; of a table its title.
+        Sentence for the report of the pipeline; the title of a table.
     requires
         Requirements on the configuration.
     """
@@ -60,7 +60,7 @@ class Product:
 
     @property
     def datasets(self) -> list[str]:
-        """The names of all that the product reads."""
+        """Names of all datasets and files that the product reads."""
         return [name for one in self.reads.values() for name in ([one] if isinstance(one, str) else one)]
 
     @property
@@ -88,7 +88,7 @@ def enter(product: Product) -> None:
     Raises
     ------
     ValueError
-        If a product of the kind has the name already.
+        If another product of the same kind has the same name.
     """
     known = PRODUCTS.setdefault((product.kind, product.name), product)
     if known is not product:
@@ -96,7 +96,7 @@ def enter(product: Product) -> None:
 
 
 def reads_of(function: Callable, given: Reads) -> Reads:
-    """The dataset that each argument of a function takes: the one that is given, or the one of the argument's name.
+    """The dataset that each argument of a function takes: the given one, or else the dataset with the argument's name.
 
     Raises
     ------
@@ -206,12 +206,12 @@ def made(product: Product, read: Callable[[str], Any]) -> Any:
 def main(module: str, name: str, results: str, output: str, width: float | None = None) -> None:
     """Make one figure, in all its formats next to ``output``, or one page.
 
-    A figure keeps its own width, or takes another in millimetres.
+    A figure has its own width unless another is given in millimetres.
 
     Raises
     ------
     SystemExit
-        If the module has no such product, or the product no width; the message is one sentence.
+        If the module has no such product, or if a page is given a width; the message is one sentence.
     """
     importlib.import_module(module)
     of_module = [product for product in PRODUCTS.values() if product.module == module and product.name == name]
@@ -223,7 +223,7 @@ def main(module: str, name: str, results: str, output: str, width: float | None 
             raise SystemExit(f"{product.label} has no width.")
         write(made(product, reader(Path(results))), output)
         return
-    # imported by name, so that only figures, whose modules import the style, depend on its source
+    # imported by name, so that only figures depend on the source of the style
     style = importlib.import_module("paper.figures.style")
     picture = made(product, reader(Path(results)))
     if not hasattr(picture, "savefig"):
@@ -232,7 +232,7 @@ def main(module: str, name: str, results: str, output: str, width: float | None 
 
 
 def _width(text: str) -> float:
-    """A width in millimetres between those of a stamp and of a poster."""
+    """A width in millimetres between 20 and 2000."""
     with suppress(ValueError):
         if 20 <= float(text) <= 2000:
             return float(text)

@@ -1,7 +1,7 @@
 """Requirements on the configuration that several products share.
 
 A requirement is a function of the value at a key, as :data:`paper.products.Requirements` takes it. It returns an empty
-text if the value fits, and otherwise what is wrong with it, as a sentence whose subject is the key.
+text if the value fits, and otherwise the rest of a sentence whose subject is the key.
 """
 
 from collections.abc import Callable, Sequence
@@ -26,7 +26,7 @@ def value_at(config: Any, key: str) -> Any:
 
 
 def contained(*keys: str, within: str) -> Requirement:
-    """Require of the whole configuration that everything at some keys is also at another."""
+    """Require of the whole configuration that all entries at some keys are also present at another key."""
 
     def check(config: dict) -> str:
         there = value_at(config, within)
@@ -102,7 +102,7 @@ OF_THE_ASSESSMENTS: dict[str, Any] = {
         ("periods", lambda periods: ""),
     )
 }
-#: The accident of the Runge-Kutta method on the softening spring.
+#: Requirements of the resonance of the Runge-Kutta method on the softening spring.
 OF_THE_DRIFT: dict[str, Any] = {
     "energy_drift.problem": "softening",
     "energy_drift.scheme": "rk4",

@@ -3,14 +3,14 @@
 import numpy as np
 import xarray as xr
 
-#: Error of the displacement, over its size, at which costs are compared, and steps in a period of the damping.
+#: Relative error of the displacement at which costs are compared, and steps per period at which damping is compared.
 ALLOWED, RESOLVED = 0.01, 20
-#: Relative difference of two numbers that are equal.
+#: Largest relative difference of two numbers that count as equal.
 EQUAL = 1e-6
 
 
 def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
-    """Forces that a period takes with the fewest steps from which on all finer ones keep the allowed error."""
+    """Forces per period with the fewest steps at and above which all runs keep the allowed error."""
     fine = runs.sortby("steps_per_period", ascending=False)
     of_step = fine.forces_per_step + fine.forces_per_iteration * fine.iterations_per_step
     kept = (fine[error] <= ALLOWED).astype(int).cumprod("steps_per_period")
@@ -18,18 +18,18 @@ def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
 
 
 def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:
-    """Forces in a period for the allowed error, (problem, scheme), NaN where no step keeps it, of schemes in both."""
+    """Forces per period for the allowed error, over (problem, scheme), for schemes in both; NaN if no step keeps it."""
     common = [name for name in kinks.scheme.values if name in structures.scheme.values]
     parts = [_forces(kinks.sel(scheme=common), "error"), _forces(structures.sel(scheme=common), "displacement_error")]
     return xr.concat(parts, "problem", coords="minimal", compat="override").transpose("problem", "scheme")
 
 
 def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
-    """Numbers to be small, (respect, scheme): costs, then properties of linear theory without damping.
+    """Numbers that should be small, over (respect, scheme): costs, then properties in undamped linear theory.
 
-    They are the spectral radius at infinite frequency, the damping of a resolved oscillation, the inverse of the
-    stability limit, and the largest power of the step with which a long first step grows. A scheme with a stability
-    limit has an infinite radius.
+    These properties are the spectral radius at infinite frequency, the damping of a resolved oscillation, the inverse
+    of the stability limit, and the largest power of ωΔt with which the motion grows in a long first step. A scheme with
+    a stability limit has an infinite radius.
     """
     free = spectral.sel(damping_ratio=0, scheme=costs_at.scheme.values)
     limited = np.isfinite(free.stability_limit)

@@ -12,7 +12,7 @@ from study.io import one_sentence, write
 
 @one_sentence()
 def main(results: Path, output: Path) -> None:
-    """Write the ledger, a line a claim: those of the paper in the order of its sections, then A1, A2, ... of others."""
+    """Write the ledger: the claims of the paper by section, then the other claims with the numbers A1, A2, ..."""
     discover(["claims"])
     read = reader(results)
     rows = []

@@ -49,7 +49,7 @@ def at_step(steps: object) -> str:
 @claim(
     "3",
     "The deviation of the total energy is a convenient measure of the inaccuracy of a solution.",
-    f"runs on both springs whose errors of energy and displacement are both within {REASONABLE:g} %, or both not",
+    f"runs on both springs with both errors, of energy and displacement, up to {REASONABLE:g} % or both above",
     words="can be conveniently measured by the deviation of the total energy from its initial value",
     requires=OVER_BOTH_SPRINGS,
 )
@@ -58,8 +58,8 @@ def energy_measures_inaccuracy(accuracy):
     by_energy, right = runs.max_energy_error <= REASONABLE, 100 * runs.max_trajectory_error <= REASONABLE
     agree = by_energy == right
     wrong, passed = (by_energy & ~right).sum().item(), by_energy.sum().item()
-    unseen = f"of {passed} runs whose energy is within that error, {wrong} have a displacement that is not"
-    reason = when(wrong, f"it does not see the phase: {unseen}")
+    unseen = f"of {passed} runs with an energy error up to that bound, {wrong} have a larger displacement error"
+    reason = when(wrong, f"the energy does not measure the phase: {unseen}")
     return Finding(f"{agree.sum().item()} of {agree.size}", bool(agree.mean() > MOST), reason)
 
 
@@ -69,7 +69,7 @@ claim_period("3.1", "hardening", 2, "The period of this oscillator T is equal to
 @claim(
     "3.1",
     "At T/20 the results vary greatly with the scheme.",
-    "largest over smallest error at T/20, hardening",
+    "ratio of the largest to the smallest error at T/20, hardening",
     words="the results vary greatly with different schemes",
 )
 def results_vary(energy_error):
@@ -92,7 +92,7 @@ def some_are_far_off(energy_error):
 @claim(
     "3.1",
     "The energy error grows with time, in some cases with small oscillations.",
-    "error in the last tenth of the time over that in the first tenth, hardening at T/20",
+    "ratio of the error in the last tenth of the time to the error in the first tenth, hardening at T/20",
     words="is increasing with time, with small oscillations in some cases",
     requires={"phase_portrait.hardening": steps_of_portrait(10)},
     portrait="phase_portrait/hardening",
@@ -121,7 +121,7 @@ def central_difference_is_as_accurate(energy_error):
 @claim(
     "3.1",
     "Newmark with β = 0.3025 and γ = 0.6 is the worst of the seven.",
-    "step sizes at which it is, hardening",
+    "step sizes at which it has the largest error, hardening",
     "7 of 7",
     words="The worst scheme among the seven is obviously the Newmark method",
 )
@@ -134,7 +134,7 @@ def newmark_is_worst(energy_error):
 def claim_printed_error(
     section: str, statement: str, problem: str, steps: int, scheme: str, printed: float, words: str
 ) -> None:
-    """Enter the claim that the error of one run is the printed one, rounded as the tables are."""
+    """Enter the claim that the error of one run equals the printed value when rounded as in the tables."""
 
     def error_of_run(energy_error: xr.Dataset) -> Finding:
         value = errors(energy_error, problem).sel(steps_per_period=steps, scheme=scheme)
@@ -171,7 +171,7 @@ def alpha_helps(energy_error):
 @claim(
     "3.1",
     "At large steps Runge-Kutta is less accurate than average acceleration and central difference.",
-    "step sizes at which it is, hardening",
+    "step sizes at which it is less accurate, hardening",
     "T/15, T/20, T/25",
     words="when the time step is large it is not as accurate as the average acceleration method or the method of "
     "central difference",
@@ -195,8 +195,8 @@ def runge_kutta_converges_fastest(energy_error):
     order = np.log(error.shift() / error).div(np.log(steps / steps.shift()), axis="index").dropna()
     own, others = order["rk4"], order.drop(columns="rk4").max(axis="columns")
     return Finding(
-        f"Runge-Kutta: {number(own.min())} to {number(own.max())}; others: at most {number(others.max())}, by "
-        f"{number((own - others).min())} or more less",
+        f"Runge-Kutta: {number(own.min())} to {number(own.max())}; others: at most {number(others.max())}; "
+        f"smallest difference: {number((own - others).min())}",
         bool((own > others).all()),
     )
 
@@ -225,7 +225,7 @@ def grave_errors_are_damping(accuracy):
 @claim(
     "3.1",
     "Newmark (γ = 0.6) is rapidly damped towards rest.",
-    "periods until half of the energy is lost, and energy that is left after 100 periods, hardening at T/20",
+    "periods until half of the energy is lost, and energy left after 100 periods, hardening at T/20",
     words="is rapidly damped towards the static equilibrium point",
     portrait="phase_portrait/hardening",
 )
@@ -239,8 +239,8 @@ def newmark_goes_to_rest(portrait):
 
 @claim(
     "3.1",
-    "The damping of the α-method is less severe than that of Houbolt's and Wilson's.",
-    "largest ratio of its error to the smaller of theirs over the step sizes, hardening",
+    "The α-method damps less severely than the Houbolt and Wilson methods.",
+    "largest ratio over the step sizes of its error to the smaller error of the two, hardening",
     words="it is not as severe as that of the Houbolt method or the Wilson method",
 )
 def alpha_damps_less(energy_error):

@@ -9,7 +9,7 @@ from study.words import span
 
 AVERAGE = "average_acceleration"
 
-#: Error in tolerances times steps that the tests of OrdinaryDiffEqNewmark report for the linear oscillator.
+#: Range of error / (tolerance × steps) that the tests of OrdinaryDiffEqNewmark report for the linear oscillator.
 OF_SCIML = 0.2, 3.0
 
 
@@ -29,7 +29,7 @@ def control_saves_forces(control_cost):
 
 @claim(
     "adaptive",
-    "Where contact comes and goes, controlled steps pay for methods of higher order.",
+    "With intermittent contact, step control pays off for methods of higher order.",
     "forces with controlled over forces with equal steps, for one percent, on the bouncing mass",
     whose=PRACTICE,
     requires={"control_cost.problems": ["bouncing"], "control_cost.schemes": ["rk4"]},
@@ -38,13 +38,13 @@ def control_pays_at_contact(control_cost):
     higher = control_cost.scheme[control_cost.order > 2]
     ratio = ratio_of_forces(control_cost, ALLOWED).sel(problem="bouncing", scheme=higher)
     pays = bool((ratio < 1 / CLEARLY).all())
-    reason = when(not pays, "a method of higher order needs as many forces or keeps no such error")
+    reason = when(not pays, "a method of higher order needs as many forces or does not reach this error")
     return Finding(listed(by_name(ratio), control_cost, ".2f", "not reached"), pays, reason)
 
 
 @claim(
     "adaptive",
-    "A stiff mode that the accuracy does not need does not make the steps smaller.",
+    "A stiff mode that does not matter for the accuracy does not reduce the controlled steps.",
     "forces with controlled over forces with equal steps, for one percent, average acceleration on stiff and soft "
     "springs",
     whose=PRACTICE,
@@ -62,7 +62,7 @@ def a_stiff_mode_is_ignored(control_cost):
 
 @claim(
     "adaptive",
-    "A general solver with control of its step and order needs fewer forces than average acceleration does.",
+    "A general solver that controls its step and order needs fewer forces than average acceleration.",
     "forces of CVODE's Adams methods over those of average acceleration with equal steps, for one percent",
     whose=PRACTICE,
     requires={"solver_cost.solvers": ["cvode_adams"], "control_cost.schemes": [AVERAGE]},
@@ -78,7 +78,7 @@ def a_general_solver_needs_fewer(control_cost, solver_cost):
 
 @claim(
     "adaptive",
-    "A half-increment residual of a tenth of the force is a tolerance for high accuracy.",
+    "A half-increment residual of a tenth of the force gives high accuracy.",
     "energy error in percent over the run and steps in a period, HHT-α with the controller of Abaqus",
     whose="Hibbitt and Karlsson (1979)",
     requires={"control_of_codes.problems": PROBLEMS},
@@ -93,7 +93,7 @@ def a_tenth_of_the_force_is_accurate(control_of_codes):
 @claim(
     "adaptive",
     "The number of Newton iterations shows how accurate a step is.",
-    "energy error in percent with the controller of OpenSees, of the three numbers of iterations",
+    "energy error in percent with the controller of OpenSees, for the two looser settings of its number of iterations",
     whose="McKenna (1997)",
     requires={"control_of_codes.problems": PROBLEMS},
 )
@@ -105,21 +105,21 @@ def iterations_tell_the_error(control_of_codes):
 
 @claim(
     "adaptive",
-    "If the step is halved, average acceleration shows oscillations that it had not.",
-    "largest energy error with the step halved in the middle over the one with equal steps",
+    "Halving the step during a run excites oscillations of average acceleration.",
+    "ratio of the largest energy error with the step halved in the middle to the error with equal steps",
     whose="MOOSE",
     requires={"control_of_codes.problems": PROBLEMS},
 )
 def a_halved_step_disturbs(control_of_codes):
     largest = control_of_codes.halved_energy_error.max("steps_at_first")
     disturbs = bool((largest > ALMOST).any())
-    reason = when(not disturbs, "the energy error stays as with the larger step")
+    reason = when(not disturbs, "the energy error remains that of the larger step")
     return Finding(listed(by_name(largest), control_of_codes, ".3f"), disturbs, reason)
 
 
 @claim(
     "adaptive",
-    "On the linear oscillator the largest error over tolerance times steps is between 0.2 and 3.",
+    "On the linear oscillator the largest error, over tolerance times number of steps, is between 0.2 and 3.",
     "largest error of displacement or velocity over the tolerance times the number of steps, average acceleration with "
     "the estimator of 1991",
     whose="SciML",
@@ -127,5 +127,5 @@ def a_halved_step_disturbs(control_of_codes):
 def errors_are_tolerances_times_steps(control_of_codes):
     ratio = control_of_codes.error_in_tolerances
     inside = bool(((ratio >= OF_SCIML[0]) & (ratio <= OF_SCIML[1])).all())
-    reason = when(not inside, "another controller takes other steps")
+    reason = when(not inside, "our controller chooses other steps")
     return Finding(span(ratio.values, ".2f"), inside, reason)

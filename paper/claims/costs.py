@@ -1,8 +1,8 @@
 """Claims on the costs of the schemes, in sections 3.1, 3.2 and 5.
 
-One definition holds for all of them. The ratio of two times of a step is taken in each repeat, in which all schemes run
-one after the other. The median over the repeats is stated. A ratio lies above or below a bound only if both quartiles
-do; otherwise the repeats do not decide, and a claim that depends on it is undecided.
+One definition holds for all of them. Each repeat runs all schemes one after the other and gives one ratio of
+their times per step. The ledger states the median over the repeats. A ratio lies above or below a bound only if both
+quartiles do; otherwise the repeats do not decide, and a claim that depends on the ratio is undecided.
 """
 
 import xarray as xr
@@ -12,7 +12,7 @@ from paper.claims.terms import IMPLICIT_NEWMARK, MUCH_LESS, SLIGHTLY_MORE
 from paper.claims.wording import joined, listed, title
 from paper.published import PROBLEMS
 
-_ON_THE_PROCESSOR = "that depends on the processor"
+_ON_THE_PROCESSOR = "this depends on the processor"
 Ratios = dict[str, tuple[float, float, float]]
 
 
@@ -28,9 +28,9 @@ def _to(cpu_time: xr.Dataset, scheme: str, others: list[str], problem: str) -> t
 
 
 def _found(ratios: Ratios, least: float = 0.0, most_of_all: float = float("inf")) -> Finding:
-    """Whether most of the ratios lie between two bounds, with a sentence on those that do not.
+    """Whether most of the ratios lie between two bounds, with a sentence on the exceptions.
 
-    The claim is undecided if it does not hold, but would with the ratios that the repeats leave open.
+    The claim is undecided if it holds only with the ratios that the repeats do not decide.
     """
     cells = {name: least < low and high < most_of_all for name, (low, _, high) in ratios.items()}
     open_ones = [name for name, (low, _, high) in ratios.items() if any(low <= b <= high for b in (least, most_of_all))]
@@ -47,7 +47,7 @@ def _found(ratios: Ratios, least: float = 0.0, most_of_all: float = float("inf")
 @claim(
     "3.1",
     "Central difference costs much less than average acceleration.",
-    f"ratio of the times of a step, hardening, which is to be below {MUCH_LESS:g}",
+    f"ratio of the times per step, hardening; required: below {MUCH_LESS:g}",
     "0.67",
     words="much lower than that for the implicit average acceleration method",
 )
@@ -59,7 +59,7 @@ def central_difference_is_cheap(cpu_time):
 @claim(
     "3.2",
     "The softening spring takes more than twice the time of the hardening one.",
-    "ratio of the times of a step by scheme, most to exceed 2",
+    "ratio of the times per step, by scheme; required: most above 2",
     "2.2 to 3.2",
     words="the present example of softening spring requires more than twice the computational time",
 )
@@ -73,7 +73,7 @@ def softening_costs_twice(cpu_time):
 @claim(
     "5",
     "Central difference is the cheapest scheme.",
-    "its time of a step over the time of the cheapest other scheme",
+    "ratio of its time per step to the time of the cheapest other scheme",
     "0.67, 0.60",
     words="the most efficient method is the central difference method",
 )
@@ -87,7 +87,7 @@ def central_difference_is_cheapest(cpu_time):
 @claim(
     "5",
     "Runge-Kutta costs slightly more than the implicit Newmark methods.",
-    f"its time of a step over the time of the more expensive one, to be between 1 and {SLIGHTLY_MORE:g}",
+    f"ratio of its time per step to that of the more expensive one; required: between 1 and {SLIGHTLY_MORE:g}",
     "1.32, 1.21",
     words="The Runge–Kutta method costs slightly more than the implicit Newmark methods",
 )
@@ -99,7 +99,7 @@ def runge_kutta_costs_more(cpu_time):
 @claim(
     "5",
     "Houbolt, Wilson and the α-method cost more than the implicit Newmark methods.",
-    "their times of a step over the time of the more expensive one, most to exceed 1",
+    "ratios of their times per step to that of the more expensive one; required: most above 1",
     "1.01 to 1.35",
     words="are also more expensive than the implicit Newmark methods",
 )

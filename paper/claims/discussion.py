@@ -19,7 +19,7 @@ from paper.claims.wording import joined, listed, number
 from paper.published import printed_energy_errors
 from paper.requirements import OF_THE_DRIFT, rising
 
-#: The two springs, the softening one from both u₀.
+#: The two springs; the softening spring with both initial displacements.
 _OF_TWO_SPRINGS = ["hardening", "softening", "softening_large"]
 
 
@@ -34,7 +34,7 @@ def runge_kutta_is_best(energy_error, energy_drift):
     at = errors(energy_error, "softening").sel(steps_per_period=20)
     resonance = energy_drift.steps_per_oscillation.sel(steps_per_period=20, method="nearest").item()
     held = abs(resonance - np.round(resonance)) < RESONANT
-    reason = when(held, f"an accident: the orbit is held at {resonance:.2f} steps per oscillation, a resonance")
+    reason = when(held, f"an accident: a resonance holds the orbit at {resonance:.2f} steps per oscillation")
     return Finding(f"{listed(by_name(at), energy_error)} %", at.idxmin("scheme").item() == "rk4", reason)
 
 
@@ -61,7 +61,7 @@ claim_printed_error(
 @claim(
     "4",
     "It is not uncommon that a smaller step gives a less accurate solution of a non-linear system.",
-    f"share of neighbouring step sizes whose smaller one has an error more than {ALMOST:g} times as large, "
+    f"share of pairs of neighbouring step sizes whose smaller step has an error more than {ALMOST:g} times as large, "
     "all schemes and springs from T/100 to T",
     words="Such behaviour of having a less accurate solution with a smaller time step is not uncommon",
     requires={"large_steps.dt_over_period": rising},
@@ -75,14 +75,14 @@ def smaller_may_be_worse(large_steps):
     printed = printed_energy_errors().transpose(..., "steps_per_period").values
     rises = (printed[..., 1:] > ALMOST * printed[..., :-1]).sum()
     cells = printed[..., 1:].size
-    reason = when(rises <= NOT_UNCOMMON * cells, f"in Tables 1 and 2 it happens {rises} time in {cells}")
+    reason = when(rises <= NOT_UNCOMMON * cells, f"in Tables 1 and 2 it happens in {rises} of {cells} pairs")
     return Finding(f"{100 * share:.0f} % of {pairs.sum()}", bool(share > NOT_UNCOMMON), reason)
 
 
 @claim(
     "4",
     "With average acceleration a smaller step may turn a stable solution into an unstable one (Xie and Steven).",
-    f"softening spring from u₀ = 10: a larger step with an error up to {REASONABLE:g} %, a smaller unstable one",
+    f"softening spring from u₀ = 10: a larger step with an error up to {REASONABLE:g} %, an unstable smaller step",
     words="a smaller time step may even change a stable solution to an unstable one",
     requires={
         "large_steps.problems": ["softening_large"],
@@ -105,7 +105,7 @@ def smaller_may_be_unstable(large_steps):
 @claim(
     "4",
     "Five of the schemes are unconditionally stable for linear systems.",
-    "largest spectral radius less one",
+    "largest spectral radius minus one",
     "0",
     words="five are unconditionally stable for linear systems",
     requires={"spectral.damping_ratios": [0.0]},
@@ -121,7 +121,7 @@ def five_are_unconditionally_stable(spectral):
 @claim(
     "4",
     "On non-linear systems unconditional stability is lost.",
-    "which of these five more than double their energy in the second half of a run on the two springs",
+    "schemes of the five that more than double their energy in the second half of a run on the two springs",
     words="such unconditional stability is no longer valid",
     requires={"large_steps.problems": _OF_TWO_SPRINGS},
 )
@@ -133,7 +133,7 @@ def stability_is_lost(large_steps):
         large.scheme.values[which.values].tolist() for which in (gains, overshoots, ~(gains | overshoots))
     )
     reasons = [f"{joined(lose, large_steps)} overshoot and then lose their energy"] * bool(lose)
-    reasons += [f"{joined(none, large_steps)} never double it"] * bool(none)
+    reasons += [f"{joined(none, large_steps)} never double their energy"] * bool(none)
     return Finding(joined(grow, large_steps) if grow else "none", len(grow) > 0, "; ".join(reasons))
 
 
@@ -143,7 +143,7 @@ claim_period("4", "softening_large", 1, "The period of this oscillator is equal 
 @claim(
     "4",
     "The α-method is unstable on the softening spring from u₀ = 10 at T/8.",
-    "largest energy over the initial one, of all schemes",
+    "ratio of the largest to the initial energy, by scheme",
     words="was obtained when Δt = T/8 was used for the α-method",
     portrait="phase_portrait/softening_large",
 )
@@ -155,7 +155,7 @@ def alpha_is_unstable(portrait):
 @claim(
     "4",
     "The α-method has moderate numerical damping.",
-    "1 − spectral radius at T/20: more than average acceleration has, less than any other",
+    "1 − spectral radius at T/20; required: larger than for average acceleration, smaller than for all others",
     words="which has moderate numerical damping",
     requires={"spectral.damping_ratios": [0.0]},
 )

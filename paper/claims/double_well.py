@@ -8,10 +8,10 @@ from paper.claims.terms import APART, AT_REST, DAMPED, EXPLICIT, IRREGULAR, REAS
 from paper.claims.wording import listed, number, title
 from study.words import span
 
-#: The initial height of the energy above rest over the size of the energy, both from S₁ = −0.5, S₂ = −1 and u₀ = 0.5.
+#: Ratio of the initial energy above rest to the magnitude of the energy, for S₁ = −0.5, S₂ = −1 and u₀ = 0.5.
 _HEIGHT = (7 / 128 - 1 / 8) / (-7 / 128)
 
-#: Requirements on the runs from starts next to each other.
+#: Requirements on the runs from neighbouring starts.
 _OF_STARTS = {"sensitivity.problem": "double_well", "sensitivity.perturbation": 1e-10}
 
 claim_period("4", "double_well", 1, "The period of this oscillator is equal to 7·3")
@@ -34,7 +34,7 @@ def step_is_a_third(portrait, reference):
 @claim(
     "4",
     "At this step average acceleration becomes chaotic.",
-    f"steps until two runs that start 10⁻¹⁰ apart are {APART:g} apart, above and below",
+    f"steps until two runs that start 10⁻¹⁰ apart are {APART:g} apart, for a perturbed start above and below",
     words="the solution by the average acceleration method becomes chaotic",
     requires=_OF_STARTS,
 )
@@ -46,7 +46,7 @@ def average_acceleration_is_chaotic(sensitivity):
 @claim(
     "4",
     "Average acceleration jumps irregularly between u = 1 and u = −1.",
-    "changes of the well in 1,000 steps from starts within 10⁻⁹; numbers of steps between them in one run",
+    "changes of the well in 1,000 steps from starts within 10⁻⁹; number of different stays between them in one run",
     words="the numerical results jump irregularly between the system’s two static equilibria",
     portrait="phase_portrait/double_well",
     requires=_OF_STARTS,
@@ -61,8 +61,8 @@ def jumps_between_wells(portrait, sensitivity):
 
 @claim(
     "4",
-    "The double well rests at u = 1 and u = −1.",
-    "largest distance from ±1 of the damped schemes at the end",
+    "The static equilibria of the double well are u = 1 and u = −1.",
+    "largest distance of the damped schemes from ±1 at the end",
     words="two static equilibria u = 1 and u = −1",
     portrait="phase_portrait/double_well",
 )
@@ -75,7 +75,7 @@ def rest_is_at_one(portrait):
 @claim(
     "4",
     "For the two explicit schemes the normal Newton-Raphson method finds no converged solution at this step.",
-    "step at which the run failed, and how",
+    "kind of failure and step at which it occurred",
     words="cannot be obtained with the normal Newton–Raphson method when Δt = 2·5 is used",
     portrait="phase_portrait/double_well",
 )
@@ -85,8 +85,8 @@ def explicit_schemes_fail(portrait):
     ended = {name: meanings[int(portrait.status.sel(scheme=name))] for name in EXPLICIT}
     at_step = by_name(portrait.failed_at_step)
     how = [f"{title(n, portrait)}: {ended[n].replace('_', ' ')} at step {at_step[n]:g}" for n in EXPLICIT]
-    overflow = "not by the Newton-Raphson method, which an explicit step does not use: the displacement overflows"
-    reason = when(set(ended.values()) == {"not_finite"}, f"the solution is lost, but {overflow}")
+    overflow = "because the displacement overflows: an explicit step does not use the Newton-Raphson method"
+    reason = when(set(ended.values()) == {"not_finite"}, f"the solution is lost {overflow}")
     return Finding("; ".join(how), bool((portrait.status != 0).all()), reason)
 
 
@@ -106,8 +106,8 @@ def no_resemblance(portrait):
 
 @claim(
     "4",
-    "High numerical damping is what causes Figure 4 (c) to (f).",
-    "part of the energy above rest that is lost by the end, in percent, by a scheme that never gains any",
+    "High numerical damping causes the results of Figure 4 (c) to (f).",
+    "part of the energy above rest that each scheme loses by the end, in percent; required: no gain of energy",
     words="when large time steps are used the numerical damping in these four schemes is so high",
     portrait="phase_portrait/double_well",
 )
@@ -117,7 +117,7 @@ def damping_is_the_cause(portrait):
     lost = by_name(-damped.isel(t=-1) / _HEIGHT)
     gained = damped.max().item()
     undamped = abs(error.sel(scheme="average_acceleration")).max().item()
-    of_the_step = f"average acceleration, which has no damping, is wrong by up to {undamped:.0f} % of the energy"
+    of_the_step = f"average acceleration, which has no damping, has an energy error of up to {undamped:.0f} %"
     holds = min(lost.values()) > 100 - REASONABLE and gained < REASONABLE
-    reason = when(undamped > REASONABLE, f"the step is to blame as well: {of_the_step}")
+    reason = when(undamped > REASONABLE, f"the step size is a cause as well: {of_the_step}")
     return Finding(listed(lost, portrait, ".0f"), holds, reason)

@@ -39,7 +39,7 @@ def solutions_are_periodic(references):
 @claim(
     "1",
     "The period can be found analytically or by integration with very small steps.",
-    "relative error of the period by CVODE, diffrax and heyoka at the tightest tolerance: the largest of all solvers",
+    "largest relative error of the period by CVODE, diffrax and heyoka, each at its tightest tolerance",
     words="obtained numerically by using time integration with very small time steps",
     requires={"references.problems": list(PERIODS), "agreement.tolerances": [1e-15]},
 )
@@ -51,8 +51,8 @@ def period_by_every_route(reference_agreement):
 @claim(
     "1",
     "Even on a simple unforced oscillator the Newmark method may predict chaos.",
-    "steps until two runs of average acceleration in the double well that start 10⁻¹⁰ apart, above and below, are "
-    f"{APART:g} apart",
+    "steps until two runs of average acceleration in the double well that start 10⁻¹⁰ apart are "
+    f"{APART:g} apart, for a perturbed start above and below",
     words="may lead to chaotic predictions",
     requires={"sensitivity.problem": "double_well"},
 )
@@ -94,16 +94,16 @@ def start_of_houbolt(houbolt_start):
         f"{listed(values, {}, '.3f')} %",
         holds,
         "only Houbolt's own fictitious points, which make the first step the linear acceleration method, give the "
-        "printed digit, rounded twice as the other cells were"
+        "printed digits, if they are rounded twice like the other cells"
         if holds
-        else f"starts that give the printed digit: {joined(matching, {})}",
+        else f"starts that give the printed digits: {joined(matching, {})}",
     )
 
 
 @claim(
     "2.3",
-    "The Houbolt method needs more memory than the other schemes, and a start of its own.",
-    "vectors of the size of u that a step hands to the next; spread of the error at T/20, hardening, over four starts",
+    "The Houbolt method needs more memory than the other schemes, and a starting procedure.",
+    "vectors of the size of u that a step passes to the next; spread of the error at T/20, hardening, over four starts",
     words="Apart from the extra memory needed for storing the displacements at several steps, the Houbolt method "
     "requires an initialization",
     requires={"houbolt_start.problems": ["hardening"], "houbolt_start.steps_per_period": [20]},

@@ -1,4 +1,4 @@
-"""Claims of those who published schemes since 1996, decided by linear theory."""
+"""Claims of the authors of schemes since 1996, decided by linear theory."""
 
 import numpy as np
 
@@ -37,7 +37,7 @@ def less_overshoot(spectral):
     elongation = abs(_undamped(spectral, "period_elongation")).sel(dt_over_period=0.1, method="nearest")
     price = (elongation.sel(scheme="mkr_alpha") / elongation.sel(scheme="kr_alpha")).item()
     found = dict(zip(schemes, overshoot.values.tolist(), strict=True))
-    reason = when(price > ALMOST, "its period is further from the exact one")
+    reason = when(price > ALMOST, "its period error is larger")
     ours = f"{listed(found, {'spectral': spectral}, '.2g')}; {number(price, '.2f')}"
     return Finding(ours, found["mkr_alpha"] < found["kr_alpha"], reason)
 
@@ -52,14 +52,14 @@ def less_overshoot(spectral):
 def stable_with_a_model(spectral):
     limit = _undamped(spectral, "stability_limit").sel(scheme="chen_ricles").item()
     overshoot = _undamped(spectral, "displacement_overshoot").sel(scheme="chen_ricles").max().item()
-    reason = when(overshoot > 1, "at large steps a motion grows to many times its start before it stays bounded")
+    reason = when(overshoot > 1, "at large steps the displacement first grows to many times its initial value")
     return Finding(f"{number(limit)}; {number(overshoot, '.0f')}", np.isinf(limit), reason)
 
 
 @claim(
     "schemes",
     "Chang's method is explicit, unconditionally stable and of second order.",
-    "largest stable ωΔt; order of the principal roots, least over damping",
+    "largest stable ωΔt; order of the principal roots, smallest over damping ratios",
     whose="Chang (2002)",
     requires={"spectral.schemes": ["chang"], "spectral.damping_ratios": [0.0]},
 )
@@ -71,8 +71,8 @@ def second_order_with_a_model(spectral):
 
 @claim(
     "schemes",
-    "ICL is of second order with damping, with one force and no matrix but the mass.",
-    "order of its principal roots, least over damping; largest stable ωΔt without and with damping",
+    "ICL is of second order with damping, with one force and no matrix except the mass matrix.",
+    "order of its principal roots, smallest over damping ratios; largest stable ωΔt without and with damping",
     whose="Li et al. (2021)",
     requires={"spectral.schemes": ["icl"], "spectral.damping_ratios": [0.0]},
 )
@@ -98,8 +98,9 @@ def third_order_with_damping(spectral):
 
 @claim(
     "schemes",
-    "ESDIRK methods of s sub-steps are of order s, unconditionally stable and of controlled dissipation at once.",
-    "order of their principal roots, least over damping; largest stable ωΔt; spectral radius at infinite frequency",
+    "ESDIRK methods of s sub-steps combine order s, unconditional stability and controlled dissipation.",
+    "order of their principal roots, smallest over damping ratios; largest stable ωΔt; spectral radius at infinite "
+    "frequency",
     whose="Li et al. (2023), abstract",
     requires={"spectral.schemes": ["esdirk3", "esdirk4"], "spectral.damping_ratios": [0.0]},
 )
@@ -133,12 +134,12 @@ def order_and_dissipation_of_mixed_pade(later_schemes):
 
 @claim(
     "schemes",
-    "With relaxation Runge-Kutta keeps the energy to round-off.",
-    "largest error of the energy at the steps of the paper, in percent; largest error of the motion after the periods",
+    "With relaxation, Runge-Kutta conserves the energy to round-off.",
+    "largest error of the energy at the steps of the paper, in percent; largest error of the motion at the end",
     whose="Ranocha and Ketcheson (2020), abstract",
 )
 def energy_by_relaxation(relaxation):
     relaxed = relaxation.sel(variant="relaxed")
     energy, motion = float(relaxed.max_energy_error.max()), 100 * float(relaxed.motion_error.max())
-    reason = when(motion > REASONABLE, "at large steps the motion is not right")
+    reason = when(motion > REASONABLE, "at large steps the motion is inaccurate")
     return Finding(f"{number(energy, '.0e')}; {number(motion, '.0f')}", energy < 100 * ROUND_OFF, reason)

@@ -1,4 +1,4 @@
-"""Claims of those who published schemes since 1993, decided by runs and by the growth of a long first step."""
+"""Claims of the authors of schemes since 1993, decided by runs and by the growth in a long first step."""
 
 import numpy as np
 import xarray as xr
@@ -9,7 +9,7 @@ from paper.claims.wording import listed, number
 from paper.tables.order_under_reality import LOST
 
 _REALITY = "order_under_reality.schemes"
-#: Least order found of a scheme of fourth order.
+#: Smallest observed order that counts as fourth order.
 _FOURTH_ORDER = 3.5
 
 
@@ -19,15 +19,15 @@ def _stiffening(later_schemes: xr.Dataset, scheme: str) -> Finding:
         f"ωΔt = {step:g}: {number(float(ratios.sel(omega_step=step)), '.3g')}" for step in ratios.omega_step
     )
     bound, excess = bool(ratios.min() < GREATLY), float(((ratios - 1) * ratios.omega_step**2).median())
-    reason = when(bound, f"the tangent may exceed the model by {number(excess)} M/Δt² only")
+    reason = when(bound, f"the tangent may exceed the stiffness of the model only by {number(excess)} M/Δt²")
     return Finding(ours, not bound, reason)
 
 
 def _claim_of_model(title: str):
     return claim(
         "schemes",
-        f"{title} is unconditionally stable for structures that are not linear too.",
-        "largest tangent, over the stiffness of the model, up to which a step is stable",
+        f"{title} is unconditionally stable for non-linear structures too.",
+        "largest ratio of the tangent to the stiffness of the model at which a step is stable",
         whose=PRACTICE,
     )
 
@@ -48,7 +48,7 @@ def kr_on_stiffening(later_schemes):
 
 
 def _orders(order_under_reality: xr.Dataset, scheme: str, circumstances: list[str], quantities: list[str]) -> float:
-    """The least observed order."""
+    """Smallest observed order."""
     orders = order_under_reality.observed_order
     return float(orders.sel(scheme=scheme, circumstance=circumstances, quantity=quantities).min(skipna=False))
 
@@ -59,7 +59,7 @@ _SMOOTH, _MOTION = ["plain", "damping", "load"], ["displacement", "velocity"]
 @claim(
     "schemes",
     "MKR-α is of second order.",
-    "least order of displacement and velocity, and order of the principal roots",
+    "smallest order of displacement and velocity; order of the principal roots",
     whose="Kolay and Ricles (2019), abstract",
     requires={_REALITY: ["mkr_alpha"], "spectral.schemes": ["mkr_alpha"]},
 )
@@ -73,7 +73,7 @@ def order_of_mkr(order_under_reality, spectral):
 @claim(
     "schemes",
     "The overshoot of MKR-α grows with the same power of the step as that of KR-α.",
-    "largest power of ωΔt with which displacement or velocity of a long first step grow",
+    "largest power of ωΔt with which displacement or velocity grows in a long first step",
     whose=STUDY,
     requires={"spectral.schemes": ["kr_alpha", "mkr_alpha"], "spectral.damping_ratios": [0.0]},
 )
@@ -84,15 +84,15 @@ def same_power_of_overshoot(spectral):
 
 
 def _power(spectral: xr.Dataset, scheme: str) -> float:
-    """The largest power of ωΔt with which a long first step grows without damping."""
+    """Largest power of ωΔt with which displacement or velocity grows in a long first step without damping."""
     free = spectral.sel(damping_ratio=0, scheme=scheme)
     return max(float(free[f"growth_{one}_from_{start}"]) for one in "uv" for start in "uv")
 
 
 @claim(
     "schemes",
-    "OALTS does not overshoot, which the generalized-α method does.",
-    "largest power of ωΔt with which displacement or velocity of a long first step grow",
+    "Unlike the generalized-α method, OALTS does not overshoot.",
+    "largest power of ωΔt with which displacement or velocity grows in a long first step",
     whose=STUDY,
     requires={"spectral.schemes": ["oalts", "generalized_alpha"], "spectral.damping_ratios": [0.0]},
 )
@@ -105,7 +105,7 @@ def no_overshoot_of_two_steps(spectral):
 @claim(
     "schemes",
     "Of the explicit methods with a model of the structure, Chang's does not overshoot.",
-    "largest power of ωΔt with which displacement or velocity of a long first step grow",
+    "largest power of ωΔt with which displacement or velocity grows in a long first step",
     whose=STUDY,
     requires={"spectral.schemes": ["chang", "chen_ricles", "kr_alpha"], "spectral.damping_ratios": [0.0]},
 )
@@ -117,8 +117,8 @@ def overshoot_with_a_model(spectral):
 
 @claim(
     "schemes",
-    "WAT2 is of third order with two forces, with damping and load.",
-    "least order of displacement and velocity; of the acceleration",
+    "WAT2, with two forces per step, is of third order with damping and load.",
+    "smallest order of displacement and velocity; smallest order of the acceleration",
     whose="Wang et al. (2025)",
     requires={_REALITY: ["wat2"]},
 )
@@ -126,14 +126,14 @@ def third_order_in_motion(order_under_reality):
     motion, acceleration = (
         _orders(order_under_reality, "wat2", _SMOOTH, quantities) for quantities in (_MOTION, ["acceleration"])
     )
-    reason = when(acceleration < THIRD_ORDER, "the acceleration that it carries is of second order")
+    reason = when(acceleration < THIRD_ORDER, "the acceleration that a step passes on is of second order")
     return Finding(f"{number(motion)}; {number(acceleration)}", motion > THIRD_ORDER, reason)
 
 
 @claim(
     "schemes",
     "ESDIRK methods do not lose their order in forced vibration.",
-    "least order of the method of fourth order under a load; on a moving support that a stiff spring holds",
+    "smallest order of the fourth-order method under a load; with a moving support on a stiff spring",
     whose="Li et al. (2023), abstract",
     requires={_REALITY: ["esdirk4"]},
 )
@@ -149,7 +149,7 @@ def no_reduction_under_a_load(order_under_reality):
 @claim(
     "schemes",
     "The generalized-α method is of second order.",
-    "least order of displacement and velocity; of the acceleration that it carries",
+    "smallest order of displacement and velocity; smallest order of the acceleration that a step passes on",
     whose="Chung and Hulbert (1993)",
     requires={_REALITY: ["generalized_alpha"]},
 )
@@ -158,14 +158,16 @@ def second_order_of_generalized_alpha(order_under_reality):
         _orders(order_under_reality, "generalized_alpha", _SMOOTH, quantities)
         for quantities in (_MOTION, ["acceleration"])
     )
-    reason = when(acceleration < SECOND_ORDER, "its acceleration, which belongs to a time within the step, is of first")
+    reason = when(
+        acceleration < SECOND_ORDER, "its acceleration, which belongs to a time within the step, is of first order"
+    )
     return Finding(f"{number(motion)}; {number(acceleration)}", motion > SECOND_ORDER, reason)
 
 
 @claim(
     "schemes",
-    "Newton's iteration must end near round-off for a scheme to have its order.",
-    "most of the order of displacement that a scheme loses by iterations that end early",
+    "Newton's iteration must converge to round-off for a scheme to retain its order.",
+    "largest loss of the order of displacement by iterations that end early",
     whose=PRACTICE,
     requires={_REALITY: ["average_acceleration"]},
 )
@@ -173,7 +175,7 @@ def order_with_loose_tolerances(order_under_reality):
     orders = order_under_reality.observed_order.sel(quantity="displacement")
     loose = orders.isel(circumstance=orders.circumstance.str.startswith("tolerance_"))
     loss = (orders.sel(circumstance="plain") - loose).max().item()
-    reason = when(loss < LOST, "the last correction leaves the square of its size")
+    reason = when(loss < LOST, "the remaining error is of the size of the square of the last correction")
     return Finding(number(max(0.0, loss), ".2f"), loss >= LOST, reason)
 
 
@@ -185,14 +187,14 @@ def _slope(error: xr.DataArray, steps: str) -> float:
 @claim(
     "schemes",
     "With a scalar auxiliary variable BDF2 is bounded at every step without iteration.",
-    "largest displacement in a thousand steps, over all steps; error over average acceleration's",
+    "largest displacement in a thousand steps, over all step sizes; ratio of the error to that of average acceleration",
     whose="Shen et al. (2018)",
 )
 def bounded_by_an_auxiliary_variable(later_schemes):
     peak = later_schemes.auxiliary_peak.max(skipna=False).item()
     error = later_schemes.auxiliary_error
     ratio = (error.sel(auxiliary="auxiliary_variable") / error.sel(auxiliary="average_acceleration")).median().item()
-    reason = when(ratio > ALMOST, "at equal steps its motion is farther from the exact one")
+    reason = when(ratio > ALMOST, "at equal steps its error is larger")
     return Finding(f"{number(peak, '.2g')}; {number(ratio)}", peak < GREATLY, reason)
 
 
@@ -208,29 +210,34 @@ def order_with_an_auxiliary_variable(later_schemes):
 
 
 def _uniformity(later_schemes: xr.Dataset, member: str) -> float:
-    """Largest over smallest error / Δt², where the error is the largest over all ωΔt."""
+    """Ratio over step sizes of the largest to the smallest error / Δt²; each error is the largest over all ωΔt."""
     scaled = later_schemes.trigonometric_error.sel(member=member) * later_schemes.steps**2
     return (scaled.max() / scaled.min()).item()
 
 
-_OVER_PHASES = "largest over smallest error/Δt² of steps, where the error is the largest over ωΔt of π/2 to 2π"
+_OVER_PHASES = (
+    "ratio over step sizes of the largest to the smallest error/Δt²; each error is the largest for ωΔt from π/2 to 2π"
+)
 
 
 @claim(
     "schemes",
-    "The error of Gautschi's method is of the size Δt², whatever ωΔt is.",
+    "The error of Gautschi's method is of order Δt² for every ωΔt.",
     _OVER_PHASES,
     whose=PRACTICE,
 )
 def uniform_error_of_gautschi(later_schemes):
     spread = _uniformity(later_schemes, "gautschi")
-    reason = when(spread > SIGNIFICANTLY, "it takes the force at an unfiltered displacement, and some ωΔt err more")
+    reason = when(
+        spread > SIGNIFICANTLY,
+        "it evaluates the force at an unfiltered displacement, and the error is larger at some ωΔt",
+    )
     return Finding(number(spread), spread <= SIGNIFICANTLY, reason)
 
 
 @claim(
     "schemes",
-    "The error of the mollified impulse method is of the size Δt², whatever ωΔt is.",
+    "The error of the mollified impulse method is of order Δt² for every ωΔt.",
     _OVER_PHASES,
     whose="García-Archilla et al. (1998)",
 )
@@ -241,7 +248,7 @@ def uniform_error_of_mollified_impulse(later_schemes):
 
 @claim(
     "schemes",
-    "The impulse method errs more at some ωΔt, which mollifying cures.",
+    "The impulse method has larger errors at some ωΔt, and the mollified impulse method does not.",
     _OVER_PHASES,
     whose="García-Archilla et al. (1998)",
 )
@@ -253,14 +260,14 @@ def resonances_of_impulse(later_schemes):
 @claim(
     "schemes",
     "β₁/β₂-Bathe with β₂ = 2β₁ is better for waves than ρ∞-Bathe.",
-    "error of the velocity along a bar, least over Courant numbers, over the error of ρ∞-Bathe",
+    "ratio to the error of ρ∞-Bathe of the velocity along a bar, each the smallest over Courant numbers",
     whose="Malakiyeh et al. (2019)",
 )
 def better_for_waves(later_schemes):
     least = later_schemes.wave_error.min("courant")
     ratio = (least.sel(wave_scheme="beta_bathe") / least.sel(wave_scheme="rho_bathe")).item()
     better = bool(least.sel(wave_scheme="central_difference") < least.sel(wave_scheme="beta_bathe"))
-    reason = when(better, "central difference errs less at its best step")
+    reason = when(better, "central difference has a smaller error at its best step")
     return Finding(number(ratio, ".2f"), ratio < 1, reason)
 
 
@@ -275,28 +282,28 @@ def better_for_waves_than_central_difference(later_schemes):
     error = later_schemes.wave_error
     ours, other = error.sel(wave_scheme="noh_bathe", courant=1.0), error.sel(wave_scheme="central_difference")
     ratio = (ours / other.sel(courant=0.5)).item()
-    reason = when(other.min() < ours, "at its largest step central difference errs less")
+    reason = when(other.min() < ours, "central difference has a smaller error at its largest step")
     return Finding(number(ratio, ".2f"), ratio < 1, reason)
 
 
 @claim(
     "schemes",
-    "Blanes and Moan's method errs least of its order at equal cost.",
-    "error of other methods of fourth order over its own, at equal forces; least median over numbers of forces",
+    "Blanes and Moan's method has the smallest error of its order at equal cost.",
+    "smallest median ratio, over numbers of forces, of the error of another method of fourth order to its own",
     whose="Blanes and Moan (2002)",
 )
 def least_error_of_fourth_order(later_schemes):
     error, own = later_schemes.fourth_order_error, {"of_fourth_order": "blanes_moan4"}
     ratios = (error / error.sel(own)).drop_sel(own).median("forces")
     ratio, best = ratios.min().item(), "McLachlan's" if ratios.idxmin() == "mclachlan4" else "another"
-    reason = when(ratio < 1, f"{best} method errs less on this oscillator")
+    reason = when(ratio < 1, f"{best} method has a smaller error on this oscillator")
     return Finding(number(ratio, ".2f"), ratio >= 1, reason)
 
 
 @claim(
     "schemes",
     "Relaxation keeps the order.",
-    "order of the motion by the two finest steps, least over springs",
+    "order of the motion from the two finest steps, smallest over springs",
     whose="Ranocha et al. (2020), abstract",
 )
 def order_with_relaxation(relaxation):
@@ -308,7 +315,7 @@ def order_with_relaxation(relaxation):
 @claim(
     "schemes",
     "Relaxation makes the motion more accurate.",
-    "springs and steps with a smaller error, of all; error without over error with, in the median",
+    "cases (spring and step) with a smaller error; median ratio of the error without relaxation to that with it",
     whose="Ranocha and Ketcheson (2020), abstract",
 )
 def motion_with_relaxation(relaxation):

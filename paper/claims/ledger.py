@@ -56,7 +56,7 @@ class Claim:
     whose
         Who makes the claim: ``XIE`` if it is the paper's.
     statement, words
-        The claim in our words, and in a few of the paper's own. Others are not quoted.
+        The claim in our words, and a short quotation. Only claims of the paper have a quotation.
     quantity, printed
         The quantity that decides the claim, and its value in the paper, if it is printed there.
     product
@@ -73,7 +73,7 @@ class Claim:
 
 
 CLAIMS: list[Claim] = []
-#: Who makes a claim: the paper of 1996; its verdicts where it did not compute; common practice; this study.
+#: Sources of claims: the paper of 1996; its verdicts, applied beyond its runs; common practice; this study.
 XIE, XIE_EXTENDED, PRACTICE, STUDY = "Xie", "Xie, extended", "practice", "this study"
 #: Sections with claims that are not in the paper, and the prefix of their numbers in the text.
 OURS = {
@@ -100,13 +100,13 @@ def claim(
 ) -> Callable:
     """Enter the decorated check, a function of datasets, into the ledger.
 
-    The datasets of a claim of the paper are cut to the paper's schemes, and the configuration must have them all; the
-    datasets of our claims are whole.
+    The check of a claim of the paper receives datasets with the paper's schemes only, and the configuration must have
+    all of these schemes. Checks of other claims receive whole datasets.
 
     Parameters
     ----------
     section, statement, quantity, printed, words
-        Attributes of :class:`Claim`. A claim of the paper needs its ``words``, any other has none.
+        Attributes of :class:`Claim`. A claim of the paper needs ``words``; other claims have none.
     whose
         Who makes the claim, if not the paper.
     requires, reads
@@ -139,7 +139,7 @@ def claim(
 
 
 def _of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
-    """A check whose datasets are cut to the paper's schemes if they have all of them, and unchanged otherwise."""
+    """The check on datasets with the paper's schemes only; a dataset without all of them stays unchanged."""
 
     def cut(data: Any) -> Any:
         over_schemes = isinstance(data, xr.Dataset) and "scheme" in data.dims
@@ -160,7 +160,7 @@ def most(cells: Mapping[str, bool]) -> tuple[bool, list[str]]:
 
 
 def when(condition: object, sentence: str) -> str:
-    """A sentence if a condition holds, and no text otherwise."""
+    """The sentence if the condition holds, and an empty text otherwise."""
     return sentence if condition else ""
 
 

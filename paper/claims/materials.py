@@ -13,8 +13,8 @@ from paper.requirements import fourfold
 @claim(
     "materials",
     "Once materials are non-linear, the order of a scheme does not matter.",
-    "least error of average acceleration over Runge-Kutta's at equal steps; of central difference at as many "
-    "forces; order of Runge-Kutta",
+    "smallest ratio of the error of average acceleration to that of Runge-Kutta at equal steps; the same of central "
+    "difference at equal numbers of forces; order of Runge-Kutta",
     whose=PRACTICE,
     requires={
         "kinks.problems": KINKED,
@@ -46,7 +46,7 @@ def balance_is_a_verdict(kinks):
     run = kinks.sel(problem="yielding", scheme="average_acceleration").isel(steps_per_period=0)
     error, imbalance = 100 * float(run.error), 100 * float(run.max_energy_imbalance)
     blind = error > MATTERS and imbalance < UNNOTICED
-    reason = when(blind, "its formulas keep the balance whatever the forces are")
+    reason = when(blind, "its formulas keep the balance for any forces")
     return Finding(f"{number(error, '.2g')}; {number(imbalance, '.0e')}", not blind, reason)
 
 
@@ -61,14 +61,14 @@ def twenty_steps_for_the_peak(spectrum):
     needed = spectrum.step_needed.sel(scheme="average_acceleration")
     steps = (needed.period / needed.sel(tried="all")).max(["record", "reduction"], skipna=False)
     values = {f"{period:g} s": value for period, value in zip(steps.period.values, steps.values, strict=True)}
-    enough = all(value <= RULE for value in values.values())  # none is, where no step was
+    enough = all(value <= RULE for value in values.values())  # false for NaN: no step was enough
     reason = "" if enough else "a step must resolve the record too"
     return Finding(listed(values, spectrum, ".0f", "none of those tried"), enough, reason)
 
 
 @claim(
     "materials",
-    "Under a record, a finer step is a better one.",
+    "Under a record, a finer step gives a smaller error.",
     "runs of average acceleration at long periods whose peak drift is beyond the allowed error, in percent: with the "
     "spacing as step; with finer steps that do not divide it, down to half of it",
     whose=PRACTICE,

@@ -7,15 +7,15 @@ from paper.claims.ledger import PRACTICE, Finding, by_name, claim, when
 from paper.claims.terms import GREATLY, REASONABLE, ROUND_OFF, RULE
 from paper.claims.wording import listed, number
 
-#: The small parameter of van der Pol's oscillator, its fastest time.
+#: Small parameter ε of van der Pol's oscillator, its shortest time scale.
 FASTEST = 1e-6
-#: Error of an orbit that is closed.
+#: Largest error of an orbit that counts as closed.
 CLOSED = 0.01
 
 
 @claim(
     "structures",
-    "Central difference at a step in which a wave crosses an element gives the exact motion of a linear bar.",
+    "Central difference gives the exact motion of a linear bar if a wave crosses one element per step.",
     "least error of the displacement over all steps, and the number of steps",
     whose="Belytschko et al. (2000)",
     requires={
@@ -28,7 +28,7 @@ def exact_on_a_bar(published_numbers):
     error = bar.error.sel(scheme="central_difference")
     steps = bar.steps[error.fillna(np.inf).argmin("refinement")].item()
     holds = float(error.min()) <= ROUND_OFF
-    reason = when(not holds, "none of the steps that were tried is that of an element")
+    reason = when(not holds, "a wave crosses one element in none of the steps that were tried")
     return Finding(f"{number(error.min().item(), '.0g')} at {steps}", holds, reason)
 
 
@@ -43,7 +43,7 @@ def steps_of_orbit(published_numbers: xr.Dataset) -> dict[str, dict[str, float]]
 @claim(
     "adaptive",
     "Step control closes Arenstorf's orbit with far fewer steps.",
-    "fewest equal steps of the Runge-Kutta method that close it within one percent, over fewest controlled ones",
+    "ratio of the fewest equal to the fewest controlled steps of Runge-Kutta that close the orbit within one percent",
     whose="Hairer et al. (1993)",
     requires={
         "published_numbers.coarsest.problem": ["arenstorf"],
@@ -54,11 +54,11 @@ def steps_of_orbit(published_numbers: xr.Dataset) -> dict[str, dict[str, float]]
 def fewer_controlled_steps(published_numbers):
     equal, controlled = (steps["rk4"] for steps in steps_of_orbit(published_numbers).values())
     if np.isnan(controlled):
-        return Finding("none", False, "no tolerance that was tried closes it")
+        return Finding("none", False, "no tolerance that was tried closes the orbit")
     if np.isnan(equal):
-        return Finding("none equal", True, "no number of equal steps that was tried closes it")
+        return Finding("none equal", True, "no number of equal steps that was tried closes the orbit")
     holds = equal / controlled >= GREATLY
-    return Finding(number(equal / controlled, ".0f"), holds, when(not holds, "equal steps are not far behind"))
+    return Finding(number(equal / controlled, ".0f"), holds, when(not holds, "the saving is smaller"))
 
 
 def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:
@@ -71,7 +71,7 @@ def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:
 
 @claim(
     "structures",
-    "The step of an implicit scheme can be far beyond the fastest time of a stiff problem.",
+    "The step of an implicit scheme can far exceed the shortest time scale of a stiff problem.",
     f"largest step with an error up to {REASONABLE:g} % on van der Pol's oscillator, over ε, of implicit schemes",
     whose=PRACTICE,
     requires={
@@ -87,7 +87,7 @@ def beyond_the_fastest_time(published_numbers):
 
 
 def fewest_steps(ueda: xr.Dataset) -> dict[str, float]:
-    """Fewest steps in a period from which on all runs keep the printed exponent, by scheme; NaN for none."""
+    """Fewest steps per period at and above which all runs keep the printed exponent, by scheme; NaN for none."""
     kept = 100 * abs(ueda.exponent / ueda.printed_exponent - 1) <= REASONABLE
     onwards = kept.isel(steps_per_period=slice(None, None, -1)).cumprod("steps_per_period").astype(bool)
     return {name: onwards.steps_per_period.where(onwards.sel(scheme=name)).min().item() for name in ueda.scheme.values}
@@ -95,8 +95,9 @@ def fewest_steps(ueda: xr.Dataset) -> dict[str, float]:
 
 @claim(
     "structures",
-    "Twenty steps in a period of the load keep the chaos of an oscillator.",
-    f"fewest steps from which on the Lyapunov exponent of Ueda's oscillator is the printed one up to {REASONABLE:g} %",
+    "Twenty steps per period of the load preserve the chaos of an oscillator.",
+    "fewest steps at and above which the Lyapunov exponent of Ueda's oscillator is within "
+    f"{REASONABLE:g} % of the printed one",
     whose=PRACTICE,
 )
 def twenty_steps_keep_chaos(ueda):

@@ -10,7 +10,7 @@ from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_199
 @claim(
     "stability",
     "Δt < T/20 is reasonable for average acceleration at every amplitude and over long times.",
-    f"steps a period that keep the energy within {REASONABLE:g} % over the longest runs at all amplitudes, by problem",
+    f"steps per period that keep the energy within {REASONABLE:g} % over the longest runs at all amplitudes",
     whose=XIE_EXTENDED,
     requires={"robustness.schemes": ["average_acceleration"], "robustness.periods": rising},
     robustness="stability/robustness",
@@ -45,7 +45,7 @@ def chaos_of_average_acceleration(bifurcation):
 
 @claim(
     "stability",
-    "Where the effective equation of a step has several roots, Newton's choice among them decides.",
+    "If the effective equation of a step has several roots, the result depends on the start of Newton's iteration.",
     "spread of the displacements that Newton finds from different starts at the step size of the paper, by scheme",
     requires={"stability.roots.problem": "double_well", "stability.roots.paper_dt": 2.5},
     roots="stability/roots",

@@ -10,7 +10,7 @@ from paper.published import PROBLEMS
 
 AVERAGE, GENERALIZED = "average_acceleration", "generalized_alpha"
 
-#: Largest distance from one of the ratio of a true estimate, and the smallest ratio of one that is not blind.
+#: Largest deviation from one of the ratio of estimate to true error, and smallest ratio that detects the error.
 TRUE, BLIND = 0.1, 0.1
 
 
@@ -20,7 +20,7 @@ def _smooth(estimates):
 
 
 def _ratio(estimates, estimator, error="true_error"):
-    """Estimate over true error, each the largest of a period, at the smallest step; over problems and schemes."""
+    """Ratio of the largest estimate to the largest true error of a period, at the smallest step."""
     finest = estimates.sel(estimator=estimator).isel(steps_per_period=-1)
     return finest.estimate / finest[error]
 
@@ -31,7 +31,7 @@ def _asked(estimator, scheme=AVERAGE, problems=PROBLEMS):
 
 @claim(
     "adaptive",
-    "The estimate of Zienkiewicz and Xie is the error of the step.",
+    "The estimate of Zienkiewicz and Xie equals the error of the step.",
     "estimate over the true error of the displacement, and of displacement and velocity, average acceleration",
     whose="Zienkiewicz and Xie (1991)",
     requires=_asked("zienkiewicz_xie"),
@@ -48,8 +48,8 @@ def zienkiewicz_xie_is_true(estimates):
 
 @claim(
     "adaptive",
-    "The estimate of Zienkiewicz and Xie sees the error at every time.",
-    "smallest estimate over the true error along a period, average acceleration",
+    "The estimate of Zienkiewicz and Xie detects the error at every time.",
+    "smallest ratio of the estimate to the true error along a period, average acceleration",
     whose=PRACTICE,
     requires=_asked("zienkiewicz_xie"),
 )
@@ -62,7 +62,7 @@ def zienkiewicz_xie_is_never_blind(estimates):
 
 @claim(
     "adaptive",
-    "An acceleration through three times gives the error of displacement and velocity.",
+    "An acceleration interpolated through three times gives the error of displacement and velocity.",
     "estimate over the true error, average acceleration",
     whose="Zeng et al. (1992)",
     requires=_asked("three_point"),
@@ -89,7 +89,7 @@ def step_doubling_is_true(estimates):
 @claim(
     "adaptive",
     "The residual in the middle of the step measures the error of the step.",
-    "power of the step with which residual over true error falls, average acceleration",
+    "power of the step with which the ratio of residual to true error falls, average acceleration",
     whose="Hibbitt and Karlsson (1979)",
     requires=_asked("half_step_residual"),
 )
@@ -100,13 +100,13 @@ def residual_measures_the_error(estimates):
     first, last = estimates.steps_per_period.values[-2:]
     power = -np.log(ratio.isel(steps_per_period=1) / ratio.isel(steps_per_period=0)) / np.log(last / first)
     holds = bool((abs(power) < TRUE).all())
-    reason = when(not holds, "it is of second order in the step, and the error of third")
+    reason = when(not holds, "the residual is of second order in the step, and the error is of third order")
     return Finding(listed(by_name(power), estimates, ".1f"), holds, reason)
 
 
 @claim(
     "adaptive",
-    "The estimate of Zienkiewicz and Xie is the error of the step on a structure with a stiff mode too.",
+    "The estimate of Zienkiewicz and Xie also equals the error of the step on a structure with a stiff mode.",
     "estimate over the true error of displacement and velocity, average acceleration on stiff and soft springs",
     whose=PRACTICE,
     requires=_asked("zienkiewicz_xie", problems=STIFF),
@@ -120,7 +120,7 @@ def zienkiewicz_xie_is_true_of_a_stiff_mode(estimates):
 
 @claim(
     "adaptive",
-    "An acceleration through three times gives the error after a kink of the load too.",
+    "An acceleration interpolated through three times also gives the error after a kink of the load.",
     "estimate over the true error, average acceleration under a pulse, from the largest to the smallest step",
     whose=PRACTICE,
     requires=_asked("three_point", problems=[PULSE]),
@@ -143,8 +143,8 @@ def _of_control(*controllers, scheme=AVERAGE):
 
 @claim(
     "adaptive",
-    "Controlled steps of average acceleration keep the energy as equal ones do.",
-    "energy error of the last period over the first: controlled by PI; equal",
+    "Controlled steps of average acceleration keep the energy as well as equal steps.",
+    "ratio of the energy error of the last period to that of the first: steps controlled by PI; equal steps",
     whose=PRACTICE,
     requires=_of_control("pi"),
 )
@@ -158,8 +158,8 @@ def control_keeps_the_energy(step_control):
 
 @claim(
     "adaptive",
-    "A dead band, which holds the step for long, avoids the drift.",
-    "energy error of the last period over the first",
+    "A dead band, which keeps the step constant for long, avoids the drift.",
+    "ratio of the energy error of the last period to that of the first",
     whose=PRACTICE,
     requires=_of_control("dead_band"),
 )
@@ -172,7 +172,7 @@ def a_dead_band_avoids_the_drift(step_control):
 @claim(
     "adaptive",
     "Reversible control of a symmetric scheme shows no drift.",
-    "energy error of the last period over the first",
+    "ratio of the energy error of the last period to that of the first",
     whose="Hairer and Söderlind (2005)",
     requires=_of_control("pi"),
 )
@@ -191,15 +191,15 @@ def reversible_control_has_no_drift(step_control):
 def damping_prevents_gain(step_control):
     drift = 100 * step_control.energy_drift.sel(scheme=GENERALIZED, control="pi").max("tolerance")
     kept = bool((drift < REASONABLE).all())
-    reason = when(not kept, "what the changes of the step add exceeds the damping")
+    reason = when(not kept, "changes of the step add more energy than the damping removes")
     return Finding(listed(by_name(drift), step_control, ".3g"), kept, reason)
 
 
 @claim(
     "adaptive",
-    "As many steps, if they are controlled, keep the energy better than equal ones.",
-    "energy error with steps controlled by the estimator of 1991 over that with equal steps, the smallest of all cells "
-    "of Tables 1 and 2, average acceleration",
+    "Controlled steps keep the energy better than the same number of equal steps.",
+    "smallest ratio, over the cells of Tables 1 and 2, of the energy error with steps controlled by the estimator of "
+    "1991 to that with equal steps, average acceleration",
     whose=PRACTICE,
     requires={
         "controlled_1996.problems": PROBLEMS,
@@ -227,15 +227,16 @@ def proportional_to_the_tolerance(step_control):
     power = logs.diff("tolerance").isel(tolerance=0, drop=True) / tolerances.diff("tolerance").item()
     holds = bool((abs(power - 1) < TRUE).all())
     return Finding(
-        listed(by_name(power), step_control, ".2f"), holds, when(not holds, "the error of a step adds over the steps")
+        listed(by_name(power), step_control, ".2f"), holds, when(not holds, "the errors of the steps add up")
     )
 
 
 @claim(
     "adaptive",
-    "A fourth-order scheme that controls its steps reaches an energy error of a tenth with fewer steps than average "
+    "A fourth-order scheme that controls its steps keeps the energy within ten percent with fewer steps than average "
     "acceleration.",
-    "steps in a period, of the tolerances that keep the energy within ten percent: Runge-Kutta; average acceleration",
+    "fewest steps per period over the tolerances that keep the energy within ten percent: Runge-Kutta; average "
+    "acceleration",
     whose=PRACTICE,
     requires={
         "step_control.problems": PROBLEMS,

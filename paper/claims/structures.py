@@ -1,4 +1,4 @@
-"""Claims about structures, which the paper did not compute; most of them are its verdicts applied to them."""
+"""Claims about structures, which the paper did not compute; most claims extend its verdicts to structures."""
 
 import numpy as np
 import xarray as xr
@@ -12,14 +12,14 @@ from paper.requirements import samples_of_history
 
 #: Structures with modes far too fast for the steps.
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
-#: Methods that are algebraically stable, by which Burrage and Butcher show BN-stability.
+#: Algebraically stable methods, which are BN-stable by a theorem of Burrage and Butcher.
 BN_STABLE = ["implicit_midpoint", "gauss4"]
-#: Samples that a history needs after its start: its last half then has three, the fewest that can alternate.
+#: Minimum number of samples of a history after its start. Its last half then has three, the minimum to alternate.
 SAMPLES_OF_SAWTOOTH = 4
 
 
 def kept(runs: xr.Dataset, problems: list[str] | None = None) -> xr.DataArray:
-    """Whether runs, of some problems or all, ended with the balance kept: over problem, scheme, steps_per_period."""
+    """Whether each run of some problems, or of all, completed and kept the balance of energies."""
     if problems is not None:
         runs = runs.sel(problem=[name for name in problems if name in runs.problem.values])
     return (runs.status == 0) & (100 * runs.max_energy_imbalance <= REASONABLE)
@@ -47,9 +47,9 @@ def faithful_on_structures(structures):
     share = _share(kept(structures), SCHEMES)
     best = sorted(share, key=share.__getitem__, reverse=True)[:2]
     holding = [name for name in FAITHFUL if name in best]
-    reason = f"of the two, among the best two of the seven: {joined(holding, structures)}"
+    reason = f"the best two of the seven include {joined(holding, structures)} of these two"
     if "central_difference" not in holding:
-        reason += "; an explicit scheme is of no use where modes are stiffer than the step resolves"
+        reason += "; an explicit scheme fails where the step does not resolve the stiffest mode"
     return Finding(listed(share, structures, ".0f"), len(holding) == 2, "" if len(holding) == 2 else reason)
 
 
@@ -87,14 +87,14 @@ def spurious_oscillation(history):
         listed(parts, history, ".3f"),
         parts["average_acceleration"] > GREATLY * parts["bathe"],
         "the structure itself oscillates as much from rest, at a frequency that no step here resolves; the scheme "
-        "keeps that energy and shows it at the wrong frequency",
+        "preserves that energy at a wrong frequency",
     )
 
 
 @claim(
     "structures",
     "Where stiff modes rotate, the trapezoidal and the midpoint rule fail, and the energy-momentum method does not.",
-    f"runs on such structures that fail or leave the balance of energies by more than {REASONABLE:g} %",
+    f"runs on such structures that fail or violate the balance of energies by more than {REASONABLE:g} %",
     requires={
         "structures.lengths.problem": ["elastic_pendulum"],
         "structures.schemes": ["average_acceleration", "implicit_midpoint", "energy_momentum"],
@@ -112,7 +112,7 @@ def conserving_on_stiff_structures(structures):
 @claim(
     "structures",
     "A BN-stable method is unconditionally stable in the non-linear range.",
-    f"runs of these that fail or leave the balance of energies by more than {REASONABLE:g} %, on rotating structures",
+    f"runs of these that fail or violate the balance of energies by more than {REASONABLE:g} %, on rotating structures",
     whose="Burrage and Butcher (1979)",
     requires={
         "structures.lengths.problem": ["elastic_pendulum"],
@@ -122,14 +122,17 @@ def conserving_on_stiff_structures(structures):
 def stable_by_contraction(structures):
     lost = by_name((~kept(structures, TURNING)).sel(scheme=BN_STABLE).sum(["problem", "steps_per_period"]))
     holds = not any(lost.values())
-    reason = when(not holds, "it bounds the distance of two motions that forces bring together, which these do not")
+    reason = when(
+        not holds,
+        "BN-stability bounds the distance of two motions under contractive forces only, and these are not contractive",
+    )
     return Finding(listed(lost, structures, ".0f"), holds, reason)
 
 
 @claim(
     "structures",
-    "Explicit schemes are of no use where a mode is stiff, however slow the motion.",
-    f"runs on stiff structures that fail or leave the balance of energies by more than {REASONABLE:g} %, in percent",
+    "Explicit schemes are useless on structures with a stiff mode, however slow the motion is.",
+    f"runs on stiff structures that fail or violate the balance of energies by more than {REASONABLE:g} %, in percent",
     whose=PRACTICE,
     requires={
         "structures.lengths.problem": ["stiff_soft", "elastic_pendulum", "fpu_chain"],

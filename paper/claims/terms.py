@@ -34,17 +34,17 @@ MUCH_LESS, SLIGHTLY_MORE = 0.75, 1.5
 MOST = 0.5
 #: Share of cases above which something is "not uncommon".
 NOT_UNCOMMON = 0.05
-#: Distance at which two runs with almost equal starts are "chaotic": they are no longer one motion.
+#: Distance beyond which two runs with almost equal starts are different motions, and the scheme is "chaotic".
 APART = 0.1
 #: Lyapunov exponent per step above which a map is chaotic; a regular map has less than 0.01 after a thousand steps.
 CHAOTIC = 0.05
 #: Number of different stays in a well above which jumps are "irregular".
 IRREGULAR = 5
-#: Largest distance from a whole number of the steps that an oscillation takes "in resonance" with the step.
+#: Largest distance of the steps per oscillation from a whole number for a motion "in resonance" with the step.
 RESONANT = 0.05
 #: Largest range of a displacement "at rest".
 AT_REST = 0.01
-#: Least order found of a scheme that "is of second order", and of one that is of third.
+#: Smallest observed order of a scheme that "is of second order", and of one that "is of third order".
 SECOND_ORDER, THIRD_ORDER = 1.5, 2.5
 #: Largest relative size that counts as zero up to round-off.
 ROUND_OFF = 1e-10

@@ -29,7 +29,7 @@ def title(name: str, data: Mapping[str, xr.Dataset]) -> str:
 
 
 def joined(names: Iterable[str], data: Mapping[str, xr.Dataset]) -> str:
-    """Titles as a list of words, with semicolons if a title has a comma; 'none' of no names."""
+    """Titles as a list of words, with semicolons if a title has a comma; 'none' if there are no names."""
     titles = [title(name, data) for name in names] or ["none"]
     return words.listed(titles, "; " if any("," in one for one in titles) else ", ")
 

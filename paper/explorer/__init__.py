@@ -1,4 +1,4 @@
-"""A page to look at every run of the maps.
+"""A page that shows every run of the maps.
 
-It is one file that a browser opens without a server, and holds all that it shows.
+The page is one file with all its data. A browser opens it without a server.
 """

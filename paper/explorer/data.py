@@ -10,7 +10,7 @@ import xarray as xr
 
 from paper.data import largest_safe
 
-#: Largest number of amplitudes and step sizes of a map on the page: a cell is then some ten pixels wide.
+#: Largest number of amplitudes and step sizes of a map on the page: a cell is then about ten pixels wide.
 CELLS = 64
 #: Selectable allowed errors, in percent.
 ERRORS = (10.0, 1.0, 0.1)
@@ -19,10 +19,10 @@ LOG_CODES = 512
 
 
 def packed(blocks: Mapping[str, np.ndarray]) -> tuple[dict[str, Any], str]:
-    """Arrays as one text, and where each lies in it: offset, type and shape by name.
+    """Arrays as one text, and the place of each array in it: offset, type and shape by name.
 
-    The text is base64 of the compressed bytes, which a browser unpacks by itself. Arrays of wider numbers come first,
-    so that each starts at a multiple of its own width.
+    The text is base64 of the compressed bytes, which browsers can unpack without a library. Arrays of wider numbers
+    come first, so that each starts at a multiple of its own width.
     """
     order = sorted(blocks, key=lambda name: -blocks[name].itemsize)
     offsets = np.cumsum([0, *(blocks[name].nbytes for name in order)]).tolist()

@@ -1,4 +1,4 @@
-"""The page: its data, its style and its scripts in one file that loads nothing."""
+"""The page: its data, its style and its scripts in one file that loads no other file."""
 
 import html
 import json
@@ -70,7 +70,7 @@ def _cases(cases: list[xr.Dataset]) -> list[dict[str, Any]]:
 
 
 def _as_script(value: object) -> str:
-    """JSON that is safe in a page: no text in it can end the script."""
+    """JSON that is safe in a page: no string in it can end the script."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
@@ -82,14 +82,14 @@ def _as_script(value: object) -> str:
     requires={"atlas.problems": PROBLEMS, "atlas.schemes": FIRST["schemes"]},
 )
 def explorer(atlas: xr.Dataset, cases: list[xr.Dataset]) -> str:
-    """The page with all that it needs, the same text for the same data.
+    """The page with all its parts; equal data give equal text.
 
     Parameters
     ----------
     atlas
         Maps of stability.
     cases
-        The paper's own runs, which the maps mark.
+        Runs of the paper, which the maps mark.
     """
     atlas = atlas.sel(problem=PROBLEMS)
     maps = coarse(atlas)

@@ -15,14 +15,14 @@ MEASURES = {
     "max_energy_error": "energy (%)",
 }
 PROBLEMS = ("hardening", "softening")
-#: Periods of the runs, and of shorter ones that show whether a loss of amplitude is steady.
+#: Periods of the runs, and of shorter runs that show whether a loss of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 
 
 @figure(
     "Errors of the seven schemes of Xie (1996) over 100 periods against the step size, one row per spring. The "
-    "slope of a curve is the order of its error. Errors that the reference does not resolve are left out, and "
-    "changes of amplitude that do not grow with the length of the run.",
+    "slope of a curve is the order of its error. Errors that the reference does not resolve, and "
+    "changes of amplitude that do not grow with the length of the run, are omitted.",
     requires={
         "accuracy.schemes": SCHEMES,
         "accuracy.problems": list(PROBLEMS),

@@ -16,7 +16,7 @@ TALLEST = 19.0
 
 
 def _others(schemes: list[str]) -> str:
-    return "has none but those of the paper; a figure shows the others" if set(schemes) <= set(SCHEMES) else ""
+    return "has only schemes of the paper; this figure shows the others" if set(schemes) <= set(SCHEMES) else ""
 
 
 @figure(
@@ -36,7 +36,7 @@ def draw(atlas: xr.Dataset, spectral: xr.Dataset) -> Figure:
     blocks = min(number, COLUMNS)
     rows = -(-number // blocks)
     figure = empty(PAGE, min(1.8 * rows + 3.4, TALLEST))
-    # a narrow column parts the blocks
+    # a narrow column separates the blocks
     widths = ([1.0] * len(problems) + [0.12]) * blocks
     grid = figure.add_gridspec(rows, len(widths) - 1, width_ratios=widths[:-1])
     for index, scheme in enumerate(atlas.scheme.values):

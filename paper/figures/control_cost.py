@@ -8,14 +8,14 @@ from paper.figures.style import PAGE, curve_styles_in_order, legend_below, lette
 from paper.numbers.step_control import ALLOWED
 from paper.products import figure
 
-#: Schemes that the figure shows, a solver, and most panels.
+#: Schemes and solver in the figure, and maximum number of panels.
 SHOWN, SOLVER, MOST = ["average_acceleration", "generalized_alpha", "rk4", "dormand_prince6"], "cvode_adams", 8
 COLUMNS = 4
 
 
 @figure(
     "Error of the displacement against evaluations of the force. Solid: equal steps. Dashed: steps controlled by PI. "
-    "Grey: CVODE's Adams methods. A step that is finer than another may have a larger error.",
+    "Grey: CVODE's Adams methods. A finer step may have a larger error.",
     requires={"control_cost.schemes": SHOWN[:1]},
 )
 def draw(control_cost: xr.Dataset, solver_cost: xr.Dataset) -> Figure:

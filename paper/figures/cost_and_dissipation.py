@@ -9,14 +9,14 @@ from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.respects import costs
 
-#: Places on the axis of ρ∞ of the schemes with the lowest and the highest stability limit, and most panels in a row.
+#: Abscissae of the schemes with the lowest and the highest stability limit, and maximum number of panels in a row.
 LIMITED, MOST = (1.3, 1.8), 5
 
 
 @figure(
     "Forces in a period for one percent of the displacement, against the spectral radius at infinite frequency. "
     "Schemes with a stability limit are to the right of the line, in the order of that limit. Bars at the top: no step "
-    "that was tried is enough.",
+    "that was tried reaches this error.",
 )
 def draw(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> Figure:
     """One panel per problem, one marker per scheme."""

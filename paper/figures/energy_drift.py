@@ -14,9 +14,9 @@ _CURVE = {"color": "#0072B2", "linewidth": 0.6, "marker": ".", "markersize": 2.5
 
 
 @figure(
-    "Energy error of the Runge-Kutta method on the softening spring over the step size, for the two neighbouring "
-    "numbers of Table 2 of Xie (1996); the coarser step has the smaller error. Where the steps of an "
-    "oscillation stay at a whole number over a range of step sizes, a resonance holds the orbit.",
+    "Energy error of the Runge-Kutta method on the softening spring over the step size. Circles: two neighbouring "
+    "entries of Table 2 of Xie (1996), of which the coarser step has the smaller error. A resonance holds the orbit "
+    "where the steps per oscillation stay at a whole number over a range of step sizes.",
     drift="energy_drift",
     requires=OF_THE_DRIFT,
 )

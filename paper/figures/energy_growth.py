@@ -1,4 +1,4 @@
-"""Energy error on turning structures whose stiff modes the step does not resolve."""
+"""Energy error on rotating structures whose stiff modes the step does not resolve."""
 
 import numpy as np
 import xarray as xr
@@ -14,8 +14,8 @@ FLOOR = 1e-13
 
 
 @figure(
-    "Energy error along time of structures that turn, at steps in their time scale at which stiff modes are "
-    "not resolved. A cross marks the end of a run that fails; errors below 10⁻¹³ % are drawn there.",
+    "Energy error against time of rotating structures, at steps that do not resolve their stiff modes. A cross marks "
+    "the end of a run that fails. Errors below 10⁻¹³ % are drawn at that value.",
     histories=["structure_history/stiff_bar", "structure_history/stiff_truss"],
     requires={
         "structure_history.stiff_bar.problem": one_of(TURNING),

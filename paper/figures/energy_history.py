@@ -1,4 +1,4 @@
-"""Energy error of the schemes against time, which the paper describes and does not show."""
+"""Energy error of the schemes against time, which the paper describes but does not show."""
 
 import numpy as np
 import xarray as xr
@@ -18,7 +18,7 @@ def _envelope(error: xr.DataArray, steps: int) -> xr.DataArray:
 
 
 @figure(
-    "Energy error along time in the runs of Figures 1 and 2 of Xie (1996), the largest in each stretch of 20 steps.",
+    "Largest energy error in each stretch of 20 steps against time, in the runs of Figures 1 and 2 of Xie (1996).",
     portraits=["phase_portrait/hardening", "phase_portrait/softening"],
     requires={
         "phase_portrait.hardening": steps_of_portrait(STRETCH),

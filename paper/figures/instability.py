@@ -10,9 +10,9 @@ SCHEME = "hht_alpha_1996"
 
 
 @figure(
-    "Figure 3 of Xie (1996): the α-method on the softening spring from the displacement 10 at eight steps a "
-    "period. (a) Displacement, the band is the exact amplitude; (b) the same run in the phase plane, the exact "
-    "orbit filled; (c) energy of all schemes.",
+    "Figure 3 of Xie (1996): the α-method on the softening spring from the displacement 10 at eight steps per "
+    "period. (a) Displacement; the band is the range of the exact motion. (b) The same run in the phase plane; the "
+    "exact orbit is filled. (c) Energy of all schemes.",
     portrait="phase_portrait/softening_large",
     reference="reference/softening_large",
     requires={"phase_portrait.softening_large.schemes": [SCHEME]},

@@ -25,11 +25,11 @@ COLUMNS = 5
 
 
 @figure(
-    "Error of the displacement against the step on a smooth spring, and where forces yield, remember, touch or "
-    "follow a record. Grey lines fall with the first and the second power of the step.",
+    "Error of the displacement against the step on a smooth spring, with yielding, memory and contact, and "
+    "under a record. Grey lines are proportional to the first and to the second power of the step.",
 )
 def draw(kinks: xr.Dataset) -> Figure:
-    """One panel per problem; grey lines fall with the first and the second power of the step."""
+    """One panel per problem; grey lines are proportional to the first and to the second power of the step."""
     kinks = of_kinds(kinks, SHOWN)
     number = kinks.sizes["problem"]
     columns = min(number, COLUMNS)

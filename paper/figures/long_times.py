@@ -24,8 +24,8 @@ def _guide(ax: Axes, round_off: xr.DataArray, offset: float, law: tuple[float, s
 
 @figure(
     "Errors of energy and phase over long times. Above, in double precision: the error (filled markers) and its "
-    "part of round-off (open). Below, round-off in single precision: plain sums (filled) and compensated ones at "
-    "a step size of few digits (open). Grey lines have the slopes of a random walk and of a drift.",
+    "round-off part (open). Below, round-off in single precision: plain sums (filled) and compensated sums "
+    "with a step size of few digits (open). Grey lines have the slopes of a random walk and of a drift.",
 )
 def draw(long_times: xr.Dataset) -> Figure:
     """Errors and round-off in double precision (above), and round-off in single precision (below)."""

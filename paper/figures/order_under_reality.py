@@ -1,4 +1,4 @@
-"""Order of schemes under the circumstances of real problems, a cell for each."""
+"""Order of schemes under the circumstances of real problems, one cell for each."""
 
 import numpy as np
 import xarray as xr
@@ -9,12 +9,12 @@ from paper.data import families
 from paper.figures.style import PAGE, letter, panels
 from paper.products import figure
 
-#: Loss of order that is drawn darkest, and the one from which on text is white.
+#: Loss of order with the darkest shade, and loss above which the text is white.
 DARKEST, WHITE = 2.5, 1.3
 
 
 def _draw(axes: Axes, orders: xr.Dataset) -> None:
-    """The orders of one quantity: the darker, the more of the order of the scheme is lost."""
+    """Draw the orders of one quantity; a darker cell marks a larger loss of order."""
     loss = (orders.order - orders.observed_order).transpose("scheme", "circumstance").values
     status = np.array(orders.status.flag_meanings.split())[orders.status.transpose("scheme", "circumstance").values]
     shade = np.where(status == "failed", DARKEST, np.where(np.isnan(loss), 0.0, loss))
@@ -35,8 +35,8 @@ def _draw(axes: Axes, orders: xr.Dataset) -> None:
 
 
 @figure(
-    "Observed order of displacement, velocity and acceleration under the circumstances of real problems. The darker a "
-    "cell, the more of the order that the scheme has is lost. Cross: no convergence, or an error of the size of the "
+    "Observed order of displacement, velocity and acceleration under the circumstances of real problems. A darker "
+    "cell marks a larger loss of the order of the scheme. Cross: no convergence, or an error of the size of the "
     "motion; circle: round-off; empty: the circumstance does not apply.",
     orders="order_under_reality",
 )

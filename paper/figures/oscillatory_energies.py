@@ -18,8 +18,8 @@ def total(history: xr.Dataset) -> xr.DataArray:
 
 
 @figure(
-    "Oscillatory energies of the stiff springs of the Fermi-Pasta-Ulam chain. (a) and so on: their exchange and "
-    "their sum, markers where the reference is known; last panel: the sum over long times.",
+    "Oscillatory energies of the stiff springs of the Fermi-Pasta-Ulam chain. Upper panels: their exchange and "
+    "their sum; markers: the reference. Last panel: the sum over long times.",
     exchange="structure_history/energy_exchange",
     long_times="structure_history/long_times",
     requires={

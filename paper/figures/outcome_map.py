@@ -31,7 +31,7 @@ class RunOf1996(NamedTuple):
         return self.dt / nearest.period.item(), self.u0 / nearest.u0.item() * nearest.amplitude.item()
 
 
-#: Figure 3 of the paper is the softening spring at its large amplitude, Figure 4 the double well.
+#: Runs of Figure 3 (softening spring at its large amplitude) and of Figure 4 (double well) of the paper.
 PAPER_CASES = (
     RunOf1996("Figure 3 of 1996", "softening", 10.0, 0.225, None, "v"),
     RunOf1996("Figure 4 of 1996", "double_well", 0.5, 2.5, None, "o"),
@@ -47,7 +47,7 @@ LIMIT: dict[str, Any] = {
 }
 
 
-#: Options of an image of outcomes. A mesh would be rasterized on the whole page for each panel and fill the memory.
+#: Options of an image of outcomes. A mesh would be rasterized on the whole page for each panel and exhaust the memory.
 IMAGE: dict[str, Any] = {
     "cmap": ListedColormap([colour for _, colour in OUTCOME_STYLES.values()]),
     "vmin": -0.5,
@@ -76,7 +76,7 @@ def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
         Ω up to which the scheme is stable on the linear oscillator.
     """
     ax.set(xscale="log", yscale="log", xlim=_edges(one.dt_over_period), ylim=_edges(one.amplitude))
-    # in the coordinates of the panel, as cells have different sizes in those of the data
+    # in panel coordinates, because cells have different sizes in data coordinates
     ax.imshow(one.outcome, extent=(0, 1, 0, 1), transform=ax.transAxes, **IMAGE)
     if np.isfinite(limit):
         ax.plot(limit / (one.highest_frequency * one.period), one.amplitude, **LIMIT)

@@ -18,7 +18,7 @@ _PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 1}
 
 
 def _order(portrait: xr.Dataset) -> list[str]:
-    """The order of the paper's panels; the explicit schemes, without a panel for the double well, come last there."""
+    """Schemes in the paper's order; on the double well the explicit ones, which have no panel there, come last."""
     if portrait.problem != "double_well":
         return portrait.scheme.values.tolist()
     return portrait.scheme.sortby("explicit").values.tolist()
@@ -71,7 +71,7 @@ def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
         ax, run = used[index], portrait.sel(scheme=scheme)
         time = {"c": periods, "cmap": _TIME, "vmin": 0, "vmax": periods[-1]}
         points = ax.scatter(run.u, run.v, s=3.5, linewidths=0, rasterized=True, **time)
-        # over the points, which would hide it where a scheme is accurate
+        # over the points, which would hide the exact orbit where a scheme is accurate
         ax.plot(reference.u, reference.v, color="#D55E00", linestyle="-", linewidth=0.5)
         letter(ax, index, run.scheme_title.item())
         if run.status != 0:

@@ -1,4 +1,4 @@
-"""Rounding of the numbers of 1996: our value less the printed one, for all 98 cells."""
+"""Rounding of the numbers of 1996: our value minus the printed one, for all 98 cells."""
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ from paper.requirements import OF_THE_TABLES
 
 
 @figure(
-    "Computed energy errors less those printed in Tables 1 and 2 of Xie (1996), for all cells. Points in the grey "
+    "Computed energy errors minus those printed in Tables 1 and 2 of Xie (1996), for all cells. Points in the grey "
     "band round to the printed digit. Printed errors of 0.0 are drawn at 0.05.",
     requires=OF_THE_TABLES,
 )
@@ -29,7 +29,7 @@ def draw(energy_error: xr.Dataset) -> Figure:
             look = {key: look[key] for key in ("color", "marker")}
             ax.plot(np.maximum(x, 0.05), y, linestyle="none", label=one.scheme_title.item(), markersize=3.5, **look)
         ax.axhspan(-0.05, 0.05, color="0.88", zorder=0)
-        ax.set(xscale="log", ylabel="computed less printed\n(percentage points)")
+        ax.set(xscale="log", ylabel="computed minus printed\n(percentage points)")
         letter(ax, index, f"step sizes from the {used} periods")
     axes[0, 0].set_ylim(-0.11, 0.11)
     axes[1, 0].set_yscale("symlog", linthresh=0.1)

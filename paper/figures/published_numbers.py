@@ -19,9 +19,9 @@ SHOWN = [
     "dormand_prince6",
 ]
 COLUMNS = 5
-#: Errors beyond this say no more than that the motion is another one.
+#: Largest error drawn; at larger ones the motion is lost.
 BEYOND = 3.0
-#: Error that is drawn in place of a smaller one, which has no logarithm if it is zero.
+#: Smallest error drawn; smaller ones, which may be zero, are drawn at this value.
 SMALLEST = 1e-16
 
 
@@ -49,9 +49,9 @@ def _exponents(ax: Axes, ueda: xr.Dataset, styles: dict) -> None:
 
 
 @figure(
-    "Error of the displacement against the number of steps at displacements that sources print or that are exact, and "
+    "Error of the displacement against the number of steps, relative to published or exact displacements, and "
     "the largest Lyapunov exponent of Ueda's oscillator; grey: as printed. A point is missing where a run failed or "
-    "its error exceeds 3; an error of zero stands at 1e-16.",
+    "its error exceeds 3; an error of zero is drawn at 1e-16.",
 )
 def draw(published_numbers: xr.Dataset, ueda: xr.Dataset) -> Figure:
     """One panel per problem, the last one for the exponent."""

@@ -13,7 +13,7 @@ from paper.requirements import as_many
 
 #: Colours of the tolerances of Newton's iteration.
 COLOURS = ("#56B4E9", "#0072B2", "#000000")
-#: Shades of the displacement found, without the lightest, which is near the white of no root.
+#: Shades of the displacement found, without the lightest, which resembles the white of a missing root.
 SHADES = ListedColormap(plt.get_cmap("cividis")(np.linspace(0, 0.85, 256)))
 #: Place of the legends of the outer panels.
 BELOW = {"loc": "upper left", "bbox_to_anchor": (0, -0.22)}

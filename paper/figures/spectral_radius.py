@@ -11,8 +11,8 @@ FROM = 0.02
 
 
 @figure(
-    "Spectral radius of every scheme on the undamped linear oscillator, by family. A scheme is unstable where it "
-    "exceeds one, and removes modes that the step does not resolve where it is small.",
+    "Spectral radius of every scheme on the undamped linear oscillator, by family. A scheme is unstable where the "
+    "radius exceeds one. Where the radius is small, it removes modes that the step does not resolve.",
     requires={"spectral.damping_ratios": [0.0]},
 )
 def draw(spectral: xr.Dataset) -> Figure:

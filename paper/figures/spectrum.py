@@ -16,10 +16,10 @@ TRIED = {"commensurate": "commensurate steps", "all": "all steps"}
 
 
 @figure(
-    "Largest step that keeps the error of the peak drift under all records, elastic and yielding, by the period of the "
-    "oscillator, among the steps that are commensurate with the spacing of the records and among all; and the share of "
-    "runs at long periods that exceed the error, at commensurate steps (markers) and others (lines). Grey: a fiftieth "
-    "of the period and the spacing.",
+    "Largest step that keeps the error of the peak drift under all records, elastic and yielding, against the period "
+    "of the oscillator: (a) among steps that are commensurate with the spacing of the records, (b) among all steps. "
+    "(c) Share of runs at long periods that exceed the error, at commensurate steps (markers) and at others (lines). "
+    "Grey: a fiftieth of the period, and the spacing.",
 )
 def draw(spectrum: xr.Dataset) -> Figure:
     """Sufficient steps by period, among commensurate steps and among all; share of runs beyond the error by step."""

@@ -17,8 +17,8 @@ LEAST = 3e-3
 @figure(
     "Controlled steps of average acceleration on the hardening spring. (a) Estimate of the error of a step over the "
     "true one, along a period; thin: its closed form on a linear oscillator. (b) Largest energy error of each period, "
-    "of about as many steps controlled in three ways and of equal size. (c) Distance from the start after the last "
-    "period against the number of steps.",
+    "with steps controlled in three ways and with about as many equal steps. (c) Distance from the start after the "
+    "last period against the number of steps.",
     requires={
         "estimates.problems": [PROBLEM],
         "estimates.schemes": [SCHEME],

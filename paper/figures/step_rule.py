@@ -12,9 +12,9 @@ ERROR = 0.01
 
 
 @figure(
-    f"Largest step that keeps energy and period within {100 * ERROR:g} %, as all finer ones that were tried do: its "
-    "product with the highest frequency of the tangent along the motion, against the steps per period. Each point is "
-    "an amplitude.",
+    f"Largest step at and below which all tried steps keep energy and period within {100 * ERROR:g} %. Its product "
+    "with the highest frequency of the tangent along the motion is drawn against the steps per period, one point per "
+    "amplitude.",
     rule="stability/step_rule",
 )
 def draw(rule: xr.Dataset) -> Figure:

@@ -9,7 +9,7 @@ from paper.products import figure
 
 @figure(
     "Velocity of a mass on a stiff spring whose oscillation no step resolves, at the steps of each scheme, over "
-    "the exact one (grey) at those instants that the reference holds.",
+    "the exact one (grey) at the instants of the reference.",
     history="structure_history/stiff_soft",
     requires={"structure_history.stiff_soft.problem": "stiff_soft"},
 )

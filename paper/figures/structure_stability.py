@@ -13,8 +13,8 @@ COLUMNS = 5
 
 
 @figure(
-    "Lyapunov exponents of the schemes on structures over the step size: positive where runs that start together "
-    "separate, whether the structure is chaotic or only the scheme.",
+    "Lyapunov exponents of the schemes on structures over the step size. A positive exponent means "
+    "that neighbouring runs separate, because the structure is chaotic or only the scheme is.",
     structures="stability/structures",
     requires={"stability.structures.excitations": [1]},
 )

@@ -68,7 +68,7 @@ _STYLE_NUMBERS = {
 def curve_styles(schemes: xr.DataArray) -> dict[str, dict[str, Any]]:
     """One style (colour, line style, marker) for each scheme of a dataset, the same in every figure.
 
-    It follows from the family of a scheme and its place among all schemes of the family.
+    The style follows from the family of a scheme and its place among all schemes of the family.
     """
     of = zip(*(schemes[name].values.tolist() for name in ("scheme", "family", "place_in_family")), strict=True)
     return {name: _curve_style(_number(family, place)) for name, family, place in of}
@@ -150,7 +150,7 @@ def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, 
     Returns
     -------
     figure, columns
-        The figure; the part of the dataset with each family, and its panels from the top with the place of its legend.
+        The figure; for each family its part of the dataset, and its panels from the top and the place of its legend.
     """
     parts = families(dataset)
     entries = [[wrapped(title, ENTRY) for title in part.scheme_title.values] for part in parts.values()]
@@ -172,7 +172,7 @@ def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, 
 
 
 def legend_in(place: Axes, axes: Axes) -> None:
-    """A legend of the curves of a panel, an entry a line, in the place that is kept for it."""
+    """Draw a legend of the curves of a panel, one entry per line, in the place reserved for it."""
     handles, titles = axes.get_legend_handles_labels()
     titles = [wrapped(title, ENTRY) for title in titles]
     legend = place.legend(
@@ -182,9 +182,9 @@ def legend_in(place: Axes, axes: Axes) -> None:
 
 
 def save(figure: Figure, output: Path) -> None:
-    """Save a figure as PDF, PNG and SVG next to ``output``, the same bytes for the same data."""
-    # one layout for all three files, as it takes as long as drawing; for the same reason each canvas prints directly,
-    # where figure.savefig would draw twice
+    """Save a figure as PDF, PNG and SVG next to ``output``, with equal bytes for equal data."""
+    # The layout takes as long as drawing, so that all three files share it. Each canvas prints directly, because
+    # figure.savefig would draw twice.
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")

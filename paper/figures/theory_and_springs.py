@@ -13,7 +13,7 @@ from paper.requirements import contained
 STEPS, PERIODS = 64, 3
 MEASURES = {"period_elongation": "period elongation", "amplitude_decay": "loss of amplitude per period"}
 PROBLEMS = {"hardening": ("s", "#0072B2"), "softening": ("^", "#D55E00")}
-#: Smaller values are drawn at this edge.
+#: Left edge of the axes, at which smaller values are drawn.
 LEAST = 1e-10
 
 
@@ -29,7 +29,7 @@ def _points(ax, values, rows, label, **look) -> None:
 
 @figure(
     f"Size of the period elongation and of the loss of amplitude at {STEPS} steps per period by linear theory and "
-    f"in runs of {PERIODS} periods. Open markers are negative; smaller sizes are drawn at the left edge.",
+    f"in runs of {PERIODS} periods. Open markers: negative values. Smaller sizes are drawn at the left edge.",
     requires={
         "": contained("accuracy.schemes", within="spectral.schemes"),
         "spectral.damping_ratios": [0.0],

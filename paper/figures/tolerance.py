@@ -12,8 +12,8 @@ _TITLES = {"softening_large": "softening,\nlarge amplitude"}
 
 
 @figure(
-    "True error of the displacement over the longest runs of general solvers against the prescribed tolerance "
-    "for. Above the grey line the error is larger than the tolerance.",
+    "True error of the displacement over the longest runs of general solvers against the prescribed "
+    "tolerance. Above the grey line the error is larger than the tolerance.",
     agreement="reference_agreement",
 )
 def draw(agreement: xr.Dataset) -> Figure:

@@ -8,7 +8,7 @@ from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.published import SCHEMES
 
-#: Periods of the runs, and of shorter ones that show whether a loss of amplitude is steady.
+#: Periods of the runs, and of shorter runs that show whether a loss of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 MEASURES = {
     "max_trajectory_error": "displacement",
@@ -18,7 +18,7 @@ MEASURES = {
 }
 #: Smallest error drawn; below it round-off of a hundred periods dominates.
 FLOOR = 1e-14
-_ASKS = {
+_REQUIRES = {
     "work_precision.schemes.schemes": SCHEMES,
     "work_precision.solvers.periods": [PERIODS],
     "accuracy.periods": [SHORTER, PERIODS],
@@ -57,7 +57,7 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
 @figure(
     "Errors of the schemes of 1996 over 100 periods against the time of the run. Grey: heyoka at its tolerances.",
     data="work_precision",
-    requires=_ASKS,
+    requires=_REQUIRES,
 )
 def over_time(data: xr.Dataset) -> Figure:
     """Errors over the time of a run; heyoka, a general solver, in grey."""
@@ -65,11 +65,11 @@ def over_time(data: xr.Dataset) -> Figure:
 
 
 @figure(
-    "Errors of the schemes of 1996 over 100 periods against the forces evaluated; each Newton iteration takes one.",
+    "Errors of the schemes of 1996 over 100 periods against the number of force evaluations, one per Newton iteration.",
     name="force_evaluations",
     data="work_precision",
-    requires=_ASKS,
+    requires=_REQUIRES,
 )
 def over_forces(data: xr.Dataset) -> Figure:
-    """Errors over the forces evaluated, where a force is expensive: each Newton iteration takes one."""
+    """Errors over the number of force evaluations, which sets the cost of expensive forces."""
     return _draw(data, "force_evaluations", "forces evaluated")

@@ -24,7 +24,7 @@ def converted(path: Path) -> str:
     """The LaTeX source of a text with its layout, numbers and tables in the same folder."""
     letter = ["-Vheader-includes=\\newcommand{\\letter}{S}"] if path.stem == "supplement" else []
     source = pypandoc.convert_file(str(path), "latex", format="typst", extra_args=[*_OPTIONS, *letter])
-    # LaTeX prints the heading of the abstract itself, and has no accents for the letter before them
+    # LaTeX prints the heading of the abstract itself, and does not support combining accents
     for text, latex in {"\\textbf{Abstract.} ": "", "u\u0307": "\\(\\dot u\\)", "u\u0308": "\\(\\ddot u\\)"}.items():
         source = source.replace(text, latex)
     return source

@@ -19,7 +19,7 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
     Raises
     ------
     ValueError
-        If two functions give a number of one name.
+        If two functions give a number with the same name.
     """
     owner: dict[str, str] = {}
     texts: dict[str, str | bool | None] = {}
@@ -34,7 +34,7 @@ def gathered(products: Iterable[Product], read: Callable[[str], Any]) -> dict[st
 
 
 def commits(products: Iterable[Product], read: Callable[[str], Any]) -> str | None:
-    """The commits of all datasets that the numbers are read from, with a mark if sources had changed since."""
+    """Commits of all datasets that the numbers are read from, with a mark for uncommitted changes."""
     reads = [one for product in products for one in product.reads.values()]
     names = {name for one in reads for name in ([one] if isinstance(one, str) else one)}
     described = {read(name).attrs.get("commit", "unknown") for name in names if not Path(name).suffix} - {"unknown"}

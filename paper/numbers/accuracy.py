@@ -22,7 +22,7 @@ _SOLVERS = ["cvode_adams", "cvode_bdf", "dopri8", "tsit5", "heyoka"]
 def of_agreement(agreement: xr.Dataset) -> dict:
     """True errors of general solvers at a tolerance."""
     error = agreement.u_error.sel(periods=100, problem="hardening")
-    # by a mapping: xarray has an argument of that name
+    # a mapping, because `sel` has an argument with the name `tolerance`
     at_nine = error.sel({"tolerance": 1e-9}, method="nearest")
     at_periods = agreement.u_error_at_periods.sel(periods=100, problem="hardening")
     at_tolerance = at_nine.sel(route=_SOLVERS)
@@ -93,7 +93,7 @@ def of_promises(spectral: xr.Dataset, accuracy: xr.Dataset) -> dict:
 
 
 def _meaning(runs: xr.Dataset, name: str) -> int:
-    """The status of that name."""
+    """Value of the named status."""
     return runs.status.flag_meanings.split().index(name)
 
 

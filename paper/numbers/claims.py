@@ -1,4 +1,4 @@
-"""Numbers of the text: claims of each part of the ledger by their verdicts."""
+"""Numbers of the text: counts of claims by verdict, for each part of the ledger."""
 
 import pandas as pd
 
@@ -15,7 +15,7 @@ JUDGED = [
 
 @numbers(claims="claims.csv")
 def of_claims(claims: pd.DataFrame) -> dict:
-    """Claims of the paper, and of each section that is not in it."""
+    """Counts of claims of the paper, and of each additional section."""
     ours = claims["section"].isin(list(OURS))
     parts = {"claims": claims[~ours]} | {prefix: claims[claims["section"] == name] for name, prefix in OURS.items()}
     counts: dict = {}

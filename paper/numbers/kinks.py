@@ -7,24 +7,24 @@ from paper.products import numbers
 from paper.requirements import fourfold
 from study.words import span
 
-#: Problems with a history, and those with any kink but contact.
+#: Problems with a history, and problems with any kink except contact.
 REMEMBER = ["yielding", "hysteretic"]
 KINKED = [*REMEMBER, "shaken"]
 #: Order below which a method of fourth order has lost its order, and ratio of errors above which it is still better.
 LOST, GAINED = 3.0, 1.5
-#: Percent of the energy below which its balance is kept.
+#: Error of the balance, in percent of the energy, below which the balance counts as kept.
 KEPT = 0.01
 #: Steps in a period that resolve the motion.
 RESOLVED = 64
 
 
 def _orders(kinks: xr.Dataset, problem: str, *schemes: str) -> str:
-    """Observed orders as whole numbers, from the smallest to the largest: at kinks errors fall in stairs."""
+    """Range of observed orders, as whole numbers because errors at kinks decrease irregularly."""
     return span(kinks.observed_order.sel(problem=problem, scheme=list(schemes)), ".0f")
 
 
 def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
-    """Error of central difference over the Runge-Kutta method's, whose step takes four forces, over its steps."""
+    """Ratio of the error of central difference with four times as many steps to that of Runge-Kutta, over its steps."""
     four_times = 4 * kinks.steps_per_period
     steps = kinks.steps_per_period[four_times.isin(kinks.steps_per_period)]
     central = kinks.error.sel(scheme="central_difference", steps_per_period=(4 * steps).values)

@@ -8,7 +8,7 @@ from paper.products import numbers
 from paper.tables.order_under_reality import LOST
 from study.words import printed, span
 
-#: Circumstances with kinks of the force, and those in which all is smooth.
+#: Circumstances with kinks of the force, and smooth circumstances.
 KINKED, SMOOTH = ["hysteresis", "contact"], ["plain", "damping", "load"]
 #: Largest observed orders that count as one and as two.
 ONE, TWO = 1.6, 2.5

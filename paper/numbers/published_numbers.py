@@ -20,7 +20,7 @@ _NEEDED = ["arenstorf", "van_der_pol", "loaded_bar"]
     }
 )
 def of_published_numbers(published_numbers: xr.Dataset, ueda: xr.Dataset) -> dict:
-    """What the known displacements and the exponent cost."""
+    """Steps that the known displacements and the exponent need."""
     orbit = steps_of_orbit(published_numbers)
     bar = published_numbers.sel(problem="loaded_bar", scheme="central_difference")
     stiff = np.array(list(largest_step(published_numbers).values()))

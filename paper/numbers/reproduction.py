@@ -53,8 +53,8 @@ def of_cells(energy_error: xr.Dataset) -> dict:
 def _caught(drift: xr.Dataset) -> np.ndarray:
     """Whole number of steps per oscillation that holds each run, zero otherwise.
 
-    A run is held if an oscillation takes that number at the end to one part in a thousand, and it has lost less than
-    half of the energy that the runs at neighbouring step sizes have lost.
+    A run is held if its final steps per oscillation equal that number to one part in a thousand, and if it has lost
+    less than half of the energy that runs at neighbouring step sizes have lost.
     """
     count, lost = drift.steps_per_oscillation.values, -drift.energy_drift.values
     whole = np.round(count)
@@ -111,7 +111,7 @@ def _near_an_eighth(parts: list[float]) -> str:
     },
 )
 def of_instability(portrait: xr.Dataset, large_steps: xr.Dataset) -> dict:
-    """Largest growth of the energies, in the run of 1996 and at steps close to its own."""
+    """Largest growth of the energies, in the run of 1996 and at steps close to its step."""
     near = large_steps.isel(dt_over_period=np.flatnonzero(abs(large_steps.dt_over_period.values * 8 - 1) <= NEAR))
     close = 1 + near.max_energy_error.sel(problem="softening_large") / 100
     growth = 1 + portrait.energy_error.max("t")
@@ -135,7 +135,7 @@ def of_instability(portrait: xr.Dataset, large_steps: xr.Dataset) -> dict:
     },
 )
 def of_double_well(portrait: xr.Dataset, sensitivity: xr.Dataset) -> dict:
-    """Chaos in the double well, over starts next to each other."""
+    """Chaos in the double well, over neighbouring starts."""
     runs = sensitivity.sel(scheme="average_acceleration")
     parted = runs.parted_at_step.sel(start=[-1, 1])
     return {

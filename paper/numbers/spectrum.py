@@ -8,7 +8,7 @@ from study.words import number, percent, span
 
 #: Least period in s at which a step has to resolve the record rather than the oscillator.
 LONG = 1.0
-#: Period in s of an oscillator that itself sets the step.
+#: Period in s at which the oscillator, not the record, limits the step.
 SHORT = 0.2
 
 
@@ -31,7 +31,7 @@ def share_between(spectrum: xr.Dataset) -> xr.DataArray:
 
 
 def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
-    """Largest step of every scheme from which on every finer one keeps an error of the peak drift, NaN if none does."""
+    """Largest step of every scheme at and below which all steps keep an error of the peak drift; NaN if none does."""
     kept = (spectrum.error <= error).all(["record", "period", "reduction"])
     kept = kept.sortby("step_size").transpose("scheme", "step_size")
     holds = kept.copy(data=np.logical_and.accumulate(kept.values, axis=1))
@@ -42,7 +42,7 @@ def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
     requires={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [SHORT, LONG]},
 )
 def of_spectrum(spectrum: xr.Dataset) -> dict:
-    """Steps for all records and strengths, if they divide the spacing and if not, and how often 1 % is exceeded."""
+    """Sufficient steps for all records and strengths, commensurate or any, and share of runs beyond the error."""
     needed = spectrum.step_needed.min(["record", "reduction"], skipna=False)
     at_spacing, between = share_at_the_spacing(spectrum), share_between(spectrum)
     found = {

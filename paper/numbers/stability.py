@@ -47,7 +47,7 @@ def of_long_times(runs: xr.Dataset) -> dict:
 
 
 def _lost_left_of_the_limit(atlas: xr.Dataset, spectral: xr.Dataset) -> dict[str, float]:
-    """Part of the runs of explicit schemes below their linear limit at the stiffest point that fail or go astray."""
+    """Part of the runs of explicit schemes below their linear limit at the stiffest point that end in a failure."""
     limits = spectral.stability_limit.sel(damping_ratio=0.0, scheme=atlas.scheme)
     explicit = atlas.isel(scheme=np.flatnonzero((atlas.explicit.values == 1) & np.isfinite(limits.values)))
     limit = limits.sel(scheme=explicit.scheme)

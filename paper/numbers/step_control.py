@@ -15,9 +15,9 @@ DRIFTS, KEPT = 3.0, 1.1
 CELL = 50
 #: Error of the displacement at which forces are compared, and the ratio of forces that counts as a difference.
 ALLOWED, CLEARLY = 0.01, 1.25
-#: Estimate over true error above which an estimator is fooled.
+#: Ratio of estimate to true error above which an estimator is misled.
 FOOLED = 2.0
-#: A linear structure with a stiff mode that the accuracy does not need, and an oscillator under a load with a kink.
+#: Linear structure with a stiff mode that the accuracy does not need, and oscillator under a load with a kink.
 STIFF, PULSE = ["stiff_soft"], "pulse"
 
 
@@ -27,7 +27,7 @@ def growth(step_control: xr.Dataset) -> xr.DataArray:
 
 
 def forces_needed(error: xr.DataArray, forces: xr.DataArray, allowed: float, along: str) -> xr.DataArray:
-    """Fewest forces of a run that keeps an error, as all runs with more forces do; NaN if there is none."""
+    """Fewest forces at and above which all runs keep an error; NaN if there are none."""
 
     def fewest(error: np.ndarray, forces: np.ndarray) -> float:
         exceeding = forces[np.isfinite(forces) & ~(error <= allowed)].max(initial=0.0)
@@ -44,7 +44,7 @@ def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray
 
 
 def ratio_of_forces(control_cost: xr.Dataset, allowed: float) -> xr.DataArray:
-    """Fewest forces for an error with controlled steps over those with equal ones, of shape (problem, scheme)."""
+    """Ratio of the fewest forces with controlled to those with equal steps for an error, over (problem, scheme)."""
     controlled, equal = with_control(control_cost, allowed)
     return controlled / equal
 

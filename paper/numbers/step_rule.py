@@ -17,7 +17,7 @@ NO_RULE = 3.0
 
 @numbers(rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
 def of_step_rule(rule: xr.Dataset) -> dict:
-    """Δt ωmax up to which all runs at all amplitudes keep energy and period and above which none does, and steps."""
+    """Δt ωmax up to which all runs keep energy and period, and above which none does; and the steps per period."""
     everywhere = ["problem", "amplitude"]
     safe = largest_omega_step(rule, ERROR)
     steps = rule.period * rule.highest_frequency / safe

@@ -13,7 +13,7 @@ from paper.tables.structures import STEPS_PER_PERIOD
 
 #: Schemes of structures without numerical damping, apart from the energy-momentum method.
 UNDAMPED = ["average_acceleration", "central_difference", "implicit_midpoint", "gauss4"]
-#: Part by which an error may change between the two finest steps that no longer reduce it.
+#: Largest relative change of an error between the two finest steps if finer steps no longer reduce it.
 LEVEL = 0.3
 
 
@@ -23,7 +23,7 @@ def _in_a_sentence(title: str) -> str:
 
 
 def _plateaus(structures: xr.Dataset) -> dict[str, str | None]:
-    """Errors on the stiff and soft spring, in percent, that no finer step reduces; none if they still fall."""
+    """Errors on the stiff and soft spring, in percent, that finer steps do not reduce; None if they still decrease."""
     names = "gauss4", "bathe"
     nothing: dict[str, str | None] = {f"plateau_{name}": None for name in names}
     if "stiff_soft" not in structures.problem or not set(names) <= set(structures.scheme.values):
@@ -59,7 +59,7 @@ def of_structures(
     stiff_bar: xr.Dataset,
     stiff_truss: xr.Dataset,
 ) -> dict:
-    """Energies of stiff and turning structures, and the tolerance of a reference."""
+    """Energies of stiff and rotating structures, and the tolerance of a reference."""
     runs = kept(structures, TURNING)
     lost = by_name((~runs).sum(["problem", "steps_per_period"]))
     alternating = sawtooth(stiff_soft.v.isel(component=0))

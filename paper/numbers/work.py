@@ -13,12 +13,12 @@ from paper.requirements import OF_THE_ASSESSMENTS
 from study.analysis.recommendation import recommend
 from study.words import listed
 
-#: The error of the displacement at which the fastest are compared.
+#: Error of the displacement at which the fastest schemes and solvers are compared.
 EXACTING = 1e-10
 
 
 def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time: xr.DataArray) -> tuple[str, float]:
-    """The fastest along a dimension that reaches ``EXACTING``, and its milliseconds."""
+    """The fastest entry of a dimension that reaches ``EXACTING``, and its time in milliseconds."""
     error, time = error.sel({dimension: data[dimension]}), time.sel({dimension: data[dimension]})
     enough = time.where(error <= EXACTING).min(set(time.dims) - {dimension})
     return enough.idxmin(dimension).item(), 1e3 * enough.min().item()
@@ -34,7 +34,7 @@ def _cheapest_below(data: xr.Dataset, dimension: str, error: xr.DataArray, time:
     },
 )
 def of_work(work: xr.Dataset) -> dict:
-    """Cost of an error with schemes and with general solvers."""
+    """Cost of a given error with schemes and with general solvers."""
     spring = work.sel(problem="hardening", periods=100)
     rk4 = spring.sel(scheme="rk4").isel(steps_per_period=-1)
     heyoka = spring.sel(solver="heyoka").isel(tolerance=-1)
@@ -62,9 +62,9 @@ def of_work(work: xr.Dataset) -> dict:
 
 
 def _fastest(springs: list[xr.Dataset]) -> pd.DataFrame:
-    """The fastest scheme of every spring, quantity and error, its title and kind, and the kinds that tie for it.
+    """The fastest scheme of every spring, quantity and error, its title and kind, and the kinds of all that tie.
 
-    Of those that tie it is the one with the fewest forces.
+    Among schemes that tie, it is the scheme with the fewest forces.
     """
     rows = []
     for spring in springs:

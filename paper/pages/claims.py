@@ -8,7 +8,7 @@ from study.words import document, text_of
 
 
 def _article(claim: dict[str, str]) -> str:
-    """One claim: its words, and below its entries in the ledger."""
+    """One claim as an article: its statement, and its other entries in the ledger."""
     heading = f"{claim.pop('No.')}. {claim.pop('Claim')}"
     facts = "".join(f"<dt>{text_of(name.lower())}</dt><dd>{text_of(text)}</dd>" for name, text in claim.items() if text)
     return f"<article><h2>{text_of(heading)}</h2><dl>{facts}</dl></article>\n"

@@ -20,7 +20,7 @@ def _title(name: str) -> str:
 def _section(name: str, frame: pd.DataFrame) -> str:
     rows = frame.to_html(index=False, border=0, justify="left")
     about = (_TABLES[name].function.__doc__ or "").strip().splitlines()[0]
-    # a table scrolls by itself where the screen is narrower
+    # a table that is wider than the screen scrolls separately
     return (
         f'<h2 id="{name}">{_title(name)}</h2><p class="note">{text_of(about)}</p>'
         f'<div class="scroll" tabindex="0" role="region" aria-label="table: {_title(name)}">{rows}</div>\n'

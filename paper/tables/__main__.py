@@ -10,7 +10,7 @@ from study.words import printed
 
 @one_sentence()
 def main(results: Path, folder: Path) -> None:
-    """Write the tables of a folder of results, which are frames of ready texts."""
+    """Write all tables from a folder of results."""
     read = reader(results)
     for product in (one for one in discover(["tables"]) if one.kind == "table"):
         frame = made(product, read).map(lambda cell: printed(str(cell))).rename(columns=printed)

@@ -1,4 +1,4 @@
-"""The time of 100,000 steps: here in nanoseconds a step, and as a ratio next to the ratio of 1996."""
+"""Time per step in nanoseconds, and its ratio to average acceleration next to the ratio of 1996."""
 
 import pandas as pd
 import xarray as xr
@@ -24,7 +24,7 @@ def tabulate(cpu_time: xr.Dataset) -> pd.DataFrame:
                     "Scheme": one.scheme_title.item(),
                     "1996 (s)": f"{seconds.sel(cell).item():.2f}",
                     "Ratio of 1996": f"{printed_ratio.sel(cell).item():.2f}",
-                    "Now (ns a step)": f"{one.median_time_per_step.item():.1f}",
+                    "Now (ns per step)": f"{one.median_time_per_step.item():.1f}",
                     "Spread (ns)": f"{one.spread_of_time_per_step.item():.1f}",
                     "Ratio now": f"{one.ratio.item():.2f} ({one.ratio_low.item():.2f} to {one.ratio_high.item():.2f})",
                 }

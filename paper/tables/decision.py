@@ -28,7 +28,7 @@ from study.words import span
 
 #: Quantities of a spring whose error is bounded.
 QUANTITIES = ("displacement", "velocity", "acceleration", "phase", "energy")
-#: Spring that the dataset of kinks holds for comparison.
+#: Spring in the dataset of kinks, for comparison.
 SPRING = "hardening"
 #: Classes of schemes, by their flag ``explicit``.
 CLASSES = {"explicit": 1, "implicit": 0}
@@ -71,7 +71,7 @@ def _of_spring(spring: xr.Dataset, chosen: pd.DataFrame, limits: Mapping[str, fl
 
 
 def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: pd.DataFrame) -> str:
-    """The steps that the first scheme of a choice needs at all amplitudes of the maps, if they are more."""
+    """Steps that the first scheme of a choice needs at all amplitudes of the maps, if more than the chosen ones."""
     known = problem in robustness.problem.values and not chosen.empty
     if not known or chosen.index[0] not in robustness.scheme.values:
         return ""
@@ -98,7 +98,7 @@ def _springs(springs: list[xr.Dataset], robustness: xr.Dataset, limits: Mapping[
 
 
 def _lost_order(kinks: xr.Dataset) -> str:
-    """The schemes of second order and more that show the first, to a whole number."""
+    """Schemes of second or higher order whose observed order rounds to at most one."""
     first = (kinks.order >= 2) & (kinks.observed_order < 1.5)
     titles = kinks.scheme_title.values[first.values].tolist()
     return f"only first order: {first_of(titles)}" if titles else ""
@@ -133,7 +133,7 @@ def _losing(one: xr.Dataset) -> str:
 
 
 def _set_by_sawtooth(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str, float]) -> str:
-    """Says so if a coarser step would do were it not for the velocity and the acceleration."""
+    """A remark if a coarser step would suffice without the errors of velocity and acceleration."""
     without = runs.drop_vars(["velocity_error", "acceleration_error"], errors="ignore")
     differs = any(cell(picks_of(runs, error, e, limits)) != cell(picks_of(without, error, e, limits)) for e in ERRORS)
     return "velocity or acceleration sets the step" if differs else ""
@@ -166,7 +166,7 @@ def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator
 
 
 def _under_records(spectrum: xr.Dataset, error: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes of a class with the fewest forces a second for the peak drift."""
+    """The schemes of a class with the fewest forces per second for the peak drift."""
     runs = ["record", "period", "reduction"]
     largest = largest_steps(spectrum, error)
     found = spectrum.isel(scheme=np.flatnonzero(largest.notnull()))
@@ -214,13 +214,13 @@ def tabulate(
     spectrum: xr.Dataset,
     structures: xr.Dataset,
 ) -> pd.DataFrame:
-    """One row per kind of problem and quantity; a dash where no scheme keeps the error.
+    """One row per kind of problem, quantity and class of schemes; a dash where no scheme keeps the error.
 
-    Explicit and implicit schemes have a row each. A cell names the scheme of its class with the fewest evaluations of
-    the force. Numbers within a tenth tie; then the smallest error decides, on structures among the steps that a finer
-    one confirms. Energy and phase of a spring must be right to ``LEVEL`` too. Numbers are steps in a period, in
-    brackets the forces in it and Δt·ω with the highest ω of the motion, below the stability limit of the linear theory
-    if there is one.
+    The classes are explicit and implicit. A cell names the scheme of its class with the fewest evaluations of the
+    force. Numbers of evaluations within a tenth tie, and the smallest error then decides. On structures only steps that
+    a finer step confirms are compared. Energy and phase of a spring must also be within ``LEVEL``. A cell contains the
+    steps per period and, in brackets, the forces per period and Δt·ω with the highest ω of the motion, which is below
+    the stability limit of linear theory if there is one.
     """
     limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()
     return pd.DataFrame(

@@ -6,12 +6,12 @@ import xarray as xr
 from paper.data import families
 from paper.products import table
 
-#: An order that is lower by this much is lost.
+#: Decrease of an order above which it counts as lost.
 LOST = 0.5
 
 
 def lost(orders: xr.Dataset) -> xr.DataArray:
-    """Whether a quantity has lost order, or does not converge, (scheme, circumstance, quantity)."""
+    """Whether a quantity has lost order, or does not converge, over (scheme, circumstance, quantity)."""
     failed = orders.status == orders.status.flag_meanings.split().index("failed")
     return failed | (orders.order - orders.observed_order > LOST)
 

@@ -22,7 +22,7 @@ _TITLES = {
 
 
 def _observed(run: xr.Dataset) -> dict[str, str]:
-    """Orders of a scheme on a problem, a column a measure; a dash where no order can be fitted."""
+    """Orders of a scheme on a problem, one column per measure; a dash where no order can be fitted."""
     orders = {title: observed_order(run[measure].sel(periods=PERIODS[measure])) for measure, title in _TITLES.items()}
     named = {"Scheme": run.scheme_title.item(), "Order": str(run.order.item())}
     return named | {title: f"{order:.2f}" if order == order else "–" for title, order in orders.items()}

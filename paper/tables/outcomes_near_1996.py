@@ -7,7 +7,7 @@ import xarray as xr
 from paper.data import families
 from paper.products import table
 
-#: Factor within which amplitudes are like those of 1996.
+#: Largest factor between an amplitude and the amplitude of 1996 if they are near each other.
 SPAN = 3.0
 #: Column of each failure, by the flag of the maps.
 FAILURES = {
@@ -21,14 +21,16 @@ FAILURES = {
 
 
 def some_near_1996(exponents: dict) -> str:
-    """Require an amplitude of the maps like those of the paper."""
+    """Require an amplitude of the maps near that of the paper."""
     amplitudes = np.linspace(exponents["first"], exponents["last"], exponents["count"])
     near = np.any(np.abs(amplitudes) <= np.log10(SPAN))
-    return "" if near else f"has none within a factor of {SPAN:g} of the paper's, as the table of outcomes needs"
+    return (
+        "" if near else f"has no amplitude within a factor of {SPAN:g} of the paper's; the table of outcomes needs one"
+    )
 
 
 def near_1996(atlas: xr.Dataset) -> xr.Dataset:
-    """The part of the maps whose amplitudes are like those of the paper."""
+    """The part of the maps whose amplitudes are near those of the paper."""
     return atlas.isel(amplitude=(atlas.amplitude >= 1 / SPAN) & (atlas.amplitude <= SPAN))
 
 
@@ -38,7 +40,7 @@ def is_outcome(atlas: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def accurate_up_to(atlas: xr.Dataset) -> xr.DataArray:
-    """Largest step size over period up to which all runs are accurate, 0 where none is, over (problem, scheme)."""
+    """Largest step size over period up to which all runs are accurate, 0 if there is none, over (problem, scheme)."""
     enough = is_outcome(atlas, "accurate").all("amplitude")
     count = enough.cumprod("dt_over_period").sum("dt_over_period")
     return xr.DataArray(np.append(0.0, atlas.dt_over_period.values)[count.values], count.coords, count.dims)

@@ -10,7 +10,7 @@ from study.words import number
 
 
 def _class(scheme: xr.Dataset, start: str) -> str:
-    """The powers of ωΔt with which displacement and velocity of a long first step grow, such as U0V1."""
+    """Powers of ωΔt with which displacement and velocity grow in a long first step, such as U0V1."""
     u, v = (round(scheme[f"growth_{quantity}_from_{start}"].item()) for quantity in "uv")
     return f"U{u}V{v}"
 

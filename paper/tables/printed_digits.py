@@ -9,7 +9,7 @@ from paper.published import once, printed_energy_errors, same, twice
 from paper.requirements import OF_THE_TABLES
 
 _ROUNDED_TWICE = "rounded to two decimals, then to one"
-_UNEXPLAINED = "by no rounding; see the text"
+_UNEXPLAINED = "by no rounding rule; see the text"
 
 
 @table("Cells that differ from the printed digit", requires=OF_THE_TABLES)

@@ -1,4 +1,4 @@
-"""Steps a period that keep the energy of every scheme within 1, 5 and 10 percent at all amplitudes."""
+"""Steps per period that keep the energy of every scheme within 1, 5 and 10 percent at all amplitudes."""
 
 import numpy as np
 import pandas as pd

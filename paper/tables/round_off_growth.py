@@ -16,7 +16,7 @@ COLUMNS = {
 
 
 def _cell(one: xr.Dataset) -> str:
-    """Exponent with its standard error, and the size at the end in percent; or when a run failed."""
+    """Exponent with its standard error, and the size at the end in percent; or the step at which the run failed."""
     last = one.isel(periods=-1)
     if last.status != 0:
         return f"fails at step {last.failed_at_step.item():,}"

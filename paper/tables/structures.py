@@ -7,7 +7,7 @@ from paper.figures.structures import BEYOND, SHOWN
 from paper.products import table
 
 STEPS_PER_PERIOD = 80
-#: Variables of the errors, and what the table calls them.
+#: Variables of the errors, and their labels in the table.
 ERRORS = {"displacement_error": "displacement", "max_energy_imbalance": "energy"}
 
 
@@ -20,7 +20,7 @@ def _percent(value: float) -> str:
 
 
 def _cell(run: xr.Dataset, error: str) -> str:
-    """An error in percent, or how the run failed; after a blow-up round-off decides at which step."""
+    """An error in percent, or the kind of failure without its step, which depends on round-off after a blow-up."""
     if run.status != 0:
         return "N" if run.status == 1 else "∞"
     return _percent(100 * run[error].item())

@@ -114,7 +114,7 @@ def test_what_is_shipped_has_all_that_is_asked(config):
         ("energy_drift.steps_per_period", {"step": 5}, "energy_drift.steps_per_period.step must be at most 0.5"),
         ("phase_portrait.hardening", {"duration": 0.1}, "phase_portrait.hardening has a duration of less than"),
         ("atlas", {"schemes": ["rk4", "houbolt"]}, "atlas.schemes"),
-        ("atlas.amplitudes", {"first": 1, "last": 2, "count": 3}, "none within a factor of 3 of the paper's"),
+        ("atlas.amplitudes", {"first": 1, "last": 2, "count": 3}, "no amplitude within a factor of 3 of the paper's"),
         ("stability.roots", {"tolerances": [1e-3]}, "stability.roots.tolerances must have 3 entries, not 1"),
         ("structures", {"lengths": [{"problem": "stiff_soft", "periods": 1}]}, "structures.lengths.problem lacks"),
     ],

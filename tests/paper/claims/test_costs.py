@@ -11,8 +11,8 @@ from tests.paper.claims.made_up import times
     "repeats, holds, reason",
     [
         ([7.4, 7.4, 7.4, 7.4], True, ""),
-        ([7.6, 7.6, 7.6, 7.6], False, "not so for hardening; that depends on the processor"),
-        ([7.4, 7.4, 7.6, 7.6], False, "the repeats do not decide for hardening; that depends on the processor"),
+        ([7.6, 7.6, 7.6, 7.6], False, "not so for hardening; this depends on the processor"),
+        ([7.4, 7.4, 7.6, 7.6], False, "the repeats do not decide for hardening; this depends on the processor"),
     ],
 )
 def test_much_less_is_decided_by_the_quartiles(repeats, holds, reason):

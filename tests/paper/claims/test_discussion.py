@@ -27,7 +27,7 @@ def _large_steps(*worse):
 def test_not_uncommon_is_more_than_one_case_in_twenty(worse, holds):
     finding = discussion.smaller_may_be_worse(_large_steps(*worse))
     assert finding.holds == holds
-    assert finding.qualification == "in Tables 1 and 2 it happens 1 time in 84"
+    assert finding.qualification == "in Tables 1 and 2 it happens in 1 of 84 pairs"
 
 
 @pytest.mark.parametrize("small, large, holds", [(102.0, 9.9, True), (100.0, 9.9, False), (150.0, 10.1, False)])
