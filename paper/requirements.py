@@ -76,7 +76,7 @@ def steps_of_portrait(least: int) -> Requirement:
 
 
 def samples_of_history(least: int) -> Requirement:
-    """Require a number of samples of a history after its start."""
+    """Require that a history has the given number of samples after its start."""
 
     def check(history: dict) -> str:
         samples = round(history["periods"] * history["steps_per_period"]) // history["every"]

@@ -10,7 +10,7 @@ from pipeline.step import Step, job
 
 #: Folder and formats of each kind of product with files of its own; the report shows the last format.
 _FILES = {"figure": ("results/figures", ("pdf", "png", "svg")), "page": ("results", ("html",))}
-#: Module that makes all products of a kind at once, its output, and the formats if each product has its own files.
+#: Module that makes all products of a kind, its output, and the formats of separate files, if any.
 _WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "table": ("tables", "results/tables", ("csv", "tex")),
     "claim": ("claims", "results/claims.csv", ()),
@@ -92,7 +92,7 @@ def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) ->
 
 
 def check_places(products: Iterable[Product]) -> None:
-    """Refuse a table, claim or number outside the folder that the module of its kind reads.
+    """Refuse a table, claim or number that lies outside the folder of its kind.
 
     Raises
     ------

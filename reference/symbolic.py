@@ -124,7 +124,7 @@ def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
     Raises
     ------
     ValueError
-        If the problem has more than one unknown, or a function without translation.
+        If the problem has more than one unknown, or a function that has no equivalent in plain Python.
     """
     if np.ndim(problem.u0):
         raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; this route takes one.")

@@ -114,7 +114,7 @@ def test_two_writers_and_three_readers_never_meet_half_a_file(tmp_path):
 
 
 def _fill(content, path: Path, answers) -> None:
-    """Write more than a limit of the file's size, whose effect on a library is that of a full disk."""
+    """Write past a limit on the size of a file. To a library this looks like a full disk."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
     with pytest.raises(io.NotWritten) as caught:
         io.write(content, path)

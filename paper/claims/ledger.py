@@ -139,7 +139,7 @@ def claim(
 
 
 def _of_1996(check: Callable[..., Finding]) -> Callable[..., Finding]:
-    """The check on datasets with the paper's schemes only; a dataset without all of them stays unchanged."""
+    """The check, on datasets reduced to the paper's schemes. A dataset that lacks any of them is not reduced."""
 
     def cut(data: Any) -> Any:
         over_schemes = isinstance(data, xr.Dataset) and "scheme" in data.dims

@@ -44,7 +44,7 @@ def with_control(control_cost: xr.Dataset, allowed: float) -> tuple[xr.DataArray
 
 
 def ratio_of_forces(control_cost: xr.Dataset, allowed: float) -> xr.DataArray:
-    """Ratio of the fewest forces with controlled to those with equal steps for an error, over (problem, scheme)."""
+    """Fewest forces for an error with controlled steps over the fewest with equal steps, by problem and scheme."""
     controlled, equal = with_control(control_cost, allowed)
     return controlled / equal
 

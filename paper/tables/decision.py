@@ -1,4 +1,4 @@
-"""Which explicit and which implicit scheme, and which step, by kind of problem, quantity and error."""
+"""Recommended explicit scheme, implicit scheme and step for each kind of problem, quantity and error."""
 
 from collections.abc import Iterable, Iterator, Mapping
 

@@ -21,7 +21,7 @@ def tabulate(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) ->
             {
                 "Scheme": forces.scheme_title.sel(scheme=name).item(),
                 "Problems": f"{int(cost.notnull().sum())} of {cost.size}",
-                # infinite if no step is enough; otherwise a scheme that fails on hard problems would seem cheap
+                # infinite if no step keeps the error; otherwise a scheme that fails on hard problems would seem cheap
                 "Forces, median": number(cost.fillna(np.inf).median().item(), ".0f"),
                 "Dominated by": joined(others, {"spectral": spectral}) if others else "–",
             }

@@ -71,6 +71,6 @@ def number_of_roots(problem: Problem, coefficient: np.ndarray, predictor: np.nda
 
 
 def unique_up_to(problem: Problem, scheme: Scheme, u: np.ndarray) -> float:
-    """Largest Δt with one root for every ũ, 1/√(κ max(−p′)) over the displacements ``u``; infinite if p′ ≥ 0."""
+    """Largest Δt at which every ũ has one root: 1/√(κ max(−p′)), infinite if p′ ≥ 0 at all displacements ``u``."""
     softest = -np.asarray(jax.vmap(jax.grad(problem.static_force))(u)).min()
     return float(1 / np.sqrt(effective_coefficient(scheme) * softest)) if softest > 0 else np.inf

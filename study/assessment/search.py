@@ -181,7 +181,7 @@ class Search:
         self.runs, self._random = pd.DataFrame(), np.random.default_rng(0)
 
     def _run(self, start: float, dt: np.ndarray) -> pd.DataFrame:
-        """A run, or several at once, from a multiple of the start, as rows."""
+        """Rows of one run, or of several at once, from initial values multiplied by a factor."""
         case = self._cases[start]
         steps = np.maximum(np.floor(self.duration / dt * (1 + 1e-9)), 1).astype(int)
         ds = run(case.problem, self.scheme, dt=dt, steps=steps, observe=case.observe, on_failure="ignore")

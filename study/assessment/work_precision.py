@@ -1,4 +1,4 @@
-"""``study.work_precision``: error against time for a problem or program."""
+"""``study.work_precision``: error against computing time for a problem or a program."""
 
 from collections.abc import Iterable
 from pathlib import Path

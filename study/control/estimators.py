@@ -32,7 +32,7 @@ class Estimator(eqx.Module):
     title: ClassVar[str]
     source: ClassVar[str]
     doi: ClassVar[str]
-    #: Whether a run from rest needs a scale, because a tolerance relative to zero has no meaning.
+    #: Whether a run from rest needs a scale. It does if the tolerance would otherwise be relative to zero.
     relative: ClassVar[bool] = True
 
     @abc.abstractmethod

@@ -20,9 +20,9 @@ class HalfStepResidual(Estimator):
         u_h = u_0 + \tfrac{\Delta t}{2} \dot u_0 + \tfrac{\Delta t^2}{16} (\ddot u_0 + \ddot u_h) \\
         \eta &= \max |M \ddot u_h + C \dot u_h + p(u_h) - f(t_h)| / \max |M \ddot u|
 
-    with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. An α-method carries the acceleration of the time t₁ + s Δt with s = α_m − α_f, so
-    that ü₀ and ü₁ are first moved back by s (ü₁ − ü₀). It takes one additional force per step. The estimate is of
-    second order in Δt and the error of the step of third.
+    with u̇_h = u̇₀ + Δt (ü₀ + ü_h)/4. The accelerations of an α-method belong to times that are later by s Δt, with s
+    = α_m − α_f. Therefore s (ü₁ − ü₀) is first subtracted from both. The estimate takes one additional force per step.
+    It is of second order in Δt, and the error of the step is of third order.
 
     References
     ----------

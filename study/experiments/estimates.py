@@ -56,14 +56,14 @@ def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, step
     """Measure estimates of the error of a step over one period, next to the true error.
 
     The true error of a step is its difference from the motion with the same start, solved with at least 16 steps of
-    Dormand and Prince's method of sixth order, or of the Runge-Kutta method with damping. It is the larger error of
-    displacement and velocity, each relative to the largest value, like the estimates.
+    Dormand and Prince's method of sixth order, or of the Runge-Kutta method if the problem is damped. It is the larger
+    of the errors of displacement and velocity, each relative to its largest value. The estimates have the same scale.
     ``true_displacement_error`` ignores the velocity, as does the estimate of Zienkiewicz and Xie. ``estimate`` and the
-    errors are the largest values in the period after its first tenth. ``ratio`` is the estimate over the true error
+    errors are the largest values in the period without its first tenth. ``ratio`` is the estimate over the true error
     along the period, at the smallest step. ``linear_ratio`` is the closed form of this ratio for a linear undamped
-    oscillator that starts from a displacement (:mod:`study.control.leading`), and NaN if there is none. The period of a
-    structure is its time scale. Problems with a history are left out, because the motion cannot start again within a
-    run.
+    oscillator that starts from a displacement (:mod:`study.control.leading`), and NaN if there is none. For a
+    structure, its time scale takes the place of the period. Problems with a history are left out, because the motion
+    cannot start again within a run.
     """
     shape = (len(problems), len(schemes), len(estimators), len(steps_per_period))
     estimate, true, displacement = (np.full(shape, np.nan) for _ in range(3))

@@ -122,8 +122,9 @@ def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array)
 def switches(force: Callable, *arguments: Any) -> Float[Array, "switches"]:
     """Numbers whose sign changes where the slope of a force may jump.
 
-    If the force compares two numbers, or takes the larger or smaller of them, it is their difference. If the force
-    takes the absolute value or the sign of a number, it is that number. Loops, branches and tables are not searched.
+    Where the force compares two numbers, or takes the larger or smaller of them, their difference is returned. Where
+    it takes the absolute value or the sign of a number, that number is returned. Loops, branches and tables are not
+    searched.
 
     Parameters
     ----------

@@ -142,7 +142,7 @@ class PeriodError(Reduction):
         first, last = (self._crossing(problem, *end) for end in ends)
         between = crossings.astype(float) - 1
         mean_period = jnp.where(crossings > 1, (last - first) / between, self.steps)
-        # a motion without a crossing for one and a half periods is at rest elsewhere, and has no phase
+        # a motion that crosses nothing for one and a half periods has come to rest at another place, and has no phase
         swings = (crossings > 0) & (step.astype(float) - last < 1.5 * mean_period)
         return {
             "period_elongation": jnp.where(swings & (crossings > 1), mean_period / self.steps - 1, jnp.nan),

@@ -90,7 +90,7 @@ def stepped(scheme: Any, problem: Any, state: Any, t: Any, dt: Any) -> tuple[Any
     new, old = (jax.tree.flatten(one) for one in (returned[0], state))
     shapes, wanted = ([(jnp.shape(x), jnp.result_type(x)) for x in leaves] for leaves, _ in (new, old))
     if str(new[1]) != str(old[1]) or shapes != wanted:
-        raise TypeError(f"{of} must return a state like the one of start, with the same fields, shapes and types.")
+        raise TypeError(f"{of} must return a state like that of start, with the same fields, shapes and types.")
     return returned
 
 

@@ -14,7 +14,7 @@ GRID = {"first": -1.5, "last": 0.0, "count": 7}
 
 @pytest.fixture(scope="module")
 def many():
-    """Exact periods at more amplitudes than two tiles of an ensemble have lanes."""
+    """Exact periods at so many amplitudes that an ensemble needs more than two tiles of lanes."""
     dataset = amplitudes(["softening", "double_well"], {"first": -1.0, "last": 1.0, "count": 150})
     return dataset.assign_attrs(source=study.io.SOURCE)
 
