@@ -33,7 +33,7 @@ def _short_cell(cell: str) -> str:
 
 
 def _input_lines(cells: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[NameInCode]:
-    """Names in codes of the schemes in some cells of the table; ``codes`` are prefixes of names of codes."""
+    """Names that other codes give the schemes in some cells of the table; ``codes`` are prefixes of the codes."""
     titles = set(_TITLE.findall("\n".join(cells)))
     named = [one for one in names_in_codes() if one.code.startswith(codes)]
     return [one for one in named if study.schemes[one.scheme].title in titles]

@@ -143,7 +143,7 @@ class LinearTheory:
     scheme
         A name in ``study.schemes``, or your own scheme.
     dt_over_period
-        Step sizes over the undamped period, Δt/T, ascending from a fine one, of shape (points,).
+        Step sizes over the undamped period, Δt/T, in ascending order from a small one, of shape (points,).
     damping_ratio
         ξ of the oscillator, 0 ≤ ξ < 1.
 

@@ -36,7 +36,7 @@ FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST = 0.03, 20_000, 4_000_000
 #: a slight reduction of the largest step that keeps an error would need further runs.
 ENOUGH = 1.1
 
-#: Numbers of runs of an octave: maximum, and minima for one unknown in tiles and otherwise.
+#: Number of runs in an octave of step sizes: maximum, minimum of tiles for one unknown, and minimum of others.
 MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 
 #: Caps on steps × unknowns of the runs of an octave, if enough runs remain, by whether there is one unknown.

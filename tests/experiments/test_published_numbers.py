@@ -1,4 +1,4 @@
-"""Errors at displacements that are known, and the exponent of Ueda's oscillator."""
+"""Errors at times with a known displacement, and the Lyapunov exponent of Ueda's oscillator."""
 
 import numpy as np
 import pytest
