@@ -16,7 +16,8 @@ PRINTED = set("–—‘’“”äöüÜøóíé×±½√·†…\u2011\u00a0\u
 TEXT = """#import "layout.typ": holds, n, number-of, picture, printed, ruled, table-of, tabular
 #show: printed.with(title: [On steps], subtitle: [A test], authors: "A. Author", front: [*Abstract.* Short.])
 = Introduction <start>
-#holds(n.yes)[It is #n.value %.] #holds(n.no)[It is not.] @start cites @motion, @portrait and @steps, with @xie1996. Figures~#number-of(<portrait>) and 2.
+#holds(n.yes)[It is #n.value %.] #holds(n.no)[It is not.] @start cites @motion, @portrait and @steps, with @xie1996.
+Figures~#number-of(<portrait>) and 2.
 
 $ dot.double(u) + p(u) = 0 $ <motion>
 
