@@ -17,8 +17,10 @@ local function number_equations(inlines)
   return inlines
 end
 
+-- A reference without content is the number alone.
 local function refer(link)
-  return link.classes:includes("ref") and pandoc.RawInline("latex", "\\autoref{" .. link.target:sub(2) .. "}") or link
+  local command = #link.content > 0 and "\\autoref{" or "\\ref{"
+  return link.classes:includes("ref") and pandoc.RawInline("latex", command .. link.target:sub(2) .. "}") or link
 end
 
 local function place_figure(image)

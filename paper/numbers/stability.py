@@ -38,7 +38,9 @@ def of_long_times(runs: xr.Dataset) -> dict:
         of = double.sel(scheme=name, step="any")
         lasting[f"lasting_energy_{name}"] = f"{of.max_energy_error.item():.1g}"
         late = of.phase_error.item()
-        lasting[f"lasting_delay_{name}"] = f"{abs(late):.0f} periods {'late' if late > 0 else 'early'}"
+        whole = f"{abs(late):.0f}"
+        periods = f"{whole} {'period' if whole == '1' else 'periods'}"
+        lasting[f"lasting_delay_{name}"] = f"{periods} {'late' if late > 0 else 'early'}"
         for step in runs.step.values:
             one = {"scheme": name, "step": step, "arithmetic": "float32"}
             error = runs.exponent_error.sel(one | {"quantity": "energy_round_off"})

@@ -13,10 +13,11 @@ from paper.latex.__main__ import converted
 PAPER = Path(paper.__file__).parent
 #: Characters that pdfLaTeX prints with its usual encodings.
 PRINTED = set("–—‘’“”äöüÜøóíé×±½√·†…\u2011\u00a0\u0307\u0308")
-TEXT = """#import "layout.typ": holds, n, picture, printed, ruled, table-of, tabular
+TEXT = """#import "layout.typ": holds, n, number-of, picture, printed, ruled, table-of, tabular
 #show: printed.with(title: [On steps], subtitle: [A test], authors: "A. Author", front: [*Abstract.* Short.])
 = Introduction <start>
 #holds(n.yes)[It is #n.value %.] #holds(n.no)[It is not.] @start cites @motion, @portrait and @steps, with @xie1996.
+Figures~#number-of(<portrait>) and 2.
 
 $ dot.double(u) + p(u) = 0 $ <motion>
 
@@ -41,6 +42,7 @@ def test_numbers_references_and_floats_are_those_of_the_text(folder):
     assert "3~×~10⁻⁵ \\%" in source and "It is not" not in source
     cited = ", ".join(f"\\autoref{{{label}}}" for label in ("motion", "portrait"))
     assert f"\\autoref{{start}} cites {cited} and \\autoref{{steps}}" in source and "\\citep{xie1996}" in source
+    assert "Figures~\\ref{portrait} and 2." in source
     assert "\\label{start}" in source and "\\begin{equation}\\label{motion}\n\\ddot{u}" in source
     assert "{figures/orbit.pdf}" in source and "\\label{portrait}" in source
     assert "\\label{steps}" in source and "Wilson-θ \\(\\dot u\\)" in source and "\\real{" in source
