@@ -1,5 +1,5 @@
-"""A conformance kit: cases that show whether the integrator of a code does what its name says."""
+"""A conformance kit: cases that check whether the integrator of a code implements the scheme of its name."""
 
-#: Year and number of the newest cases. A case never changes; a wrong one retires, and another name takes its place. New
-#: cases raise the number, which they have as their version.
+#: Year and number of the newest cases. A case never changes; a case with another name replaces a wrong one. New cases
+#: raise the number, which is their version.
 VERSION = "2026.2"

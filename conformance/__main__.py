@@ -1,4 +1,4 @@
-"""``python -m conformance my_code:step`` runs a code over the cases; README.md says more."""
+"""``python -m conformance my_code:step`` runs a code over the cases; see README.md."""
 
 import argparse
 

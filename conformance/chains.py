@@ -1,7 +1,7 @@
 """Input files of Abaqus and code_aster for linear structures: masses on a line, with springs and dashpots in between.
 
-They follow the manuals of both codes, and neither code has run them. The comment at the head of a file describes how
-its motion becomes the table ``NAME.csv``.
+The files follow the manuals of both codes, but neither code has run them. The comment at the head of a file describes
+the table ``NAME.csv`` of its motion.
 """
 
 import math
@@ -19,7 +19,7 @@ class Chain(NamedTuple):
     forces
         For every unknown the amplitude of its harmonic load.
     ground
-        Times and accelerations of the ground; empty if it rests.
+        Times and accelerations of the ground; empty if the ground is at rest.
     """
 
     mass: list[float]
@@ -49,7 +49,7 @@ def _pairs(problem: Mapping[str, Any]) -> Iterator[tuple[int, int, float, float]
     matrices = [[*map(_numbers, matrix)] for matrix in (problem["parameters"]["stiffness"], problem["damping"])]
     for i in range(len(problem["u0"])):
         for j in range(-1, i):
-            # stiffness of the spring to the ground: the sum of the row, as those to other nodes cancel
+            # the stiffness of the spring to the ground is the sum of the row, because springs to other nodes cancel
             k, c = (sum(m[i]) if j < 0 else -m[i][j] for m in matrices)
             if k or c:
                 yield j + 1, i + 1, k, c
@@ -82,7 +82,7 @@ def _operator(scheme: Mapping[str, str]) -> str | None:
 
 
 def _amplitude(one: Chain, i: int) -> str:
-    """The force on an unknown along time, less K u₀."""
+    """The force on an unknown over time, minus K u₀."""
     name, pull = f"*AMPLITUDE, NAME=FORCE{i + 1}", one.pull[i]
     if one.ground:
         return "\n".join([name, *(f"{t!r}, {-one.mass[i] * a - pull!r}" for t, a in one.ground)])
@@ -91,7 +91,7 @@ def _amplitude(one: Chain, i: int) -> str:
 
 
 def abaqus(case: Mapping[str, Any]) -> str | None:
-    """Keywords of Abaqus/Standard; None for a problem or a scheme that is not written."""
+    """Keywords of Abaqus/Standard; None for an unsupported problem or scheme."""
     one, operator = chain(case["problem"]), _operator(case["scheme"])
     if one is None or operator is None:
         return None
@@ -133,7 +133,7 @@ def _schema(scheme: Mapping[str, str]) -> str | None:
     family, numbers = scheme["family"], {n: float(x) for n, x in scheme.items() if n not in ("family", "start")}
     if family == "newmark":
         return f'SCHEMA="NEWMARK", FORMULATION="DEPLACEMENT", BETA={numbers["beta"]!r}, GAMMA={numbers["gamma"]!r}'
-    # its β and γ follow from α
+    # code_aster derives β and γ from α
     if family == "hht" and math.isclose(numbers["beta"], (1 - numbers["alpha"]) ** 2 / 4):
         return f'SCHEMA="HHT", FORMULATION="DEPLACEMENT", ALPHA={numbers["alpha"]!r}, MODI_EQUI="OUI"'
     if family == "central_difference":
@@ -160,7 +160,7 @@ def mesh(case: Mapping[str, Any]) -> str | None:
 
 
 def code_aster(case: Mapping[str, Any]) -> str | None:
-    """Commands of code_aster, in Python; None for a problem or a scheme that is not written."""
+    """Commands of code_aster, in Python; None for an unsupported problem or scheme."""
     one, schema = chain(case["problem"]), _schema(case["scheme"])
     if one is None or schema is None:
         return None
@@ -181,7 +181,7 @@ def code_aster(case: Mapping[str, Any]) -> str | None:
         for name, values in (("u0", one.u0), ("v0", one.v0))
     }
     nodal = ", ".join(f'_F(GROUP_NO="N{i}", FX={f!r})' for i, f in zip(free, forces, strict=True))
-    # an absolute tolerance, as the relative one divides by external forces, which a free motion lacks
+    # absolute, because a relative tolerance divides by external forces, which are zero in free motion
     largest = max(map(abs, [*one.pull, *one.forces, *(m * a for m in one.mass for _, a in one.ground)]))
     columns = {
         f"{name}{i}": f'RECU_FONCTION(RESULTAT=motion, NOM_CHAM="{field}", NOM_CMP="DX", GROUP_NO="N{i}")'

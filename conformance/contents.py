@@ -1,4 +1,4 @@
-"""Problems and schemes whose cases the kit holds."""
+"""Problems and schemes of the cases of the kit."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -48,7 +48,7 @@ STABLE = ("AVG", "DIS", "WIL", "HOU", "HHT", "H96", "WBZ", "GEN", "BAT", "RBA", 
 
 
 class Entry(NamedTuple):
-    """A problem with its step, which makes a case with every scheme.
+    """A problem with its step; each scheme makes one case of it.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Entry(NamedTuple):
     sizes
         Sizes of the steps, if they are not equal, in place of ``dt`` and ``steps``.
     version
-        Version of the kit that has the case first.
+        First version of the kit with the case.
     """
 
     name: str
@@ -118,7 +118,7 @@ _MAIN = ("AVG", "DIS", "CDM", "WIL", "HOU", "HHT", "GEN", "BAT", "RK4")
 _IMPLICIT = ("AVG", "DIS", "WIL", "HOU", "HHT", "WBZ", "GEN", "BAT", "TRB", "MID")
 _FEW = ("AVG", "DIS", "WIL", "HHT", "GEN", "BAT")
 
-#: The ten steps ωΔt of level B, each with the schemes that take it.
+#: The ten steps ωΔt of level B, each with its schemes; None for all.
 _STEPS: dict[str, tuple[str, ...] | None] = {
     "0.05": _MAIN,
     "0.1": ("AVG", "CDM"),
@@ -143,7 +143,7 @@ def _level_a() -> Iterator[Entry]:
 
 
 def _level_b() -> Iterator[Entry]:
-    # with the velocity 0.5 the first step at ωΔt = 1 would end at u₀ again, and mistakes would look alike
+    # with the velocity 0.5 the first step at ωΔt = 1 would return to u₀, and mistakes would be indistinguishable
     problem = _problem("linear", "1", "0.7", stiffness="1")
     for step, schemes in _STEPS.items():
         why = f"Every step of linear motion is the amplification matrix at ωΔt = {step}, which is the scheme itself."
@@ -185,7 +185,7 @@ def _level_d() -> Iterator[Entry]:
     yield Entry("D-DUF", f"{title} with two wells, damped and loaded", why, problem, "0.2", 20, (1, 6, 20), _MAIN)
     why = "The error must fall with the order of the scheme, with damping and load too."
     problem = _problem("cubic", "1", "0.3", damping="0.4", loads=_load("0.8", "1.3", "0.3"), S1="1", S2="0.5")
-    # KR-α is of first order, but not yet at these steps
+    # KR-α is of first order only at smaller steps
     schemes = tuple(code for code in SCHEMES if code != "KRA")
     yield Entry("D-ORDER", "order with damping and load", why, problem, "0.05", 40, schemes=schemes, kind="order")
 

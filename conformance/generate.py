@@ -1,8 +1,8 @@
 """Make all cases: ``python -m conformance.generate`` writes ``cases/*.json`` from 50 digits.
 
-A case is a problem and a scheme of the tables in ``contents.py``. It holds the values of the scheme, the values of the
-alternatives and mistakes of ``variants.py`` if they differ, and the slopes of the values in the numbers of the scheme,
-which identify a slightly wrong number.
+A case is a problem and a scheme of the tables in ``contents.py``. It contains the values of the scheme, the values of
+the alternatives and mistakes of ``variants.py`` if they differ, and the derivatives of the values with respect to the
+numbers of the scheme, which identify a slightly wrong number.
 """
 
 import json
@@ -20,14 +20,14 @@ from conformance.variants import UNEQUAL, VARIANTS, WITHOUT_ACCELERATION
 
 CASES = Path(__file__).parent / "cases"
 
-#: Digits of the arithmetic, of expected values and of those of variants.
+#: Digits of the arithmetic, of expected values, and of values of variants.
 DIGITS, EXPECTED, STORED = 50, 17, 12
 
 #: Smallest tolerance as a part of the largest value of a quantity, the number of round-offs and the largest tolerance.
 SAME, ROUND_OFFS, LOOSE = 1e-9, 100, 1e-6
 
-#: Smallest difference of a variant from the expected values in tolerances, and the growth over the largest value or
-#: energy of the scheme from which a variant is unstable and left out.
+#: Smallest difference, in tolerances, of a variant from the expected values; and ratio to the largest value or energy
+#: of the scheme above which a variant is unstable and omitted.
 DISTINCT, UNSTABLE = 100, 1e6
 
 
@@ -54,7 +54,7 @@ def _identical(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
     for name, unknown in _quantities(entry, scheme):
         one = exact[name][:, unknown]
         scale = float(max(abs(one)))
-        # what round-off does to the same formulas in double precision
+        # effect of round-off on the same formulas in double precision
         off = float(max(abs(one - double[name][:, unknown])))
         tolerance = max(SAME * scale, ROUND_OFFS * off)
         if tolerance > LOOSE * scale:
@@ -86,7 +86,7 @@ def _differ(first: list[np.ndarray], second: list[np.ndarray], expected: list[di
 
 
 def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> Iterator[dict]:
-    """Alternatives and mistakes that show in this case, each with its values."""
+    """Alternatives and mistakes that this case distinguishes, each with its values."""
     seen = [_values(entry, _march(entry, scheme), expected)]
     for variant in UNEQUAL if entry.sizes else VARIANTS:
         if scheme["family"] not in variant.families:
@@ -94,7 +94,7 @@ def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> 
         changed = {**scheme, **variant.change(scheme)}
         try:
             values = _values(entry, _march(entry, changed, variant.words), expected)
-        except (ArithmeticError, OverflowError):  # an iteration that does not end gives no values
+        except (ArithmeticError, OverflowError):  # an iteration that does not converge gives no values
             continue
         stable = all(max(abs(a)) <= UNSTABLE * float(one["scale"]) for a, one in zip(values, expected, strict=False))
         if stable and all(_differ(values, other, expected) for other in seen):
@@ -103,7 +103,7 @@ def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> 
 
 
 def _slopes(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> Iterator[dict]:
-    """Derivatives of the values in the numbers of the scheme, and in factors of Δt and of the mass."""
+    """Derivatives of the values by the numbers of the scheme, and by factors of Δt and of the mass."""
     here = _values(entry, _march(entry, scheme), expected)
     little = mp.mpf(10) ** (-DIGITS // 2)
     for name in [*(name for name in scheme if name not in ("family", "start")), "factor of dt", "factor of the mass"]:
@@ -124,7 +124,7 @@ def _stored(values: list[np.ndarray]) -> list[list[str]]:
 
 
 def _bound(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
-    """The largest energy of the scheme and its stable alternatives over that at the start, and five percent more."""
+    """Ratio of the largest to the initial energy of the scheme and its stable alternatives, plus five percent."""
     problem, largest = Problem(entry.problem), []
     alternatives = [one for one in VARIANTS if one.verdict == "differs" and scheme["family"] in one.families]
     for changed, words in [(scheme, ()), *(({**scheme, **one.change(scheme)}, one.words) for one in alternatives)]:
@@ -148,7 +148,7 @@ def exact(problem: Mapping[str, Any], end: str) -> Any:
 
 
 def _order(entry: Entry, scheme: Mapping[str, str], end: Any) -> list[dict]:
-    """Order of the displacement at the end, as the formulas have it over four steps."""
+    """Order of the displacement at the end, measured from the formulas at four step sizes."""
     errors = []
     for part in (1, 2, 4, 8):
         motion = _march(entry, scheme, dt=mp.mpf(entry.dt) / part, steps=entry.steps * part)
@@ -209,7 +209,7 @@ def _lines(value: Any) -> str:
 
 
 def main() -> None:
-    """Write every case in place of those that are there."""
+    """Write all cases, and remove old ones."""
     mp.dps = DIGITS
     texts = {f"{one['name']}.json": written(one) for one in made()}
     CASES.mkdir(exist_ok=True)

@@ -1,4 +1,4 @@
-"""Verdict on a case: whether motions of a code are those that it expects, and the likely cause if they are not."""
+"""Verdict on a case: whether motions of a code agree with the expected ones, and the likely cause if they do not."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -13,16 +13,16 @@ from conformance.variants import LATER, VARIANTS
 
 CASES = Path(__file__).parent / "cases"
 
-#: Most digits that double precision has.
+#: Maximum number of digits in double precision.
 DIGITS = 16.0
 
-#: Variants are stored with so small an error, as a part of the largest value.
+#: Relative error of the stored values of variants.
 STORED = 1e-11
 
-#: A number of the scheme is off if its slope explains all but this part of the difference.
+#: Largest unexplained part of the difference if a number of the scheme is named as its cause.
 UNEXPLAINED = 0.01
 
-#: Differences below this part of the largest value are those of an iteration that ends early.
+#: Largest relative difference that an iteration that ends early may cause.
 EARLY = 1e-5
 
 #: Displacement ``u``, velocity ``v`` and acceleration ``a`` at 0, Δt, 2Δt, ..., each (steps + 1, n) or None.
@@ -137,7 +137,7 @@ def _identical(case: Mapping[str, Any], motion: Motion) -> Verdict:
     digits = min(_digits(float(max(abs(one.found - one.expected))), one.scale) for one in pairs)
     if all(max(abs(one.found - one.expected)) <= one.tolerance for one in pairs):
         return Verdict(case["name"], "pass", digits)
-    # variants and slopes have no accelerations, which stand last
+    # variants and slopes have no accelerations, which are last
     moved = [pair for pair, one in zip(pairs, given, strict=True) if one["quantity"] != "a"]
     places = [
         i for i, one in enumerate(case["expect"]) if motion[one["quantity"]] is not None and one["quantity"] != "a"
@@ -147,7 +147,7 @@ def _identical(case: Mapping[str, Any], motion: Motion) -> Verdict:
 
 
 def _explained(case: Mapping[str, Any], pairs: list[_Compared], places: list[int], motion: Motion) -> tuple[str, str]:
-    """Verdict and cause of values that are not those expected."""
+    """Verdict and cause of values that differ from the expected ones."""
     if all(max(abs(one.found - one.expected)) <= one.tolerance for one in pairs):
         return "differs", "displacement and velocity agree; the acceleration is not the one that the scheme carries"
     for variant in case["variants"]:
@@ -181,7 +181,7 @@ def _explained(case: Mapping[str, Any], pairs: list[_Compared], places: list[int
 
 
 def _met_later(case: Mapping[str, Any], pairs: list[_Compared], places: list[int]) -> tuple[str, str] | None:
-    """Verdict and text of a change that the case holds no values of; None if no change has those of the code."""
+    """Verdict and text of a change without values in the case; None if no change has the values of the code."""
     (dt, steps), scheme = times(case), case["scheme"]
     changes = [("fail", text, words, changed(case["problem"]), scheme) for text, words, changed in LATER]
     if "sizes" in case["run"]:
@@ -204,7 +204,7 @@ def _met_later(case: Mapping[str, Any], pairs: list[_Compared], places: list[int
 
 
 def times(case: Mapping[str, Any], part: int = 1) -> tuple[float | np.ndarray, int]:
-    """Size of the steps, or the sizes of all that are not equal, and their number."""
+    """Size of equal steps or sizes of unequal steps, and their number."""
     sizes = np.array(case["run"].get("sizes", []), float)
     return (sizes, len(sizes)) if sizes.size else (float(case["run"]["dt"]) / part, case["run"]["steps"] * part)
 

@@ -1,4 +1,4 @@
-"""Problems of the cases by their formulas, for arrays of any numbers: floats, or mpmath's with 50 digits."""
+"""Problems of the cases by their formulas, for arrays of floats or of mpmath numbers with 50 digits."""
 
 import math
 from collections.abc import Mapping
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-#: Binary floating point numbers, under the names that mpmath has for them.
+#: Binary floating point functions, with the names of mpmath.
 FLOAT = SimpleNamespace(mpf=float, cos=math.cos, sin=math.sin, tanh=math.tanh, eps=2e-16)
 
 
@@ -62,7 +62,7 @@ class Problem:
         return np.minimum(np.maximum(u - self._plastic, -bound), bound)
 
     def force(self, u: np.ndarray) -> np.ndarray:
-        """p(u), shape (n,); for an elastoplastic spring after the motion from the last ``commit``."""
+        """p(u), shape (n,); the force of an elastoplastic spring depends on the last ``commit``."""
         form, p = self.text["form"], self._parameters
         if form == "linear":
             return p["stiffness"] @ u
@@ -103,7 +103,7 @@ class Problem:
         return np.diag(slope)
 
     def energy(self, u: np.ndarray, v: np.ndarray) -> Any:
-        """½ u̇ᵀ M u̇ + V(u) of a linear force, or of a cubic one with one unknown."""
+        """½ u̇ᵀ M u̇ + V(u) for a linear force, or for a cubic force with one unknown."""
         p = self._parameters
         if self.text["form"] == "linear":
             return (v @ self.mass @ v + u @ p["stiffness"] @ u) / 2

@@ -18,13 +18,13 @@ import numpy as np
 from conformance.judge import CASES, Motion, Unsupported, times
 from conformance.problem import Problem
 
-#: Exit status by which a command says that it has no such scheme or problem.
+#: Exit status of a command that does not support a scheme or problem.
 SKIPPED = 77
 
 #: Longest time of a command in seconds.
 TIMEOUT = 60
 
-#: Takes a case and a whole number by which its step is divided, and returns a motion.
+#: Function of a case and an integer divisor of its step that returns a motion.
 Runner = Callable[[Mapping[str, Any], int], Motion]
 
 
@@ -42,13 +42,13 @@ def of_function(place: str) -> Runner:
     """
     file, _, name = place.rpartition(":")
     folder, module = (str(Path(file).parent), Path(file).stem) if file.endswith(".py") else (".", file)
-    # it stays on the path, as the function may import its neighbours when it runs
+    # the folder stays on the path, because the function may import neighbouring modules when it runs
     sys.path.insert(0, str(Path(folder).absolute()))
     try:
         step = getattr(importlib.import_module(module), name)
         if not callable(step):
             raise TypeError(f"{name} is no function")
-    except Exception as error:  # whatever a module raises when it is imported
+    except Exception as error:  # a module may raise anything when it is imported
         raise ValueError(
             f"'{place}' must name a module and a function in it, such as my_code:step ({error})."
         ) from None
@@ -60,7 +60,7 @@ def of_function(place: str) -> Runner:
                 found = step(Problem(case["problem"]), case["scheme"], dt, steps)
         except NotImplementedError as error:
             raise Unsupported(str(error)) from None
-        except (Exception, SystemExit) as error:  # whatever a code raises is a failure of this case and of no other
+        except (Exception, SystemExit) as error:  # any exception of a code is a failure of this case only
             raise ValueError(f"the code raises {type(error).__name__}: {error}") from error
         return _checked(case, part, _arrays(found))
 
@@ -85,7 +85,7 @@ def _arrays(found: Any) -> Motion:
 def of_command(template: str) -> Runner:
     """Runner of a command that reads the file ``{case}`` and writes the file ``{out}``.
 
-    The file that it reads is a case with one run, whatever the kind of the case.
+    The file ``{case}`` is a case with one run, for every kind of case.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def of_command(template: str) -> Runner:
 def _ended(command: list[str]) -> tuple[int, str]:
     """Exit status of a command, negative for a signal, and its standard error."""
     try:
-        # a group of its own, so that the programs that a script starts end with it
+        # a separate process group, so that programs started by a script end with it
         started = subprocess.Popen(
             command, stdin=DEVNULL, stdout=DEVNULL, stderr=PIPE, text=True, errors="replace", start_new_session=True
         )
@@ -158,7 +158,7 @@ def of_folder(folder: Path) -> Runner:
 
 
 def divided(case: Mapping[str, Any], part: int) -> dict[str, Any]:
-    """A case with a part of its step and as many times its steps, without expected values."""
+    """A case without expected values, whose step is divided and whose number of steps is multiplied by ``part``."""
     run = case["run"]
     if part > 1:
         run = {**run, "dt": repr(float(run["dt"]) / part), "steps": run["steps"] * part}
@@ -166,7 +166,7 @@ def divided(case: Mapping[str, Any], part: int) -> dict[str, Any]:
 
 
 def _read(file: Path, case: Mapping[str, Any], part: int) -> Motion:
-    """The columns t, u1, u2, ..., v1, ..., a1, ... of a CSV file; those of v and a may be missing."""
+    """The columns t, u1, u2, ..., v1, ..., a1, ... of a CSV file; the columns of v and a may be missing."""
     try:
         first, *lines = file.read_text(encoding="utf-8-sig").splitlines()
         rows = [[float(number) for number in line.split(",")] for line in lines if line.strip()]

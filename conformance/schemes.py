@@ -1,7 +1,7 @@
 """Schemes by their formulas, for arrays of any numbers: the arithmetic behind the cases.
 
-The schemes solve for the displacement, as textbooks on finite elements do, and share nothing with a code that is
-judged. Words change a scheme: into a legitimate alternative, or into one with a mistake.
+The schemes solve for the displacement, as textbooks on finite elements do, and share no source with the judged codes.
+Words change a scheme into a legitimate alternative or into a scheme with a mistake.
 """
 
 from collections.abc import Collection, Mapping
@@ -35,7 +35,7 @@ class March:
         self.past = self.fictitious(self.start) if scheme["family"] == "houbolt" else []
 
     def next_size(self, size: Any) -> None:
-        """Change the step; the alternatives that keep the second order change the carried acceleration too.
+        """Change the step; alternatives that retain second order also change the carried acceleration.
 
         The acceleration of generalized-α belongs to t₁ + (α_m − α_f) Δt, with the step that ends at t₁.
         """
@@ -51,7 +51,7 @@ class March:
         self.dt, self.before = size, self.a
 
     def signed(self, load: np.ndarray) -> np.ndarray:
-        """A load, or its wrong form by a mistake in the whole run."""
+        """A load, or its wrong form if the run has such a mistake."""
         return load * (0 if "no load" in self.words else -1 if "sign of load" in self.words else 1)
 
     def load(self, part: Any) -> np.ndarray:
@@ -101,7 +101,7 @@ class March:
         return x
 
     def move(self, u: np.ndarray, v: np.ndarray, a: np.ndarray | None = None) -> None:
-        """Go to t₁, and commit the history there."""
+        """Advance to t₁, and commit the history there."""
         self.u, self.v, self.t = u, v, self.t + self.dt
         self.a = self.acceleration(0, u, v) if a is None or "rederived" in self.words else a
         if not {"no commit", "commit at balance", "commit in iterations"} & set(self.words):
@@ -109,7 +109,7 @@ class March:
         self.rows.append((self.u, self.v, self.a))
 
     def fictitious(self, start: str) -> list:
-        """Displacements of Houbolt's method before t = 0, or no more than u₀ where another scheme makes two steps."""
+        """Displacements of Houbolt's method up to t = 0, or only u₀ if another scheme takes the first two steps."""
         if "two steps" in start:
             return [self.u]
         u, v, a, dt = self.u, self.v, self.a, self.dt
@@ -158,7 +158,7 @@ class March:
         self.generalized_alpha(0, -alpha, beta, gamma)
 
     def hht_1996(self, alpha: Any, beta: Any, gamma: Any) -> None:
-        """The same with two weighted forces, and with neither damping nor load weighted."""
+        """The α-method with two weighted forces, and with neither damping nor load weighted."""
         self.words = {*self.words, "two forces", "damping at end", "load at end"}
         self.hht(alpha, beta, gamma)
 
@@ -255,7 +255,7 @@ class March:
         self.move(u, v)
 
     def kr_alpha(self, rho_inf: Any) -> None:
-        """The explicit method of Kolay and Ricles, whose coefficients hold the stiffness at u = 0."""
+        """The explicit method of Kolay and Ricles, whose coefficients depend on the stiffness at u = 0."""
         dt, problem = self.dt, self.problem
         alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
         gamma = problem.numbers.mpf(1) / 2 - alpha_m + alpha_f
@@ -300,9 +300,9 @@ def run(
     scheme
         The part ``scheme`` of a case.
     dt
-        Size of all steps, or the sizes of each.
+        Size of all steps, or the size of each.
     words
-        Changes of the scheme, listed in ``generate.py``.
+        Changes of the scheme, listed in ``variants.py``.
     """
     sizes = [dt] * steps if np.ndim(dt) == 0 else [*dt]
     if "late sizes" in words:

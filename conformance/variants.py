@@ -25,11 +25,11 @@ class Variant(NamedTuple):
     text
         Description of a code with the values of this variant.
     families
-        Families of schemes that it changes.
+        Families of schemes that the variant changes.
     words
         Words for ``schemes.run``.
     change
-        New numbers from those of the scheme.
+        Function that returns new numbers from the numbers of the scheme.
     """
 
     verdict: str
@@ -48,7 +48,7 @@ def _mistake(text, families, *words, change=lambda scheme: {}):
 
 
 def _with(**numbers: str) -> Callable[[Mapping[str, str]], Mapping[str, str]]:
-    """New numbers where the scheme has such numbers."""
+    """New values for those of the given numbers that the scheme has."""
     return lambda scheme: {name: value for name, value in numbers.items() if name in scheme}
 
 
@@ -56,7 +56,7 @@ def _complement(value: str) -> str:
     return str(1 - Fraction(value)) if "/" in value else f"{1 - float(value):.17g}"
 
 
-#: Variants, alternatives first: if two variants have the same values in a case, the first one is named.
+#: Variants, alternatives first. If two variants have the same values in a case, the first one is named.
 VARIANTS = (
     _alternative("two internal forces are weighted", ("hht", "generalized_alpha", "kr_alpha"), "two forces"),
     _alternative("the loads of both ends of the step are weighted", (*ALPHA, "kr_alpha"), "mean of loads"),
@@ -192,7 +192,7 @@ def _cubic_alone(problem: Mapping[str, Any]) -> dict[str, Any]:
     return {**problem, "parameters": {**parameters, "S2": repr(float(parameters["S2"]) / float(parameters["S1"]))}}
 
 
-#: Mistakes that were met after the cases were made, which therefore hold no values of them: words and another problem.
+#: Mistakes found after the cases were made, which therefore have no values for them: words and another problem.
 LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[str, Any]]], ...] = (
     ("the internal force is that of the end of the step", ("force at end",), dict),
     ("the masses that couple unknowns are missing", (), _uncoupled),
@@ -203,7 +203,7 @@ LATER: tuple[tuple[str, tuple[str, ...], Callable[[Mapping[str, Any]], Mapping[s
     ("the cubic term of the force leaves out S1", (), _cubic_alone),
 )
 
-#: Variants of a scheme that differ with unequal steps; cases with such steps have values of these only.
+#: Variants of a scheme that differ with unequal steps; cases with such steps have values of only these variants.
 UNEQUAL = (
     _alternative(
         "the carried acceleration is moved to the new step", ("hht", "generalized_alpha"), "corrected for step"

@@ -1,4 +1,4 @@
-"""Input files from the same cases, for codes that read no JSON: of OpenSees here, of others in ``chains``.
+"""Input files of the cases for codes that read no JSON: here for OpenSees, in ``chains`` for others.
 
 The files of OpenSees are linear and cubic oscillators without moving ground. Each one writes its motion as ``NAME.csv``
 into the folder where it runs; a case without a file is skipped, because it has no result.
@@ -41,7 +41,7 @@ def _integrator(scheme: Mapping[str, str]) -> str | None:
 
 
 def opensees(case: Mapping[str, Any]) -> str | None:
-    """Tcl commands of OpenSees; None for a problem or a scheme that is not written."""
+    """Tcl commands of OpenSees; None for an unsupported problem or scheme."""
     one, integrator = _scalars(case), _integrator(case["scheme"])
     if one is None or integrator is None:
         return None
@@ -69,12 +69,12 @@ close $out
 """
 
 
-#: What writes the file of each ending: OpenSees', Abaqus', and the commands and the mesh of code_aster.
+#: Writer of each file, by its ending: OpenSees, Abaqus, and the commands and the mesh of code_aster.
 WRITERS = {".tcl": opensees, ".inp": abaqus, ".comm": code_aster, ".mail": mesh}
 
 
 def write(chosen: Iterable[Mapping[str, Any]], folder: Path) -> int:
-    """Write the files of the cases that have one, which have equal steps, and return their number."""
+    """Write the files of all supported cases with equal steps, and return their number."""
     folder.mkdir(parents=True, exist_ok=True)
     made = [
         (case["name"] + ending, one(case)) for case in chosen if "dt" in case["run"] for ending, one in WRITERS.items()

@@ -13,7 +13,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]], numbers_from: int 
 def narrowed(
     head: str, rows: str, what: tuple[str, str], placeholder: str, choices: str = "", kind: str = "plain"
 ) -> str:
-    """A table that scrolls by itself, below a form that narrows it down by words; see ``static/table.js``.
+    """A table that scrolls separately, below a form that filters it by words; see ``static/table.js``.
 
     Parameters
     ----------
@@ -51,6 +51,6 @@ def described(description: str, body: str, hide_toc: bool = False) -> str:
 
 
 def found_by(names: Iterable[str]) -> str:
-    """Entries of the index, which the search of the site puts first."""
+    """Entries of the index, which the search of the site lists first."""
     entries = ", ".join(f"! {name.replace('_', ' ')}" for name in names)
     return f"```{{index}} {entries}\n```"

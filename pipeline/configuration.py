@@ -1,4 +1,4 @@
-"""The configuration of the pipeline: its model, put together of the experiments' own, and its check before any work.
+"""The configuration of the pipeline: its model, composed of the models of experiments, and its check before any work.
 
 ``python -m pipeline.configuration`` prints the JSON schema.
 """
@@ -75,8 +75,8 @@ def model_of(experiments: tuple[Experiment | Merged, ...]) -> type[BaseModel]:
                 place[last] = one.model or create_model(last, __config__=_STRICT, **fields)
             except PydanticSchemaGenerationError as error:
                 raise ValueError(
-                    f"{one.module}: the type of an argument of '{one.function.__name__}' is none that a configuration "
-                    f"can hold: {str(error).splitlines()[0]}"
+                    f"{one.module}: the type of an argument of '{one.function.__name__}' cannot be part of a "
+                    f"configuration: {str(error).splitlines()[0]}"
                 ) from None
     own: Any = (OwnSchemes, [])
     return create_model("configuration", __base__=_nested("sections", tree), own_schemes=own)
@@ -104,7 +104,7 @@ _TYPES = {
 
 
 def _sentence(mistake: Any, model: type[BaseModel]) -> str:
-    """One mistake that pydantic found, with the key and what would be right."""
+    """One mistake that pydantic found, with the key and the expected value."""
     location = [part for part in mistake["loc"] if part != "[key]"]
     place, received = _place(location), mistake["input"]
     match mistake["type"]:
@@ -152,7 +152,7 @@ def _plain(kind: Any) -> Any:
 
 
 def check_form(model: type[BaseModel], configuration: Any) -> None:
-    """Refuse unknown and missing keys, wrong types, names that are not listed, and numbers out of bounds.
+    """Refuse unknown and missing keys, wrong types, unknown names, and numbers out of bounds.
 
     Raises
     ------
@@ -167,13 +167,13 @@ def check_form(model: type[BaseModel], configuration: Any) -> None:
     try:
         model.model_validate(configuration, context=_registries())
     except ValidationError as mistakes:
-        # where a key is misspelt another is missing, which is the weaker message
+        # a misspelt key is also reported as a missing key, which is the weaker message
         first = min(mistakes.errors(), key=lambda mistake: mistake["type"] != "extra_forbidden")
         raise ValueError(_sentence(first, model)) from None
 
 
 def _strange_keys(section: Any, place: str):
-    """Keys that are not texts, as YAML makes of ``1:`` or ``yes:``."""
+    """Keys that are not strings, such as ``1:`` or ``yes:`` in YAML."""
     if isinstance(section, Mapping):
         for key, value in section.items():
             if not isinstance(key, str):
@@ -230,7 +230,7 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
 
 
 def register_own(place: str) -> None:
-    """Give a scheme of a user's own, ``FILE.py:NAME``, its name in this process.
+    """Register a user's own scheme, ``FILE.py:NAME``, by its name in this process.
 
     Raises
     ------
@@ -244,7 +244,7 @@ def register_own(place: str) -> None:
 
 
 def _register_own_schemes(configuration: Any) -> None:
-    """Register a user's own schemes, before other sections are read that name them."""
+    """Register a user's own schemes before the sections that name them are read."""
     listed = configuration.get("own_schemes", []) if isinstance(configuration, Mapping) else []
     if not isinstance(listed, list) or not all(isinstance(place, str) for place in listed):
         raise ValueError(f"own_schemes must be a list of FILE.py:NAME, not {listed!r}.")

@@ -47,7 +47,7 @@ def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
         arguments += [f"--steps={one.steps(options, configuration):.9g}", one.module, one.makes[0]]
         arguments += [*(output.replace("{job}", name) for output in outputs), json.dumps(options)]
         files = [*map(dataset, one.reads(options)), *one.files(options), *(place.rpartition(":")[0] for place in ours)]
-        # the command imports all schemes, and those of the options alone count
+        # the command imports all schemes, but the job depends only on those of its options
         return job(arguments, [*files, command, *sources.of([one.module, *sorted(modules)])])
 
     return Step(
@@ -61,10 +61,10 @@ def _made_by(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
 
 
 def _gathered(name: str, dimensions: str, parts: Iterable[str], sources: Sources) -> Step:
-    """The step that puts datasets together."""
+    """The step that combines datasets."""
     files = [dataset(part) for part in parts]
     one = job(["pipeline.gather", dataset(name), dimensions, *files], [*files, *sources.of(["pipeline.gather"])])
-    message = f"Dataset {name} of its {len(files)} parts"
+    message = f"Dataset {name} from its {len(files)} parts"
     return Step(f"gathered_{name.replace('/', '_')}", message, (dataset(name),), {"": one}, quick=True)
 
 
@@ -82,7 +82,7 @@ def _drawn(one: Experiment, configuration: Mapping, sources: Sources) -> Step:
 
 
 def steps_of(experiments: Iterable[Experiment | Merged], configuration: Mapping, sources: Sources) -> list[Step]:
-    """The steps of all experiments, each followed by what puts the datasets of its jobs together."""
+    """The steps of all experiments, each followed by the step that combines the datasets of its jobs."""
     steps: list[Step] = []
     for one in experiments:
         if isinstance(one, Merged):

@@ -1,4 +1,4 @@
-"""Put datasets together: ``python -m pipeline.gather OUTPUT DIMENSIONS INPUT...``.
+"""Combine datasets: ``python -m pipeline.gather OUTPUT DIMENSIONS INPUT...``.
 
 Datasets of one form are concatenated along a dimension, or along several (``rows,columns``) when they are given row by
 row. Datasets that complement each other are merged; their dimension is ``none``.
@@ -15,7 +15,7 @@ from study.io import NotWritten, check_writable, provenance, read, write
 
 
 def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
-    """Concatenate along the first dimension; before that, along the others what shares a place on the first."""
+    """Concatenate along the first dimension, after parts with equal coordinates there are joined along the others."""
     first, *others = dimensions
     if others:
         parts = [_along(others, group) for _, group in groupby(parts, lambda part: part[first].values.tolist())]
@@ -24,7 +24,7 @@ def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
 
 
 def main(output: str, dimensions: str, inputs: list[str]) -> None:
-    """Put datasets together in the order given, under the title of the first.
+    """Combine datasets in the given order, under the title of the first.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def main(output: str, dimensions: str, inputs: list[str]) -> None:
 
 def _gather(path: Path, dimensions: str, inputs: list[str]) -> None:
     parts = [read(name) for name in inputs]
-    # the encoding of the first part would cut names to its own length
+    # the encoding of the first part would truncate longer names
     parts = [part.drop_encoding() for part in parts]
     if dimensions == "none":
         dataset = xr.merge(parts, join="outer", combine_attrs="override")

@@ -1,8 +1,8 @@
 """Run a module as a job of the pipeline: ``python -S pipeline/job.py MODULE ARGUMENT...``.
 
-The worker of the run, which has imported the study, forks a child for it (:mod:`pipeline.worker`). Without a worker, as
-on the node of a cluster or by hand, or in another environment than the worker's, this is ``python -m MODULE
-ARGUMENT...``. The script imports nothing of the study, so that it starts in hundredths of a second.
+The worker of the run, which has imported the study, forks a child for the job (:mod:`pipeline.worker`). Without a
+worker, on the node of a cluster, or in another environment than the worker's, the script runs ``python -m MODULE
+ARGUMENT...``. The script imports no module of the study, so that it starts in hundredths of a second.
 """
 
 import json

@@ -10,8 +10,8 @@ _TYPES = {"integer": "whole number", "number": "number", "string": "text", "bool
 _BOUNDS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
 _HEAD = """# Configuration
 
-`study.yaml` is the short study, and `full.yaml`, laid over it, the full one. `environment.yaml` lists the packages for
-`snakemake --sdm conda`. A file of your own, laid over `study.yaml` by `--configfile FILE`, holds only what differs.
+`study.yaml` is the short study. `full.yaml`, laid over it, is the full study. `environment.yaml` lists the packages for
+`snakemake --sdm conda`. Your own file, laid over `study.yaml` by `--configfile FILE`, needs only the keys that differ.
 A list replaces a whole list. Other keys and values are refused before any work.
 
 `NAME` stands for a name of your choice and `[]` for each item of a list. The word `all` in place of a list of schemes
@@ -32,7 +32,7 @@ def _value(kind: Mapping[str, Any]) -> str:
 
 
 def _rows(key: str, kind: Mapping[str, Any], needed: bool, schema: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
-    """The key and the keys below it, with their types and whether they may be left out."""
+    """The key and the keys below it, with their types, and whether they are optional."""
     kind = schema["$defs"][kind["$ref"].rpartition("/")[2]] if "$ref" in kind else kind
     if "properties" in kind:
         for name, one in kind["properties"].items():

@@ -8,9 +8,9 @@ from paper.products import Product
 from pipeline.sources import Sources
 from pipeline.step import Step, job
 
-#: Folder and formats of each kind of product with files of its own; the report shows the last format.
+#: Folder and formats of each kind of product with separate files; the report shows the last format.
 _FILES = {"figure": ("results/figures", ("pdf", "png", "svg")), "page": ("results", ("html",))}
-#: Module that makes all products of a kind at once, its output, and the formats if each product has its own files.
+#: Module that makes all products of a kind at once, its output, and the formats if each product has separate files.
 _WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "table": ("tables", "results/tables", ("csv", "tex")),
     "claim": ("claims", "results/claims.csv", ()),
@@ -35,7 +35,7 @@ def _data(products: Iterable[Product]) -> list[str]:
 
 
 def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
-    """The step that makes every figure or page, a job each."""
+    """The step that makes all figures or pages, with one job for each."""
     folder, formats = _FILES[kind]
     jobs = {
         one.name: job(
@@ -50,7 +50,7 @@ def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
 
 
 def _of_all(kind: str, products: list[Product], sources: Sources) -> Step:
-    """The step that makes all tables, claims or numbers, which take less time than a process to start."""
+    """The step that makes all tables, claims or numbers in one job; a process would take longer to start."""
     name, output, formats = _WHOLES[kind]
     outputs = tuple(f"{output}/{one.name}.{form}" for one in products for form in formats) or (output,)
     modules = [f"paper.{name}.__main__", *(one.module for one in products)]
@@ -77,7 +77,7 @@ def steps_of(products: list[Product], root: Path, sources: Sources) -> list[Step
 
 
 def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) -> None:
-    """Refuse files of the results that a product reads, if one is a dataset that the configuration does not make.
+    """Refuse a product that reads a dataset that the configuration does not make.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def check_datasets(label: str, files: Iterable[str], datasets: Iterable[str]) ->
 
 
 def check_places(products: Iterable[Product]) -> None:
-    """Refuse a table, claim or number outside of the folder that the module of its kind reads.
+    """Refuse a table, claim or number that is declared outside of the folder of its kind.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The files that a job depends on, so that only the users of a changed module are made again."""
+"""The files that a job depends on, so that a changed module affects only the jobs that use it."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -7,9 +7,9 @@ import grimp
 
 #: Modules that declare options and do not affect results.
 _DECLARATIONS = ("study.declaration.experiment", "study.declaration.options", "study.declaration.checks")
-#: Modules of ``study`` that run before any other, which imports do not show.
+#: Modules of ``study`` that run before all others; the graph of imports does not include them.
 _FIRST = ("study.settings",)
-#: Files next to a module that it reads: printed numbers, styles, and parts of the explorer.
+#: Suffixes of data files next to a module: printed numbers, styles, and parts of the explorer.
 _DATA = (".csv", ".js", ".css", ".html", ".mplstyle")
 
 

@@ -1,4 +1,4 @@
-"""The start of a call of Snakemake: its plan, lock and worker. It imports the standard library alone."""
+"""The start of a call of Snakemake: its plan, lock and worker. It imports only the standard library."""
 
 import fcntl
 import hashlib
@@ -15,7 +15,7 @@ from typing import Any
 ROOMS = ("study", "reference", "pipeline", "paper", "docs")
 #: The plan of the last call, and the files of a run: its lock, and the socket of its worker.
 PLAN, LOCK, SOCKET = (Path(".snakemake", name) for name in ("plan.json", "lock", "worker"))
-#: Bytes that must be free before a run begins.
+#: Minimum number of free bytes before a run begins.
 ROOM = 2**24
 
 
@@ -92,7 +92,7 @@ def _worker() -> subprocess.Popen:
         listener.listen(1000)
         number = listener.fileno()
         command = [sys.executable, "-m", "pipeline.worker", str(number)]
-        environment = os.environ | {"OMP_NUM_THREADS": "1"}  # each core has a job already
+        environment = os.environ | {"OMP_NUM_THREADS": "1"}  # each core already has a job
         return subprocess.Popen(
             command, pass_fds=[number], stdin=subprocess.PIPE, start_new_session=True, env=environment
         )
@@ -104,7 +104,7 @@ def _cancel_queued() -> None:
         command = ["squeue", "--me", "--noheader", "--format=%i|%k|%Z"]
         listed = subprocess.run(command, capture_output=True, text=True).stdout.splitlines()
         jobs = [line.split("|", 2) for line in listed]
-        # Snakemake comments its jobs so; other jobs of the folder, including this run, stay
+        # Snakemake sets such comments on its jobs; other jobs of the folder, including this run, continue
         ours = [
             job for job, comment, place in jobs if comment.startswith(("rule_", "group_")) and place == str(Path.cwd())
         ]

@@ -28,15 +28,15 @@ class Step:
     name, message
         Name of the rule, and its message when it starts.
     outputs
-        Files that it makes, with ``{job}`` for the name of the job where there are several.
+        Files that the step makes, with ``{job}`` for the name of the job if there are several.
     jobs
         The jobs by name; the name of a single job is empty.
     temporary
         Whether the outputs are removed when they have been used.
     alone
-        Whether the job measures times, so that no other may run at the same time.
+        Whether the jobs measure times, so that no other job may run at the same time.
     quick
-        Whether its jobs take seconds, so that they run on the login node of a cluster.
+        Whether the jobs take only seconds and run on the login node of a cluster.
     group
         Name of a group whose jobs a cluster runs as one.
     report

@@ -1,8 +1,8 @@
 """The process that forks a child for each job of a local run: ``python -m pipeline.worker LISTENER < PIPE``.
 
-It imports the study, JAX, the solvers and matplotlib once, which takes each process two seconds. LISTENER is the number
-of a listening socket, and PIPE has the run of Snakemake at its other end. Worker and children end when that run ends,
-even if it is killed, and a child ends with the command that requested it (:mod:`pipeline.job`).
+The process imports the study, JAX, the solvers and matplotlib once, which would take two seconds in each job. LISTENER
+is the number of a listening socket, and PIPE has the run of Snakemake at its other end. Worker and children end when
+that run ends, even if it is killed, and a child ends with the command that requested it (:mod:`pipeline.job`).
 """
 
 import gc

@@ -2,7 +2,7 @@
 
 It solves for (u, v). Symplectic Euler is one of its solvers; the others are its explicit and diagonally implicit
 Runge-Kutta solvers with the tableau of the scheme: average acceleration is the trapezoidal rule, Bathe's method has
-three stages. The equations are those of the study, as JAX must differentiate them.
+three stages. The equations are those of the study, because JAX must differentiate them.
 """
 
 import json
@@ -16,7 +16,7 @@ import optimistix
 from conformance.tools.time_integration_study import problem_of
 from study.mechanics.balance import acceleration
 
-#: Newton's iterations end at a correction of this part of the state, so that the error is its square.
+#: Relative correction at which Newton's iteration ends; the error is about its square.
 _TOLERANCE = 1e-10
 
 
@@ -30,7 +30,7 @@ def _solver(rows, weights) -> Any:
         b_error=np.zeros(len(weights)),
         c=np.array([sum(row) for row in rows[1:]]),
         a_diagonal=diagonal if implicit else None,
-        # each stage begins with the slope of the one before
+        # each stage starts from the slope of the previous stage
         a_predictor=tuple(np.eye(len(row))[-1] for row in lower) if implicit else None,
     )
 

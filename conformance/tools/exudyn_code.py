@@ -1,7 +1,7 @@
 """Exudyn, a multibody code: ``python -m conformance conformance.tools.exudyn_code:step``.
 
-Its generalized-α method is chosen by ρ∞ alone, Newmark's by β and γ. Forces other than K u are user functions, whose
-tangent it finds by differences.
+Exudyn's generalized-α method has ρ∞ as its only parameter, and its Newmark method has β and γ. Forces other than K u
+are user functions, whose tangent Exudyn computes by differences.
 """
 
 from typing import Any
@@ -12,7 +12,7 @@ from exudyn.utilities import NodeGenericODE2, ObjectGenericODE2, SensorNode
 
 
 def _settings(scheme, dt, steps):
-    """Simulation settings and the solver of a scheme; None for a scheme that it does not have."""
+    """Simulation settings and the solver of a scheme; None for an unsupported scheme."""
     settings: Any = exudyn.SimulationSettings()
     integration = settings.timeIntegration
     integration.numberOfSteps, integration.endTime = steps, dt * steps

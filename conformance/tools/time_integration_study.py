@@ -23,7 +23,7 @@ _ARRAYS = ("u0", "v0", "mass", "damping")
 #: Rows of the longest case.
 _ROWS = 321
 
-#: Loads of zero, so that problems with and without a load share a program.
+#: Zero loads, so that problems with and without a load share a compiled program.
 _NO_LOAD, _NO_GROUND = {"frequency": 0, "phase": 0}, {"acceleration": [0] * 17, "dt": 1}
 
 _STARTS = {"linear acceleration": "linear_acceleration", "taylor": "taylor"}
@@ -45,7 +45,7 @@ class _Smooth(eqx.Module):
 
 
 class _Sine(eqx.Module):
-    """A stiff spring and a soft one with a sine in a row."""
+    """A stiff spring in series with a soft sine spring."""
 
     k1: np.ndarray
     k2: np.ndarray
@@ -81,7 +81,7 @@ def _force(form, parameters, n):
 
 @cache
 def problem_of(written):
-    """The problem of a case, a text in JSON, as one of the study."""
+    """The problem of a case, given as JSON, as a problem of the study."""
     text = json.loads(written)
     n, (u0, v0, mass, damping) = len(text["u0"]), (np.array(text[name], float) for name in _ARRAYS)
     load, ground = text.get("load", _NO_LOAD | {"amplitude": [0] * n}), text.get("ground", _NO_GROUND)
@@ -100,8 +100,8 @@ def problem_of(written):
 
 
 def scheme_of(text):
-    """The scheme of a case as one of the study."""
-    # NumPy numbers are arguments of a compiled program, Python numbers would be constants in it
+    """The scheme of a case as a scheme of the study."""
+    # NumPy numbers become arguments of a compiled program; Python numbers would become constants
     numbers = {name: np.float64(value) for name, value in text.items() if name not in ("family", "start")}
     makers: dict[str, Callable[..., study.Scheme]] = {
         "newmark": study.Newmark,
@@ -142,7 +142,7 @@ def _march(problem, scheme, times, sizes, steps):
 
 
 def step(problem, scheme, dt, steps):
-    """Displacement, velocity and, where the scheme carries it, acceleration at 0 and after each step."""
+    """Displacement, velocity and, if the scheme carries it, acceleration at t = 0 and after each step."""
     ours = scheme_of(scheme)
     sizes = np.full(_ROWS, dt if np.ndim(dt) == 0 else 0.0)
     times = np.arange(_ROWS) * sizes
