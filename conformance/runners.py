@@ -78,7 +78,7 @@ def _arrays(found: Any) -> Motion:
                 None if values is None and name != "u" else np.asarray(values, float).reshape(len(values), -1)
             )
         except (TypeError, ValueError):
-            raise ValueError(f"{name} must be an array of numbers, with a row at t = 0 and one a step") from None
+            raise ValueError(f"{name} must be an array of numbers, with a row at t = 0 and one per step") from None
     return motion
 
 
@@ -190,7 +190,7 @@ def _checked(case: Mapping[str, Any], part: int, motion: Motion, t: np.ndarray |
     shape = steps + 1, len(case["problem"]["u0"])
     for name, values in motion.items():
         if values is not None and values.shape != shape:
-            raise ValueError(f"{name} has the shape {values.shape}, not {shape}: a row at t = 0 and one a step")
+            raise ValueError(f"{name} has the shape {values.shape}, not {shape}: a row at t = 0 and one per step")
     if t is not None and (wrong := np.flatnonzero(~(abs(t - ends) < np.min(dt) / 100))).size:
         raise ValueError(f"t is {t[wrong[0]]:g} after {wrong[0]} steps, and not {ends[wrong[0]]:g}")
     return motion

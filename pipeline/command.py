@@ -68,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """
     parser = argparse.ArgumentParser("python -m pipeline.command", description="Make the datasets of one job.")
     parser.add_argument("--scheme", action="append", default=[], metavar="FILE.py:NAME", help="a scheme of your own")
-    parser.add_argument("--steps", type=float, help="number of steps that the experiment promises")
+    parser.add_argument("--steps", type=float, help="declared number of steps of the experiment")
     parser.add_argument("module")
     parser.add_argument("dataset")
     parser.add_argument("outputs", nargs="+", metavar="OUTPUT")
@@ -87,11 +87,11 @@ def _check_steps(declared: Experiment, promised: float) -> None:
 
     Timed experiments repeat their runs, and small jobs round to whole numbers of steps; both are not checked.
     """
-    progress(f"steps: {promised:.3g} promised, {Work.steps:.3g} taken")
+    progress(f"steps: {promised:.3g} declared, {Work.steps:.3g} taken")
     too_few = 0 < 2 * Work.steps < promised and not declared.stops_early
     if not declared.timed and max(promised, Work.steps) > FEW and (too_few or Work.steps > 2 * promised):
         raise SystemExit(
-            f"{declared.module} promises {promised:.3g} steps and takes {Work.steps:.3g}: correct `steps` in its "
+            f"{declared.module} declares {promised:.3g} steps and takes {Work.steps:.3g}: correct `steps` in its "
             "declaration, which bounds the work of a configuration."
         )
 

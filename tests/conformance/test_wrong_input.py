@@ -58,7 +58,7 @@ def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence(monk
     causes = {one.name: one.cause for one in outcomes}
     assert causes["A-LIN-WIL"] == "the code raises ZeroDivisionError: division by zero"
     assert causes["A-LIN-HOU"] == "values are not finite from step 0 on"
-    assert causes["A-LIN-AVG"] == "u has the shape (2, 1), not (3, 1): a row at t = 0 and one a step"
+    assert causes["A-LIN-AVG"] == "u has the shape (2, 1), not (3, 1): a row at t = 0 and one per step"
 
 
 @pytest.mark.parametrize(
@@ -67,8 +67,8 @@ def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence(monk
         (None, "the function must return u, v and, if it has it, a"),
         ({"u": 0, "v": 0}, "the function must return u, v and, if it has it, a"),
         ([np.zeros((3, 1))] * 4, "the function must return u, v and, if it has it, a"),
-        ([np.zeros((3, 1)), [["a"]] * 3], "v must be an array of numbers, with a row at t = 0 and one a step"),
-        ([None, np.zeros((3, 1))], "u must be an array of numbers, with a row at t = 0 and one a step"),
+        ([np.zeros((3, 1)), [["a"]] * 3], "v must be an array of numbers, with a row at t = 0 and one per step"),
+        ([None, np.zeros((3, 1))], "u must be an array of numbers, with a row at t = 0 and one per step"),
     ],
 )
 def test_a_function_that_returns_no_motion_fails_with_a_sentence(found, sentence, monkeypatch):
@@ -105,7 +105,7 @@ _TABLE = "out.csv must be a line of names and rows of as many numbers, with comm
         (
             "printf 't, u1\\n0,1\\n1,1\\n' > {out}",
             "fail",
-            "u has the shape (2, 1), not (3, 1): a row at t = 0 and one a step",
+            "u has the shape (2, 1), not (3, 1): a row at t = 0 and one per step",
         ),
         ("printf 't,u1\\n0,1\\n1,1\\n2,1\\n' > {out}", "fail", "t is 1 after 1 steps, and not 0.05"),
         ("printf 't,u1\\n0,1\\n.05,nan\\n.1,1\\n' > {out}", "fail", "values are not finite from step 1 on"),

@@ -67,7 +67,7 @@ def _unbounded(samples: np.ndarray):
     "function, sentence",
     [
         (_untyped, "the argument 'steps' of '_untyped' needs a type, which bounds its option in the configuration."),
-        (_unbounded, "the type of an argument of '_unbounded' is none that a configuration can hold: "),
+        (_unbounded, "the type of an argument of '_unbounded' cannot be part of a configuration: "),
     ],
 )
 def test_an_experiment_with_an_option_without_bounds_is_refused(function, sentence):
