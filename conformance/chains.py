@@ -1,7 +1,7 @@
 """Input files of Abaqus and code_aster for linear structures: masses on a line, with springs and dashpots in between.
 
-They follow the manuals of both codes, and neither code has run them. The comment at the head of a file describes how
-its motion becomes the table ``NAME.csv``.
+The files follow the manuals of both codes, but neither code has run them. The comment at the head of a file describes
+the table ``NAME.csv`` of its motion.
 """
 
 import math
@@ -19,7 +19,7 @@ class Chain(NamedTuple):
     forces
         Amplitude of the harmonic load of every unknown.
     ground
-        Times and accelerations of the ground; empty if it rests.
+        Times and accelerations of the ground; empty if the ground is at rest.
     """
 
     mass: list[float]
@@ -91,7 +91,7 @@ def _amplitude(one: Chain, i: int) -> str:
 
 
 def abaqus(case: Mapping[str, Any]) -> str | None:
-    """Keywords of Abaqus/Standard; None for a problem or a scheme that is not written."""
+    """Keywords of Abaqus/Standard; None for an unsupported problem or scheme."""
     one, operator = chain(case["problem"]), _operator(case["scheme"])
     if one is None or operator is None:
         return None
@@ -160,7 +160,7 @@ def mesh(case: Mapping[str, Any]) -> str | None:
 
 
 def code_aster(case: Mapping[str, Any]) -> str | None:
-    """Commands of code_aster, in Python; None for a problem or a scheme that is not written."""
+    """Commands of code_aster, in Python; None for an unsupported problem or scheme."""
     one, schema = chain(case["problem"]), _schema(case["scheme"])
     if one is None or schema is None:
         return None
@@ -181,7 +181,7 @@ def code_aster(case: Mapping[str, Any]) -> str | None:
         for name, values in (("u0", one.u0), ("v0", one.v0))
     }
     nodal = ", ".join(f'_F(GROUP_NO="N{i}", FX={f!r})' for i, f in zip(free, forces, strict=True))
-    # an absolute tolerance, as the relative one divides by external forces, which a free motion lacks
+    # absolute, because a relative tolerance divides by external forces, which are zero in free motion
     largest = max(map(abs, [*one.pull, *one.forces, *(m * a for m in one.mass for _, a in one.ground)]))
     columns = {
         f"{name}{i}": f'RECU_FONCTION(RESULTAT=motion, NOM_CHAM="{field}", NOM_CMP="DX", GROUP_NO="N{i}")'

@@ -48,7 +48,7 @@ STABLE = ("AVG", "DIS", "WIL", "HOU", "HHT", "H96", "WBZ", "GEN", "BAT", "RBA", 
 
 
 class Entry(NamedTuple):
-    """A problem with its step, which makes a case with every scheme.
+    """A problem with its step; each scheme makes one case of it.
 
     Attributes
     ----------
@@ -185,7 +185,7 @@ def _level_d() -> Iterator[Entry]:
     yield Entry("D-DUF", f"{title} with two wells, damped and loaded", why, problem, "0.2", 20, (1, 6, 20), _MAIN)
     why = "The error must fall with the order of the scheme, with damping and load too."
     problem = _problem("cubic", "1", "0.3", damping="0.4", loads=_load("0.8", "1.3", "0.3"), S1="1", S2="0.5")
-    # KR-α is of first order, but not yet at these steps
+    # KR-α is of first order only at smaller steps
     schemes = tuple(code for code in SCHEMES if code != "KRA")
     yield Entry("D-ORDER", "order with damping and load", why, problem, "0.05", 40, schemes=schemes, kind="order")
 

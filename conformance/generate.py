@@ -87,7 +87,7 @@ def _differ(first: list[np.ndarray], second: list[np.ndarray], expected: list[di
 
 
 def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> Iterator[dict]:
-    """Alternatives and mistakes that show in this case, each with its values."""
+    """Alternatives and mistakes that this case distinguishes, each with its values."""
     seen = [_values(entry, _march(entry, scheme), expected)]
     for variant in UNEQUAL if entry.sizes else VARIANTS:
         if scheme["family"] not in variant.families:
@@ -95,7 +95,7 @@ def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> 
         changed = {**scheme, **variant.change(scheme)}
         try:
             values = _values(entry, _march(entry, changed, variant.words), expected)
-        except (ArithmeticError, OverflowError):  # an iteration that does not end gives no values
+        except (ArithmeticError, OverflowError):  # an iteration that does not converge gives no values
             continue
         stable = all(max(abs(a)) <= UNSTABLE * float(one["scale"]) for a, one in zip(values, expected, strict=False))
         if stable and all(_differ(values, other, expected) for other in seen):

@@ -103,7 +103,7 @@ class Problem:
         return np.diag(slope)
 
     def energy(self, u: np.ndarray, v: np.ndarray) -> Any:
-        """½ u̇ᵀ M u̇ + V(u) of a linear force, or of a cubic one with one unknown."""
+        """½ u̇ᵀ M u̇ + V(u) for a linear force, or for a cubic force with one unknown."""
         p = self._parameters
         if self.text["form"] == "linear":
             return (v @ self.mass @ v + u @ p["stiffness"] @ u) / 2

@@ -34,7 +34,7 @@ def summary(verdicts: Sequence[Verdict], tool: str, version: str, note: str) -> 
 
 
 def table(verdicts: Sequence[Verdict]) -> str:
-    """Verdicts other than pass and skip, one a line, and the counts of all verdicts."""
+    """Verdicts other than pass and skip, one per line, and the counts of all verdicts."""
     lines = [
         f"{one.name:16} {one.verdict:8} {'' if one.digits is None else f'{one.digits:4.1f}':5} {one.cause}".rstrip()
         for one in verdicts

@@ -104,7 +104,7 @@ class March:
         return x
 
     def move(self, u: np.ndarray, v: np.ndarray, a: np.ndarray | None = None) -> None:
-        """Go to t₁, and commit the history there."""
+        """Advance to t₁, and commit the history there."""
         self.u, self.v, self.t = u, v, self.t + self.dt
         self.a = self.acceleration(0, u, v) if a is None or "rederived" in self.words else a
         if not {"no commit", "commit at balance", "commit in iterations"} & set(self.words):
@@ -305,7 +305,7 @@ def run(
     dt
         Common size of all steps, or an array with the size of each step.
     words
-        Changes of the scheme, listed in ``generate.py``.
+        Changes of the scheme, listed in ``variants.py``.
     """
     sizes = [dt] * steps if np.ndim(dt) == 0 else [*dt]
     if "late sizes" in words:

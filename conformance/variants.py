@@ -56,7 +56,7 @@ def _complement(value: str) -> str:
     return str(1 - Fraction(value)) if "/" in value else f"{1 - float(value):.17g}"
 
 
-#: Variants, alternatives first: if two variants have the same values in a case, the first one is named.
+#: Variants, alternatives first. If two variants have the same values in a case, the first one is named.
 VARIANTS = (
     _alternative("two internal forces are weighted", ("hht", "generalized_alpha", "kr_alpha"), "two forces"),
     _alternative("the loads of both ends of the step are weighted", (*ALPHA, "kr_alpha"), "mean of loads"),

@@ -41,7 +41,7 @@ def _integrator(scheme: Mapping[str, str]) -> str | None:
 
 
 def opensees(case: Mapping[str, Any]) -> str | None:
-    """Tcl commands of OpenSees; None for a problem or a scheme that is not written."""
+    """Tcl commands of OpenSees; None for an unsupported problem or scheme."""
     one, integrator = _scalars(case), _integrator(case["scheme"])
     if one is None or integrator is None:
         return None

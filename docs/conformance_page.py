@@ -72,5 +72,5 @@ def conformance_page() -> str:
         _overview(codes),
         *filter(None, map(_causes, codes)),
     ]
-    sentence = "A kit of cases that shows whether the time integrator of a code does what its name says."
+    sentence = "A kit of cases that checks whether the time integrator of a code implements the scheme of its name."
     return described(sentence, "\n\n".join(parts) + "\n")

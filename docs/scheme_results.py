@@ -202,7 +202,7 @@ def work(subject: "Subject", data: Mapping[str, Any]) -> str:
         f"Largest error of the displacement over {_LONG} periods against the forces evaluated: {subject.scheme.title} "
         "with points, the other schemes of the dataset with thin lines."
     )
-    measured = table(["problem", "time of a step, ns", "forces per step"], rows)
+    measured = table(["problem", "time per step, ns", "forces per step"], rows)
     return f"{figure_of(panels, caption)}\n\n{measured}\n\nTimes depend on the machine; the dataset holds every repeat."
 
 

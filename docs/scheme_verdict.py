@@ -99,7 +99,7 @@ def _steps(subject: "Subject", library: "Library") -> str:
         return ""
     head = ["problem", *(f"{100 * error:g} %" for error in ERRORS), f"fewest forces for {100 * COMPARED:g} %"]
     return (
-        "Steps in a period, and in brackets the forces evaluated in it, for an error of the displacement:\n\n"
+        "Steps per period, and in brackets forces per period, for an error of the displacement:\n\n"
         + table(head, rows, numbers_from=len(head))
         + f"\n\nAll finer steps keep the error too, and the energies to {percent(LEVEL)}. On the hardening and the "
         "softening spring the error is the largest over a hundred periods, in which the phase error grows. The "

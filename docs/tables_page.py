@@ -9,7 +9,7 @@ import pandas as pd
 from docs.plan import LEDGER, TABLES
 from docs.text import described, narrowed
 
-#: Columns of the ledger, in the order in which its page has them.
+#: Columns of the ledger, in the order of its page.
 _COLUMNS = ("No.", "Verdict", "Claim", "Printed", "Ours", "Decided by", "Whose")
 
 
@@ -54,7 +54,7 @@ def claims_page(results: Path) -> str:
     text = f"""# Ledger of claims
 
 {len(ledger)} claims: {counted}. A verdict follows from the datasets by the rule under “decided by”. The words of the
-paper of 1996 stand in quotation marks. `results/claims.csv` has the same rows.
+paper of 1996 are in quotation marks. `results/claims.csv` has the same rows.
 
 {table}"""
     description = (
@@ -76,7 +76,7 @@ def _section(title: str, about: str, frame: pd.DataFrame) -> str:
 
 
 def tables_page(results: Path) -> str:
-    """The page of all tables but the ledger, each with a filter by words."""
+    """The page of all tables except the ledger, each with a filter by words."""
     shown = [one for one in TABLES if one.name != LEDGER]
     sections = [
         _section(one.title, (one.function.__doc__ or "").strip().splitlines()[0], _read(results, one.name))

@@ -51,6 +51,6 @@ def described(description: str, body: str, hide_toc: bool = False) -> str:
 
 
 def found_by(names: Iterable[str]) -> str:
-    """Entries of the index, which the search of the site puts first."""
+    """Entries of the index, which the search of the site lists first."""
     entries = ", ".join(f"! {name.replace('_', ' ')}" for name in names)
     return f"```{{index}} {entries}\n```"

@@ -7,13 +7,13 @@ import numpy as np
 
 import study
 
-#: Steps over period of the curves, and of the order, which needs fine ones.
+#: Step sizes over period of the curves and of the order, which needs fine steps.
 PARTS = np.logspace(-3, 3, 601)
-#: Steps a period of the rule of thumb, at which pages give numbers.
+#: Steps per period of the rule of thumb, at which pages give numbers.
 STEPS = 20
 #: Damping ratio of the oscillator that shows the order with damping.
 DAMPED = 0.1
-#: A loss of amplitude a period below this is round-off.
+#: Loss of amplitude per period below which it counts as round-off.
 ROUND_OFF = 1e-9
 
 
@@ -25,7 +25,7 @@ class Theory(NamedTuple):
     radius, elongation, damping
         Spectral radius; relative elongation of the period and damping ratio, which are NaN where nothing oscillates.
     elongation_of_rule, decay_of_rule
-        Relative elongation of the period and loss of amplitude a period at :data:`STEPS` steps a period.
+        Relative elongation of the period and loss of amplitude per period at :data:`STEPS` steps per period.
     order, order_with_damping
         Measured order without and with damping; NaN if the errors are round-off.
     limit
@@ -35,11 +35,11 @@ class Theory(NamedTuple):
     growth
         Exponents of ωΔt with which the first step grows, from :meth:`study.LinearTheory.growth`.
     overshoot
-        Largest displacement and velocity of 64 steps from rest over their sizes, less one, over all stable step sizes.
+        Largest displacement and velocity of 64 steps from rest over their sizes, minus one, over all stable step sizes.
     memory
         Number of vectors of the size of u in the state that a step passes to the next.
     forces
-        Forces that a step evaluates at :data:`STEPS` steps a period of the undamped linear oscillator.
+        Forces that a step evaluates at :data:`STEPS` steps per period of the undamped linear oscillator.
     """
 
     radius: np.ndarray

@@ -1,4 +1,4 @@
-"""Pack a finished study for others: ``python -m pipeline.archive PROJECT OUTPUT``, where its results lie.
+"""Pack a finished study for others: ``python -m pipeline.archive PROJECT OUTPUT``, next to ``results``.
 
 The archive is a Workflow Run RO-Crate. It holds the sources, the configuration that was used with the files that it
 names, and the results. ``ro-crate-metadata.json`` describes the run: inputs of each product, versions, machine and
@@ -31,12 +31,12 @@ PROFILES = {
 }
 #: Configuration of the last run that was not a dry run.
 CONFIGURATION = RESULTS / "configuration.json"
-#: Folders of the project that hold no sources.
+#: Folders of the project without sources.
 _NO_SOURCES = {"results", "build", "__pycache__"}
 
 
 def sources(project: Path) -> list[Path]:
-    """The tracked and the new files of a checkout; without Git, all files that are not hidden or products."""
+    """The tracked and the new files of a checkout; without Git, all files except hidden ones and products."""
     if tracked := _listed(project, "--cached"):
         new = [file for file in _listed(project, "--others", "--exclude-standard") if not _is_hidden(file)]
         return [*tracked, *new]
@@ -50,7 +50,7 @@ def sources(project: Path) -> list[Path]:
 
 
 def _listed(project: Path, *options: str) -> list[Path]:
-    """The files that Git lists; none without Git."""
+    """The files that Git lists; an empty list without Git."""
     listed = subprocess.run(["git", "ls-files", "-z", *options], cwd=project, capture_output=True, text=True)
     return [Path(name) for name in listed.stdout.split("\0") if name and (project / name).is_file()]
 

@@ -1,7 +1,7 @@
 """The command that runs an experiment.
 
 ``python -m pipeline.command [--scheme=FILE.py:NAME ...] [--steps=N] MODULE DATASET OUTPUT... 'JSON OPTIONS'`` makes the
-datasets of one job. Each ``--scheme`` is a user's scheme that the options name; N is the declared number of steps.
+datasets of one job. Each ``--scheme`` is a user's own scheme that the options name; N is the declared number of steps.
 """
 
 import argparse
@@ -83,7 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def _check_steps(declared: Experiment, promised: float) -> None:
-    """Refuse an experiment that takes twice the declared number of steps, or half of it.
+    """Refuse an experiment with more than twice or less than half of the declared number of steps.
 
     Timed experiments repeat their runs, and small jobs round to whole numbers of steps; both are not checked.
     """

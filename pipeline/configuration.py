@@ -152,7 +152,7 @@ def _plain(kind: Any) -> Any:
 
 
 def check_form(model: type[BaseModel], configuration: Any) -> None:
-    """Refuse unknown and missing keys, wrong types, names that are not listed, and numbers out of bounds.
+    """Refuse unknown and missing keys, wrong types, unknown names, and numbers out of bounds.
 
     Raises
     ------
@@ -219,12 +219,12 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
             if (values := one.values(options, whole)) > MOST_VALUES:
                 raise ValueError(
                     f"{place} needs {values:.1e} numbers at once, and more than {MOST_VALUES:.0e} take over "
-                    "two gigabytes: ask for fewer or shorter runs."
+                    "two gigabytes: reduce the number or the length of runs."
                 )
     if steps > MOST_STEPS:
         raise ValueError(
             f"the configuration needs {steps:.1e} steps in all, and more than {MOST_STEPS:.0e} would take days: "
-            "ask for fewer or shorter runs."
+            "reduce the number or the length of runs."
         )
     return whole
 

@@ -64,7 +64,7 @@ def _gathered(name: str, dimensions: str, parts: Iterable[str], sources: Sources
     """The step that combines datasets."""
     files = [dataset(part) for part in parts]
     one = job(["pipeline.gather", dataset(name), dimensions, *files], [*files, *sources.of(["pipeline.gather"])])
-    message = f"Dataset {name} of its {len(files)} parts"
+    message = f"Dataset {name} from its {len(files)} parts"
     return Step(f"gathered_{name.replace('/', '_')}", message, (dataset(name),), {"": one}, quick=True)
 
 

@@ -1,4 +1,4 @@
-"""Put datasets together: ``python -m pipeline.gather OUTPUT DIMENSIONS INPUT...``.
+"""Combine datasets: ``python -m pipeline.gather OUTPUT DIMENSIONS INPUT...``.
 
 Datasets of one form are concatenated along a dimension, or along several (``rows,columns``) if they are given row by
 row. Datasets of different variables are merged, with ``none`` in place of the dimension.
@@ -24,7 +24,7 @@ def _along(dimensions: list[str], parts: Iterable[xr.Dataset]) -> xr.Dataset:
 
 
 def main(output: str, dimensions: str, inputs: list[str]) -> None:
-    """Put datasets together in the order given, under the title of the first.
+    """Combine datasets in the given order, under the title of the first.
 
     Raises
     ------

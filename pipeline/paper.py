@@ -8,7 +8,7 @@ from paper.products import Product
 from pipeline.sources import Sources
 from pipeline.step import Step, job
 
-#: Folder and formats of each kind of product with files of its own; the report shows the last format.
+#: Folder and formats of each kind of product with separate files; the report shows the last format.
 _FILES = {"figure": ("results/figures", ("pdf", "png", "svg")), "page": ("results", ("html",))}
 #: Module that makes all products of a kind, its output, and the formats of separate files, if any.
 _WHOLES: dict[str, tuple[str, str, tuple[str, ...]]] = {

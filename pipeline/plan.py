@@ -1,6 +1,6 @@
 """The plan of the pipeline: ``python -m pipeline.plan ROOT < CONFIGURATION`` prints it as JSON.
 
-It has the complete configuration, the products that are made by default, and the steps that make them and the site.
+The plan has the complete configuration, the products made by default, and the steps that make them and the site.
 """
 
 import json

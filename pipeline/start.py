@@ -1,4 +1,4 @@
-"""The start of a call of Snakemake: its plan, lock and worker. It imports the standard library alone."""
+"""The start of a call of Snakemake: its plan, lock and worker. It imports only the standard library."""
 
 import fcntl
 import hashlib
@@ -15,7 +15,7 @@ from typing import Any
 ROOMS = ("study", "reference", "pipeline", "paper", "docs")
 #: The plan of the last call, and the files of a run: its lock, and the socket of its worker.
 PLAN, LOCK, SOCKET = (Path(".snakemake", name) for name in ("plan.json", "lock", "worker"))
-#: Bytes that must be free before a run begins.
+#: Minimum number of free bytes before a run begins.
 ROOM = 2**24
 
 

@@ -34,9 +34,9 @@ class Step:
     temporary
         Whether the outputs are removed after their last use.
     alone
-        Whether the job measures times, so that no other may run at the same time.
+        Whether the jobs measure times, so that no other job may run at the same time.
     quick
-        Whether its jobs take seconds, so that they run on the login node of a cluster.
+        Whether the jobs take only seconds and run on the login node of a cluster.
     group
         Name of a group whose jobs a cluster runs as one.
     report

@@ -1,1 +1,1 @@
-"""Codes that the kit judges: two small examples, the study, and others where they are installed."""
+"""Codes that the kit judges: two small examples, the study, and other codes if they are installed."""

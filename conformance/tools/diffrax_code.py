@@ -30,7 +30,7 @@ def _solver(rows, weights) -> Any:
         b_error=np.zeros(len(weights)),
         c=np.array([sum(row) for row in rows[1:]]),
         a_diagonal=diagonal if implicit else None,
-        # each stage begins with the slope of the one before
+        # each stage starts from the slope of the previous stage
         a_predictor=tuple(np.eye(len(row))[-1] for row in lower) if implicit else None,
     )
 

@@ -1,7 +1,7 @@
 """OpenSees, a finite element code: ``python -m conformance conformance.tools.opensees:step``.
 
 Every entry of a stiffness or damping matrix is a spring or a dashpot between two nodes on a line. OpenSees does not
-compute the acceleration at the start; ``step`` sets it, and ``from_zero`` does not. ``others`` and ``more`` run
+compute the acceleration at the start; ``step`` sets it, but ``from_zero`` does not. ``others`` and ``more`` run
 integrators of other names for the same schemes.
 """
 
@@ -69,7 +69,7 @@ def _springs(text):
     tag = 0
     for i in range(n):
         for j in range(-1, i):
-            # the spring to the ground has the rest of the row after the springs to other nodes
+            # the stiffness of the spring to the ground is the sum of the row
             k, c = (m[i].sum() if j < 0 else -m[i, j] for m in (stiffness, damping))
             if k or c:
                 tag += 1
@@ -81,7 +81,7 @@ def _springs(text):
     elif form == "elastoplastic":
         ops.uniaxialMaterial("Steel01", 99, *(float(numbers[name]) for name in ("yield_force", "k", "hardening")))
     elif form == "gap":
-        # a material without tension, turned round
+        # a material without tension, with reversed nodes
         ops.uniaxialMaterial("ENT", 99, float(numbers["k"]))
     elif form != "linear":
         raise NotImplementedError(f"it has no material for the form {form}")

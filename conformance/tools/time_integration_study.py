@@ -142,7 +142,7 @@ def _march(problem, scheme, times, sizes, steps):
 
 
 def step(problem, scheme, dt, steps):
-    """Displacement, velocity and, where the scheme carries it, acceleration at 0 and after each step."""
+    """Displacement, velocity and, if the scheme carries it, acceleration at t = 0 and after each step."""
     ours = scheme_of(scheme)
     sizes = np.full(_ROWS, dt if np.ndim(dt) == 0 else 0.0)
     times = np.arange(_ROWS) * sizes

@@ -72,7 +72,7 @@ def a_general_solver_needs_fewer(control_cost, solver_cost):
     solver = forces_needed(solver_cost.error, solver_cost.forces, ALLOWED, "tolerance").sel(solver="cvode_adams")
     ratio = solver / equal
     fewer = bool((ratio < 1).all())
-    reason = when(not fewer, "it needs as many on some problems")
+    reason = when(not fewer, "it needs as many or more on some problems")
     return Finding(listed(by_name(ratio), control_cost, ".2f", "not reached"), fewer, reason)
 
 

@@ -14,7 +14,7 @@ LIMITED, MOST = (1.3, 1.8), 5
 
 
 @figure(
-    "Forces in a period for one percent of the displacement, against the spectral radius at infinite frequency. "
+    "Forces per period for one percent error of the displacement, against the spectral radius at infinite frequency. "
     "Schemes with a stability limit are to the right of the line, in the order of that limit. Bars at the top: no step "
     "that was tried reaches this error.",
 )
@@ -45,7 +45,7 @@ def draw(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> Fig
             ax.set_xlabel("ρ∞")
             ax.tick_params(labelbottom=True)
     for ax in axes[:, 0]:
-        ax.set_ylabel("forces in a period")
+        ax.set_ylabel("forces per period")
     handles = [
         Line2D([], [], linestyle="", marker=look["marker"], color=look["color"], label=str(title))
         for look, title in zip(curve_styles(forces.scheme).values(), forces.scheme_title.values, strict=True)
