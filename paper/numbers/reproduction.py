@@ -1,4 +1,4 @@
-"""Numbers of the text: the tables and figures of the paper."""
+"""Numbers of the text on how well the tables and figures of the paper are reproduced."""
 
 import numpy as np
 import xarray as xr

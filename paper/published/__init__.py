@@ -16,7 +16,7 @@ def _printed(file: str, index: list[str], value: str) -> xr.DataArray:
 
 
 def printed_energy_errors() -> xr.DataArray:
-    """Tables 1 and 2: largest energy error in percent over problem, steps_per_period and scheme."""
+    """Tables 1 and 2: largest energy error in percent for each problem, steps_per_period and scheme."""
     return _printed("energy_error.csv", ["problem", "steps_per_period", "scheme"], "max_energy_error_percent")
 
 

@@ -1,4 +1,4 @@
-"""Forces that one percent of the displacement costs: with controlled steps, with equal steps, and with solvers."""
+"""Force evaluations for an error of 1 % of the displacement: with controlled and equal steps, and with solvers."""
 
 import numpy as np
 import pandas as pd

@@ -61,7 +61,7 @@ def ueda(damping: float = 0.05, amplitude: float = 7.5) -> Problem:
     """Ueda's oscillator ü + k u̇ + u³ = B cos t with k = 0.05 and B = 7.5, whose motion is chaotic: u₀ = 2.5, u̇₀ = 0.
 
     Its largest Lyapunov exponent is 0.1034 per unit of time (Sprott, 2003). For k = 0.1 and B = 10, 11, 12 and 13 Ueda
-    (1979) gives 0.102, 0.114, 0.149 and 0.182. Exponents computed with fine steps differ from these by up to a tenth.
+    (1979) gives 0.102, 0.114, 0.149 and 0.182. Exponents computed with fine steps differ from these by up to 10 %.
 
     References
     ----------

@@ -10,7 +10,7 @@ import study
 
 
 def test_forces_are_counted(scheme):
-    """Against a force and a potential that count their evaluations in a step."""
+    """The evaluations that a scheme declares are those that a force and a potential count in a step."""
     calls: list[jax.Array] = []
 
     def counted(function):

@@ -1,4 +1,4 @@
-"""Dormand and Prince's pair: conditions of order of both methods, and the order of the error that they estimate."""
+"""Dormand and Prince's pair: the order conditions of both methods, and the order of their error estimate."""
 
 import numpy as np
 import pytest
