@@ -158,9 +158,7 @@ def second_order_of_generalized_alpha(order_under_reality):
         _orders(order_under_reality, "generalized_alpha", _SMOOTH, quantities)
         for quantities in (_MOTION, ["acceleration"])
     )
-    reason = when(
-        acceleration < SECOND_ORDER, "its acceleration, which belongs to a time within the step, is of first order"
-    )
+    reason = when(acceleration < SECOND_ORDER, "its acceleration, at a time within the step, is of first order")
     return Finding(f"{number(motion)}; {number(acceleration)}", motion > SECOND_ORDER, reason)
 
 
@@ -215,9 +213,7 @@ def _uniformity(later_schemes: xr.Dataset, member: str) -> float:
     return (scaled.max() / scaled.min()).item()
 
 
-_OVER_PHASES = (
-    "ratio over step sizes of the largest to the smallest error/Δt²; each error is the largest for ωΔt from π/2 to 2π"
-)
+_OVER_PHASES = "ratio over step sizes of largest to smallest error/Δt²; each is the largest for ωΔt from π/2 to 2π"
 
 
 @claim(
@@ -228,10 +224,7 @@ _OVER_PHASES = (
 )
 def uniform_error_of_gautschi(later_schemes):
     spread = _uniformity(later_schemes, "gautschi")
-    reason = when(
-        spread > SIGNIFICANTLY,
-        "it evaluates the force at an unfiltered displacement, and the error is larger at some ωΔt",
-    )
+    reason = when(spread > SIGNIFICANTLY, "its force is at an unfiltered displacement; some ωΔt have larger errors")
     return Finding(number(spread), spread <= SIGNIFICANTLY, reason)
 
 
