@@ -16,7 +16,6 @@ from paper.tables.outcomes_near_1996 import is_outcome, near_1996, some_near_199
     robustness="stability/robustness",
 )
 def a_twentieth_at_every_amplitude(robustness):
-    robustness = robustness
     needed = robustness.steps_needed.sel(scheme="average_acceleration", level=REASONABLE / 100).isel(periods=-1)
     steps = by_name(needed)
     holds, _ = most({name: value <= RULE for name, value in steps.items()})
@@ -51,7 +50,6 @@ def chaos_of_average_acceleration(bifurcation):
     roots="stability/roots",
 )
 def several_roots(roots):
-    roots = roots
     spread = (roots.root.max("guess") - roots.root.min("guess")).max("predictor")
     has_several = roots.unique_up_to < roots.paper_dt
     decided = bool(((spread > ROUND_OFF) == has_several).all()) and bool(has_several.any())

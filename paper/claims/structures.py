@@ -81,7 +81,6 @@ def damping_on_the_chain(structures):
     history="structure_history/stiff_soft",
 )
 def spurious_oscillation(history):
-    history = history
     parts = dict(zip(history.scheme.values.tolist(), sawtooth(history.v.isel(component=0)).tolist(), strict=True))
     return Finding(
         listed(parts, history, ".3f"),
