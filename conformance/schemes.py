@@ -35,7 +35,7 @@ class March:
         self.past = self.fictitious(self.start) if scheme["family"] == "houbolt" else []
 
     def next_size(self, size: Any) -> None:
-        """Change the step, and in the alternatives that keep the second order also the carried acceleration.
+        """Set the size of the next step; two alternatives also correct the carried acceleration, to keep the order two.
 
         The acceleration of generalized-α belongs to t₁ + (α_m − α_f) Δt, where Δt is the step that ends at t₁.
         """
@@ -51,7 +51,7 @@ class March:
         self.dt, self.before = size, self.a
 
     def signed(self, load: np.ndarray) -> np.ndarray:
-        """A load, or zero or the opposite load if the scheme has that mistake."""
+        """The load that the scheme applies: a scheme with a mistake may omit it or reverse its sign."""
         return load * (0 if "no load" in self.words else -1 if "sign of load" in self.words else 1)
 
     def load(self, part: Any) -> np.ndarray:

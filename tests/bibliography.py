@@ -19,7 +19,7 @@ def works() -> dict[str, Work]:
     for kind, key, body in _ENTRY.findall(FILE.read_text()):
         fields = [_FIELD.fullmatch(line) for line in body.splitlines()]
         if key in found or not all(fields):
-            raise ValueError(f"{FILE.name}: '{key}' stands there twice, or has other than one field a line in braces.")
+            raise ValueError(f"{FILE.name}: '{key}' occurs twice, or one of its lines is not a field in braces.")
         found[key] = {"kind": kind} | {field[1]: field[2] for field in fields if field}
     return found
 

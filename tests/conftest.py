@@ -12,7 +12,7 @@ import study
 from study.problem import trusses
 from tests import browser as browsers
 
-# as the pipeline's jobs do: what has been imported stays, and is not looked through for garbage again and again
+# as in the pipeline's jobs: imported objects stay, so they need not be examined for garbage
 gc.freeze()
 jax.config.update("jax_numpy_rank_promotion", "raise")
 jax.config.update("jax_numpy_dtype_promotion", "strict")
@@ -47,7 +47,7 @@ KINDS = {type(scheme): name for name, scheme in reversed(list(study.schemes.item
 
 @pytest.fixture(params=KINDS.values())
 def kind(request) -> str:
-    """The name of one scheme of every class in turn, where its parameters make no difference."""
+    """The name of one scheme of every class in turn, for tests that do not depend on its parameters."""
     return request.param
 
 
@@ -58,13 +58,13 @@ def _state_of(name: str) -> str:
     return f"{jax.tree.structure(state)} {jax.tree.leaves(state)}"
 
 
-#: A scheme for every kind of state, one that iterates where there is one.
+#: A scheme for every kind of state, an implicit one if there is any.
 STATES = {_state_of(name): name for name in sorted(KINDS.values(), key=lambda name: not study.schemes[name].explicit)}
 
 
 @pytest.fixture(params=STATES.values())
 def state_kind(request) -> str:
-    """The name of one scheme for every kind of state in turn, where what a step computes makes no difference."""
+    """The name of one scheme for every kind of state in turn, for tests that do not depend on its formulas."""
     return request.param
 
 

@@ -24,7 +24,7 @@ def draw(bifurcation: xr.Dataset) -> Figure:
         bifurcation.u.values.ravel(),
         ".",
         color="black",
-        markersize=max(1.2 * (36_100 / bifurcation.u.size) ** 0.5, 0.6),  # more points need smaller ones
+        markersize=max(1.2 * (36_100 / bifurcation.u.size) ** 0.5, 0.6),  # the more points, the smaller they are
         markeredgewidth=0,
         rasterized=True,
     )

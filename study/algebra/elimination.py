@@ -14,7 +14,7 @@ from study.algebra.sparse import Sparse
 #: Number of rows of a tridiagonal system that one pass of the loop eliminates.
 UNROLL = 4
 
-#: Relative residual at which the iteration for a matrix-free system ends, and its largest number of steps.
+#: Iteration for a matrix-free system: relative residual at which it ends, and largest number of steps.
 ITERATIVE_TOLERANCE, ITERATIVE_STEPS = 1e-10, 10_000
 
 

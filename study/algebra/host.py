@@ -18,7 +18,7 @@ _on_host = Primitive("on_host")
 
 
 def _silent(function, arrays):
-    """The result of a function, without warnings: the status of a run reports an overflow."""
+    """Call a function without warnings of NumPy, because the status of a run reports an overflow."""
     with np.errstate(all="ignore"):
         return function(*arrays)
 

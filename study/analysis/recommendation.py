@@ -17,7 +17,7 @@ def recommend(
 
     No number is interpolated: steps, errors and forces are those of runs. A step has two digits, or is an integer
     fraction or multiple of the spacing of a record. All random finer steps that :func:`study.assess` tried keep the
-    error too, and so does the step from starts one percent below and above.
+    error too, and so does the step if initial values and load are one percent smaller or larger.
 
     Parameters
     ----------

@@ -42,8 +42,8 @@ MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 #: Caps on steps × unknowns of the runs of an octave, if enough runs remain, by whether there is one unknown.
 WORK = {True: 1_500_000, False: 4_000_000}
 
-#: Runs up to an octave below a recommended step, where errors are largest: their number, the cap on their steps ×
-#: unknowns, and their smallest number, which does not apply to steps up to half of the finest one.
+#: Runs in the octave below a recommended step, where errors are largest: maximum, cap on their steps × unknowns, and
+#: minimum, which recommended steps up to twice the finest one do not need.
 CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}, {True: 0, False: 8}
 
 #: Number of steps above which a run of one unknown is made alone. The second number is for a search of runs up to
@@ -218,7 +218,7 @@ class Search:
         return top * (bottom / top) ** ((np.arange(count) + self._random.random(count)) / count)
 
     def _unconfirmed(self, steps: Iterable[float]) -> np.ndarray:
-        """Random steps up to an octave below each of some steps, as many as these still need to be confirmed."""
+        """Random steps in the octave below each given step, as many as its confirmation still lacks."""
         tried = self._arrays()[0]
         drawn = tried
         for step in sorted(steps, reverse=True):

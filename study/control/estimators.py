@@ -114,8 +114,9 @@ class _OfAcceleration(Estimator):
         return acceleration(problem, 0.0, state.u, state.v)
 
     def ends(self, scheme, problem, before, old, new, t, dt) -> tuple[Vector, Vector, float]:
-        """ü at both ends of a step, and the offset from there in steps; from the equation of motion if none is carried.
+        """ü at both ends of a step, and the offset of its times from these ends, in steps.
 
+        If the scheme carries no ü, it follows from the equation of motion.
         ``before`` is ü at the end of the last step.
         """
         if scheme.acceleration_offset is not None:

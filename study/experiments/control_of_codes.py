@@ -64,11 +64,14 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
     """March springs over whole periods with the automatic steps of codes, and with a step that is halved once.
 
     ``steps_per_period`` and ``max_energy_error``, eq. (17) of Xie (1996), have the shape (problem, code, class). The
-    class belongs to the tolerance; the first step is a hundredth of the period. ``halved_energy_error`` is a ratio: the
-    energy error of average acceleration whose step is halved in the middle of the run, over its error with the first
-    step throughout. ``error_in_tolerances`` is the largest error of displacement or velocity of average acceleration
-    on the oscillator ü + u = 0 from u̇₀ = 1, a test of SciML, over the tolerance times the number of steps. Our
-    tolerance is relative to the largest displacement, and the one of SciML to one plus the displacement.
+    class belongs to the tolerance; the first step is a hundredth of the period.
+
+    ``halved_energy_error`` compares two runs of average acceleration. It is the energy error of a run whose step is
+    halved in the middle, over the error with the first step throughout.
+
+    ``error_in_tolerances`` repeats a test of SciML, average acceleration on ü + u = 0 from u̇₀ = 1. It is the largest
+    error of displacement or velocity, over the tolerance times the number of steps. Our tolerance is relative to the
+    largest displacement, and the one of SciML to one plus the displacement.
     """
     shape = (len(problems), len(RULES), len(CLASSES))
     steps, energy = np.full(shape, np.nan), np.full(shape, np.nan)

@@ -23,7 +23,7 @@ ESTIMATOR = "zienkiewicz_xie"
 def controlled_1996(
     problems: Springs, schemes: OneStepSchemes, controllers: Controllers, steps_per_period: Counts, periods: Count
 ) -> xr.Dataset:
-    """Find the largest energy error of steps controlled by the estimator of 1991, as many as equal steps of T/N.
+    """Find the largest energy error with steps that the estimator of 1991 controls, as many as equal steps of T/N.
 
     64 tolerances are tried, and then 64 near the best ones. The result is from the run whose number of steps per period
     is nearest to N = ``steps_per_period``. ``max_energy_error`` is eq. (17), in percent, of the shape (problem,

@@ -61,7 +61,7 @@ class _Inexact(Newmark):
     part_of_last: float = eqx.field(default=1.0, kw_only=True)
 
     def new_acceleration(self, problem, t, u, v, c_u, c_v, guess):
-        """Newton's iteration from a part of the last acceleration to the tolerance."""
+        """The new acceleration; the iteration starts at a multiple of the last one and ends at the tolerance."""
         return balance(problem, load(problem, t), u, v, c_u, c_v, self.part_of_last * guess, tolerance=self.tolerance)
 
 

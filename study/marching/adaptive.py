@@ -24,8 +24,8 @@ AFTER_FAILURE = 0.25
 #: Smallest step, as a part of the duration.
 SMALLEST_STEP = 1e-13
 
-#: Names of the values stored for each step, and the name of their array: its end and its size, the estimate, and the
-#: numbers of trial steps rejected so far by the estimate, and because of no balance or a state that is not finite.
+#: Names of the values stored for each step: its end, its size, its estimate, and the trial steps rejected so far, by
+#: the estimate and for lack of a finite solution. The second name is the name of their array.
 OF_EACH_STEP = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_by_solver")
 OF_STEP = "of each step"
 

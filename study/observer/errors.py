@@ -34,7 +34,7 @@ def _root(coefficients):
 
 
 def _chosen(condition, value, other):
-    """One of two steps, kept to find its root after the run: in every step of an ensemble some lane has a root.
+    """Choose one of two steps; its root is found after the run, as in most steps of an ensemble some lane has a root.
 
     The choice is made one step later; otherwise XLA would compute the force of the step once more for every choice.
     """

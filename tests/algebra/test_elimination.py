@@ -91,7 +91,7 @@ def test_gmres_of_any_matrix(make, seed):
 
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_a_force_at_one_place_is_felt_at_all(make, symmetric):
-    """All entries of the right side but one are zero, which must not end the iteration."""
+    """A right side with a single entry other than zero must not end the iteration."""
     n = 6
     whole = 2.1 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
     found = _solve(make.matrix_free(whole), jnp.asarray(np.eye(n)[0]), symmetric)

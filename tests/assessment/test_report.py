@@ -81,7 +81,7 @@ def test_the_page_fits_screens_and_paper(assessed, browser):
         browser.get(page.as_uri())
         check_page(browser)
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
-    set_width(browser, 700)  # A4 less its margins; what paper cuts off cannot be scrolled to
+    set_width(browser, 700)  # width of A4 without margins: a printed page cannot be scrolled
     right = "[...document.querySelectorAll('.scroll > *, pre, dd, p')].map((one) => one.getBoundingClientRect().right)"
     assert max(browser.execute_script(f"return {right}")) <= 700
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})

@@ -1,4 +1,4 @@
-"""Errors that mean nothing are left out, and chosen schemes come in order."""
+"""Meaningless errors are left out, and chosen schemes come in order."""
 
 import numpy as np
 import xarray as xr

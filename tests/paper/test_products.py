@@ -1,4 +1,4 @@
-"""Declarations of what the paper is made of, and what they ask of the configuration."""
+"""Declarations of the products of the paper, and their requirements on the configuration."""
 
 import shutil
 import subprocess
@@ -23,7 +23,7 @@ FOUND = discover()
 
 @pytest.fixture
 def empty(monkeypatch):
-    """No product is declared, and those that a test declares are forgotten."""
+    """No product is declared; products that a test declares are removed after it."""
     monkeypatch.setattr(products, "PRODUCTS", {})
 
 

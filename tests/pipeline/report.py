@@ -9,13 +9,13 @@ from tests.browser import set_width, wait
 
 
 def check_contents(report: Path, results: Path) -> None:
-    """Check that the page of a report opens on a description and lists what was made."""
+    """Check that the page of a report opens with a description and lists the products."""
     text = report.read_text()
     stated = {
         name: json.loads(re.findall(rf"<script id=.*>\s*var {name} = (.*);\s*</script>", text)[0])
         for name in ("categories", "results", "workflow_desc", "metadata")
     }
-    assert stated["metadata"]  # without any, the page opens on the graph of rules
+    assert stated["metadata"]  # without a description, the page opens with the graph of rules
     headings = set(stated["categories"])
     assert headings == {"Article", "Assessments", "Explorer", "Figures", "Ledger of claims", "Tables"}
     assert all(heading in stated["workflow_desc"] for heading in headings)

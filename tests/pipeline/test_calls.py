@@ -67,7 +67,7 @@ def _wait(condition, seconds: float = 60.0) -> None:
 
 
 def test_a_second_run_ends_with_a_sentence_and_an_interrupt_the_first(folder, running):
-    # the first one pauses, or it might be done before the second one checks
+    # the first run is paused, because it might end before the second one checks
     os.killpg(running.pid, signal.SIGSTOP)
     done = call_snakemake(folder, *PATHS)
     assert done.returncode != 0 and f"another run is at work in '{folder}': wait for it, or end it." in done.stderr

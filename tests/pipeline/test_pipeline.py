@@ -213,7 +213,7 @@ def test_what_is_added_in_one_file_is_made(copy):
     assert "last_displacement" in json.loads((results / "numbers.json").read_text())
 
 
-#: Short runs, coarse and other values: what some product once could not bear.
+#: Short runs, coarse grids and other values at which a product once failed.
 UNUSUAL = {
     "phase_portrait": {"hardening": {"dt": 0.011, "duration": 0.5}},
     "sensitivity": {"duration": 5.0},

@@ -15,7 +15,7 @@ from pipeline.sources import Sources
 from study.declaration.experiment import discover
 from tests.pipeline.pipeline import PROJECT, SMALL, call_snakemake, copied
 
-#: Strings that a shell, a template, a path or a loader could take for more than a string.
+#: Strings that a shell, a template, a path or a loader could interpret.
 HOSTILE = [
     "$(touch pwned)",
     "`touch pwned`",

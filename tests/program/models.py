@@ -1,4 +1,4 @@
-"""Oscillators as anyone might write them, without this package, and programs that go wrong."""
+"""Oscillators as users write them, without this package, and programs whose runs fail or are wrong."""
 
 import os
 import signal
@@ -37,7 +37,7 @@ linear, hardening = partial(oscillator, 0.0), partial(oscillator, 0.5)
 
 
 def fails(how, scheme, dt):
-    """The linear oscillator; its third scheme goes wrong."""
+    """The linear oscillator, with a scheme ``wrong`` whose runs fail in a given way."""
     right = linear("central_difference" if scheme == "wrong" else scheme, dt)
     if scheme != "wrong":
         return right
@@ -60,7 +60,7 @@ def fails(how, scheme, dt):
 
 
 def ignores_the_step(scheme, dt):
-    """One of its schemes always takes the same step."""
+    """The linear oscillator, with a scheme ``wrong`` that always takes the same step."""
     if scheme != "wrong":
         return linear(scheme, dt)
     own = DURATION / 2048
@@ -68,7 +68,7 @@ def ignores_the_step(scheme, dt):
 
 
 class Remembers:
-    """A program whose second scheme starts where its last run has ended."""
+    """A program whose second scheme gives larger displacements with every run."""
 
     def __init__(self):
         self.runs = 0
@@ -80,5 +80,5 @@ class Remembers:
 
 
 def two_motions(scheme, dt):
-    """The schemes solve different problems."""
+    """Two schemes, which solve different problems."""
     return linear(scheme, dt) if scheme == "central_difference" else oscillator(0.02, scheme, dt)

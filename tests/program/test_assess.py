@@ -180,7 +180,7 @@ def test_ctrl_c_answers_what_is_known_and_loses_no_run(tmp_path):
     made: list[tuple[str, float]] = []
 
     def interrupted(below, scheme, dt):
-        """Interrupts the first run below a step whose step is not a halved one."""
+        """A program that is interrupted at the first step below ``below`` that is not one of the halved steps."""
         if dt < below and math.log2(1.25 / dt) % 1:
             raise KeyboardInterrupt
         made.append((scheme, dt))

@@ -75,7 +75,7 @@ def test_order_of_one_damped_and_driven_oscillator(scheme):
 
 @pytest.mark.parametrize("name", ["mclachlan4", "blanes_moan4", "dormand_prince6"])
 def test_a_load_alone_leaves_a_method_its_order(name):
-    """These methods ask for an acceleration that does not depend on the velocity."""
+    """These methods are derived for an acceleration that does not depend on the velocity."""
     scheme = study.schemes[name]
     assert scheme.order_with_damping < scheme.order
     orders = _observed_orders(_driven_along(one), scheme, one, 3.0, STEPS[scheme.order])

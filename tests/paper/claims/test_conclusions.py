@@ -12,7 +12,7 @@ PARTS = [0.01, 0.04, 0.05]
 
 
 def _large_steps(**worst):
-    """A dataset as large_steps.nc has it: errors below a twentieth of the period by problem, 99 % at a twentieth."""
+    """A dataset like large_steps.nc: 1 % below T/20, except one given error on each problem; 99 % elsewhere."""
     schemes = ["average_acceleration", "central_difference", "houbolt"]
     dims = ["problem", "scheme", "dt_over_period"]
     error = xr.DataArray(99.0, dict(zip(dims, (list(worst), schemes, PARTS), strict=True)), dims).copy()

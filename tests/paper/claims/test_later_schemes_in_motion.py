@@ -47,7 +47,7 @@ def _reality(scheme, **orders):
 
 
 def _spectral(**powers):
-    """A dataset as spectral.nc has it, with one power of growth for each scheme."""
+    """A dataset like spectral.nc, with one power of growth for each scheme."""
     names = [f"growth_{one}_from_{start}" for one in "uv" for start in "uv"]
     along = {"scheme": list(powers), "damping_ratio": [0.0]}
     data = xr.Dataset({name: filled(0.0, **along) for name in [*names, "linear_order"]})

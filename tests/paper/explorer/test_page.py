@@ -18,7 +18,7 @@ from tests.browser import WIDTHS, check_page, needs_browser, set_width, wait
 
 discover(["explorer"])
 PROBLEMS = ["hardening", "softening", "double_well"]
-#: The last is one that the page does not know.
+#: The scripts of the page cannot compute runs of the last one.
 SCHEMES = ["average_acceleration", "central_difference", "rk4", "bathe", "wilson_theta", "own"]
 TITLES = ["Average acceleration", "Central difference", "Runge-Kutta", "Bathe", "Wilson-θ", "Own <&>"]
 EXPLICIT = [0, 1, 1, 0, 0, 0]
@@ -36,7 +36,7 @@ def datasets():
     cell = ("scheme", "problem", "amplitude", "dt_over_period")
     shape = [SIZES[name] for name in cell]
     random = np.random.default_rng(1)
-    # errors of some 0.03 to 300 %, the greater the larger the step
+    # errors from about 0.03 to 300 %, which grow with the step
     errors = {
         name: STEPS * largest * random.uniform(0.01, 1, shape)
         for name, largest in (("max_energy_error", 300), ("period_error", 3))
@@ -95,7 +95,7 @@ def page(datasets, tmp_path_factory):
 
 
 def _open(browser, page, address="", width=800):
-    browser.get("about:blank")  # without it, another address of the page would not open it again
+    browser.get("about:blank")  # otherwise a change of the fragment alone would not load the page again
     set_width(browser, width)
     browser.get(page.as_uri() + address)
     wait(browser, READY)
@@ -121,7 +121,7 @@ def _click(browser, along, up, kind="mouse"):
 
 
 def _address(browser):
-    """The choice in the address, which follows after a moment."""
+    """The choice in the address, which the page updates with a delay."""
     browser.execute_async_script("setTimeout(arguments[0], 400)")
     return {key: value for key, (value,) in parse_qs(urlsplit(browser.current_url).fragment).items()}
 
@@ -145,7 +145,7 @@ def test_it_opens_on_a_plain_run_at_every_width(browser, page, width):
     tops = {side[0].rect["y"] for side in sides}
     if width > 640:
         assert len(tops) == 1
-    else:  # one of both, and a switch
+    else:  # one side at a time, chosen by a switch
         browser.find_element("css selector", "label[for='side1']").click()
         assert [one.is_displayed() for side in sides for one in side] == [False, False, True, True]
     for one in sides[1]:
@@ -174,7 +174,7 @@ def test_the_largest_safe_step_of_every_scheme_is_listed_best_first(browser, pag
                 assert cells == ["none: even T/100 is not safe"]
     links = "return [...document.querySelectorAll('tbody a')].map((link) => link.getAttribute('href'))"
     assert sorted(browser.execute_script(links)) == sorted(f"site/schemes/{name}.html" for name in SCHEMES)
-    # a step shows its run in the first map
+    # the button of a step shows its run
     (title, step, steps, _), *_ = tables[1]
     browser.find_element("css selector", "#answer table:nth-child(2) button").click()
     assert _text(browser, ".run .place").endswith(f"Δt = {step} = T/{steps}")
@@ -193,7 +193,7 @@ def test_a_run_is_computed_at_the_chosen_amplitude_and_step(browser, page):
     stated = _text(browser, ".run[data-side='1'] dd")
     assert float(stated.split(" %")[0]) == pytest.approx(100 * run.max_height_error.item(), rel=0.02)
     assert browser.execute_script("return document.querySelectorAll('.run[data-side=\"1\"] figure').length") == 3
-    # one that leaves all bounds
+    # a run that grows without bound
     _open(browser, page, "#u0=40&steps=1&schemes=rk4,central_difference")
     assert "The run fails" in _text(browser, ".run")
     check_page(browser)
@@ -211,7 +211,7 @@ def test_a_click_or_tap_chooses_a_run(browser, page, datasets, width, kind):
     label, _ = list(OUTCOME_STYLES.values())[one.outcome.item()]
     assert _text(browser, ".run [data-class]") == f"{label}: meant"
     shown = _text(browser, ".run")
-    # the address leads back to it
+    # the address of the run opens the same run
     _open(browser, page, f"#{urlsplit(browser.current_url).fragment}", width=width)
     assert _text(browser, ".run") == shown
     check_page(browser)
@@ -231,7 +231,7 @@ def test_keys_and_buttons_move_by_cells(browser, page):
     assert _text(browser, ".run .place").startswith(f"u₀ = {4 * AMPLITUDES[0]:.3g}")
     steps = browser.find_element("css selector", "#steps")
     assert float(steps.get_property("value")) == pytest.approx(1 / STEPS[3], rel=1e-3)
-    # a number that is typed, within the map
+    # a typed number beyond the map moves to its edge
     steps.send_keys(Keys.CONTROL, "a")
     steps.send_keys("1000", Keys.ENTER)
     assert _text(browser, ".run .place").endswith("= T/100")
@@ -246,7 +246,7 @@ def test_an_address_holds_the_whole_choice(browser, page):
     everything = ["double well", "0.1 %", "error of the period", "Bathe", "Own <&>"]
     assert browser.execute_script(chosen) == everything
     assert _text(browser, ".run .place").startswith("u₀ = 0.4")
-    # another address, as after a step back; what it does not name is as at first
+    # an address with unknown values restores the first choice
     nonsense = "&".join(f"{key}=constructor" for key in ("problem", "schemes", "colour", "error", "u0", "steps"))
     browser.execute_script("location.hash = arguments[0]", nonsense)
     wait(browser, "return document.querySelector('#question').innerText.includes('hardening')")
@@ -259,7 +259,7 @@ def test_an_address_holds_the_whole_choice(browser, page):
 
 
 def test_the_page_leads_to_the_site_in_one_place(page):
-    # which the site replaces when it includes the page
+    # the site replaces this link when it includes the page
     assert page.read_text().count('href="site/') == 1
 
 
@@ -267,7 +267,7 @@ def test_the_same_data_gives_the_same_page(datasets, page, tmp_path):
     assert _made(datasets, tmp_path).read_bytes() == page.read_bytes()
 
 
-def test_a_map_is_thinned_to_what_a_page_can_hold(datasets):
+def test_a_large_map_is_thinned(datasets):
     (atlas,) = datasets["atlas"]
     fine = atlas.isel(amplitude=np.repeat(np.arange(13), 11)).assign_coords(amplitude=np.logspace(-1.5, 1.5, 143))
     assert coarse(fine).sizes["amplitude"] == 48

@@ -1,4 +1,4 @@
-"""What a reader would find wrong with a figure as it is printed."""
+"""Faults of a printed figure that a reader would notice."""
 
 import itertools
 import re
@@ -30,7 +30,7 @@ class Printed(NamedTuple):
 
 
 def printed(figure: Figure) -> list[Printed]:
-    """All texts that are drawn; there are others, such as the labels of ticks outside the limits."""
+    """All texts that are drawn; labels of ticks outside the limits, for example, are not."""
     figure.dpi = 72
     figure.draw_without_rendering()
     found = []
@@ -73,7 +73,7 @@ def faults(figure: Figure) -> list[str]:
 
 
 def faults_of_all(results: Path) -> dict[str, list[str]]:
-    """The faults of each figure of a folder of results, as far as it has any."""
+    """The faults of the figures in a folder of results, without figures that have none."""
     read, found = reader(results), {}
     for product in discover(["figures"]):
         if product.kind == "figure":

@@ -1,4 +1,4 @@
-"""The test of figures as they are printed finds what it is for."""
+"""The check of printed figures finds each kind of fault."""
 
 import matplotlib.pyplot as plt
 import pytest

@@ -9,7 +9,7 @@ STEPS = [0.01, 0.02, 0.05, 0.1]
 
 
 def _rule(largest):
-    """Runs of schemes that are safe up to a Δt ωmax, twice as much on the second of two springs."""
+    """Runs on two springs; the largest safe Δt ωmax of each scheme is twice as large on the second one."""
     upto = np.multiply.outer(list(largest.values()), [1.0, 2.0])[..., None, None]
     errors = np.where(np.array(STEPS) <= upto, 0.005, 0.02)
     dims = ("scheme", "problem", "amplitude", "omega_step")
@@ -34,7 +34,7 @@ def test_ranges_are_those_of_the_runs():
     assert found["rule_steps_central_difference"] == "20 to 40"
     assert (found["rule_below_rk4"], found["rule_most_rk4"]) == ("0.01", "0.02")
     assert found["rule_steps_rk4"] == "100 to 200"
-    assert not found["rule_serves"]  # the steps in a period vary as little
+    assert not found["rule_serves"]  # the numbers of steps in a period vary equally little
     assert found["rule_exceptions"] == "none"
 
 

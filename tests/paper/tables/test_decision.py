@@ -1,4 +1,4 @@
-"""What the table of decisions takes from its datasets."""
+"""The cells of the table of decisions follow from its datasets."""
 
 import re
 from functools import cache
@@ -20,8 +20,8 @@ TITLES = ("scheme", ["Cheap", "Dear", "Fails"])
 def _assessed(forces: float, energy: float) -> xr.Dataset:
     """A spring of period one; the cheap scheme takes 8 steps at the largest error, the dear one twice as many.
 
-    A step of the dear scheme takes one force, of the cheap one as many as given. The dear one has the smaller error,
-    and takes less time. For the energy the steps are those of the other quantities, multiplied.
+    A step of the dear scheme takes one force, and a step of the cheap one a given number of forces. The dear scheme has
+    the smaller error, and takes less time. For the energy, all numbers of steps are multiplied by a factor.
     """
     steps = np.broadcast_to(np.array([[8.0, 16, np.nan], [16, 32, 64], [np.nan] * 3])[:, None], (3, KINDS, 3)).copy()
     steps[:, QUANTITIES.index("energy")] *= energy

@@ -1,4 +1,4 @@
-"""What tables read off maps, off the steps that suffice, and off the ledger."""
+"""Tables that are made from maps, from sufficient steps and from the ledger."""
 
 import numpy as np
 import pandas as pd
@@ -34,7 +34,7 @@ def atlas() -> xr.Dataset:
 def test_boundaries():
     near = near_1996(atlas())
     assert near.amplitude.values.tolist() == [1.0, 2.0]
-    # accurate again beyond a step that is not does not count
+    # accurate runs beyond an inaccurate one do not count
     assert accurate_up_to(near).sel(scheme="own").values.tolist() == [0.01, 0.2]
     assert first_of(near, "chaotic").sel(scheme="own").values.tolist() == [0.5, np.inf]
     assert np.isinf(first_of(near, "growing")).all()
