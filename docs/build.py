@@ -88,7 +88,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
     results, output = results.absolute(), output.absolute()
     output.parent.mkdir(parents=True, exist_ok=True)
-    # the pipeline removes files with such names, which a killed process leaves
+    # if this process is killed, the next run of the pipeline removes a folder of such a name
     unfinished = output.with_name(f".{output.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
     try:
         with tempfile.TemporaryDirectory() as folder:

@@ -12,7 +12,7 @@ _END_OF_REFERENCE = re.compile(r"\d\.$")
 
 
 def references_of(lines: Iterable[str]) -> list[str]:
-    """The works that a section of references lists one after the other."""
+    """The works in a section of references, which does not separate them by empty lines."""
     found: list[list[str]] = [[]]
     for line in filter(None, (line.strip() for line in lines)):
         found[-1].append(line)

@@ -54,7 +54,7 @@ class Library:
 
     @cached_property
     def needs(self) -> Mapping[str, Mapping[float, pd.DataFrame]]:
-        """Steps and forces that the schemes need, by problem and error."""
+        """Steps and evaluations of the force that the schemes need in a period, by problem and allowed error."""
         return scheme_verdict.needs(self.data)
 
     def subject(self, name: str) -> Subject:

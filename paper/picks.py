@@ -45,7 +45,7 @@ class Pick(NamedTuple):
 
 
 def cell(picks: list[Pick]) -> str:
-    """The first of the schemes that tie, and ``…`` if there are others; a dash if there are none."""
+    """The first of the schemes that tie, and ``…`` if others tie too; a dash if no scheme keeps the error."""
     if not picks:
         return "–"
     one = picks[0]

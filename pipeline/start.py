@@ -76,8 +76,8 @@ def begun(configuration: Any, local: bool) -> tuple:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise Refused(f"another run is at work in '{Path.cwd()}': wait for it, or end it.") from None
-    for unfinished in Path("results").rglob(".*.unfinished"):  # left by a killed run
-        unfinished.unlink()
+    for unfinished in list(Path("results").rglob(".*.unfinished")):  # of a killed run: files, and the folder of a site
+        shutil.rmtree(unfinished) if unfinished.is_dir() else unfinished.unlink()
     Path("results/configuration.json").write_text(json.dumps(configuration))
     if local:
         return lock, _worker()

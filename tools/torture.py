@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from tests.pipeline.pipeline import SMALL, call_snakemake, copied
 
-#: Products that are made, removed and compared, below the results.
+#: Products that are made, removed and compared, by their paths in the folder of the results.
 PRODUCTS = (
     "energy_drift.nc",
     "energy_error.nc",
@@ -128,7 +128,8 @@ def _targets() -> list[str]:
 def torture(undisturbed: Path, tortured: Path, kills: int, seed: int = 0) -> pd.DataFrame:
     """Kill the pipeline in a finished copy of the project; the table has a row for each kind of kill.
 
-    The moments of the kills spread evenly over the time that an undisturbed call takes.
+    The moments of the kills are random within the time of an undisturbed call; the kill of writing jobs waits for an
+    unfinished file instead.
 
     Raises
     ------

@@ -8,7 +8,7 @@ from paper.claims.terms import APART, AT_REST, DAMPED, EXPLICIT, IRREGULAR, REAS
 from paper.claims.wording import listed, number, title
 from study.words import span
 
-#: Ratio of the initial energy above rest to the magnitude of the energy, for S₁ = −0.5, S₂ = −1 and u₀ = 0.5.
+#: (E₀ − E_rest)/|E₀| with the energy E_rest at rest, for S₁ = −0.5, S₂ = −1 and u₀ = 0.5.
 _HEIGHT = (7 / 128 - 1 / 8) / (-7 / 128)
 
 #: Requirements on the runs from neighbouring starts.

@@ -33,7 +33,7 @@ def exact_on_a_bar(published_numbers):
 
 
 def steps_of_orbit(published_numbers: xr.Dataset) -> dict[str, dict[str, float]]:
-    """Fewest equal and controlled steps that close Arenstorf's orbit within one percent, by scheme; NaN for none."""
+    """Fewest steps that close Arenstorf's orbit within 1 %, equal and controlled, by scheme; NaN if no run does."""
     orbit = published_numbers.sel(problem="arenstorf")
     equal = orbit.steps.where(orbit.error <= CLOSED).min("refinement")
     controlled = orbit.controlled_steps.where(orbit.controlled_error <= CLOSED).min("tolerance")

@@ -1,4 +1,4 @@
-"""Rounding of the numbers of 1996: our value minus the printed one, for all 98 cells."""
+"""Our values minus the printed ones for all 98 cells, and the differences that rounding explains."""
 
 import numpy as np
 import xarray as xr

@@ -12,7 +12,7 @@ REMEMBER = ["yielding", "hysteretic"]
 KINKED = [*REMEMBER, "shaken"]
 #: Order below which a method of fourth order has lost its order, and ratio of errors above which it is still better.
 LOST, GAINED = 3.0, 1.5
-#: Error of the balance, in percent of the energy, below which the balance counts as kept.
+#: Error of the balance of energies, in percent of the energy, below which that balance counts as kept.
 KEPT = 0.01
 #: Steps in a period that resolve the motion.
 RESOLVED = 64

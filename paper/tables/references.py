@@ -24,7 +24,7 @@ DIGITS = 20
     requires={"references.problems": ["hardening", "softening", "softening_large", "double_well"]},
 )
 def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFrame:
-    """One row per problem: period, certificates, and the smallest trajectory error of each solver over 100 periods."""
+    """One row per problem: period, uncertainties, smallest error of each solver over 100 periods, and worst period."""
     rows = []
     for reference in references:
         row = {

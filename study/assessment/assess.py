@@ -57,9 +57,9 @@ def assess(
     There are up to 128 runs in an octave and 500 in the octave below a recommended step, fewer if they have many steps.
     ``largest_dt`` is the largest step that keeps an error together with all finer steps tried, with a margin for the
     scatter of their errors. The recommended step is the largest one below ``largest_dt`` with two digits; under a
-    record it is an integer fraction or multiple of the spacing of the samples. The recommended step is run too, and once
-    more with initial values and load one percent smaller and larger. If none of n random finer steps exceeds the error,
-    at most 3/n of all finer steps do, with 95 % confidence. No number is interpolated.
+    record it is an integer fraction or multiple of the spacing of the samples. It is run with the given initial
+    values and load, and with values one percent smaller and larger. If none of n random finer steps exceeds the error, at most 3/n
+    of all finer steps do, with 95 % confidence. No number is interpolated.
 
     A run ends with the last step that fits into the duration. Quantities along time are compared at every step.
 

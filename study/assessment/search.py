@@ -24,8 +24,8 @@ from study.settings import cores
 #: Number of steps in a period of the slowest small motion with which a search begins.
 COARSEST = 4
 
-#: Finest steps of a search: steps in a period of the slowest small motion, or steps × unknowns of a run if these are
-#: finer; and largest number of steps of any run.
+#: Limits of a search for ever finer steps: number of steps in a period of the slowest small motion, or number of steps
+#: × unknowns of a run if that allows more steps. The third number is the largest number of steps of any run.
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
 #: Finest Δt·ω of a search, with the highest frequency ω of the motion, and its caps on steps and steps × unknowns.

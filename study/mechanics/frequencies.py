@@ -23,12 +23,13 @@ def _stiffness(force, u):
 def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | None:
     """Circular frequencies ω in ascending order, from det(K − ω² M) = 0 with K = ∂p/∂u at ``u``, by default u₀.
 
-    A mode without mass has an infinite frequency; one that grows instead of oscillating, with ω² < 0, has zero.
+    A mode without mass has an infinite frequency. A mode that grows instead of oscillating, with ω² < 0, has the
+    frequency zero, or infinity if the mass is singular.
 
     Returns
     -------
     numpy.ndarray or None
-        Of shape (n,), at least (1,); None if a full matrix would be too large, or the tangent is not finite.
+        Of shape (n,), and (1,) for one unknown; None if a full matrix would be too large, or the tangent is not finite.
     """
     n = np.size(problem.u0)
     if n > FINDABLE:

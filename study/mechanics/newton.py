@@ -221,7 +221,7 @@ def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:
 
 @partial(jax.custom_jvp, nondiff_argnums=(0, 1))
 def root(residual: Callable, solution: Callable, a: Vector, given, fixed) -> Vector:
-    """The root a of ``residual((a,), given)``; ``solution((r, a), fixed)`` solves its linearisation at a, of right side r."""
+    """The root a of ``residual((a,), given)``; ``solution((r, a), fixed)`` is Newton's correction for a residual r."""
     return a
 
 

@@ -88,8 +88,8 @@ def force_and_tangent(force: Callable, u: Vector, form: FormOfTangent) -> tuple[
 def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarray]:
     """Displacements at which the derivative of the force is examined, and is finite.
 
-    Two of them lie around u₀, scattered so that no entry of the derivative is zero by chance. If springs already yield
-    or slip there, the displacements closer to u₀, at u₀ and at zero show their coupling.
+    Two of them lie around u₀, scattered so that no entry of the derivative is zero by chance. Springs may already
+    yield or slip there. A third displacement closer to u₀, u₀ itself and zero then show how springs couple unknowns.
     """
     scatter = np.random.default_rng(0).uniform(0.5, 1.5, (2, len(u0)))
     slope = jax.jit(lambda u: jax.jvp(force, (u,), (jnp.ones_like(u),))[1])

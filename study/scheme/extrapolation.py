@@ -21,10 +21,10 @@ class Extrapolation(OneStep):
             \quad\text{for } y = u \text{ and } y = \dot u
 
     Verlet's method is symmetric: its error is a series in (Δt/n)², and the extrapolation removes its first k − 1 terms.
-    The order is 2k, with damping and load too. The k sequences do not depend on each other, so a processor runs them
-    side by side. Not symplectic. n = 1, 2, ..., 6 is stable without damping for ωΔt ≤ 3.141, and again beyond a narrow
-    window at π. Carries u, u̇ and ü; n₁ + ... + n_k + 1 forces per step. The history of a force is committed at u₁; all
-    sub-steps start from the history at u₀.
+    The order is 2k, with damping and load too. The k integrations of a step do not depend on each other, so a processor
+    runs them side by side. Not symplectic. With the numbers 1, 2, ..., 6 it is stable without damping for ωΔt ≤ 3.141,
+    and, beyond a narrow window of instability, again from π to 3.705. Carries u, u̇ and ü; n₁ + ... + n_k + 1 forces per
+    step. The history of a force is committed at u₁; all sub-steps start from the history at u₀.
 
     Parameters
     ----------

@@ -133,7 +133,7 @@ class Houbolt(Scheme):
 
     @property
     def needs_mass(self) -> bool:
-        # the method itself does not need mass, with ρ∞ = 0; three of its starts solve with M alone
+        # with ρ∞ = 0 the steps do not need mass; three of the starts do, because they solve without the stiffness
         return self.start_by != "linear_acceleration"
 
     def start(self, problem, u0, v0, dt):

@@ -139,7 +139,7 @@ class Composition(OneStep):
     w = (1) is velocity Verlet itself, which is central difference. It is symmetric, so weights that cancel its errors
     of third order, of fifth, and so on make methods of order 4 (Yoshida, three steps, stable for ωΔt ≤ 1.573), 6
     (Yoshida, seven steps, stable for ωΔt ≤ 2.269) and 8 (Kahan and Li, seventeen steps, stable for ωΔt ≤ 3.096, and
-    again beyond a narrow window at π), with damping and load too. Symplectic without damping. Carries u, u̇ and ü; s
+    again from π to 5.634), with damping and load too. Symplectic without damping. Carries u, u̇ and ü; s
     forces per step. The history of a force is committed at u₁; the steps in between all start from the history at u₀.
 
     Parameters

@@ -145,7 +145,7 @@ def test_amplitudes_are_counted_from_the_equilibrium():
 def test_a_motion_that_has_come_to_rest_has_no_phase():
     reference, _ = _harmonic(50)
     dt, observers = against(reference, 50, longest=50)
-    # 40 periods of a motion that is damped out after a few and drifts away from the level
+    # 40 periods of a motion that soon comes to rest at u = 0.1, and then crosses zero no more
     problem = study.Problem(lambda u: (2 * np.pi) ** 2 * (u - 0.1), u0=1.0, damping=2.0)
     ds = study.run(problem, "rk4", dt=dt, steps=2000, observe=observers)
     assert np.isnan(ds.phase_error) and np.isnan(ds.period_elongation)

@@ -31,7 +31,7 @@ def model(tmp_path_factory):
 
 
 class _Balanced(HTMLParser):
-    """A parser that fails where tags do not close."""
+    """A parser that fails at an end tag that does not close the last open tag."""
 
     VOID = {"meta", "br", "img", "link", "path", "use", "rect"}
 

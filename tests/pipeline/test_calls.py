@@ -87,12 +87,15 @@ def test_no_process_outlives_a_run_that_is_killed(folder, running):
 
 def test_the_pipeline_goes_on_without_its_worker_and_after_interrupts(folder, running, undisturbed):
     """Jobs then run by themselves, and the datasets are those of a run that nothing disturbs."""
+    unfinished = folder / "results" / ".site.1.ab.unfinished" / "index.html"
+    unfinished.parent.mkdir()
+    unfinished.write_text("of a site that a killed run has left")
     _wait(lambda: any("pipeline.worker" in " ".join(one.cmdline()) for one in psutil.Process(running.pid).children()))
     (worker,) = (one for one in psutil.Process(running.pid).children() if "pipeline.worker" in one.cmdline())
     worker.kill()
     running.wait()
     make(folder, *TARGETS)
-    assert hashes_of(folder).items() >= undisturbed.items()
+    assert hashes_of(folder).items() >= undisturbed.items() and not unfinished.parent.exists()
 
 
 def test_the_snakefile_of_the_catalogue_plans_the_same_jobs(folder):

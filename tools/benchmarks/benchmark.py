@@ -22,7 +22,7 @@ from case import Case
 
 from study.io import provenance, write
 
-#: Number of turns of each case; nine give reliable ratios.
+#: Number of measured turns of each case, after one turn to warm up; nine give reliable ratios.
 REPEATS = int(os.environ.get("REPEATS", "9"))
 #: Target of the time to trace and compile, in s.
 COMPILE_AT_MOST = 0.3
