@@ -58,8 +58,8 @@ def assess(
     ``largest_dt`` is the largest step that keeps an error together with all finer steps tried, with a margin for the
     scatter of their errors. The recommended step is the largest one below ``largest_dt`` with two digits; under a
     record it is an integer fraction or multiple of the spacing of the samples. It is run with the given initial
-    values and load, and with values one percent smaller and larger. If none of n random finer steps exceeds the error, at most 3/n
-    of all finer steps do, with 95 % confidence. No number is interpolated.
+    values and load, and with values one percent smaller and larger. If none of n random finer steps exceeds the error,
+    at most 3/n of all finer steps do, with 95 % confidence. No number is interpolated.
 
     A run ends with the last step that fits into the duration. Quantities along time are compared at every step.
 
