@@ -103,7 +103,7 @@ def _generator(mass: float, damping: float, stiffness: float) -> np.ndarray:
 
 @lru_cache(maxsize=4096)
 def _transition(mass: float, damping: float, stiffness: float, duration: float) -> np.ndarray:
-    """Matrix (4, 4) that advances (u, u̇, q, q̇) by a duration; kept, because samples of a record have few distances."""
+    """Matrix (4, 4) that advances (u, u̇, q, q̇) by a duration; cached, because most intervals of a record are equal."""
     return scipy.linalg.expm(duration * _generator(mass, damping, stiffness))
 
 
