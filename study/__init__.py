@@ -8,13 +8,14 @@
     ds.u.plot()
     print(ds.status)
 
-Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble. ``over`` runs one over arguments of a function that
-makes the problem. ``final_state`` is a run as a pure function, which JAX differentiates. A run that fails warns with
-``RunFailedWarning``. ``help(study.run)`` describes all arguments, and each of the names below has such a help.
+Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble. ``over`` runs an ensemble of problems, by arrays for
+arguments of a function that makes the problem. ``final_state`` is a run as a pure function, which JAX differentiates. A
+run that fails warns with ``RunFailedWarning``. ``help(study.run)`` describes all arguments, and ``help`` describes each
+of the names below.
 
 Steps of controlled size
     ``run`` takes a ``tolerance`` and a ``duration`` in place of ``dt`` and ``steps``. ``estimators`` and
-    ``controllers`` hold the named ones; ``Estimator`` and ``Controller`` are the base classes of your own.
+    ``controllers`` hold those with a name; ``Estimator`` and ``Controller`` are the base classes for your own.
     ``DeadBand``, ``Reversible`` and ``Prescribed`` take arguments, and ``UnequalSteps`` is an α-method on unequal
     steps::
 
@@ -35,8 +36,8 @@ Which scheme and which step
     ``work_precision`` draws error against time, and ``cite`` lists the works on which a dataset is based as BibTeX.
 
 A model in another program
-    ``assess`` takes a ``Program`` too, any function that runs a model with a scheme and a step. ``command`` makes one
-    of an executable, ``opensees`` of a model of OpenSees::
+    ``assess`` takes a ``Program`` too, any function that runs a model with a scheme and a step. ``command`` makes a
+    program from an executable, and ``opensees`` from a model of OpenSees::
 
         program = study.command("./mycode {dt} {scheme} {output}", ["newmark", "hht"], duration=10.0)
         study.recommend(study.assess(program), error=0.01)
@@ -50,8 +51,8 @@ Analysis
     ``OutcomeObserver`` has found.
 
 A problem of your own
-    ``Problem``, with ``Rayleigh`` damping, ``StrainEnergy`` for structures and ``GroundMotion`` for those on moving
-    ground::
+    ``Problem`` describes it. ``Rayleigh`` gives its damping, ``StrainEnergy`` the force of a structure, and
+    ``GroundMotion`` the acceleration of its ground::
 
         pendulum = study.Problem(force=jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=3.0)
 
@@ -60,8 +61,8 @@ A problem of your own
 
 An observer of your own
     ``Quantity`` observes a function of t, u, u̇ and ü, along time or as its peak, its final value or its root mean
-    square. ``Reduction`` and ``Record`` are the base classes of every ``Observer``: one value per run, or values along
-    time.
+    square. Every ``Observer`` has one of two base classes: ``Reduction`` gives one value per run, and ``Record`` gives
+    values along time.
 
 A scheme with other parameters
     ``Newmark``, ``WilsonTheta``, ``Houbolt``, ``HHTAlpha1996``, ``GeneralizedAlpha``, ``ExplicitAlpha``,
@@ -73,7 +74,7 @@ A scheme with other parameters
 
 A scheme of your own
     ``Scheme``, or ``OneStep`` for one-step schemes, is the base class. ``building`` states what a scheme must return,
-    and has its parts: states, the equation of motion and the balance of an implicit step.
+    and provides the parts of one: states, the equation of motion and the balance of an implicit step.
     ``assess_scheme`` compares one with those of the study, and ``register_scheme`` gives it a name, under which
     experiments take it too.
 

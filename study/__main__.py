@@ -98,7 +98,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _given(place: str, kind: type) -> Any:
-    """A name, or the object of that name in a user's file."""
+    """The name itself, or the object that ``FILE.py:NAME`` names."""
     return load(place, (kind,)) if ".py" in place else place
 
 
@@ -123,7 +123,7 @@ def _run(arguments: argparse.Namespace) -> None:
 def _assess(arguments: argparse.Namespace) -> None:
     outputs = []
     if arguments.output:
-        # a name that has one of the two endings already means both files
+        # also a name with one of the two endings stands for both files
         stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
         outputs = [io.check_writable(arguments.output.with_name(stem + suffix)) for suffix in (".nc", ".html")]
     if arguments.command or arguments.opensees:
@@ -167,7 +167,7 @@ def _refuse(arguments: argparse.Namespace, defaults: dict[str, Any], whose: str)
 
 
 def _program(arguments: argparse.Namespace) -> Program:
-    """The program of a command, or a model of OpenSees."""
+    """The program that a command, or a model of OpenSees, defines."""
     _refuse(arguments, {"quantities": None}, "a problem, not of a program")
     if not arguments.schemes or not arguments.duration:
         raise ValueError("a program needs --schemes, such as newmark hht, and --duration.")
@@ -207,12 +207,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Parameters
     ----------
     arguments
-        Words of the command line; those of this process for None.
+        Words of the command line, by default of this process.
 
     Raises
     ------
     SystemExit
-        With code 2 after a mistake, which one sentence on the standard error output explains.
+        With code 2 after a mistake; one sentence on the standard error output explains it. With code 130 after an
+        interrupt.
     """
     parser = _parser()
     words = sys.argv[1:] if arguments is None else list(arguments)
@@ -220,7 +221,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         chosen.function(chosen)
         sys.stdout.flush()
-    except BrokenPipeError:  # the reader, such as head, has closed the pipe, into which exit would flush again
+    except BrokenPipeError:  # the reader, such as head, has closed the pipe, and the exit would flush into it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return
     except KeyboardInterrupt:

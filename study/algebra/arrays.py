@@ -19,7 +19,7 @@ ScalarLike = float | Scalar
 #: A number for each unknown, shape () or (n,).
 Vector = Float[Array, "*n"]
 
-#: Values that can be converted to such a vector: a number, a list or an array.
+#: Values that can be converted to a ``Vector``: a number, a list or an array.
 VectorLike = Float[Any, "*n"]
 
 #: Values that can be converted to the positions of points, shape (points, directions).
@@ -31,7 +31,8 @@ Full = Float[Array, "n n"]
 #: One or several right sides of a linear system, shape (n,) or (n, m).
 RightSides = Float[Array, "n *m"]
 
-#: A matrix in any form of :mod:`study.algebra.matrices`: a number, a diagonal (n,), ``Banded``, full or ``MatrixFree``.
+#: A matrix in any form of :mod:`study.algebra.matrices`: a number, a diagonal (n,), ``Banded``, ``Sparse``, full or
+#: ``MatrixFree``.
 Matrix: TypeAlias = Any
 
 #: A matrix of :mod:`scipy.sparse`, of any kind.
@@ -44,12 +45,12 @@ def as_float64(value: Any) -> Any:
 
 
 def real_numbers(name: str, value: Any) -> np.ndarray:
-    """An argument that is a number, a list or an array as float64.
+    """A real number, or a list or an array of real numbers, as an array of float64.
 
     Raises
     ------
     ValueError
-        If it is something else, or its rows differ in length.
+        If the value is something else, or its rows differ in length.
     """
     try:
         numbers = np.asarray(value)

@@ -24,9 +24,10 @@ def compensated_sum(total: Vector, increment: Vector, lost: Vector) -> tuple[Vec
 
 
 def quintic(start: tuple, end: tuple, dt: Any, of_v: bool = False) -> tuple:
-    """Coefficients in 0 ≤ s ≤ 1, lowest first, of the quintic through u, u̇ and ü at both ends of a step.
+    """Coefficients, lowest first, of the quintic through u, u̇ and ü at both ends of a step.
 
-    With ``of_v``, the coefficients of its derivative with respect to s. Numbers and arrays of NumPy or JAX broadcast.
+    Its variable s = (t − t₀)/Δt rises from 0 to 1. With ``of_v``, the coefficients are those of its derivative with
+    respect to s. Numbers and arrays of NumPy or JAX broadcast.
     """
     (u0, v0, a0), (u1, v1, a1) = start, end
     v0, v1, a0, a1 = dt * v0, dt * v1, dt**2 * a0, dt**2 * a1

@@ -14,7 +14,7 @@ from study.algebra.sparse import Sparse
 #: Number of rows of a tridiagonal system that one pass of the loop eliminates.
 UNROLL = 4
 
-#: Iteration for a matrix-free system: relative residual at which it ends, and largest number of steps.
+#: Relative residual at which the iteration for a matrix-free system ends, and its largest number of steps.
 ITERATIVE_TOLERANCE, ITERATIVE_STEPS = 1e-10, 10_000
 
 
@@ -45,7 +45,7 @@ def eliminate(matrix: Full, rhs: RightSides) -> RightSides:
 
 
 def _solve_tridiagonal(bands, rhs):
-    """Thomas' algorithm in place, ``UNROLL`` rows a pass, without pivoting: M + c K does not need it."""
+    """Thomas' algorithm in place, ``UNROLL`` rows a pass; it does not pivot, because M + c K needs no pivoting."""
     lower, middle, upper = bands
     n = len(rhs)
     rest = n % UNROLL
@@ -92,7 +92,7 @@ def _solve_banded(bands, rhs):
     k, n = len(bands) // 2, len(rhs)
     blocks = -(-n // k)
     spare = blocks * k - n
-    # rows of three blocks each; rows beyond the end belong to the identity
+    # a row has three blocks; rows beyond the last unknown are those of the identity
     padded = jnp.pad(bands, ((0, 0), (0, spare))).at[k, n:].set(1.0).T.reshape(blocks, k, 2 * k + 1)
     row, place = np.arange(k)[:, None], np.arange(2 * k + 1)
     wide = jnp.zeros((blocks, k, 3 * k)).at[:, row, row + place].set(padded)
@@ -123,8 +123,8 @@ def _iterate(matrix: MatrixFree, rhs, symmetric: bool):
     diagonal = jnp.broadcast_to(matrix.diagonal, rhs.shape)
     size = jnp.sqrt(jnp.where(diagonal == 0, 1.0, jnp.abs(diagonal)))
     scaled = rhs / size
-    # lineax compares entry by entry, and stops at once if the right side has zeros. The right side is scaled to a
-    # largest entry of one, so that an absolute tolerance measures the whole vector
+    # lineax applies a relative tolerance to each entry, and stops at once if the right side has zeros. The right side
+    # is scaled to a largest entry of one, so that an absolute tolerance measures the whole vector
     largest = jnp.abs(scaled).max()
     largest = jnp.where(largest == 0, 1.0, largest)
     tags = lineax.positive_semidefinite_tag if symmetric else ()
@@ -163,7 +163,7 @@ def solve(matrix: Matrix, rhs: Vector, symmetric: bool = True) -> Vector:
     rhs
         Right side, () or (n,).
     symmetric
-        Whether the matrix is symmetric; only a matrix-free one uses this.
+        Whether the matrix is symmetric; this matters only for a matrix-free one.
     """
     match form_of(matrix):
         case Form.BAND if matrix.half_bandwidth == 1:

@@ -50,7 +50,7 @@ class Method(abc.ABC):
 
     @abc.abstractmethod
     def factor(self, values: np.ndarray, spare: Any) -> Any:
-        """The factor of the matrix with these values (entries,), in the memory of a spare one if there is one."""
+        """The factor of the matrix with these values (entries,), in the memory of a spare factor if there is one."""
 
     @abc.abstractmethod
     def solution(self, factor: Any, rhs: np.ndarray) -> np.ndarray:
@@ -82,10 +82,10 @@ class BandCholesky(Method):
 
 
 class Cholmod(Method):
-    """CHOLMOD's sparse Cholesky factorisation; a spare factor has been ordered and analysed before."""
+    """CHOLMOD's sparse Cholesky factorisation; a spare factor saves the ordering and the symbolic analysis."""
 
     def __init__(self, pattern: Pattern):
-        from cvxopt import cholmod, matrix, spmatrix  # an extra of the package
+        from cvxopt import cholmod, matrix, spmatrix  # installed with an extra of the package
 
         self.cholmod, self.matrix = cholmod, matrix
         self.entries = spmatrix(1.0, pattern.rows.tolist(), pattern.columns.tolist(), (pattern.size,) * 2)
@@ -130,7 +130,7 @@ class SuperLU(Method):
 
 
 def _best(pattern: Pattern) -> Method:
-    """The fastest method for positive definite matrices of a pattern."""
+    """The fastest method for matrices of a pattern; symmetric ones are assumed positive definite."""
     if not pattern.symmetric:
         return SuperLU(pattern)
     graph = scipy.sparse.csr_array((np.ones(len(pattern.rows)), (pattern.rows, pattern.columns)), (pattern.size,) * 2)
@@ -152,7 +152,7 @@ class Kept(NamedTuple):
 
 
 class Factorisations:
-    """Solver of systems of one pattern, which keeps the last factors for repeated matrices."""
+    """Solver of systems of one pattern, which keeps the factors that were used last for repeated matrices."""
 
     def __init__(self, pattern: Pattern):
         self._methods = _best(pattern), SuperLU(pattern)

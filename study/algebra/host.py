@@ -1,8 +1,8 @@
 """NumPy functions inside compiled programs.
 
-The public ``jax.pure_callback`` converts the arguments to arrays of JAX. That waits for a thread which, with large
-arrays and few cores, waits for the callback: a deadlock. ``emit_python_callback``, on which it is built, passes NumPy
-arrays. Only this module uses ``jax.interpreters``, which JAX may change in any release.
+The public ``jax.pure_callback`` converts the arguments to arrays of JAX. With large arrays and few cores, this
+conversion waits for a thread that waits for the callback: a deadlock. ``emit_python_callback``, which ``pure_callback``
+calls, passes NumPy arrays. Only this module uses ``jax.interpreters``, which JAX may change in any release.
 """
 
 from collections.abc import Callable
@@ -50,7 +50,7 @@ mlir.register_lowering(_on_host, _lowered)
 
 
 def on_host(function: Callable, like: jax.Array, *arguments: jax.Array) -> jax.Array:
-    """``function(*arguments)``, of the shape and type of ``like``; lanes are taken one by one.
+    """``function(*arguments)``, of the shape and type of ``like``; the lanes of a batch are called one by one.
 
     Parameters
     ----------

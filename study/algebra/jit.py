@@ -8,7 +8,7 @@ import jax
 
 #: Options of XLA for CPUs. The first uses the full width of vector registers, which speeds up ensembles. The second
 #: selects the older generator of loops: the newer one takes one and a half to two times as long to compile a march. The
-#: compiled marches give the same numbers, and their speeds differ by less than a sixth.
+#: marches of both generators give the same numbers, and their speeds differ by less than a sixth.
 _OPTIONS = {"xla_cpu_prefer_vector_width": 512, "xla_cpu_use_fusion_emitters": False}
 
 
@@ -23,7 +23,7 @@ def _known_options() -> dict[str, Any]:
             return False
         return True
 
-    # together first, because each trial takes a hundredth of a second
+    # all options in one trial first, because each trial takes a hundredth of a second
     return _OPTIONS if are_known(_OPTIONS) else {n: value for n, value in _OPTIONS.items() if are_known({n: value})}
 
 

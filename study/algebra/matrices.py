@@ -23,7 +23,7 @@ SMALL = 4
 
 
 class Banded(NamedTuple):
-    """A matrix of half bandwidth k: bands[k + d, i] is entry (i, i + d), and zero outside the matrix.
+    """A matrix of half bandwidth k: bands[k + d, i] is entry (i, i + d), or zero where this is outside the matrix.
 
     ``bands`` has the shape (2k + 1, n). A tridiagonal matrix should be a tuple of three (n,), which the compiler need
     not write to memory before the solution.
@@ -127,7 +127,7 @@ def diagonal(matrix: Matrix) -> jax.Array | float:
 
 
 def banded(matrix: np.ndarray, half_bandwidth: int) -> Banded | np.ndarray:
-    """A matrix (n, n) as a band of at least this half bandwidth; unchanged if that exceeds a quarter of n."""
+    """A matrix (n, n) as a band of at least this half bandwidth; unchanged if the band is wider than a quarter of n."""
     n = len(matrix)
     width = max(half_bandwidth, int(np.abs(np.subtract(*np.nonzero(matrix))).max(initial=0)))
     if 4 * width > n:
