@@ -34,6 +34,11 @@ def test_a_scheme_has_the_same_style_in_every_figure():
     assert len({every[name]["color"] for name in SCHEMES}) == 7
 
 
+def test_the_marks_of_all_schemes_differ_without_their_lines():
+    looks = curve_styles(EVERY.scheme).values()
+    assert len({(look["color"], look["marker"]) for look in looks}) == len(looks)
+
+
 def test_all_schemes_look_different_also_those_that_are_added():
     families = {scheme.family for scheme in study.schemes.values()}
     many = [look for family in families for look in curve_styles(_members(8, family).scheme).values()]
