@@ -54,7 +54,7 @@ _COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#
 _LINES = ["-", "--", "-.", ":", (0, (7, 1.5)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 0.6))]
 _MARKERS = ["o", "s", "v", "^", "D", "P", "X", "<"]
 
-#: Numbers of the curve styles of a family, by the place of a scheme in it: one for each colour.
+#: Numbers of the curve styles of each family, by the place of a scheme in it. Each colour occurs once in a family.
 _STYLE_NUMBERS = {
     "Newmark and Wilson": (0, 1, 2, 3, 21, 23, 36, 38),
     "Multi-step and composite": (4, 8, 9, 10, 11, 14, 37, 39, 52, 49),
@@ -127,7 +127,7 @@ def legend_below(figure: Figure, columns: int, axes: Axes | None = None, handles
 
 
 def legend_in_gap(figure: Figure, axes: np.ndarray, number: int, columns: int) -> None:
-    """A legend in place of the panels after the first ``number`` ones, or below all panels if there is none."""
+    """A legend in place of the panels after the first ``number`` ones, or below all panels if none is left."""
     if number == axes.size:
         legend_below(figure, columns)
         return
