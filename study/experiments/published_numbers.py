@@ -17,7 +17,7 @@ from study.problem.named import known, problems
 from study.problem.naming import Known
 from study.scheme.named import schemes as schemes_by_name
 
-#: Factor between the numbers of steps of two runs.
+#: Factor between the numbers of steps of successive runs.
 FINER = 4
 
 
@@ -34,7 +34,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def _error(at: Known, u: np.ndarray) -> float:
-    """Error of the known displacement over its size."""
+    """Error of the displacement relative to the size of the known one."""
     found = u if at.weights is None else at.weights @ u
     return float(np.linalg.norm(found - at.u) / np.linalg.norm(at.u))
 
@@ -47,7 +47,7 @@ def _equal(problem: str, scheme: str, steps: int) -> tuple[float, int]:
 
 
 def _controlled(problem: str, scheme: str, tolerance: float) -> tuple[float, float]:
-    """Error of a run with controlled steps, and their number; NaN if it failed."""
+    """Error of a run with controlled steps, and the number of its steps; both are NaN if the run failed."""
     at = known[problem]
     ds = run(problem, scheme, tolerance=tolerance, duration=at.time, on_failure="ignore")
     return (_error(at, ds.u.values[-1]), ds.steps.item()) if ds.status == 0 else (np.nan, np.nan)
@@ -69,11 +69,11 @@ def published_numbers(
     Parameters
     ----------
     coarsest
-        Problems, and the smallest number of steps of a run of each.
+        Problems, each with the number of steps of its coarsest run.
     refinements
         Number of runs of each scheme and problem, each with four times as many steps as the one before.
     controlled, tolerances
-        Problems that are also run with steps that ``study.run`` controls by default, and the tolerances.
+        Problems that are also run with the default step control of ``study.run``, and its tolerances.
 
     Returns
     -------

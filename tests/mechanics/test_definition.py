@@ -145,7 +145,7 @@ def test_a_load_as_a_list_keeps_its_kinks():
 
 
 def test_an_array_is_no_load():
-    with pytest.raises(TypeError, match="load must be a function, not an array: jnp.interp makes one of samples."):
+    with pytest.raises(TypeError, match="load must be a function, not an array: use jnp.interp for samples."):
         study.Problem(lambda u: u, u0=0.0, load=np.ones(100))
 
 
