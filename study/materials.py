@@ -192,10 +192,11 @@ class ViscousDamper(eqx.Module):
     exponent: Any = eqx.field(converter=as_float64)
 
     def __call__(self, u, v):
-        """Force c |u̇|^α sgn u̇. The derivative at rest, infinite for α < 1 and c for α = 1, is computed as zero."""
+        """Force c |u̇|^α sgn u̇; its derivative at rest, infinite for α < 1, is then zero."""
         moves = v != 0
         speed = jnp.where(moves, jnp.abs(v), 1.0)
-        return jnp.where(moves, self.coefficient * jnp.sign(v) * speed**self.exponent, 0.0)
+        at_rest = jnp.where(self.exponent == 1, 1.0, 0.0)
+        return self.coefficient * v * jnp.where(moves, speed ** (self.exponent - 1), at_rest)
 
 
 def viscous_damper(coefficient, exponent=1.0) -> ViscousDamper:

@@ -98,6 +98,8 @@ def test_a_damper_and_a_gap():
     v = jnp.asarray([-4.0, 0.0, 9.0])
     assert damper(v, v).tolist() == [-6.0, 0.0, 9.0]
     assert np.isfinite(jax.vmap(jax.grad(damper, argnums=1))(v, v)).all()
+    at_rest = [jax.grad(materials.viscous_damper(3.0, power), argnums=1)(0.0, 0.0) for power in (0.5, 1.0, 2.0)]
+    assert at_rest == [0.0, 3.0, 0.0]
     assert stop(jnp.asarray([0.1, 0.2, 0.5])) == pytest.approx([0.0, 0.0, 3.0])
 
 

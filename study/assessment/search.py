@@ -44,7 +44,7 @@ MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 WORK = {True: 1_500_000, False: 4_000_000}
 
 #: Runs in the octave below a recommended step, where errors are largest: maximum, cap on their steps × unknowns, and
-#: minimum, which recommended steps up to twice the finest one do not need.
+#: minimum. A step of at most half of the finest one needs none, because otherwise a search might not end.
 CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}, {True: 0, False: 8}
 
 #: Number of steps above which a run of one unknown is made alone. The second number is for a search of runs up to

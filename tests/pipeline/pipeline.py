@@ -3,6 +3,7 @@
 import hashlib
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -44,6 +45,11 @@ def call_snakemake(folder: Path, *arguments: str, overlays=(SMALL,)) -> subproce
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", *map(str, overlays)]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
+
+
+def interruptible() -> None:
+    """Let a new process react to Ctrl-C, which a shell that runs the tests in the background makes it ignore."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def make(folder: Path, *products: str, **options) -> None:

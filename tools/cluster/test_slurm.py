@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.pipeline.pipeline import SMALL, call_snakemake, copied
+from tests.pipeline.pipeline import SMALL, call_snakemake, copied, interruptible
 
 #: Products: jobs on the node, figures in one group, a table on the login node, and a job that measures times.
 PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "figures/roots.pdf", "cpu_time.nc"]
@@ -58,7 +58,7 @@ def _started(folder: Path, products: list[str], *options: str) -> subprocess.Pop
     command = [sys.executable, "-m", "snakemake", *_targets(products), *OPTIONS, *options, "--configfile", str(SMALL)]
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     with (folder / "slurm.log").open("a") as log:
-        return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment)
+        return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment, preexec_fn=interruptible)
 
 
 def _made(folder: Path, products: list[str]) -> str:
