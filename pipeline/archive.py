@@ -1,8 +1,8 @@
 """Pack a finished study for others: ``python -m pipeline.archive PROJECT OUTPUT``, next to ``results``.
 
 The archive is a Workflow Run RO-Crate. It holds the sources, the configuration that was used with the files that it
-names, and the results. ``ro-crate-metadata.json`` describes the run: inputs of each product, versions, machine and
-time. Datasets themselves contain neither machine nor time. See https://w3id.org/ro/wfrun/workflow.
+names, and the results. ``ro-crate-metadata.json`` describes the run: inputs, products, versions, machine and time.
+Datasets themselves contain neither machine nor time. See https://w3id.org/ro/wfrun/workflow.
 """
 
 import io
@@ -36,7 +36,7 @@ _NO_SOURCES = {"results", "build", "__pycache__"}
 
 
 def sources(project: Path) -> list[Path]:
-    """The tracked and the new files of a checkout; without Git, all files except hidden ones and products."""
+    """The tracked and the new files of a checkout; outside a checkout, all files except hidden ones and products."""
     if tracked := _listed(project, "--cached"):
         new = [file for file in _listed(project, "--others", "--exclude-standard") if not _is_hidden(file)]
         return [*tracked, *new]
@@ -50,7 +50,7 @@ def sources(project: Path) -> list[Path]:
 
 
 def _listed(project: Path, *options: str) -> list[Path]:
-    """The files that Git lists; an empty list without Git."""
+    """The files that Git lists; an empty list outside a checkout."""
     listed = subprocess.run(["git", "ls-files", "-z", *options], cwd=project, capture_output=True, text=True)
     return [Path(name) for name in listed.stdout.split("\0") if name and (project / name).is_file()]
 
@@ -66,7 +66,7 @@ def _is_hidden(file: Path) -> bool:
 
 
 def configuration() -> dict:
-    """The complete configuration of the last run, which made the study."""
+    """The complete configuration of the run that made the study; empty if the run left none."""
     return json.loads(CONFIGURATION.read_text()) if CONFIGURATION.exists() else {}
 
 
@@ -108,7 +108,7 @@ def _machine() -> str:
 
 def described(project: Path) -> ROCrate:
     """The description of a finished study: sources, results, and the run that made them."""
-    crate = ROCrate(version="1.1")  # the version of the profiles
+    crate = ROCrate(version="1.1")  # the version on which the profiles are based
     cited = yaml.safe_load((project / "CITATION.cff").read_text(encoding="utf-8"))
     crate.name, crate.license = cited["title"], f"https://spdx.org/licenses/{cited['license']}"
     crate.description = "Sources, configuration, datasets, figures, tables and manuscript of the study, with its run."
@@ -170,7 +170,7 @@ def described(project: Path) -> ROCrate:
 
 
 def _is_input(name: str, own: list[Path]) -> bool:
-    """Whether a file of the archive is an input of the run: configuration, record, or a file that it names."""
+    """Whether a file of the archive is an input: a configuration, a record, or a file that the configuration names."""
     return name == "configuration.yaml" or name.startswith(("config/", "study/mechanics/records/")) or Path(name) in own
 
 

@@ -86,6 +86,7 @@ def _check_steps(declared: Experiment, promised: float) -> None:
     """Refuse an experiment with more than twice or less than half of the declared number of steps.
 
     Timed experiments repeat their runs, and small jobs round to whole numbers of steps; both are not checked.
+    Experiments that stop early may take fewer steps.
     """
     progress(f"steps: {promised:.3g} declared, {Work.steps:.3g} taken")
     too_few = 0 < 2 * Work.steps < promised and not declared.stops_early

@@ -92,7 +92,7 @@ def _nested(name: str, tree: dict[str, Any]) -> type[BaseModel]:
     return create_model(name, __config__=_STRICT, **fields)
 
 
-#: Plain names of pydantic's types.
+#: Expected type in plain words, by the kind of pydantic's error.
 _TYPES = {
     "int_type": "a whole number",
     "float_type": "a number",
@@ -218,7 +218,7 @@ def check(experiments: Iterable[Experiment | Merged], configuration: Any) -> dic
             steps += one.steps(options, whole)
             if (values := one.values(options, whole)) > MOST_VALUES:
                 raise ValueError(
-                    f"{place} needs {values:.1e} numbers at once, and more than {MOST_VALUES:.0e} take over "
+                    f"{place} needs {values:.1e} numbers at once, more than the {MOST_VALUES:.0e} that fit into "
                     "two gigabytes: reduce the number or the length of runs."
                 )
     if steps > MOST_STEPS:
@@ -263,7 +263,7 @@ def _check_makers(experiments: Iterable[Experiment | Merged], configuration: Map
 
 
 def datasets_of(experiments: Iterable[Experiment | Merged], configuration: Mapping) -> list[str]:
-    """The datasets that a configuration makes and keeps, by name."""
+    """Names of the datasets that a configuration makes and keeps."""
     names: list[str] = []
     for one in experiments:
         if isinstance(one, Merged):

@@ -1,4 +1,4 @@
-"""The files that a job depends on, so that a changed module makes only its users out of date."""
+"""The files that a job depends on. A changed module puts only the jobs out of date that import it."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -24,7 +24,7 @@ class Sources:
             self._graph.remove_module(module)
 
     def of(self, modules: Iterable[str]) -> list[Path]:
-        """Files of modules and of all that they import, and the data next to those of the paper."""
+        """Files of modules and of all that they import, and the data next to the modules of the paper."""
         found: set[str] = set()
         for module in modules:
             if module not in self._known:

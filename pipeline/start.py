@@ -13,7 +13,7 @@ from typing import Any
 
 #: Folders whose Python files and pages the plan depends on.
 ROOMS = ("study", "reference", "pipeline", "paper", "docs")
-#: The plan of the last call, and the files of a run: its lock, and the socket of its worker.
+#: Files with the plan of the last call, the lock of a run, and the socket of its worker.
 PLAN, LOCK, SOCKET = (Path(".snakemake", name) for name in ("plan.json", "lock", "worker"))
 #: Minimum number of free bytes before a run begins.
 ROOM = 2**24
@@ -76,7 +76,7 @@ def begun(configuration: Any, local: bool) -> tuple:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise Refused(f"another run is at work in '{Path.cwd()}': wait for it, or end it.") from None
-    for unfinished in list(Path("results").rglob(".*.unfinished")):  # of a killed run: files, and the folder of a site
+    for unfinished in list(Path("results").rglob(".*.unfinished")):  # left by a killed run: files, or a site
         shutil.rmtree(unfinished) if unfinished.is_dir() else unfinished.unlink()
     Path("results/configuration.json").write_text(json.dumps(configuration))
     if local:
@@ -104,7 +104,7 @@ def _cancel_queued() -> None:
         command = ["squeue", "--me", "--noheader", "--format=%i|%k|%Z"]
         listed = subprocess.run(command, capture_output=True, text=True).stdout.splitlines()
         jobs = [line.split("|", 2) for line in listed]
-        # these are Snakemake's comments of its jobs; other jobs of the folder, including this run, stay
+        # Snakemake begins the comments of its jobs like this; other jobs of the folder, including this run, stay
         ours = [
             job for job, comment, place in jobs if comment.startswith(("rule_", "group_")) and place == str(Path.cwd())
         ]

@@ -23,7 +23,7 @@ from study.declaration.experiment import discover
 
 
 def _end_with(*ends: Any) -> None:
-    """End this process as soon as the other end of a pipe or connection is closed."""
+    """End this process as soon as the other end of one of these pipes or connections is closed."""
     select.select(ends, [], [])
     os._exit(1)
 

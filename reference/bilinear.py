@@ -21,7 +21,7 @@ Lanes = Float[np.ndarray, "lanes"]
 #: One row for each oscillator.
 Rows = Float[np.ndarray, "lanes samples"]
 
-#: Newton correction that ends the search for the time of an event, as a part of the time searched.
+#: Largest last Newton correction of the time of an event, as a part of the time up to which it is sought.
 CONVERGED = 1e-9
 
 #: Largest number of corrections of the time of an event.

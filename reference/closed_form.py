@@ -39,7 +39,7 @@ def _cubic(spring: CubicSpring, u0):
 
     For a hardening spring, and a double well released above its barrier, u = A cn(κt) with κ² = S1 (1 + S2 A²) and
     m = S2 A² / (2 (1 + S2 A²)). Within one well of the double well, u = A dn(κt + φ) with κ² = S1 S2 A²/2 and
-    m = 1 − (a/A)², where a and A are the turning points.
+    m = 1 − (a/A)², where a and A are the inner and the outer turning point.
 
     Source: P. F. Byrd, M. D. Friedman, Handbook of Elliptic Integrals for Engineers and Scientists, 1971.
     """
@@ -101,7 +101,7 @@ def turning_points(problem: Problem, u0: float) -> tuple[float, float]:
     Raises
     ------
     ValueError
-        If the motion has no closed form.
+        If the period has no closed form.
     """
     spring = _spring(problem)
     if isinstance(spring, TanhSpring):
@@ -119,7 +119,7 @@ def has_trajectory(problem: Problem) -> bool:
 def trajectory(problem: Problem, t: Iterable) -> tuple[list[mpmath.mpf], list[mpmath.mpf]]:
     r"""Exact displacement and velocity of a cubic spring at the times ``t``, with ``DIGITS`` digits.
 
-    With x = κt + φ the motion is one of
+    With x = κt + φ and the constants of :func:`_cubic` the motion is one of
 
     .. math::
 

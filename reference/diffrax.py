@@ -29,7 +29,7 @@ SMALLEST_RTOL = 1e-15
 #: Tolerance of a first run, which compiles the program.
 LOOSE_RTOL = 1e-3
 MAX_STEPS = 1_000_000
-#: Evaluations of the right side in one step.
+#: Stages of one step. An explicit stage evaluates the right side once, an implicit one several times.
 STAGES = {"Dopri8": 13, "Tsit5": 6, "Kvaerno5": 7}
 
 
@@ -52,7 +52,7 @@ class ClassicalRungeKutta(diffrax.AbstractERK):
 def _solver(method: str):
     """Diffrax's solver; an implicit method solves its equations by the chord iteration.
 
-    Diffrax's default, ``VeryChord``, fails in every second step on these problems and needs six to ten times as many.
+    Diffrax's default, ``VeryChord``, fails in every second step on these problems and needs six to ten times as many steps.
     """
     solver = getattr(diffrax, method)
     if issubclass(solver, diffrax.AbstractImplicitSolver):
@@ -138,7 +138,7 @@ def trajectory(
     method
         ``Dopri8``, ``Tsit5`` or ``Kvaerno5``.
     max_steps
-        Limit of accepted and rejected steps together.
+        Limit of accepted and rejected steps together; with a history, of the steps from one time to the next.
 
     Raises
     ------
@@ -188,7 +188,7 @@ def classical_runge_kutta(problem: Problem, dt: float, steps: int) -> Solution:
 
 @partial(jit, compiler=eqx.filter_jit)
 def _until(problem: Problem, t1, turning, rtol, method: str):
-    """Solution at ``t1``, or earlier where ``turning`` times v becomes positive; ``turning`` may be zero."""
+    """Solution at ``t1``, or where ``turning`` times v becomes positive before; zero ``turning`` disables this event."""
     event = diffrax.Event(
         lambda t, y, args, **_: jnp.where(turning == 0, -1.0, turning * y[1]),
         optimistix.Newton(rtol=1e-6, atol=1e-6),

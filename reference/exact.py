@@ -24,7 +24,7 @@ from study.mechanics.definition import Problem
 #: Significands and formulations of the integrations; the first of each gives the solution.
 BITS = (192, 128)
 FORMULATIONS = (first_order, with_force_as_state)
-#: Largest difference of the integrations, over the largest value, up to which a solution counts as exact.
+#: Largest difference of the integrations, relative to the largest value, up to which a solution counts as exact.
 CERTIFIED = 1e-25
 
 

@@ -1,9 +1,9 @@
-"""The same schemes in OpenSees, a finite element code, as an optional comparison.
+"""Schemes of the study in OpenSees, a finite element code, as an optional comparison.
 
 OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except two agree to round-off: OpenSees
 starts Houbolt's method by two steps of average acceleration, and its α-method evaluates one internal force at the
 weighted displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called
-TRBDF2, and each of its two sub-steps counts as a step. OpenSees' generalized-α method with non-zero α_m is left out,
+TRBDF2, and each of its two sub-steps is a step of OpenSees. OpenSees' generalized-α method with non-zero α_m is left out,
 because at a step of a twentieth of the period its motion grows to a hundred times the amplitude within five periods.
 """
 
@@ -152,17 +152,18 @@ def trajectory(problem: str, scheme: str, dt: float, steps: int) -> Solution:
 def variable_steps(
     problem: str, scheme: str, duration: float, dt: float, longest: float, iterations: int
 ) -> tuple[Times, Solution]:
-    """Times, and displacement and velocity there, of a cubic spring with the steps that OpenSees chooses.
+    """Times, displacement and velocity of a cubic spring after every step, whose size OpenSees chooses.
 
-    The next step is the last step times ``iterations`` over its number of tests of convergence (``VariableTransient``).
-    The last step of the run is not shortened, so the run ends after its duration. Raises as :func:`trajectory` does.
+    ``VariableTransient`` multiplies the step size by the ratio of ``iterations`` to the number of convergence tests in
+    the last step. The last step of the run is not shortened, so the run may end after its duration. Raises as
+    :func:`trajectory` does.
 
     Parameters
     ----------
     dt, longest
         The first step and the longest, in seconds.
     iterations
-        Target number of tests in a step.
+        Target number of convergence tests in a step.
     """
     ops = _prepared(problem, scheme)
     ops.wipeAnalysis()
@@ -272,7 +273,7 @@ def shear_frame(
         if isinstance(storeys, Elastoplastic):
             ops.uniaxialMaterial("Steel01", number, bound, stiffness, hardening)
         else:
-            # OpenSees' z is the displacement u_y y, and its β = γ is 1/2 per u_yⁿ
+            # OpenSees' z is the displacement u_y y, so its β and γ are 1/(2 u_yⁿ)
             n, scale = storeys.exponent, 0.5 * (stiffness / bound) ** storeys.exponent
             ops.uniaxialMaterial("BoucWen", number, hardening, stiffness, n, scale, scale, 1.0, 0.0, 0.0, 0.0)
         ops.element("zeroLength", number, number, number + 1, "-mat", number, "-dir", 1)

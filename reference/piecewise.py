@@ -7,8 +7,8 @@ An event is a yield point, a reversal, a change of contact or a kink of the load
     m \ddot u + c \dot u + k u = q
 
 with q, the load less the offset of the piece, linear in time. The solution applies a matrix exponential to
-(u, u̇, q, q̇). An event is bracketed on times much closer than the shortest period and then found by Brent's method on
-this solution.
+(u, u̇, q, q̇). An event is bracketed between times much closer than the shortest period and then found by Brent's
+method on this solution.
 """
 
 import time
@@ -36,9 +36,10 @@ ROUND_OFF = 1e-13
 
 
 class _Piece(NamedTuple):
-    """A piece of a spring: p = k u + q, and the events that end it.
+    """A piece of a spring with the force k u + offset, and the events that end it.
 
-    Each event is a pair: a function of u and u̇ that becomes positive, and a function of u that returns the next piece.
+    An event is a pair: a function of u and u̇ that becomes positive at the event, and a function of u that returns the
+    next piece.
     """
 
     stiffness: float
@@ -79,7 +80,7 @@ def _first_piece(problem: Problem) -> _Piece:
     if isinstance(spring, Elastoplastic):
         plastic, bound = float(problem.history), float(spring.yield_force / spring.stiffness)
         if abs(u0 - plastic) > bound:
-            # the first force follows from a straight motion to u0
+            # the initial force is that of a monotonic motion to u0
             sign = 1 if u0 > plastic else -1
             return _plastic(spring, sign) if sign * float(problem.v0) > 0 else _elastic(spring, u0 - sign * bound)
         return _elastic(spring, plastic)
@@ -102,7 +103,7 @@ def _generator(mass: float, damping: float, stiffness: float) -> np.ndarray:
 
 @lru_cache(maxsize=4096)
 def _transition(mass: float, damping: float, stiffness: float, duration: float) -> np.ndarray:
-    """Matrix (4, 4) that takes (u, u̇, q, q̇) over a duration; steps between samples of a record have few durations."""
+    """Matrix (4, 4) that advances (u, u̇, q, q̇) by a duration; kept, because samples of a record have few distances."""
     return scipy.linalg.expm(duration * _generator(mass, damping, stiffness))
 
 
@@ -149,8 +150,7 @@ def trajectory(problem: Problem, t: Times, places: int = PLACES) -> Solution:
     spacing = 2 * np.pi * np.sqrt(mass / float(problem.force.stiffness)) / places  # type: ignore[attr-defined]
     found, pieces = {}, 1
     for stop, f0, middle in zip(stops, loads[:-1].tolist(), middles.tolist(), strict=True):
-        # the slope is taken at the middle, because the load may jump at the end, as a record may that does not end in
-        # zero
+        # the slope is taken at the middle, because the load may jump at the end of a record that does not end in zero
         slope = 2 * (middle - f0) / (stop - now) if stop > now else 0.0
         while now < stop:
             passed, y, piece = _to_event((mass, damping), piece, y, (f0, slope), stop - now, spacing)

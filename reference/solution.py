@@ -34,7 +34,8 @@ class Solution(NamedTuple):
     u, v
         Displacement and velocity.
     evaluations
-        Number of evaluations of the right side; for the Taylor method, of Taylor coefficients.
+        Number of evaluations of the right side; of stages for implicit Runge-Kutta methods, of Taylor coefficients for
+        the Taylor method.
     seconds
         Run time without compilation.
     """
@@ -46,7 +47,7 @@ class Solution(NamedTuple):
 
 
 class RouteFailed(RuntimeError):
-    """A route stopped before its last time; the message names the route and the reason."""
+    """A route has no certain solution up to its last time; the message states the reason."""
 
 
 class StepLimit(RouteFailed):

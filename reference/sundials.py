@@ -52,7 +52,7 @@ class _Motion:
 
 
 def _right_side_of(motion: _Motion):
-    """Function f(t, y, ẏ) that writes ẏ: plain Python if one unknown's functions can be translated, else compiled."""
+    """Function f(t, y, ẏ) that writes ẏ: plain Python for one unknown if it can be translated, compiled otherwise."""
     if np.ndim(motion.problem.u0) == 0 and motion.history is None:
         from reference.symbolic import Untranslatable, as_python  # here, because importing SymPy takes a second
 
@@ -138,7 +138,7 @@ def trajectory(
     restarted = np.isin(t, [] if restarts is None else restarts)
     stops = np.union1d(stops, t[restarted])
     start, evaluations = time.perf_counter(), 0
-    # this loop is not in Python; for only two times, CVODE would return all steps between them
+    # ``solve`` loops in compiled code; for only two times it would return all steps between them
     if len(t) > 2 and motion.history is None and not np.isfinite(stops).any():
         solution = solver.solve([*([] if t[0] == 0 else [0.0]), *t], motion.start)
         _check(problem, method, solution)
@@ -159,7 +159,7 @@ def trajectory(
 
 
 def _events_of_history(problem: Problem, ahead: float, u, v):
-    """Numbers whose sign changes where the force has a kink, or where a number of its history turns back."""
+    """Numbers whose sign changes where the force has a kink or where one of the numbers of its history reverses."""
     # right after a commit, a yield point is reached only up to round-off
     u = u + ahead * v
     rates = jax.tree.leaves(jax.jvp(lambda u: problem.committed(u, v).history, (u,), (v,))[1])
@@ -169,7 +169,7 @@ def _events_of_history(problem: Problem, ahead: float, u, v):
 
 
 def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adams") -> Times:
-    """Times at which a switch of the internal force changes its sign or its history reverses, by CVODE's roots.
+    """Times at which a switch of the internal force changes its sign or its history reverses, by CVODE's root finding.
 
     At these times the force may have a kink; see :func:`study.mechanics.internal_force.switches`. A history reverses,
     and is committed, where the rate of one of its numbers changes its sign. A zero without a change of sign is not
@@ -179,11 +179,6 @@ def kinks(problem: Problem, duration: float, of_load: Times, method: str = "Adam
     ----------
     of_load
         Times at which the load has a kink, in ascending order; no step crosses one.
-
-    Raises
-    ------
-    ValueError
-        If the mass is singular.
     """
     motion, shape, ahead = (
         _Motion(problem),

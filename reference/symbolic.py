@@ -1,6 +1,6 @@
 """The equation of motion as a symbolic first order system, translated from the functions of a problem.
 
-The routes through heyoka, CVODE and SciPy all solve this system.
+The routes through heyoka and SciPy solve this system, and so does CVODE if the problem can be translated.
 """
 
 from collections.abc import Callable
@@ -124,7 +124,7 @@ def first_order(problem: Problem) -> list[tuple[hy.expression, hy.expression]]:
     Raises
     ------
     ValueError
-        If the problem has more than one unknown, or a function that has no equivalent in plain Python.
+        If the problem has more than one unknown, or a function without translation.
     """
     if np.ndim(problem.u0):
         raise ValueError(f"'{problem.title}' has {len(problem.u0)} unknowns; this route takes one.")

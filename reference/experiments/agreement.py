@@ -17,7 +17,8 @@ from study.mechanics.definition import Problem
 from study.problem.named import approximate_periods
 from study.problem.named import problems as problems_by_name
 
-#: Trajectory and period of every route: functions of problem, times or estimated period, and tolerance.
+#: Functions for the trajectory and the period of every route. Both take a problem and a tolerance; between them, the
+#: first takes the times and the second a rough period.
 ROUTES: dict[str, tuple[Callable, Callable]] = {
     "cvode_adams": (partial(sundials.trajectory, method="Adams"), partial(sundials.period, method="Adams")),
     "cvode_bdf": (partial(sundials.trajectory, method="BDF"), partial(sundials.period, method="BDF")),
@@ -48,7 +49,8 @@ def instants(period: float) -> Times:
 def errors(problem: Problem, exact_solution: exact.ExactSolution, solution: Solution) -> dict[str, Windowed]:
     r"""Largest errors up to the end of every window, each (windows,).
 
-    They are :math:`\max|\Delta u|/\max|u|`, :math:`\max|\Delta\dot u|/\max|\dot u|` and :math:`\max|E/E_0 - 1|`.
+    They are :math:`\max|\Delta u|/\max|u|`, :math:`\max|\Delta\dot u|/\max|\dot u|` and :math:`\max|E/E_0 - 1|`. The
+    first is also given at whole periods alone.
     """
     energy = np.asarray(jax.vmap(problem.energy)(solution.u, solution.v))
     initial = float(problem.energy(np.asarray(problem.u0), np.asarray(problem.v0)))
@@ -92,8 +94,9 @@ def _options(configuration: Mapping) -> Options:
 def agreement(problems: Springs, tolerances: Sequence[float]) -> xr.Dataset:
     """Measure the true errors and the effort of every reference solver at every tolerance.
 
-    Tolerances tighter than one at which a trajectory reached the limit of steps are not tried. Errors have the shape
-    (problem, route, tolerance, periods). They are NaN for a trajectory that did not finish; its status has the reason.
+    A trajectory is not tried at tolerances tighter than one at which it reached the limit of steps. Its errors have the
+    shape (problem, route, tolerance, periods). They are NaN if it did not finish; the status has the reason. The error
+    of the period has the shape (problem, route, tolerance).
 
     Raises
     ------

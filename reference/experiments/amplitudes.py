@@ -15,8 +15,9 @@ from study.problem.named import problems as problems_by_name
 
 #: Number of decimal digits: more than the sixteen that are stored, and few enough for a hundred periods per second.
 DIGITS = 20
-#: A value, or the turning points, of each motion.
+#: A value for each motion.
 _ByAmplitude = Float[np.ndarray, "amplitudes"]
+#: The two turning points of each motion.
 _TurningPoints = Float[np.ndarray, "amplitudes 2"]
 
 

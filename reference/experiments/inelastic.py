@@ -29,7 +29,7 @@ def _in_pieces(problem, t: Times) -> tuple[str, Solution, Solution]:
 
 
 def from_kink_to_kink(problem: Problem, t: Times) -> tuple[str, Solution, Solution]:
-    """The route and the solutions by diffrax and CVODE, which restart at every kink of load and force."""
+    """The route and the solutions by diffrax and CVODE, whose steps end at every kink of load and force."""
     declared = np.asarray(getattr(problem.load, "kinks", []), float)
     of_load = declared[(declared > 0) & (declared < t[-1])]
     of_force = sundials.kinks(problem, t[-1], of_load)
@@ -68,7 +68,7 @@ def inelastic(problems: Kinked, periods: int, samples_per_period: int) -> xr.Dat
 
     Yielding and bouncing are exact from event to event. Smooth hysteresis and the motions under a record and a pulse
     are solved by diffrax and CVODE from one kink of force or load to the next. The uncertainty is the largest
-    difference of two such solutions. A smooth spring with a closed form is included for comparison.
+    difference of two such solutions. A smooth spring, solved by the Taylor method, is included for comparison.
     """
     u, uncertainty, route, scale = [], [], [], []
     for name in problems:

@@ -1,4 +1,4 @@
-"""Number of forces that general solvers need for an error, on the problems of the dataset ``control_cost``."""
+"""Number of evaluations of the force by general solvers for an error, on the problems of ``control_cost``."""
 
 from collections.abc import Mapping
 from typing import Annotated, Literal
@@ -32,10 +32,10 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def solver_cost(
     problems: Sampled, solvers: Annotated[list[Solver], Len(1, 5)], tolerances: FallingTolerances
 ) -> xr.Dataset:
-    """Measure the error and the forces of CVODE, with Adams or BDF methods, and of diffrax with its PID controller.
+    """Measure error and force evaluations of CVODE, with Adams or BDF methods, and of diffrax with its PID controller.
 
     The error is defined as in the dataset ``control_cost``, at the same samples of the exact motion. It is NaN if a
-    solver fails. Forces with a history are excluded: these solvers take a force that is a function of time and state.
+    solver fails, and for forces with a history: these solvers take a force that is a function of time and state.
 
     Variables have the shape (problem, solver, tolerance).
     """

@@ -1,4 +1,4 @@
-"""Peak drifts of oscillators that yield under records, over their periods and their strengths."""
+"""Peak drifts of oscillators that yield under records, for several periods and strengths."""
 
 import numpy as np
 import xarray as xr
@@ -8,7 +8,7 @@ from study.declaration.experiment import experiment, progress
 from study.declaration.options import RecordDuration, RecordPeriods, Records, Reductions
 from study.problem.inelastic import ground_motions, yielding_under_record
 
-#: Numbers of places between two samples at which exact pieces search for events; the difference of the peaks is their
+#: Numbers of places between two samples at which events are sought; the difference of the peaks is their
 #: uncertainty.
 PLACES = (5, 8)
 
@@ -22,10 +22,10 @@ def _options(configuration) -> dict:
 
 @experiment("reference/spectrum", section="spectrum", options=_options)
 def spectrum(records: Records, periods: RecordPeriods, reductions: Reductions, duration: RecordDuration) -> xr.Dataset:
-    """Compute exact peak drifts over records, periods and reductions of the strength.
+    """Compute exact peak drifts for all records, periods and reductions of the strength.
 
     The strength is the largest force of the elastic oscillator divided by the reduction. At a reduction of 1 no
-    oscillator yields. The ground is at rest after the duration.
+    oscillator yields. Motions end at the duration, and a shorter record is continued by a ground at rest.
     """
     grounds = ground_motions(records)
     spacing = float(grounds[0].dt)

@@ -46,7 +46,7 @@ def _witnessed(problem: Problem, times: Sequence[hy.real]) -> float:
 def _uncertainty(values: np.ndarray, rates: np.ndarray, t: float, certified: float) -> float:
     """Uncertainty of stored values: (ulp(max |u|) + max |u̇| ulp(t))/2 plus the certified difference.
 
-    ulp is the unit in the last place, because the values u and the times up to t are rounded. ``rates`` are the
+    ulp is the unit in the last place; the values u and the times up to t are rounded to half of it. ``rates`` are the
     derivatives u̇.
     """
     return 0.5 * (np.spacing(np.max(np.abs(values))) + np.max(np.abs(rates)) * np.spacing(t)) + certified
@@ -66,7 +66,7 @@ def _jobs(options: Options) -> dict[str, Options]:
 
 def _numbers_held(options: Options, configuration: Mapping) -> float:
     """Numbers that a job holds at once."""
-    # four integrations hold each phase as numbers of 192 bits, which are Python objects
+    # for each phase, four integrations hold numbers of up to 192 bits, which are Python objects
     return 100 * sum(options["steps_per_period"])
 
 

@@ -64,8 +64,8 @@ def errors(
 ) -> dict[str, float]:
     """Errors of a solution after ``periods`` periods, by measure as in ``MEASURES``.
 
-    Both solutions are sampled at the same times of the last period. A delay δ changes the state by −δ (u̇, ü), so δ is
-    the projection of the last error on the last rate. A loss of energy ΔE is a loss of amplitude ΔE/p(A) at the turning
+    Both solutions are sampled at the same times of the last period. A delay δ changes the state by −δ (u̇, ü), so
+    −δ is the factor of (u̇, ü) in the projection of the last error on it. A loss of energy ΔE is a loss of amplitude ΔE/p(A) at the turning
     point A.
     """
     scales = np.max(np.abs(exact_solution.u)), np.max(np.abs(exact_solution.v))
@@ -112,7 +112,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Steps of a scheme, at thirty nanoseconds per step, in the time that all solvers may take together."""
+    """Steps of a scheme that take as long as all runs of the solvers may, at thirty nanoseconds per step."""
     runs = len(options["problems"]) * len(SOLVERS) * len(options["tolerances"]) * len(RUNS)
     return runs * options["longest"] / 30e-9
 
@@ -137,8 +137,8 @@ def work_precision(
     Runs have 100 and 1,000 periods. A shorter length is the beginning of a run, with a proportional part of its time
     and evaluations. Errors are measured in the last period of each length only, where growing errors are the largest.
     A run is repeated until the repeats have taken ``longest`` seconds. A run of 1,000 periods that would take longer is
-    left out (NaN), and so are all tolerances tighter than one at which 100 periods took longer. The classical
-    Runge-Kutta method, which is also a scheme of the study, is timed in diffrax too.
+    left out (NaN), and so are all tolerances tighter than one at which a run failed or 100 periods took longer. The
+    classical Runge-Kutta method, which is also a scheme of the study, is timed in diffrax too.
 
     Variables of the solvers have the shape (problem, solver, tolerance, periods).
 
