@@ -48,7 +48,7 @@ def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
 
 def _warn(what: str, error: Exception, location: Any) -> None:
     logging.getLogger(__name__).warning(
-        "%s fails with %r. If a dataset lacks a scheme or a problem, make the study of config/study.yaml or a larger one.",
+        "%s fails with %r. If a dataset lacks a scheme or a problem, make the study of config/study.yaml.",
         what,
         error,
         location=location,

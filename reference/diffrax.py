@@ -52,7 +52,8 @@ class ClassicalRungeKutta(diffrax.AbstractERK):
 def _solver(method: str):
     """Diffrax's solver; an implicit method solves its equations by the chord iteration.
 
-    Diffrax's default, ``VeryChord``, fails in every second step on these problems and needs six to ten times as many steps.
+    Diffrax's default, ``VeryChord``, fails in every second step on these problems and needs six to ten times as many
+    steps.
     """
     solver = getattr(diffrax, method)
     if issubclass(solver, diffrax.AbstractImplicitSolver):
@@ -188,7 +189,7 @@ def classical_runge_kutta(problem: Problem, dt: float, steps: int) -> Solution:
 
 @partial(jit, compiler=eqx.filter_jit)
 def _until(problem: Problem, t1, turning, rtol, method: str):
-    """Solution at ``t1``, or where ``turning`` times v becomes positive before; zero ``turning`` disables this event."""
+    """Solution at ``t1``, or where ``turning`` · v becomes positive before; zero ``turning`` disables this event."""
     event = diffrax.Event(
         lambda t, y, args, **_: jnp.where(turning == 0, -1.0, turning * y[1]),
         optimistix.Newton(rtol=1e-6, atol=1e-6),

@@ -3,8 +3,9 @@
 OpenSees' material ``ElasticPowerFunc`` is exactly the cubic spring. All schemes except two agree to round-off: OpenSees
 starts Houbolt's method by two steps of average acceleration, and its α-method evaluates one internal force at the
 weighted displacement, p((1 + α) u₁ − α u₀), while the form of Xie (1996) weights two forces. Bathe's method is called
-TRBDF2, and each of its two sub-steps is a step of OpenSees. OpenSees' generalized-α method with non-zero α_m is left out,
-because at a step of a twentieth of the period its motion grows to a hundred times the amplitude within five periods.
+TRBDF2, and each of its two sub-steps is a step of OpenSees. OpenSees' generalized-α method with non-zero α_m is left
+out, because at a step of a twentieth of the period its motion grows to a hundred times the amplitude within five
+periods.
 """
 
 import importlib

@@ -110,8 +110,8 @@ class Registry(Mapping[str, T], Generic[T]):
         Raises
         ------
         ValueError
-            If the name is taken, does not begin with a small letter, or has other characters than small letters, digits and
-        underscores.
+            If the name is taken, does not begin with a small letter, or has other characters than small letters, digits
+            and underscores.
         """
         if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
             raise ValueError(f"a {self.kind} has a name of small letters, digits and underscores, not {name!r}.")

@@ -65,8 +65,8 @@ def errors(
     """Errors of a solution after ``periods`` periods, by measure as in ``MEASURES``.
 
     Both solutions are sampled at the same times of the last period. A delay δ changes the state by −δ (u̇, ü), so
-    −δ is the factor of (u̇, ü) in the projection of the last error on it. A loss of energy ΔE is a loss of amplitude ΔE/p(A) at the turning
-    point A.
+    −δ is the factor of (u̇, ü) in the projection of the last error on it. A loss of energy ΔE is a loss of amplitude
+    ΔE/p(A) at the turning point A.
     """
     scales = np.max(np.abs(exact_solution.u)), np.max(np.abs(exact_solution.v))
     off = (solution.u - exact_solution.u) / scales[0], (solution.v - exact_solution.v) / scales[1]

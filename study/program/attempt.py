@@ -95,7 +95,7 @@ def _array(name: str, given: object) -> Values:
 
 
 def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
-    """Check that times end at most one gap before the end, and that all gaps but the last are the same number of steps."""
+    """Check that times end at most one gap before the end, and that all gaps but the last are equally many steps."""
     gaps = np.diff(t)
     if t.ndim != 1 or not gaps.size:
         raise Unusable("too_short", f"'{TIME}' has {t.size} time{'s' * (t.size != 1)}, and at least two are needed")
@@ -119,7 +119,7 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
     Raises
     ------
     Unusable
-        If the result is not a mapping from names to finite numbers, or its times are not equally spaced steps that reach the end.
+        If the result is not a mapping from names to finite numbers, or its times are not equally spaced or end early.
     """
     if returned is None:
         raise Unusable("nothing", "it returned nothing")

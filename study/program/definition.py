@@ -26,9 +26,9 @@ class Program:
     It may be anything with a fixed step: a function of NumPy, a simulation in another process, a finite element code.
     :func:`study.opensees` makes a program from a model of OpenSees, and :func:`study.command` from an executable.
 
-    Every run is kept on disk, so an assessment that is repeated or continued makes none again. The source of a program identifies
-    its runs: the file that contains ``run`` and the data that ``run`` holds. Files that this file imports do not count.
-    If the source is not enough, give a ``name``, and change it whenever the program changes.
+    Every run is kept on disk, so an assessment that is repeated or continued makes none again. The source of a program
+    identifies its runs: the file that contains ``run`` and the data that ``run`` holds. Files that this file imports do
+    not count. If the source is not enough, give a ``name``, and change it whenever the program changes.
 
     Parameters
     ----------

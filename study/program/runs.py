@@ -134,7 +134,7 @@ class Runs:
         return found
 
     def _expected(self, jobs: list[Job]) -> dict[Job, float]:
-        """Estimated seconds of each run, from the least time per step of its scheme; zero before its first completed run."""
+        """Estimated seconds of each run, from the least time per step of its scheme; zero before its first run."""
         work = dict[str, float]()  # seconds of a run at a step of one second
         for run in self.made.values():
             if run.completed:

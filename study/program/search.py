@@ -129,7 +129,7 @@ class Search:
         return limit[1] >= CERTAIN * max(self.truth.uncertainty[limit[0]], self.refinement.noise[scheme])
 
     def largest(self, scheme: str, limit: Limit) -> tuple[float, float]:
-        """Largest step that keeps an error, as all finer steps tried do, or zero; and the next larger step tried, or ∞."""
+        """Largest step that keeps an error, as all finer ones do, or zero; and the next larger step tried, or ∞."""
         name, allowed = limit
         dt, error = np.array([(dt, one[name]) for (s, dt), one in self.errors.items() if s == scheme]).T
         below = dt < dt[~(error <= allowed)].min(initial=math.inf)  # a failed run, NaN, counts as above
@@ -187,7 +187,7 @@ class Search:
         return [one for one in drawn if one < step and one >= self.program.smallest]
 
     def _hopeless(self, scheme: str, name: str) -> bool:
-        """Whether a finer run timed out or halving no longer reduces the error of a scheme; the latter adds a remark."""
+        """Whether a finer run timed out, or halving no longer reduces the error of a scheme, which adds a remark."""
         runs = self.refinement.of(scheme)
         if runs[-1].status == "timed_out":
             return True
