@@ -14,7 +14,7 @@ def test_schemes_run_in_single_precision(kind):
         single = study.run("hardening", kind, **arguments)
     assert single.u.dtype == np.float32 and single.status == 0
     difference = np.abs(single.u - double.u).max().item()
-    # more than zero, and at most some hundred round-offs; schemes with differences divided by Δt² lose more
+    # more than zero, and at most a few hundred round-offs; schemes with differences divided by Δt² lose more
     assert 1e-8 < difference < (2e-3 if kind == "houbolt" else 5e-5)
 
 

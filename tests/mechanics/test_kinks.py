@@ -84,7 +84,7 @@ def test_several_unknowns_with_stops_are_solved(seed):
 
 
 def _softened(u):
-    """A hundredth of the stiffness beyond a tenth."""
+    """The force of a spring whose stiffness falls to a hundredth beyond |u| = 0.1."""
     return 1e4 * (u - 0.99 * jnp.where(u > 0.1, u - 0.1, 0.0) - 0.99 * jnp.where(u < -0.1, u + 0.1, 0.0))
 
 

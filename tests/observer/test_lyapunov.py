@@ -29,7 +29,7 @@ def test_neighbours_part_as_two_runs_do():
     met = int(np.argmax(np.abs(pair[1] - pair[0]).values > 1e-2))
     alone = study.run("double_well", "average_acceleration", dt=dt, steps=met, observe=["lyapunov_exponent"])
     assert ds.lyapunov_exponent.item() * dt > 0.1
-    # ln of the growth so far, which the pair shows as long as it is small
+    # logarithm of the growth so far; two runs show it as long as their distance is small
     assert alone.lyapunov_exponent.item() * met * dt == pytest.approx(np.log(1e-2 / 1e-10), abs=2.5)
 
 

@@ -1,4 +1,4 @@
-"""The texts, article and supplement, and what is made for them."""
+"""The texts, and the numbers, figures and tables that are made for them."""
 
 import inspect
 import json
@@ -118,7 +118,7 @@ def test_a_fact_must_be_true_or_false(tmp_path):
         _compiled(tmp_path, {"yes": "True", "no": False, "absent": None, "number": "3"})
 
 
-#: A key of a mapping at the start of a line or in a comprehension, or one that is set; selections stand within a line.
+#: A key that a function of numbers returns: at the start of a line, in a comprehension, or in an assignment.
 _KEY = re.compile(r'^ +f?"([^"]+)": |\{f"([^"]+)": |^ +\w+\[f?"([^"]+)"\] = ', re.MULTILINE)
 
 

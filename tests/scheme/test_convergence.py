@@ -17,7 +17,7 @@ STEPS = {
 }
 
 
-#: In place of extrapolation of twelfth order, which double precision leaves no room to fit; linear theory shows it.
+#: Extrapolation of sixth order, because the twelfth order cannot be fitted in double precision; linear theory tests it.
 SIXTH = study.Extrapolation((1, 2, 3))
 
 

@@ -26,7 +26,7 @@ def _phase(problem, scheme, dt=DT, steps=STEPS, **arguments):
     return np.stack([ds.u.values, ds.v.values])
 
 
-#: One scheme for each use of tangents and solutions, and the schemes that make matrices from the tangent.
+#: One scheme for each way to use the tangent, and those of them that make further matrices from it.
 WAYS = ["average_acceleration", "hht_alpha_1996", "kr_alpha", "chung_lee", "energy_momentum", "gauss4"]
 MATRICES = ["average_acceleration", "kr_alpha", "gauss4"]
 
