@@ -47,7 +47,7 @@ def call_snakemake(folder: Path, *arguments: str, overlays=(SMALL,)) -> subproce
 
 
 def make(folder: Path, *products: str, **options) -> None:
-    """Make products below the results, or all."""
+    """Make the products with these paths below the results, or all products."""
     done = call_snakemake(folder, *(f"results/{product}" for product in products), **options)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
 
