@@ -53,7 +53,7 @@ def interruptible() -> None:
 
 
 def make(folder: Path, *products: str, **options) -> None:
-    """Make products below the results, or all."""
+    """Make the products with these paths below the results, or all products."""
     done = call_snakemake(folder, *(f"results/{product}" for product in products), **options)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
 

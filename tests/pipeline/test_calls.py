@@ -38,7 +38,13 @@ def running(folder, undisturbed):
     """A run that has begun to make the datasets again."""
     for target in TARGETS:
         (folder / "results" / target).unlink(missing_ok=True)
-    command = [sys.executable, "-m", "snakemake", *PATHS, "--configfile", str(SMALL)]
+    # a shell that starts the tests in the background makes them ignore interrupts
+    code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from snakemake.cli import main; main()"
+    )
+    command = [sys.executable, "-c", code, *PATHS, "--configfile", str(SMALL)]
+    environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     with (folder / "log").open("w") as log:
         run = subprocess.Popen(
             command,
@@ -88,7 +94,7 @@ def test_no_process_outlives_a_run_that_is_killed(folder, running):
 
 
 def test_the_pipeline_goes_on_without_its_worker_and_after_interrupts(folder, running, undisturbed):
-    """Jobs then run by themselves, and the datasets are those of a run that nothing disturbs."""
+    """Without the worker, jobs run by themselves, and the datasets are those of an undisturbed run."""
     unfinished = folder / "results" / ".site.1.ab.unfinished" / "index.html"
     unfinished.parent.mkdir()
     unfinished.write_text("of a site that a killed run has left")
