@@ -38,13 +38,7 @@ def running(folder, undisturbed):
     """A run that has begun to make the datasets again."""
     for target in TARGETS:
         (folder / "results" / target).unlink(missing_ok=True)
-    # a shell that starts the tests in the background makes them ignore interrupts
-    code = (
-        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-        "from snakemake.cli import main; main()"
-    )
-    command = [sys.executable, "-c", code, *PATHS, "--configfile", str(SMALL)]
-    environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
+    command = [sys.executable, "-m", "snakemake", *PATHS, "--configfile", str(SMALL)]
     with (folder / "log").open("w") as log:
         run = subprocess.Popen(
             command,
