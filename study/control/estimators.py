@@ -210,7 +210,7 @@ class ThreePoint(_OfAcceleration):
     def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
         a0, slope_before, dt_before = carried
         before, after, offset = self.ends(scheme, problem, a0, old, new, t, dt)
-        # Newton's form of the parabola about the times at which the accelerations hold
+        # Newton's form of the parabola through the accelerations, at the times to which they belong
         start, end = offset * dt, (1 + offset) * dt
         slope = (after - before) / dt
         bend = jnp.where(slope_before == 0, 0.0, (slope - slope_before) / (dt + dt_before))

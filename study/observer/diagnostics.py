@@ -83,9 +83,9 @@ def _momenta(problem: Problem, state):
 
 
 class MomentumErrors(Reduction):
-    """Largest change of total linear and angular momentum, each relative to the largest sum of |momentum| over points.
+    """Largest changes of total linear and angular momentum, relative to the sums of their sizes over the points.
 
-    NaN if no point has momentum.
+    The divisor is the largest such sum along the run. NaN if no point has momentum.
     """
 
     variables = {
