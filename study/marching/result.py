@@ -46,7 +46,7 @@ class Result(NamedTuple):
     failed_at_step
         Step at which the run failed, −1 if it completed.
     restarts
-        Newton iterations that failed and were started again with a safeguard.
+        How often Newton's iteration failed and was started again with a safeguard.
     values
         Variables of the reductions; meaningless if the run failed.
     samples
