@@ -20,9 +20,10 @@ from typing import Any
 from paper.requirements import value_at
 from study.io import one_sentence, read, write
 
-#: Requirements on the configuration by dotted key. The entries of a list must be in the value. A function checks the
-#: value, as :mod:`paper.requirements` describes. Any other object must equal the value. The key "" stands for the whole
-#: configuration. A key that leads into a list of mappings stands for the list of their values.
+#: Requirements on the configuration by dotted key. The value at the key must contain all entries of a required list. A
+#: function checks the value, as :mod:`paper.requirements` describes. Any other required object must equal the value.
+#: The key "" stands for the whole configuration. A key that leads into a list of mappings stands for the list of their
+#: values.
 Requirements = Mapping[str, Any]
 #: The dataset that each argument of a function takes, or a list of datasets.
 Reads = Mapping[str, str | Sequence[str]]

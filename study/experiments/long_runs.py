@@ -56,7 +56,7 @@ def _step_sizes(step: float, runs: int) -> np.ndarray:
     return np.stack(sizes)
 
 
-#: Variables measured at the end of a run: type and long name.
+#: Type and attributes of each variable that is measured on a run.
 _VARIABLES = {
     "energy_error": (np.float64, {"long_name": "signed energy error at the end", "units": "1"}),
     "max_energy_error": (np.float64, {"long_name": "largest energy error, eq. (17) of Xie (1996)", "units": "percent"}),
