@@ -82,7 +82,7 @@ def _operator(scheme: Mapping[str, str]) -> str | None:
 
 
 def _amplitude(one: Chain, i: int) -> str:
-    """The force on an unknown over time, less K u₀."""
+    """Amplitude table of the force on an unknown: the load less K u₀, because U starts at zero."""
     name, pull = f"*AMPLITUDE, NAME=FORCE{i + 1}", one.pull[i]
     if one.ground:
         return "\n".join([name, *(f"{t!r}, {-one.mass[i] * a - pull!r}" for t, a in one.ground)])
@@ -144,7 +144,7 @@ def _schema(scheme: Mapping[str, str]) -> str | None:
 
 
 def mesh(case: Mapping[str, Any]) -> str | None:
-    """The mesh of :func:`code_aster` in its own format: N0 is fixed, M1 is the mass on N1, S01 the spring to it."""
+    """The mesh in code_aster's format: node N0 is fixed, M1 is the mass on N1, S01 the spring between N0 and N1."""
     one = chain(case["problem"])
     if one is None or _schema(case["scheme"]) is None:
         return None

@@ -43,7 +43,9 @@ def conform(arguments: argparse.Namespace) -> None:
     Raises
     ------
     ValueError
-        If not exactly one runner is chosen, or if the function, folder or tag does not exist.
+        If not exactly one runner is chosen, if the function, folder or tag does not exist, or if no case has the tags.
+    FileNotFoundError
+        If the command cannot be started.
     SystemExit
         With code 1 if a case fails.
     """

@@ -12,14 +12,14 @@ with mp.workdps(40):
 
 
 def _alpha(alpha_m: str, alpha_f: str) -> dict[str, str]:
-    """Generalized-α of second order with the least damping of low frequencies."""
+    """Generalized-α of second order, with the largest damping of high frequencies for its α_m and α_f."""
     with mp.workdps(40):
         m, f = (mp.fraction(*map(int, one.split("/"))) for one in (alpha_m, alpha_f))
         numbers = {"alpha_m": m, "alpha_f": f, "beta": (1 - m + f) ** 2 / 4, "gamma": mp.mpf(1) / 2 - m + f}
         return {"family": "generalized_alpha", **{name: mp.nstr(+value, 30) for name, value in numbers.items()}}
 
 
-#: Title and parameters of each scheme by its code.
+#: Title and parameters of each scheme by its code of three letters.
 SCHEMES: dict[str, tuple[str, dict[str, str]]] = {
     "AVG": ("average acceleration", {"family": "newmark", "beta": "0.25", "gamma": "0.5"}),
     "LIN": ("linear acceleration", {"family": "newmark", "beta": _SIXTH, "gamma": "0.5"}),
@@ -55,13 +55,13 @@ class Entry(NamedTuple):
     name, title, why
         Short name, whose first letter is the level; title of a few words; reason in one sentence.
     problem, dt, steps, at
-        The parts of the cases, and the steps at which values are compared.
+        Problem, step size and number of steps of the cases; numbers of the steps after which values are compared.
     schemes
-        Codes of schemes; None for all.
+        Codes of the schemes in ``SCHEMES``; None for all.
     kind
         Kind of expectation: ``identical``, ``bound`` or ``order``.
     tags
-        Further tags.
+        Tags in addition to the level, the family of the scheme and the form of the problem.
     sizes
         Sizes of the steps, if they are not equal, in place of ``dt`` and ``steps``.
     version
@@ -99,7 +99,8 @@ def _load(amplitude: str, frequency: str, phase: str = "0") -> dict[str, Any]:
     return {"load": {"amplitude": amplitude.split(), "frequency": frequency, "phase": phase}}
 
 
-#: A made-up record of the ground with a pulse and a pause. It ends at zero: codes differ in the load at a last sample.
+#: A made-up record of the ground with a pulse and a pause. It ends at zero, because codes differ in the load at a last
+#: sample that is not zero.
 _RECORD = "0 0.9 2.1 1.4 -0.6 -2.8 -3.3 -1.2 1.7 2.9 0.4 -1.5 0 0 0.8 -0.3 0"
 _GROUND = {"ground": {"dt": "0.05", "acceleration": _RECORD.split()}}
 
@@ -143,7 +144,7 @@ def _level_a() -> Iterator[Entry]:
 
 
 def _level_b() -> Iterator[Entry]:
-    # with the velocity 0.5 the first step at ωΔt = 1 would end at u₀ again, and mistakes could not be distinguished
+    # with v₀ = 0.5 the first step of average acceleration at ωΔt = 1 would end at u₀, and mistakes would not show
     problem = _problem("linear", "1", "0.7", stiffness="1")
     for step, schemes in _STEPS.items():
         why = f"Every step of linear motion is the amplification matrix at ωΔt = {step}, which is the scheme itself."
@@ -185,7 +186,7 @@ def _level_d() -> Iterator[Entry]:
     yield Entry("D-DUF", f"{title} with two wells, damped and loaded", why, problem, "0.2", 20, (1, 6, 20), _MAIN)
     why = "The error must fall with the order of the scheme, with damping and load too."
     problem = _problem("cubic", "1", "0.3", damping="0.4", loads=_load("0.8", "1.3", "0.3"), S1="1", S2="0.5")
-    # KR-α is of first order only at smaller steps
+    # at these steps the error of KR-α does not yet fall with its first order
     schemes = tuple(code for code in SCHEMES if code != "KRA")
     yield Entry("D-ORDER", "order with damping and load", why, problem, "0.05", 40, schemes=schemes, kind="order")
 

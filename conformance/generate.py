@@ -1,8 +1,8 @@
 """Make all cases: ``python -m conformance.generate`` writes ``cases/*.json`` from 50 digits.
 
 A case is a problem and a scheme of the tables in ``contents.py``. It holds the values of the scheme, the values of the
-alternatives and mistakes of ``variants.py`` if they differ, and the derivatives of the values in the parameters of the
-scheme, which identify a slightly wrong parameter.
+alternatives and mistakes of ``variants.py`` if they differ, and the derivatives of the values with respect to the
+parameters of the scheme, which identify a slightly wrong parameter.
 """
 
 import json
@@ -20,15 +20,15 @@ from conformance.variants import UNEQUAL, VARIANTS, WITHOUT_ACCELERATION
 
 CASES = Path(__file__).parent / "cases"
 
-#: Number of digits of the arithmetic, of the expected values and of the values of variants.
+#: Decimal digits: of the arithmetic; of the expected values; of the stored values of variants and of the slopes.
 DIGITS, EXPECTED, STORED = 50, 17, 12
 
-#: Smallest tolerance, relative to the largest value of a quantity; tolerance over the observed round-off; largest
-#: tolerance, also relative.
+#: SAME and LOOSE are the smallest and the largest tolerance, relative to the largest value of a quantity. ROUND_OFFS is
+#: the tolerance divided by the observed round-off.
 SAME, ROUND_OFFS, LOOSE = 1e-9, 100, 1e-6
 
-#: Smallest difference of a variant from the expected values, in tolerances; growth relative to the largest value or
-#: energy of the scheme above which a variant counts as unstable and is left out.
+#: DISTINCT is the smallest difference, in tolerances, between a variant and the expected values or an earlier variant.
+#: UNSTABLE is the ratio to the largest value or energy of the scheme above which a variant is left out as unstable.
 DISTINCT, UNSTABLE = 100, 1e6
 
 
@@ -104,7 +104,7 @@ def _variants(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> 
 
 
 def _slopes(entry: Entry, scheme: Mapping[str, str], expected: list[dict]) -> Iterator[dict]:
-    """Derivatives of the values in the parameters of the scheme, and in factors of Δt and of the mass."""
+    """Derivatives of the values with respect to the parameters of the scheme, and to factors of Δt and of the mass."""
     here = _values(entry, _march(entry, scheme), expected)
     little = mp.mpf(10) ** (-DIGITS // 2)
     for name in [*(name for name in scheme if name not in ("family", "start")), "factor of dt", "factor of the mass"]:
@@ -125,7 +125,7 @@ def _stored(values: list[np.ndarray]) -> list[list[str]]:
 
 
 def _bound(entry: Entry, scheme: Mapping[str, str]) -> list[dict]:
-    """Limit of the energy relative to the start: the largest of the scheme and its stable alternatives, plus 5 %."""
+    """Limit of E/E(0): the largest value of the scheme or one of its stable alternatives, plus 5 %."""
     problem, largest = Problem(entry.problem), []
     alternatives = [one for one in VARIANTS if one.verdict == "differs" and scheme["family"] in one.families]
     for changed, words in [(scheme, ()), *(({**scheme, **one.change(scheme)}, one.words) for one in alternatives)]:
@@ -149,7 +149,7 @@ def exact(problem: Mapping[str, Any], end: str) -> Any:
 
 
 def _order(entry: Entry, scheme: Mapping[str, str], end: Any) -> list[dict]:
-    """Order of the displacement at the end, measured over four step sizes of the formulas."""
+    """Exact displacement at the end, and the order of convergence that the formulas show over four step sizes."""
     errors = []
     for part in (1, 2, 4, 8):
         motion = _march(entry, scheme, dt=mp.mpf(entry.dt) / part, steps=entry.steps * part)

@@ -19,7 +19,7 @@ DIGITS = 16.0
 #: Error of the stored values of variants, relative to the largest value.
 STORED = 1e-11
 
-#: Largest part of the difference that the slope in a parameter may leave unexplained if the parameter is wrong.
+#: Largest fraction of the difference that a wrong parameter may leave unexplained if it is named as the likely cause.
 UNEXPLAINED = 0.01
 
 #: Relative difference below which single precision or an iteration that ends early is the likely cause.
@@ -39,7 +39,8 @@ class Verdict(NamedTuple):
     Attributes
     ----------
     verdict
-        ``pass``, ``differs`` (an alternative that the case names), ``fail`` or ``skip``.
+        ``pass``, ``differs`` (the values agree with an alternative, or only the acceleration differs), ``fail`` or
+        ``skip``.
     digits
         Number of correct digits of the worst value, relative to the largest value of its quantity; None if not
         computed.
@@ -182,7 +183,7 @@ def _explained(case: Mapping[str, Any], pairs: list[_Compared], places: list[int
 
 
 def _met_later(case: Mapping[str, Any], pairs: list[_Compared], places: list[int]) -> tuple[str, str] | None:
-    """Verdict and text of a change whose values are not in the case; None if no change gives the values of the code."""
+    """Verdict and text of a change whose values are not in the case; None if no such change gives the code's values."""
     (dt, steps), scheme = times(case), case["scheme"]
     changes = [("fail", text, words, changed(case["problem"]), scheme) for text, words, changed in LATER]
     if "sizes" in case["run"]:
@@ -218,7 +219,7 @@ def _wrong(expected: Mapping[str, Any], motion: Motion, step: int) -> bool:
 
 
 def _late(case: Mapping[str, Any], motion: Motion) -> str:
-    """A sentence if displacements are right but one step late or early."""
+    """A sentence if displacements are right but one step late or early; empty otherwise."""
     first = case["expect"][0]
     found, wanted = _finite(motion["u"])[:, first["unknown"]], _numbers(first["values"])
     for shift, word in ((1, "late"), (-1, "early")):

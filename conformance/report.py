@@ -19,7 +19,7 @@ table {border-collapse: collapse} th, td {border-bottom: 1px solid #ccc; padding
 
 
 def summary(verdicts: Sequence[Verdict], tool: str, version: str, note: str) -> dict[str, Any]:
-    """Verdicts without curves, as they are stored for a tool and its version."""
+    """Verdicts without the motions, as they are stored for a tool and its version."""
     counts = Counter(one.verdict for one in verdicts)
     return {
         "kit": VERSION,

@@ -70,7 +70,7 @@ def of_function(place: str) -> Runner:
 def _arrays(found: Any) -> Motion:
     """The result of a function as arrays (steps + 1, n), with None for a missing velocity or acceleration."""
     if not isinstance(found, Sequence | np.ndarray) or len(found) not in (2, 3):
-        raise ValueError("the function must return u, v and, if it has it, a")
+        raise ValueError("the function must return u, v and, if available, a")
     motion: dict[str, np.ndarray | None] = {"a": None}
     for name, values in zip("uva", found, strict=False):
         try:
@@ -85,12 +85,13 @@ def _arrays(found: Any) -> Motion:
 def of_command(template: str) -> Runner:
     """Runner of a command that reads the file ``{case}`` and writes the file ``{out}``.
 
-    The command reads a case with one run, whatever the kind of the case.
+    The file describes a single run. For a case of the kind ``order`` the command is called four times, each time with
+    another step.
 
     Raises
     ------
     ValueError
-        If the command lacks one of the files, or its quotes are not closed.
+        If the command does not contain both ``{case}`` and ``{out}``, or its quotes are not closed.
     """
     if "{case}" not in template or "{out}" not in template:
         raise ValueError(f"the command '{template}' must contain {{case}} and {{out}}, for the files of a case.")

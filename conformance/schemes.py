@@ -157,11 +157,11 @@ class March:
             self.generalized_alpha(0, 0, beta, gamma)
 
     def hht(self, alpha: Any, beta: Any, gamma: Any) -> None:
-        """The α-method of Hilber, Hughes and Taylor with one force."""
+        """The α-method of Hilber, Hughes and Taylor, with the force at the weighted displacement."""
         self.generalized_alpha(0, -alpha, beta, gamma)
 
     def hht_1996(self, alpha: Any, beta: Any, gamma: Any) -> None:
-        """HHT-α with two weighted forces, and with neither damping nor load weighted."""
+        """HHT-α with the weighted forces of both ends of the step; neither damping nor load is weighted."""
         self.words = {*self.words, "two forces", "damping at end", "load at end"}
         self.hht(alpha, beta, gamma)
 
@@ -247,7 +247,7 @@ class March:
         self.move(2 * x - u, 2 * (x - u) / half - v)
 
     def symplectic_euler(self) -> None:
-        """A kick, then a drift; the damping acts at the middle of the kick."""
+        """A kick, then a drift; the damping acts on the mean of the velocities before and after the kick."""
         dt, u = self.dt, self.u
         if "drift first" in self.words:
             u = u + dt * self.v

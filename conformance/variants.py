@@ -48,7 +48,7 @@ def _mistake(text, families, *words, change=lambda scheme: {}):
 
 
 def _with(**numbers: str) -> Callable[[Mapping[str, str]], Mapping[str, str]]:
-    """New values of the parameters that the scheme has."""
+    """A change that sets those of these parameters that the scheme has."""
     return lambda scheme: {name: value for name, value in numbers.items() if name in scheme}
 
 

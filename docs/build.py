@@ -83,7 +83,7 @@ def build(results: Path, output: Path, own: Iterable[str] = ()) -> None:
     Raises
     ------
     SystemExit
-        If Sphinx warns; the earlier site then stays.
+        If Sphinx warns, or a user's scheme has the name of a scheme of the study; the earlier site then stays.
     """
     os.environ.setdefault("SOURCE_DATE_EPOCH", "0")
     results, output = results.absolute(), output.absolute()

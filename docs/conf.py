@@ -40,7 +40,7 @@ autodoc_default_options = {"members": True}
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 
-# the output of code has no button
+# no copy button on the output of code
 copybutton_selector = "div:not(.highlight-text) > div.highlight > pre"
 
 html_theme = "furo"
@@ -49,7 +49,7 @@ html_static_path = [str(Path(__file__).parent / "static")]
 html_css_files = ["site.css"]
 html_js_files = [(name, {"defer": "defer"}) for name in ("table.js", "scroll.js")]
 html_copy_source = html_show_sourcelink = False
-# the same pages on any day
+# no date of the build, so that equal data give equal pages
 html_last_updated_fmt = None
 pygments_style, pygments_dark_style = "a11y-high-contrast-light", "a11y-high-contrast-dark"
 

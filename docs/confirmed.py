@@ -16,7 +16,7 @@ def limits() -> list[dict[str, str]]:
 
 
 def names_in_codes(scheme: str) -> str:
-    """A table of the names of one scheme, or a sentence."""
+    """A table of the names of one scheme in other codes, or a sentence if none has been confirmed."""
     found = [
         [one.code, f"`{one.name}`", one.note, f"[documentation]({one.source})"]
         for one in all_names()

@@ -13,7 +13,7 @@ RESULTS = Path(__file__).parent.parent / "conformance" / "verdicts"
 #: Causes by kind, without the numbers that differ from case to case.
 _OF_KIND = {"ORDER": "the order is not that of the scheme", "BOUND": "the energy grows"}
 
-#: Columns of counts; all other cases are skipped.
+#: Verdicts whose cases are counted in a column; all other cases are skipped.
 _SHOWN = ("pass", "differs", "fail")
 
 #: Maximum number of example cases in a row.
@@ -45,7 +45,7 @@ def _overview(codes: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _causes(code: Mapping[str, Any]) -> str:
-    """A row for every alternative and every likely cause, the most frequent first; empty if all cases pass."""
+    """A row for every alternative and then for every likely cause, by frequency; empty if no case differs or fails."""
     cases = defaultdict(list)
     for case in code["cases"]:
         if case["verdict"] in ("differs", "fail"):

@@ -33,14 +33,14 @@ def _short_cell(cell: str) -> str:
 
 
 def _input_lines(cells: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[NameInCode]:
-    """Names that other codes give the schemes in some cells of the table; ``codes`` are prefixes of the codes."""
+    """Names of the schemes in some cells of the table, in the codes whose names begin with one of ``codes``."""
     titles = set(_TITLE.findall("\n".join(cells)))
     named = [one for one in names_in_codes() if one.code.startswith(codes)]
     return [one for one in named if study.schemes[one.scheme].title in titles]
 
 
 def recommended(results: Path) -> dict[str, str]:
-    """The schemes of the programs for an error of 1 %, and their names there, as tables in Markdown."""
+    """The schemes of OpenSees, Abaqus and LS-DYNA for an error of 1 %, and their input lines, as tables in Markdown."""
     known, read = {one.scheme for one in names_in_codes() if one.code.startswith(_PROGRAMS)}, reader(results)
 
     def of_programs(name: str) -> xr.Dataset:

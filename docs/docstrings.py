@@ -7,7 +7,8 @@ from typing import Any
 
 from numpydoc.docscrape_sphinx import SphinxDocString
 
-#: End of a reference: a page, a year or a section. A line may also end with an abbreviation.
+#: End of a reference: a page, a year or a section, with a full stop. A line that ends with an abbreviation continues
+#: on the next one.
 _END_OF_REFERENCE = re.compile(r"\d\.$")
 
 
@@ -24,7 +25,7 @@ def references_of(lines: Iterable[str]) -> list[str]:
 def restructured(lines: Iterable[str]) -> list[str]:
     """A docstring with its references as a list."""
     text, heading, works = "\n".join(lines).partition("References\n----------\n")
-    # the backslash keeps an initial from being the letter of a list
+    # without the backslash the initial of an author would be read as the letter of a list
     listed = [f"- \\{work}" for work in references_of(works.splitlines())]
     return [*text.splitlines(), *heading.splitlines(), *listed, ""]
 

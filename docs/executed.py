@@ -33,7 +33,7 @@ _EXECUTED = (
 
 
 def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
-    """A page with the output of its Python, and names for its expressions; it runs next to a folder of results."""
+    """Run the Python of a page next to a folder of results; return the page with its output, and the defined names."""
     n = json.loads((results / NUMBERS).read_text(encoding="utf-8"))
     names = {"listed": listed, "number": number, "percent": percent, "n": n}
 
@@ -48,7 +48,7 @@ def run(text: str, results: Path) -> tuple[str, dict[str, Any]]:
 
 def _warn(what: str, error: Exception, location: Any) -> None:
     logging.getLogger(__name__).warning(
-        "%s fails with %r; if a dataset lacks what it needs, make the study of config/study.yaml or a larger one.",
+        "%s fails with %r. If a dataset lacks a scheme or a problem, make the study of config/study.yaml.",
         what,
         error,
         location=location,

@@ -25,7 +25,7 @@ def mathml(latex: str, display: str) -> str:
     Raises
     ------
     ValueError
-        If the formula has a command that the converter does not support.
+        If the formula has a command or a sign that the converter does not support.
     """
     latex = re.sub(r"\n\s*\n", r"\\\\", latex.strip())
     if display == "block" and r"\\" in latex and r"\begin" not in latex:

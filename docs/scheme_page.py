@@ -104,7 +104,7 @@ def overshoot(theory: Theory) -> str:
     displacement, velocity = (number(value, 2) for value in theory.overshoot)
     return (
         f"{powers}: the powers of ωΔt with which displacement (U) and velocity (V) grow in a long first step. In 64 "
-        f"steps from rest they overshoot by at most {displacement} and {velocity}, at step sizes up to "
+        f"steps from u₀ = 1 and u̇₀ = 0 they overshoot by at most {displacement} and {velocity}, at step sizes up to "
         f"{number(PARTS[-1])} periods."
     )
 

@@ -104,7 +104,7 @@ def _times_of_1996(scheme: str, titles: dict[str, str]) -> str:
 
 
 def maps(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Outcome of runs over step size and amplitude, in words and as maps; steps for the energy at all amplitudes.
+    """Outcome of runs over step size and amplitude, in words and as maps; steps that keep the energy at all amplitudes.
 
     Empty if they were not run.
     """
@@ -177,7 +177,7 @@ def _failures(subject: "Subject", data: Mapping[str, Any]) -> str:
 
 
 def work(subject: "Subject", data: Mapping[str, Any]) -> str:
-    """Error over forces evaluated, among the other schemes, and the cost of a step; empty if they were not run."""
+    """Error against forces, compared with the other schemes, and the cost of a step; empty if they were not run."""
     everything = data["work_precision"]
     one = _of(subject, everything)
     if one is None:

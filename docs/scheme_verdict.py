@@ -25,7 +25,7 @@ COMPARED = 0.01
 DAMPS = 0.01
 #: Spectral radius at infinite frequency below which unresolved modes count as damped.
 RADIUS = 0.9
-#: Largest ratio of errors at which a scheme counts as better.
+#: Ratio of its error to that of another scheme below which a scheme counts as better.
 BETTER = 0.9
 
 
@@ -179,7 +179,7 @@ def _error(subject: "Subject") -> float:
 
 
 def _dominates(other: "Subject", one: "Subject") -> bool:
-    """Whether a scheme has a smaller error after a period and is nowhere worse in linear theory, for as few forces."""
+    """Whether a scheme has a smaller error after a period, is nowhere worse in linear theory, and costs no more."""
     a, b, s, t = other.theory, one.theory, other.scheme, one.scheme
     return bool(
         s.explicit == t.explicit

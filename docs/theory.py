@@ -35,7 +35,7 @@ class Theory(NamedTuple):
     growth
         Exponents of ωΔt with which the first step grows, from :meth:`study.LinearTheory.growth`.
     overshoot
-        Largest displacement and velocity of 64 steps from rest over their sizes, minus one, over all stable step sizes.
+        Overshoot of displacement and velocity in 64 steps from u = 1 and u̇ = 0, the largest of all stable step sizes.
     memory
         Number of vectors of the size of u in the state that a step passes to the next.
     forces

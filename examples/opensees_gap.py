@@ -8,7 +8,7 @@ The ground moves as a sine. Forces are in kN, lengths in m.
 
 import math
 
-#: Mass of each floor, stiffness and damping of its storey, gap between both, and stiffness in contact.
+#: Mass of each floor, stiffness and damping of its storey, gap between the floors, and stiffness in contact.
 MASSES, STIFFNESSES, DAMPINGS, GAP, CONTACT = (50.0, 30.0), (8.0e3, 2.0e4), (20.0, 20.0), 0.02, 2.0e5
 
 

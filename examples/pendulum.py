@@ -1,4 +1,4 @@
-"""A pendulum that swings far beyond the linear range: ten periods, from an angle of 150 degrees.
+"""A pendulum that swings far beyond the linear range: almost eleven periods, from an angle of 150 degrees.
 
     study assess examples/pendulum.py:pendulum --duration 120 --output pendulum
 

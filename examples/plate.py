@@ -3,7 +3,7 @@
     python examples/plate.py
 
 The elements have four nodes and bilinear displacements. Their stiffness is assembled once. Newton's iterations
-differentiate the stops alone, springs whose force grows with the cube of the displacement.
+differentiate only the force of the stops, which grows with the cube of the displacement.
 """
 
 import jax.numpy as jnp

@@ -24,7 +24,7 @@ dampers = materials.elements(materials.viscous_damper(5.0e4, exponent=0.5), drif
 
 
 def force(u, v, history):
-    """Forces of the storeys, which have a memory, and of their dampers."""
+    """Forces of the storeys and of their dampers, and the updated history of the storeys."""
     of_storeys, history = storeys(u, v, history)
     return of_storeys + dampers(u, v), history
 

@@ -20,8 +20,8 @@ def main(results: Path, folder: Path) -> None:
     Raises
     ------
     SystemExit
-        If a text uses a number, figure or table that the results lack, or if one of them is damaged. The message for a
-        missing one has the line of the text.
+        If a text uses a number, figure or table that the results lack, or if a file of the results is damaged. The
+        message on a missing number, figure or table has the line of the text.
     """
     numbers = read(results / "numbers.json")
     for included in (*results.glob("figures/*.pdf"), *results.glob("tables/*.csv")):

@@ -50,11 +50,11 @@ def of_kinds(dataset: xr.Dataset, schemes: Sequence[str]) -> xr.Dataset:
 
 
 def loss_of_amplitude(errors: xr.Dataset, shorter: int, longer: int) -> xr.DataArray:
-    """Size of the loss of amplitude per period of the longer runs, NaN where the change is not a steady loss.
+    """Size of the change of amplitude per period of the longer runs, NaN where the change is not steady.
 
     Schemes that keep the amplitude have a ripple, which depends on where steps fall and does not grow with the length
-    of the run. A loss per period is the same, within a factor of two, in runs of both lengths at five neighbouring step
-    sizes.
+    of the run. A change is steady if its size per period is the same, within a factor of two, in runs of both lengths
+    at five neighbouring step sizes.
     """
     size = abs(errors.amplitude_decay)
     ratio = size.sel(periods=longer) / size.sel(periods=shorter)

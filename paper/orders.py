@@ -3,8 +3,9 @@
 import numpy as np
 import xarray as xr
 
-#: Measures of error whose order is fitted, with the number of periods of the run. Errors affect each other over time (a
-#: loss of amplitude changes the period), so the run is the shortest with the measure. Means over periods need three.
+#: Measures of error whose order is fitted, with the number of periods of the run. Errors affect each other over time: a
+#: loss of amplitude changes the period. The run is therefore the shortest that has the measure, which is three periods
+#: for means over periods.
 PERIODS = {
     "max_trajectory_error": 1,
     "rms_trajectory_error": 1,
@@ -16,9 +17,9 @@ PERIODS = {
 }
 #: Smallest relative error in a fit; smaller errors are near the round-off of such a run.
 FLOOR = 1e-10
-#: Largest error in a fit, except of a delay; larger errors are saturated.
+#: Largest error in a fit, except for phase errors; larger errors are saturated.
 SATURATED = 0.5
-#: Neighbouring octaves of the step size in a fit, the finest above the floor.
+#: Number of neighbouring octaves of the step size in a fit; they are the finest above the floor.
 POINTS = 5
 #: Largest change of the slope from one step size to the next within a fit.
 STEADY = 0.2

@@ -17,10 +17,10 @@ ERRORS = (0.1, 0.01, 0.001)
 LEVEL = 0.1
 #: Verdict of a search that ends at the coarsest step.
 COARSEST = "already the coarsest step"
-#: Largest errors of a structure's motion over its size. Without an unresolved oscillation, half of the velocity and all
-#: of the acceleration are missing; a sawtooth causes larger errors.
+#: Largest errors of a structure's motion, divided by its size. A scheme that removes an unresolved oscillation misses
+#: half of the velocity and all of the acceleration, which these bounds allow. A sawtooth causes larger errors.
 BOUNDS = {"displacement_error": LEVEL, "velocity_error": 0.75, "acceleration_error": 1.25}
-#: Numbers of evaluations of the force up to this multiple of the fewest tie.
+#: Largest ratio of a number of force evaluations to the fewest at which the two numbers tie.
 TIED = 1.1
 
 NO_BREAK = "\u00a0"
@@ -31,8 +31,9 @@ AT_MOST = f"≤{NO_BREAK}"
 class Pick(NamedTuple):
     """A scheme with its step, in the form of a cell.
 
-    ``step`` and ``forces`` are texts: the step or the number of steps, and the evaluations of the force in a time.
-    ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` is its stability limit in linear theory.
+    ``step`` is the step or the number of steps in a period, and ``forces`` the number of force evaluations per period
+    or second, both as texts. ``omega_step`` is Δt·ω with the highest ω of the motion, and ``limit`` is the stability
+    limit of Δt·ω in linear theory.
     ``acceleration_error`` is the error of the acceleration of a structure at the step.
     """
 
@@ -55,12 +56,12 @@ def cell(picks: list[Pick]) -> str:
 
 
 def first_of(titles: list[str]) -> str:
-    """The first of some schemes, and ``…`` if there are others."""
+    """The first of some titles, and ``…`` if there are others."""
     return titles[0] + ("; …" if len(titles) > 1 else "")
 
 
 def tied(forces: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Indices of the fewest forces and of all that tie, ordered by their errors; NaN is ignored."""
+    """Indices of the numbers of forces that tie with the fewest, ordered by error; NaN is ignored."""
     places = np.flatnonzero(forces <= TIED * np.fmin.reduce(forces, initial=np.inf))
     return places[np.argsort(error[places], kind="stable")]
 
@@ -71,10 +72,12 @@ def sentence(title: str) -> str:
 
 
 def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataFrame:
-    """Rows of ``study.recommend`` with the finest step that each scheme needs for a quantity, energy and phase.
+    """Rows of ``study.recommend``, one per scheme, for the step that keeps a quantity, the energy and the phase.
 
-    Schemes that exceed one of the errors at every step have no row. ``steps`` and ``forces`` are numbers of steps and
-    evaluations in a period, and ``made`` is the error of the quantity.
+    This step is the finest of the steps that the three need. The error of the quantity must be at most
+    ``error``, and the errors of energy and phase at most ``LEVEL``. Schemes that exceed one of these errors at every
+    step have no row. ``steps`` and ``forces`` are the steps and the force evaluations per period, and ``made`` is the
+    error of the quantity.
     """
     wanted = {(error, quantity), (LEVEL, "energy"), (LEVEL, "phase")}
     needs = pd.concat([recommend(spring, error=limit, quantity=what) for limit, what in wanted])
@@ -88,10 +91,10 @@ def needs_of_spring(spring: xr.Dataset, error: float, quantity: str) -> pd.DataF
 
 
 def fewest_forces(runs: xr.Dataset, error: xr.DataArray, allowed: float) -> tuple[np.ndarray, np.ndarray]:
-    """Fewest forces per period at which a step of each scheme and all finer ones keep an error, and the step's index.
+    """Fewest forces per period at which each scheme keeps an error, as at all finer steps, and the step's index.
 
-    A run does not count if its balance of energies is wrong by more than ``LEVEL``, or if one of its errors exceeds its
-    bound in ``BOUNDS``. The number is NaN if no step keeps the error.
+    A run does not keep the error if its balance of energies is wrong by more than ``LEVEL``, or if it exceeds a bound
+    in ``BOUNDS``. The number is NaN if no step keeps the error.
     """
     sound = runs.max_energy_imbalance <= LEVEL
     for name, level in BOUNDS.items():
@@ -112,7 +115,7 @@ def marked(steps: np.ndarray, place: int) -> str:
 
 
 def picks_of(runs: xr.Dataset, error: xr.DataArray, allowed: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes that keep an error with the fewest forces in a period, with their steps."""
+    """The schemes that tie for the fewest forces per period at an error, with their steps."""
     dims = ("scheme", "steps_per_period")
     runs, error = runs.transpose(*dims, ...), error.transpose(*dims)
     fewest, best = fewest_forces(runs, error, allowed)

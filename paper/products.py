@@ -1,9 +1,9 @@
 """Figures, tables, numbers, claims and pages of the paper, each declared where it is made.
 
-An argument of the function takes the dataset of its name, unless the declaration names another. A declaration may have
-a caption, and requirements on the configuration. The pipeline finds all declarations with :func:`discover`. One figure
-or page is made with ``python -m paper.products MODULE NAME RESULTS OUTPUT``, and a figure at another width with
-``--width MM``.
+A declaration decorates the function that returns the product. An argument of this function takes the dataset of its
+name, unless the declaration names another. A declaration may have a caption, and requirements on the configuration. The
+pipeline finds all declarations with :func:`discover`. One figure or page is made with ``python -m paper.products MODULE
+NAME RESULTS OUTPUT``, and a figure at another width with ``--width MM``.
 """
 
 import argparse
@@ -20,9 +20,10 @@ from typing import Any
 from paper.requirements import value_at
 from study.io import one_sentence, read, write
 
-#: Requirements on the configuration by dotted key. A list must be contained in the value, a function is one of
-#: :mod:`paper.requirements`, and any other object must equal the value. The key "" stands for the whole configuration.
-#: A key that leads into a list of mappings stands for the list of their values.
+#: Requirements on the configuration by dotted key. The value at the key must contain all entries of a required list. A
+#: function checks the value, as :mod:`paper.requirements` describes. Any other required object must equal the value.
+#: The key "" stands for the whole configuration. A key that leads into a list of mappings stands for the list of their
+#: values.
 Requirements = Mapping[str, Any]
 #: The dataset that each argument of a function takes, or a list of datasets.
 Reads = Mapping[str, str | Sequence[str]]
@@ -42,8 +43,8 @@ class Product:
     function
         Function of the datasets in ``reads`` that returns the product.
     reads
-        The dataset that each argument takes, by its name in the results, or a list of names. A name with a suffix is
-        another file of the results.
+        Name of the dataset that each argument takes, or a list of names. A name with a suffix is a file of the results
+        in another format.
     caption
         Sentence for the report of the pipeline; the title of a table.
     requires
@@ -83,7 +84,7 @@ PRODUCTS: dict[tuple[str, str], Product] = {}
 
 
 def enter(product: Product) -> None:
-    """Enter a product.
+    """Add a product to ``PRODUCTS``.
 
     Raises
     ------
@@ -161,12 +162,13 @@ def discover(places: Iterable[str] = PLACES) -> list[Product]:
 
 
 def check(products: Iterable[Product], config: dict) -> None:
-    """Refuse a configuration that lacks a requirement of a product.
+    """Refuse a configuration that does not meet a requirement of a product.
 
     Raises
     ------
     ValueError
-        If a requirement is not met. The message is one sentence that names the key and the product.
+        If a requirement is not met. The message is one sentence that names the key. It also names the product, unless
+        the requirement is a function, which words the message itself.
     """
     for product in products:
         for key, wanted in product.requires.items():
@@ -188,12 +190,12 @@ def check(products: Iterable[Product], config: dict) -> None:
 
 
 def reader(results: Path) -> Callable[[str], Any]:
-    """A function that reads a dataset or table of the results by name, each once."""
+    """A function that reads a dataset or another file of the results by name, each file once."""
     return functools.cache(lambda name: read(results / (name if Path(name).suffix else f"{name}.nc")))
 
 
 def made(product: Product, read: Callable[[str], Any]) -> Any:
-    """The result of the function of a product for its datasets."""
+    """Read the datasets of a product, and return the result of its function."""
     return product.function(
         **{
             argument: read(name) if isinstance(name, str) else [read(one) for one in name]
@@ -211,7 +213,8 @@ def main(module: str, name: str, results: str, output: str, width: float | None 
     Raises
     ------
     SystemExit
-        If the module has no such product, or if a page is given a width; the message is one sentence.
+        If the module has no such product, if a page is given a width, or if the function of a figure returns something
+        else. The message is one sentence.
     """
     importlib.import_module(module)
     of_module = [product for product in PRODUCTS.values() if product.module == module and product.name == name]
@@ -240,7 +243,7 @@ def _width(text: str) -> float:
 
 
 if __name__ == "__main__":
-    from paper import products  # the module that holds the declarations; the running one is a copy
+    from paper import products  # declarations are added to this module, of which ``__main__`` is a second copy
 
     parser = argparse.ArgumentParser("python -m paper.products", description="Make one figure or page.")
     for argument in ("module", "name", "results", "output"):

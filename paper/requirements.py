@@ -1,7 +1,7 @@
 """Requirements on the configuration that several products share.
 
 A requirement is a function of the value at a key, as :data:`paper.products.Requirements` takes it. It returns an empty
-text if the value fits, and otherwise the rest of a sentence whose subject is the key.
+string if the value fits, and otherwise the rest of a sentence whose subject is the key.
 """
 
 from collections.abc import Callable, Sequence
@@ -37,7 +37,7 @@ def contained(*keys: str, within: str) -> Requirement:
 
 
 def rising(values: list[float]) -> str:
-    """Require that the numbers of a list rise."""
+    """Require that the numbers of a list are in ascending order."""
     return "" if values == sorted(values) else f"must be in ascending order, not {values}"
 
 
@@ -57,7 +57,7 @@ def spans(*values: float) -> Requirement:
 
 
 def as_many(number: int) -> Requirement:
-    """Require a number of entries of a list, for which the text or a figure has room."""
+    """Require a list of as many entries as the text or a figure has room for."""
     return lambda values: "" if len(values) == number else f"must have {number} entries, not {len(values)}"
 
 
@@ -67,7 +67,7 @@ def one_of(known: Sequence[str]) -> Requirement:
 
 
 def steps_of_portrait(least: int) -> Requirement:
-    """Require a number of steps of a phase portrait."""
+    """Require at least the given number of steps of a phase portrait."""
     return lambda portrait: (
         f"has a duration of less than {least} steps, which a figure and the ledger need"
         if portrait["duration"] / portrait["dt"] < least
@@ -76,7 +76,7 @@ def steps_of_portrait(least: int) -> Requirement:
 
 
 def samples_of_history(least: int) -> Requirement:
-    """Require that a history has the given number of samples after its start."""
+    """Require that a history has at least the given number of samples after its start."""
 
     def check(history: dict) -> str:
         samples = round(history["periods"] * history["steps_per_period"]) // history["every"]
@@ -92,7 +92,7 @@ OF_THE_TABLES: dict[str, Any] = {
     "energy_error.steps_per_period": STEPS,
     "energy_error.periods": 100,
 }
-#: Requirements on the assessments of these problems, over any number of periods.
+#: Requirements on the assessments of the problems of Tables 1 and 2, over any number of periods.
 OF_THE_ASSESSMENTS: dict[str, Any] = {
     f"assess.{problem}.{key}": wanted
     for problem in PROBLEMS

@@ -5,12 +5,12 @@ import xarray as xr
 
 #: Relative error of the displacement at which costs are compared, and steps per period at which damping is compared.
 ALLOWED, RESOLVED = 0.01, 20
-#: Largest relative difference of two numbers that count as equal.
+#: Relative and absolute tolerance within which two numbers count as equal.
 EQUAL = 1e-6
 
 
 def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
-    """Forces per period with the fewest steps at and above which all runs keep the allowed error."""
+    """Fewest forces per period at a number of steps that keeps the allowed error, as all larger ones tried do."""
     fine = runs.sortby("steps_per_period", ascending=False)
     of_step = fine.forces_per_step + fine.forces_per_iteration * fine.iterations_per_step
     kept = (fine[error] <= ALLOWED).astype(int).cumprod("steps_per_period")
@@ -18,7 +18,10 @@ def _forces(runs: xr.Dataset, error: str) -> xr.DataArray:
 
 
 def costs(kinks: xr.Dataset, structures: xr.Dataset) -> xr.DataArray:
-    """Forces per period for the allowed error, over (problem, scheme), for schemes in both; NaN if no step keeps it."""
+    """Forces per period for the allowed error, over (problem, scheme); NaN if no step keeps it.
+
+    The schemes are those of both datasets.
+    """
     common = [name for name in kinks.scheme.values if name in structures.scheme.values]
     parts = [_forces(kinks.sel(scheme=common), "error"), _forces(structures.sel(scheme=common), "displacement_error")]
     return xr.concat(parts, "problem", coords="minimal", compat="override").transpose("problem", "scheme")
@@ -28,8 +31,8 @@ def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
     """Numbers that should be small, over (respect, scheme): costs, then properties in undamped linear theory.
 
     These properties are the spectral radius at infinite frequency, the damping of a resolved oscillation, the inverse
-    of the stability limit, and the largest power of ωΔt with which the motion grows in a long first step. A scheme with
-    a stability limit has an infinite radius.
+    of the stability limit, and the largest power of ωΔt with which the motion grows in a long first step. Radius and
+    power are infinite for a scheme with a stability limit, and a cost is infinite if no step keeps the error.
     """
     free = spectral.sel(damping_ratio=0, scheme=costs_at.scheme.values)
     limited = np.isfinite(free.stability_limit)
@@ -45,7 +48,7 @@ def respects(costs_at: xr.DataArray, spectral: xr.Dataset) -> xr.DataArray:
 
 
 def dominated_by(of: xr.DataArray, scheme: str) -> list[str]:
-    """Schemes that are at least as good in every respect and better in one."""
+    """Schemes that are at least as good as ``scheme`` in every respect, and better in at least one."""
     own = of.sel(scheme=scheme).values
 
     def better(other: np.ndarray) -> bool:

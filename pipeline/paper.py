@@ -50,7 +50,7 @@ def _of_each(kind: str, products: list[Product], sources: Sources) -> Step:
 
 
 def _of_all(kind: str, products: list[Product], sources: Sources) -> Step:
-    """The step that makes all tables, claims or numbers in one job; one takes less time than the start of a process."""
+    """The step that makes all tables, claims or numbers in one job; each takes less time than starting a process."""
     name, output, formats = _WHOLES[kind]
     outputs = tuple(f"{output}/{one.name}.{form}" for one in products for form in formats) or (output,)
     modules = [f"paper.{name}.__main__", *(one.module for one in products)]

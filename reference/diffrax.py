@@ -189,7 +189,7 @@ def classical_runge_kutta(problem: Problem, dt: float, steps: int) -> Solution:
 
 @partial(jit, compiler=eqx.filter_jit)
 def _until(problem: Problem, t1, turning, rtol, method: str):
-    """Solution at ``t1``, or earlier where ``turning`` times v becomes positive; zero disables this event."""
+    """Solution at ``t1``, or earlier where ``turning`` · v becomes positive; zero ``turning`` disables this event."""
     event = diffrax.Event(
         lambda t, y, args, **_: jnp.where(turning == 0, -1.0, turning * y[1]),
         optimistix.Newton(rtol=1e-6, atol=1e-6),

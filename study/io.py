@@ -41,13 +41,13 @@ _NAME = "time-integration-study"
 
 
 def _version() -> str:
-    """Version of the checkout, whose installation may be older, or without a checkout of the installed package."""
+    """Version of the checkout, because an installation may be older; without a checkout, the installed version."""
     pyproject = Path(__file__).parent.parent / "pyproject.toml"
     project = tomllib.loads(pyproject.read_text()).get("project", {}) if pyproject.exists() else {}
     return project["version"] if project.get("name") == _NAME else version(_NAME)
 
 
-#: Version of this package, as ``pyproject.toml`` states it.
+#: Version of this package.
 __version__ = _version()
 
 
@@ -165,7 +165,7 @@ def check_writable(path: str | Path) -> Path:
 def _encoding(dataset: xr.Dataset) -> dict:
     """Compression of large variables; no fill value on coordinates and integers, which have no missing values.
 
-    Flags that are floating point, because datasets without them were merged, are stored as integers with a fill value.
+    Flags become floating point when datasets without them are merged; they are stored as integers with a fill value.
     """
     encoding: dict = {}
     for name, variable in dataset.variables.items():
@@ -211,7 +211,7 @@ def write(content: xr.Dataset | str | bytes, path: str | Path) -> None:
 def _read_pdf(path: Path) -> bytes:
     content = path.read_bytes()
     if not (content.startswith(b"%PDF") and content.rstrip().endswith(b"%%EOF")):
-        raise ValueError("it has no beginning or no end")
+        raise ValueError("it lacks %PDF at the beginning or %%EOF at the end")
     return content
 
 
@@ -281,12 +281,13 @@ def open_dataset(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
     FileNotFoundError
         If there is no such dataset; the message gives the nearest name and the command that makes the dataset.
     ValueError
-        If a file is given in place of a name, or if it is damaged or was not written by this study.
+        If a file is given in place of a name, if an experiment reads a dataset that it does not declare, or if the
+        dataset is damaged or was not written by this study.
     """
     if str(name).endswith(".nc"):
         raise ValueError(
-            "study.open_dataset takes a name such as 'accuracy' or 'reference/hardening', and the folder of results "
-            f"elsewhere as `folder`, not the file '{name}'."
+            "study.open_dataset takes a name such as 'accuracy' or 'reference/hardening', and another folder of "
+            f"results as `folder`, not the file '{name}'."
         )
     declared = _READABLE.get()
     if declared is not None and name not in declared:

@@ -110,7 +110,7 @@ def friction(slip_force, stiffness) -> Elastoplastic:
     Raises
     ------
     ValueError
-        If one of them is not greater than zero, or their shapes differ.
+        If the slip force or the stiffness is not greater than zero, or their shapes differ.
     """
     _check("slip_force", slip_force, 0.0, strict=True)
     _check("stiffness", stiffness, 0.0, strict=True)
@@ -147,7 +147,7 @@ class BoucWen(eqx.Module):
         return zero, zero
 
     def _loaded(self, y, x):
-        """The y ≥ 0 after loading by x."""
+        """The value of y after loading by x ≥ 0 from y ≥ 0."""
         if self.exponent == 1:
             return y - (1 - y) * jnp.expm1(-x)
         tanh = jnp.tanh(x)
@@ -160,7 +160,7 @@ class BoucWen(eqx.Module):
         way = (u - before) / bound
         sign = jnp.where(way < 0, -1.0, 1.0)
         y, x = sign * y, sign * way
-        # y grows by x until it is zero; the rest of x loads from there
+        # a negative y grows by x up to zero, which is unloading; the rest of x loads from zero
         unloading = jnp.minimum(y + x, 0.0)
         y = sign * (unloading + self._loaded(jnp.maximum(y, 0.0), jnp.maximum(x + jnp.minimum(y, 0.0), 0.0)))
         force = self.stiffness * (self.hardening * u + (1 - self.hardening) * bound * y)
@@ -192,10 +192,11 @@ class ViscousDamper(eqx.Module):
     exponent: Any = eqx.field(converter=as_float64)
 
     def __call__(self, u, v):
-        """Force c |u̇|^α sgn u̇; its derivative, infinite at rest for α < 1, is zero there."""
+        """Force c |u̇|^α sgn u̇; its derivative at rest, infinite for α < 1, is then zero."""
         moves = v != 0
         speed = jnp.where(moves, jnp.abs(v), 1.0)
-        return jnp.where(moves, self.coefficient * jnp.sign(v) * speed**self.exponent, 0.0)
+        at_rest = jnp.where(self.exponent == 1, 1.0, 0.0)
+        return self.coefficient * v * jnp.where(moves, speed ** (self.exponent - 1), at_rest)
 
 
 def viscous_damper(coefficient, exponent=1.0) -> ViscousDamper:

@@ -15,15 +15,15 @@ _SUGGESTIONS = 5
 
 
 def _plain(word: str) -> str:
-    """The word in small letters, without anything but letters and digits."""
+    """The letters and digits of a word, in lower case."""
     return re.sub(r"[\W_]", "", word.lower())
 
 
 def nearest(word: str, known: Iterable[str]) -> list[str]:
-    """Known names that a misspelt or shortened word may mean, the likeliest first; none if nothing is near.
+    """Known names that a misspelt or shortened word may mean, the likeliest first; empty if no name is near.
 
-    Names that contain the word come first, whatever the case and the separators; otherwise the one with the most
-    similar spelling is taken.
+    Up to five names that contain the word are returned, whatever the case and the separators; otherwise the name with
+    the most similar spelling.
     """
     names = {str(name): _plain(name) for name in known}
     wanted = _plain(word)
@@ -99,7 +99,7 @@ class Registry(Mapping[str, T], Generic[T]):
             return entry
         if name in self._renamed:
             raise UnknownName(f"the {self.kind} {name!r} is now called {self._renamed[name]!r}.")
-        for known in (*self._names, *self._aliases):  # in other letters, or with other separators
+        for known in (*self._names, *self._aliases):  # in another case, or with other separators
             if _plain(known) == _plain(str(name)):
                 return self._aliases.get(known, known)
         raise UnknownName(f"there is no {self.kind} {name!r}; {did_you_mean(str(name), self)}")
@@ -110,7 +110,8 @@ class Registry(Mapping[str, T], Generic[T]):
         Raises
         ------
         ValueError
-            If the name is taken, or has other characters than small letters, digits and underscores.
+            If the name is taken, does not begin with a small letter, or has other characters than small letters, digits
+            and underscores.
         """
         if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
             raise ValueError(f"a {self.kind} has a name of small letters, digits and underscores, not {name!r}.")
@@ -141,7 +142,7 @@ def variables_of_modules(package: ModuleType, kind: type[T], first: Iterable[str
     Raises
     ------
     ValueError
-        If two modules give one name to different things.
+        If two modules give the same name to different objects.
     """
     found: dict[str, T] = {}
     for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):

@@ -32,7 +32,8 @@ import platformdirs
 
 _OPTION = "xla_cpu_small_while_loop_byte_threshold"
 
-#: Largest size in bytes of a native loop. A run that is compared with a reference carries a table of some megabytes.
+#: Largest size in bytes of a loop that XLA compiles natively. A run that is compared with a reference carries a table
+#: of some megabytes.
 _THRESHOLD = 1 << 24
 
 #: Largest size of the cache in bytes when a process starts.

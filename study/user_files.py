@@ -58,7 +58,7 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
 
 
 def _where(error: BaseException, path: Path) -> str:
-    """File and line of a user's code in which an error arose, the innermost one."""
+    """File of a user's code, with the innermost of its lines in which an error arose, if there is one."""
     lines = [
         frame.lineno
         for frame in traceback.extract_tb(error.__traceback__)

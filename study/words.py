@@ -8,7 +8,7 @@ from typing import Any
 
 #: Digits and a minus as exponents.
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-# digits within a word, such as the name of a commit, are not a number
+# digits within a word, such as the hash of a commit, are not a number
 _POWER = re.compile(r"(?<![\w.])(\d(?:\.\d+)?)e([+-]?)0*(\d{1,3})(?!\w)")
 #: Largest fraction that counts as zero, for round-off.
 _ZERO = 1e-6
@@ -29,15 +29,15 @@ def printed(text: str) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """A number with some digits; ∞, and a dash if it is not a number."""
+    """A number with some significant digits, ∞, or a dash for NaN."""
     if math.isnan(value):
         return "–"
-    # rounded first, so that up to six figures are written without a power of ten
+    # rounded first: with three digits, the format ``g`` alone would write 123,456 as 1.23 × 10⁵, not as 123000
     return printed(f"{float(f'{value:.{digits}g}'):g}".replace("inf", "∞"))
 
 
 def percent(fraction: float, digits: int = 2) -> str:
-    """A fraction in percent with a no-break space, zero if it is zero to round-off."""
+    """A fraction in percent with a no-break space: 0 % if it is zero to round-off, and a dash for NaN."""
     if math.isnan(fraction):
         return "–"
     return f"{number(100 * fraction, digits)}\u00a0%" if abs(fraction) > _ZERO else "0\u00a0%"
@@ -61,7 +61,7 @@ def text_of(value: object) -> str:
 
 
 def document(title: str, parts: Iterable[str], style: str) -> str:
-    """A page of HTML that loads nothing, with its style sheet."""
+    """A page of HTML with its style sheet within it; the page loads nothing else."""
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">'

@@ -1,4 +1,4 @@
-"""Strictness that holds for every test, and what several of them use."""
+"""Strict settings of JAX for every test, and fixtures that several folders use."""
 
 import gc
 
@@ -52,7 +52,7 @@ def kind(request) -> str:
 
 
 def _state_of(name: str) -> str:
-    """Type, shapes and precision of what a scheme carries from step to step."""
+    """Type, shapes and precision of the state that a scheme carries from step to step."""
     spring = study.problems["hardening"]
     state, _ = jax.eval_shape(lambda: study.schemes[name].start(spring, np.float64(1.0), np.float64(0.0), 0.01))
     return f"{jax.tree.structure(state)} {jax.tree.leaves(state)}"

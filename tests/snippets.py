@@ -28,7 +28,7 @@ def commands(text: str) -> list[list[str]]:
 
 
 def run_examples(text: str, name: str, folder: Path, monkeypatch: Any) -> dict:
-    """Run the blocks of Python in order next to small results, under JAX's default rules, and return their names."""
+    """Run the blocks of Python in order next to small results, under JAX's default rules; return what they define."""
     small_results.write_to(folder / "results")
     monkeypatch.chdir(folder)
     matplotlib.use("agg")

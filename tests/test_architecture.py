@@ -15,14 +15,14 @@ SOURCES = [path for folder in FOLDERS for path in (PROJECT / folder).rglob("*.py
 
 
 def test_the_arrows_of_the_design_hold():
-    """In a process of its own, because the linter silences the loggers that exist."""
+    """In a separate process, because the linter disables existing loggers."""
     command = [Path(sys.executable).with_name("lint-imports"), "--no-cache"]
     done = subprocess.run(command, cwd=PROJECT, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
 
 
 def test_files_are_short_and_use_what_is_public():
-    """In one test, because five hundred take seconds to collect."""
+    """In one test for all files, because five hundred tests take seconds to collect."""
     private = "jax." + "_src"
     texts = {path: path.read_text() for path in SOURCES}
     assert [path for path, text in texts.items() if len(text.splitlines()) > 320 or private in text] == []

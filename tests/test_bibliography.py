@@ -57,7 +57,7 @@ def test_a_work_has_what_its_kind_needs(key):
     assert {"author", "title", "year"} | NEEDED[work["kind"]] <= work.keys()
     assert re.fullmatch(_DOI, work.get("doi", "10.1000/1"))
     assert re.fullmatch(r"[\w:]+(--[\w:]+)?", work.get("pages", "1"))
-    assert work.get("unconfirmed", "all")  # what was not confirmed is named
+    assert work.get("unconfirmed", "all")  # if present, the field names the unconfirmed part
 
 
 def test_works_are_sorted_and_have_a_doi_of_their_own():

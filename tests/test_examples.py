@@ -1,4 +1,4 @@
-"""The examples, each put through an assessment of one scheme."""
+"""The examples, each assessed with one scheme."""
 
 import runpy
 from pathlib import Path

@@ -100,7 +100,7 @@ def test_two_writers_and_three_readers_never_meet_half_a_file(tmp_path):
     people += [spawn.Process(target=_read, args=(path, failures, reads)) for _ in range(3)]
     for one in people:
         one.start()
-    # a process ends once its queues are read
+    # a process ends only after its queues are read
     seen: set[int] = set()
     failed: set[str] = set()
     while any(one.is_alive() for one in people):

@@ -23,7 +23,7 @@ paths = st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=8)
 
 
 def _along(material, path, history=None):
-    """Forces at the points of a path, each committed, and the last history."""
+    """Forces at the points of a path, with a commit at each point, and the last history."""
     history, forces = material.history if history is None else history, []
     for u in path:
         force, history = jax.jit(material)(jnp.asarray(u), jnp.asarray(0.0), history)
@@ -47,7 +47,7 @@ def test_a_committed_state_gives_its_force_again(name, path):
 @settings(max_examples=40, deadline=None)
 @given(path=paths, parts=st.integers(2, 7))
 def test_a_way_in_parts_is_the_way_at_once(name, path, parts):
-    """Materials without a rate depend on turning points only."""
+    """The force of a rate-independent material depends on the turning points of the path only."""
     material, between, last = REMEMBER[name], [], 0.0
     for u in path:
         between += np.linspace(last, u, parts + 1)[1:].tolist()
@@ -98,6 +98,8 @@ def test_a_damper_and_a_gap():
     v = jnp.asarray([-4.0, 0.0, 9.0])
     assert damper(v, v).tolist() == [-6.0, 0.0, 9.0]
     assert np.isfinite(jax.vmap(jax.grad(damper, argnums=1))(v, v)).all()
+    at_rest = [jax.grad(materials.viscous_damper(3.0, power), argnums=1)(0.0, 0.0) for power in (0.5, 1.0, 2.0)]
+    assert at_rest == [0.0, 3.0, 0.0]
     assert stop(jnp.asarray([0.1, 0.2, 0.5])) == pytest.approx([0.0, 0.0, 3.0])
 
 

@@ -36,7 +36,8 @@ def test_the_commands_of_the_readme_run(words, tmp_path):
     run_command(words, tmp_path)
 
 
-#: Runs the files of CONTRIBUTING as modules and each of their products; prints the text of the claim and the number.
+#: Program that runs the files of CONTRIBUTING and makes their products. It prints the text of the claim, and the
+#: number.
 _EXAMPLES = """
 import json, sys, types
 from pathlib import Path
@@ -99,7 +100,7 @@ def test_the_counts_of_the_readme_are_those_of_the_code():
     assert _stated(r"The paper makes (\d+) checkable claims") == [len(_claims_of_the_paper())]
 
 
-#: Largest mean difference of the pixels of a picture, of 0 to 1.
+#: Largest mean difference of the pixels of two pictures, with values from 0 to 1.
 PIXELS = 0.001
 
 

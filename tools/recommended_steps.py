@@ -1,9 +1,9 @@
-"""Number of fresh random steps below the steps that ``study.assess`` recommends at which a run exceeds the error.
+"""Number of random steps below a step recommended by ``study.assess`` at which a run exceeds the error.
 
     python tools/recommended_steps.py [NAME ...]
 
 The script draws 1,000 random steps between a twentieth of a recommended step and the step itself, with another seed. It
-prints how many of them exceed the error, and the largest error over the allowed one.
+prints how many of them exceed the error, and the largest error divided by the allowed error.
 """
 
 import sys

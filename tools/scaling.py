@@ -28,7 +28,7 @@ from matplotlib.ticker import LogLocator
 CORES = (1, 2, 4, 8, 16, 32, 64, 100, 128)
 #: Memory in MB and run time in minutes that ``profiles/slurm`` gives every job.
 DEFAULT_MEMORY, DEFAULT_MINUTES = 1500, 15
-#: Seconds between two measurements of the processor by Snakemake, in the first half minute of a job and after it.
+#: Seconds between two measurements of the processor time by Snakemake, in the first 30 s of a job and afterwards.
 SAMPLED = 0.5, 30.0
 PLAN, BENCHMARKS = Path(".snakemake", "plan.json"), Path("results", "benchmarks")
 

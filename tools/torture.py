@@ -65,7 +65,7 @@ def _one_job(run: subprocess.Popen, moment: float) -> bool:
 
 
 def _a_writer(run: subprocess.Popen, moment: float) -> bool:
-    """Kill all jobs as soon as a file is unfinished, and return whether there was one."""
+    """Kill all jobs as soon as an unfinished file exists, and return whether there was one."""
     folders = {Path(psutil.Process(run.pid).cwd(), "results", name).parent for name in PRODUCTS}
     seen = False
     while not seen and run.poll() is None:

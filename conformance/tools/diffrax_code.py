@@ -30,7 +30,7 @@ def _solver(rows, weights) -> Any:
         b_error=np.zeros(len(weights)),
         c=np.array([sum(row) for row in rows[1:]]),
         a_diagonal=diagonal if implicit else None,
-        # each stage starts from the slope of the previous stage
+        # Newton's iteration of a stage starts from the slope of the previous stage
         a_predictor=tuple(np.eye(len(row))[-1] for row in lower) if implicit else None,
     )
 
@@ -47,7 +47,7 @@ def _solver(rows, weights) -> Any:
 
 
 def _tableau(scheme):
-    """Rows and weights of the tableau of a scheme; None if it is not such a method."""
+    """Rows and weights of the tableau of a scheme; None for a scheme without one."""
     family = scheme["family"]
     if family == "rk4":
         return [[0.0], [0.5, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 1.0, 0.0]], [1 / 6, 1 / 3, 1 / 3, 1 / 6]

@@ -23,7 +23,7 @@ _ARRAYS = ("u0", "v0", "mass", "damping")
 #: Rows of the longest case.
 _ROWS = 321
 
-#: Zero load, so that problems with and without a load share a program.
+#: Zero load and ground at rest, so that problems with and without load or ground motion share a program.
 _NO_LOAD, _NO_GROUND = {"frequency": 0, "phase": 0}, {"acceleration": [0] * 17, "dt": 1}
 
 _STARTS = {"linear acceleration": "linear_acceleration", "taylor": "taylor"}

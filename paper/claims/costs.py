@@ -22,7 +22,7 @@ def _quartiles(ratio: xr.DataArray) -> tuple[float, float, float]:
 
 
 def _to(cpu_time: xr.Dataset, scheme: str, others: list[str], problem: str) -> tuple[float, float, float]:
-    """Quartiles of the time of a scheme over the largest time of the others."""
+    """Quartiles, over the repeats, of the ratio of the time of a scheme to the largest time of the others."""
     time = cpu_time.time_per_step.sel(problem=problem)
     return _quartiles(time.sel(scheme=scheme) / time.sel(scheme=others).max("scheme"))
 

@@ -1,4 +1,4 @@
-"""Claims of the authors of schemes since 1993, decided by runs and by the growth in a long first step."""
+"""Claims on later schemes, decided by runs, by the growth of the first step at large ωΔt and by spectral radii."""
 
 import numpy as np
 import xarray as xr
@@ -178,7 +178,7 @@ def order_with_loose_tolerances(order_under_reality):
 
 
 def _slope(error: xr.DataArray, steps: str) -> float:
-    """Order by least squares over all numbers of steps."""
+    """Order of an error, by a fit of least squares through all numbers of steps."""
     return float(-np.polyfit(np.log(error[steps]), np.log(error), 1)[0])
 
 

@@ -83,7 +83,7 @@ OURS = {
     "stability": "stability_claims",
     "structures": "structure_claims",
 }
-#: Datasets over the schemes of 1996, and of later ones if the configuration has them.
+#: Beginnings of the names of datasets whose schemes include those of 1996, and later ones if configured.
 _OVER_SCHEMES = ("accuracy", "cpu_time", "energy_error", "large_steps", "sensitivity", "spectral", "phase_portrait/")
 
 
@@ -115,7 +115,7 @@ def claim(
     Raises
     ------
     ValueError
-        If a claim of the paper is not quoted, or one in ``OURS`` is.
+        If a claim of the paper has no quotation, or if a claim in a section of ``OURS`` has one.
     """
     from_the_paper = section not in OURS
     if from_the_paper != bool(words):

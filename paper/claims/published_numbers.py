@@ -62,7 +62,7 @@ def fewer_controlled_steps(published_numbers):
 
 
 def largest_step(published_numbers: xr.Dataset) -> dict[str, float]:
-    """Largest step over ε that keeps the displacement of van der Pol's oscillator, by implicit scheme; NaN for none."""
+    """Largest Δt/ε that keeps the displacement of van der Pol's oscillator, by implicit scheme; NaN if none does."""
     one = published_numbers.sel(problem="van_der_pol")
     one = one.isel(scheme=np.flatnonzero(one.explicit.values == 0))
     steps = (one.time / one.steps / FASTEST).where(100 * one.error <= REASONABLE)
@@ -87,7 +87,7 @@ def beyond_the_fastest_time(published_numbers):
 
 
 def fewest_steps(ueda: xr.Dataset) -> dict[str, float]:
-    """Fewest steps per period at and above which all runs keep the printed exponent, by scheme; NaN for none."""
+    """Fewest steps per period at and above which all runs keep the printed exponent, by scheme; NaN if none does."""
     kept = 100 * abs(ueda.exponent / ueda.printed_exponent - 1) <= REASONABLE
     onwards = kept.isel(steps_per_period=slice(None, None, -1)).cumprod("steps_per_period").astype(bool)
     return {name: onwards.steps_per_period.where(onwards.sel(scheme=name)).min().item() for name in ueda.scheme.values}

@@ -10,7 +10,7 @@ from paper.published import PROBLEMS
 
 AVERAGE, GENERALIZED = "average_acceleration", "generalized_alpha"
 
-#: Largest deviation from one of the ratio of estimate to true error, and smallest ratio that detects the error.
+#: Ratio of estimate to true error: largest deviation from one of a true estimate, and value below which it is blind.
 TRUE, BLIND = 0.1, 0.1
 
 

@@ -14,7 +14,7 @@ from paper.requirements import samples_of_history
 STIFF = ["stiff_soft", "elastic_pendulum", "fpu_chain", "spinning_truss"]
 #: Algebraically stable methods, which are BN-stable by a theorem of Burrage and Butcher.
 BN_STABLE = ["implicit_midpoint", "gauss4"]
-#: Minimum number of samples of a history after its start. Its last half then has three, the minimum to alternate.
+#: Minimum number of samples of a history after its start. Its last half then has three, which can alternate.
 SAMPLES_OF_SAWTOOTH = 4
 
 
@@ -47,7 +47,7 @@ def faithful_on_structures(structures):
     share = _share(kept(structures), SCHEMES)
     best = sorted(share, key=share.__getitem__, reverse=True)[:2]
     holding = [name for name in FAITHFUL if name in best]
-    reason = f"the best two of the seven include {joined(holding, structures)} of these two"
+    reason = f"of these two, the best two of the seven include {joined(holding, structures)}"
     if "central_difference" not in holding:
         reason += "; an explicit scheme fails where the step does not resolve the stiffest mode"
     return Finding(listed(share, structures, ".0f"), len(holding) == 2, "" if len(holding) == 2 else reason)

@@ -1,6 +1,6 @@
 """Meaning of the words of the claims: groups of schemes, and one threshold for each kind of judgement."""
 
-#: The paper's schemes by its judgements.
+#: Groups of schemes that the paper judges together.
 FAITHFUL = ["average_acceleration", "central_difference"]
 DISSIPATIVE = ["newmark_dissipative", "wilson_theta", "houbolt"]
 DAMPED = [*DISSIPATIVE, "hht_alpha_1996"]
@@ -8,13 +8,15 @@ UNCONDITIONAL = ["average_acceleration", *DAMPED]
 EXPLICIT = ["central_difference", "rk4"]
 IMPLICIT_NEWMARK = ["average_acceleration", "newmark_dissipative"]
 
-#: Largest error in percent, of the energy or the displacement, of a result that is "reasonable", "fairly accurate",
-#: or that keeps the balance of energies. A scheme beyond it is "unsuitable"; one always beyond it, "never" to be used.
+#: Largest error in percent of the energy or the displacement that is "reasonable" or "fairly accurate", and of a
+#: balance of energies that is kept. A scheme with a larger error is "unsuitable", and "never" to be used if its error
+#: is always larger.
 REASONABLE = 10.0
-#: Energy error in percent of a result that is "far" from the exact one, in "grave" error, "meaningless", or "strongly"
-#: damped.
+#: Energy error in percent above which a result is "far" from the exact one, in "grave" error, "meaningless", or
+#: "strongly" damped.
 FAR_OFF = 50.0
-#: Energy error in percent of an "unstable" run. A run that only loses energy stays below 100, up to round-off.
+#: Energy error in percent above which a run is "unstable". A run that only loses energy stays below 100, up to
+#: round-off.
 UNSTABLE = 101.0
 #: Least gain of the energy in percent, in the second half of a run, that counts as growth.
 GROWN = 100.0
@@ -26,19 +28,19 @@ SIGNIFICANTLY = 2.0
 GREATLY = 10.0
 #: Least rank correlation of errors that order the runs alike.
 ALIKE = 0.8
-#: Periods within which a motion that is damped "rapidly" is far off.
+#: Number of periods within which a motion that is damped "rapidly" loses ``FAR_OFF`` percent of its energy.
 RAPIDLY = 10.0
 #: Largest ratio of times of a scheme that costs "much less", and of one that costs "slightly more".
 MUCH_LESS, SLIGHTLY_MORE = 0.75, 1.5
-#: Share of cases above which something happens in "most" of them, "often".
+#: Share of cases above which something happens in "most" of them or "often".
 MOST = 0.5
 #: Share of cases above which something is "not uncommon".
 NOT_UNCOMMON = 0.05
 #: Distance beyond which two runs with almost equal starts are different motions, and the scheme is "chaotic".
 APART = 0.1
-#: Lyapunov exponent per step above which a map is chaotic; a regular map has less than 0.01 after a thousand steps.
+#: Lyapunov exponent per step above which a map is chaotic. In a regular map it is below 0.01 after a thousand steps.
 CHAOTIC = 0.05
-#: Number of different stays in a well above which jumps are "irregular".
+#: Number of different durations of stays in a well above which jumps are "irregular".
 IRREGULAR = 5
 #: Largest distance of the steps per oscillation from a whole number for a motion "in resonance" with the step.
 RESONANT = 0.05
@@ -48,7 +50,7 @@ AT_REST = 0.01
 SECOND_ORDER, THIRD_ORDER = 1.5, 2.5
 #: Largest relative size that counts as zero up to round-off.
 ROUND_OFF = 1e-10
-#: Least error of a displacement, in percent, that matters, and largest error of a balance of energies that does not.
+#: Errors in percent: of a displacement, above which it matters; of a balance of energies, below which it is unnoticed.
 MATTERS, UNNOTICED = 0.1, 1e-6
 #: Steps in a period by the rule of practice; the paper's rule is T/20.
 RULE = 20

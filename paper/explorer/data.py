@@ -10,11 +10,11 @@ import xarray as xr
 
 from paper.data import largest_safe
 
-#: Largest number of amplitudes and step sizes of a map on the page: a cell is then about ten pixels wide.
+#: Largest number of amplitudes, and of step sizes, of a map on the page: a cell is then about ten pixels wide.
 CELLS = 64
 #: Selectable allowed errors, in percent.
 ERRORS = (10.0, 1.0, 0.1)
-#: Codes of an error for each doubling.
+#: Number of integer codes for each doubling of an error.
 LOG_CODES = 512
 
 
@@ -48,9 +48,10 @@ def coarse(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def of_maps(atlas: xr.Dataset) -> dict[str, np.ndarray]:
-    """Blocks of the maps: (problem, scheme, amplitude, step size), and the largest safe steps.
+    """Arrays of the page: outcomes and errors of the maps, and the largest safe steps.
 
-    The largest safe Δt/T have the shape (error, problem, scheme, amplitude), and are zero where no step is safe.
+    The arrays of the maps have the shape (problem, scheme, amplitude, step size). The largest safe Δt/T have the shape
+    (error, problem, scheme, amplitude), and are zero where no step is safe.
     """
     maps = coarse(atlas).transpose("problem", "scheme", "amplitude", "dt_over_period", ...)
     safe = xr.concat([largest_safe(atlas.sel(amplitude=maps.amplitude), error) for error in ERRORS], "error")

@@ -41,7 +41,7 @@ def _schemes(atlas: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _problems(atlas: xr.Dataset) -> list[dict[str, Any]]:
-    """Name, title and displacement at the amplitude one of each spring."""
+    """Name and title of each spring, and its displacement at the relative amplitude one."""
     units = (atlas.u0 / atlas.amplitude).isel(amplitude=0).values.tolist()
     found = zip(atlas.problem.values.tolist(), atlas.problem_title.values.tolist(), units, strict=True)
     return [{"name": name, "title": title, "unit": float(f"{unit:.12g}")} for name, title, unit in found]

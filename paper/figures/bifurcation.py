@@ -33,7 +33,7 @@ def draw(bifurcation: xr.Dataset) -> Figure:
     axes[1].plot(dt, a_step, ".", markersize=2, color="#0072B2")
     axes[1].axhline(0, color="black", linewidth=0.6)
     axes[1].set(ylabel="exponent × step")
-    # a perturbation grows by a factor of e^λΔt per step; omitted if the run ends before it is of order one
+    # a perturbation grows by e^λΔt per step; the number of steps is omitted if the run ends before it is of order one
     small, large = bifurcation.perturbation.item(), bifurcation.order_one.item()
     growth = np.log(large / small)
     chaotic = (a_step.values > growth / bifurcation.steps.item()) & (bifurcation.status == 0).values

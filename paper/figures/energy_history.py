@@ -32,7 +32,7 @@ def draw(portraits: list[xr.Dataset]) -> Figure:
         for place, (name, look) in enumerate(curve_styles(portrait.scheme).items()):
             run = portrait.sel(scheme=name)
             envelope = _envelope(100 * run.energy_error, STRETCH)
-            # matplotlib places no marks along a curve that a logarithmic axis cannot show
+            # matplotlib cannot place markers along a curve of fewer than two points on a logarithmic axis
             marked = (0.02 + 0.02 * place, 0.15) if (np.isfinite(envelope) & (envelope > 0)).sum() > 1 else None
             ax.plot(envelope.t, envelope, label=run.scheme_title.item(), markevery=marked, **look)
         ax.set(ylabel="energy error (%)", yscale="log")

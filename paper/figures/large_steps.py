@@ -30,7 +30,7 @@ _DAMPED, _FAILED = 4, 4
 def classify(run: xr.Dataset) -> np.ndarray:
     """Index of the class of every run.
 
-    A run is damped away if its error exceeds 50 % and at least nine tenths of it are a loss of energy at the end.
+    A run is damped away if its error exceeds 50 % and the energy lost by the end exceeds nine tenths of this error.
     """
     error, drift = run.max_energy_error, 100 * run.energy_drift
     completed = np.digitize(np.nan_to_num(error, nan=0.0), _BOUNDS)

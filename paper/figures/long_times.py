@@ -30,7 +30,7 @@ def _guide(ax: Axes, round_off: xr.DataArray, offset: float, law: tuple[float, s
 def draw(long_times: xr.Dataset) -> Figure:
     """Errors and round-off in double precision (above), and round-off in single precision (below)."""
     figure, axes = panels(2, 2, PAGE, 10.5, sharex=True)
-    # in percent, as the largest error of the energy
+    # in percent, like the largest error of the energy
     long_times = long_times.assign(energy_round_off=100 * long_times.energy_round_off)
     double = long_times.sel(arithmetic="float64", step="any")
     single = long_times.sel(arithmetic="float32", step="any")

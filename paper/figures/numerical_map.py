@@ -17,7 +17,7 @@ def draw(numerical_map: xr.Dataset) -> Figure:
     """One row per scheme, one column per step size, one colour per initial displacement."""
     schemes, steps = numerical_map.scheme.values, numerical_map.dt.values
     figure, axes = panels(len(schemes), len(steps), PAGE, 2.0 * len(schemes) + 1.5, sharex=True, sharey=True)
-    colours = plt.get_cmap("viridis")(0.8 * numerical_map.u0 / numerical_map.u0.max())  # its yellow is lost on white
+    colours = plt.get_cmap("viridis")(0.8 * numerical_map.u0 / numerical_map.u0.max())  # yellow is invisible on white
     for row, scheme in zip(axes, schemes, strict=True):
         for ax, dt in zip(row, steps, strict=True):
             for lane, colour in zip(numerical_map.u0.values, colours, strict=True):

@@ -83,7 +83,7 @@ def outcome_map(ax: Axes, one: xr.Dataset, limit: float) -> None:
 
 
 def step_ticks(ax: Axes, labels: Mapping[float, str]) -> None:
-    """Ticks of the step size; the outer labels stay within the panel, so that they do not meet its neighbours'."""
+    """Ticks of the step size; the outer labels stay within the panel, so that labels of two panels do not touch."""
     ax.set_xticks(list(labels), list(labels.values()))
     ax.minorticks_off()
     first, *_, last = ax.get_xticklabels()
@@ -92,7 +92,7 @@ def step_ticks(ax: Axes, labels: Mapping[float, str]) -> None:
 
 
 def patches(outcomes: np.ndarray, best: str = OUTCOME_STYLES["accurate"][0]) -> list[Patch]:
-    """Handles of a legend for the outcomes that are present; the best one has a separate label."""
+    """Handles of a legend for the outcomes that are present; ``best`` is the label of the best outcome."""
     labels, colours = zip(*OUTCOME_STYLES.values(), strict=True)
     labels = (best, *labels[1:])
     return [Patch(facecolor=colours[k], edgecolor="0.5", label=labels[k]) for k in np.unique(outcomes).astype(int)]

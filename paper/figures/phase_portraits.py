@@ -35,27 +35,27 @@ def _limits(reference: np.ndarray, values: np.ndarray) -> tuple[float, float]:
 
 @figure(
     "Figure 1 of Xie (1996): phase portraits of the hardening spring at T/20 over 100 periods, from light (start) "
-    "to dark (end), over the exact orbit.",
+    "to dark (end), and the exact orbit as a line.",
     name="hardening",
     portrait="phase_portrait/hardening",
     reference="reference/hardening",
 )
 @figure(
     "Figure 2 of Xie (1996): phase portraits of the softening spring at T/20 over 100 periods, from light (start) "
-    "to dark (end), over the exact orbit.",
+    "to dark (end), and the exact orbit as a line.",
     name="softening",
     portrait="phase_portrait/softening",
     reference="reference/softening",
 )
 @figure(
     "Figure 4 of Xie (1996): phase portraits of the double well at the step size 2.5 over a time of 2500, from "
-    "light (start) to dark (end), over the exact orbit.",
+    "light (start) to dark (end), and the exact orbit as a line.",
     name="double_well",
     portrait="phase_portrait/double_well",
     reference="reference/double_well",
 )
 def draw(portrait: xr.Dataset, reference: xr.Dataset) -> Figure:
-    """Panel (a) exact, then one panel per scheme, coloured by elapsed time over the exact orbit in grey."""
+    """Panel (a) exact, then one panel per scheme: points coloured by elapsed time, and the exact orbit over them."""
     rows = math.ceil((1 + portrait.sizes["scheme"]) / 4)
     figure, axes = panels(rows, 4, PAGE, 4.3 * rows + 0.4, sharex=True, sharey=True)
     used, unused = np.split(axes.ravel(), [1 + portrait.sizes["scheme"]])

@@ -1,4 +1,4 @@
-"""General solvers at a ladder of tolerances, and two schemes at fixed steps."""
+"""General solvers at a series of tolerances, and two schemes at fixed steps."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -9,9 +9,9 @@ from paper.products import figure
 
 #: Largest error drawn; at larger ones the solution is lost.
 TOP = 3
-#: Schemes at fixed steps, by their greys.
+#: Schemes at fixed steps, with their shades of grey.
 SCHEMES = {"central_difference": "0.8", "rk4": "0.55"}
-#: Costs with their variables for schemes and for solvers.
+#: Labels of the costs, with the names of their variables for schemes and for solvers.
 _COSTS = {
     "time (s)": ("time_per_run", "solver_time_per_run"),
     "evaluations of the force": ("force_evaluations", "solver_evaluations"),

@@ -22,7 +22,7 @@ TRIED = {"commensurate": "commensurate steps", "all": "all steps"}
     "Grey: a fiftieth of the period, and the spacing.",
 )
 def draw(spectrum: xr.Dataset) -> Figure:
-    """Sufficient steps by period, among commensurate steps and among all; share of runs beyond the error by step."""
+    """Sufficient steps by period, among commensurate steps and among all; share of runs above the error, by step."""
     spectrum = of_kinds(spectrum, SHOWN)
     spacing, curves = 1e3 * spectrum.spacing.item(), curve_styles(spectrum.scheme)
     figure, axes = panels(1, 3, PAGE, 5.6)

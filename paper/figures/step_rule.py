@@ -1,4 +1,4 @@
-"""The largest safe step by the highest frequency of the motion, against steps per period."""
+"""Largest safe step times the highest frequency of the motion, against the steps per period."""
 
 import xarray as xr
 from matplotlib.figure import Figure

@@ -14,7 +14,7 @@ from paper.products import figure
     requires={"structure_history.stiff_soft.problem": "stiff_soft"},
 )
 def draw(history: xr.Dataset) -> Figure:
-    """One panel per scheme, over the reference at the same instants."""
+    """One panel per scheme, drawn over the reference in grey."""
     rows = history.sizes["scheme"]
     figure, axes = panels(rows, 1, COLUMN, 2.3 * rows + 0.8, sharex=True, sharey=True)
     styles = curve_styles(history.scheme)

@@ -54,13 +54,13 @@ _COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#
 _LINES = ["-", "--", "-.", ":", (0, (7, 1.5)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 0.6))]
 _MARKERS = ["o", "s", "v", "^", "D", "P", "X", "<"]
 
-#: Numbers of the curve styles of a family, by the place of a scheme in it: one for each colour.
+#: Numbers of the curve styles of each family, by the place of a scheme in it. Each colour occurs once in a family.
 _STYLE_NUMBERS = {
     "Newmark and Wilson": (0, 1, 2, 3, 21, 23, 36, 38),
-    "Multi-step and composite": (4, 8, 9, 10, 11, 14, 37, 39),
+    "Multi-step and composite": (4, 8, 9, 10, 11, 14, 37, 39, 52, 49),
     "α-methods": (5, 17, 16, 15, 34, 35, 44, 46),
     "Runge-Kutta and conserving": (6, 19, 13, 12, 24, 25, 7, 42),
-    "Explicit with dissipation": (29, 30, 26, 27, 20, 40, 41, 47),
+    "Explicit with dissipation": (29, 30, 26, 27, 20, 40, 41, 47, 50, 53),
     "Splitting": (28, 32, 18, 31, 22, 33, 43, 45),
 }
 
@@ -81,7 +81,7 @@ def curve_styles_in_order(names: Iterable[str]) -> dict[str, dict[str, Any]]:
 
 def _number(family: str, place: int) -> int:
     known = _STYLE_NUMBERS.get(family, ())
-    return known[place] if place < len(known) else 48 + 8 * (crc32(family.encode()) % 50) + place
+    return known[place] if place < len(known) else 56 + 8 * (crc32(family.encode()) % 50) + place
 
 
 def _curve_style(number: int) -> dict[str, Any]:
@@ -127,7 +127,7 @@ def legend_below(figure: Figure, columns: int, axes: Axes | None = None, handles
 
 
 def legend_in_gap(figure: Figure, axes: np.ndarray, number: int, columns: int) -> None:
-    """A legend in place of the panels after the first ``number`` ones, or below all panels if there is none."""
+    """A legend in place of the panels after the first ``number`` ones, or below all panels if none is left."""
     if number == axes.size:
         legend_below(figure, columns)
         return

@@ -13,7 +13,7 @@ from paper.requirements import contained
 STEPS, PERIODS = 64, 3
 MEASURES = {"period_elongation": "period elongation", "amplitude_decay": "loss of amplitude per period"}
 PROBLEMS = {"hardening": ("s", "#0072B2"), "softening": ("^", "#D55E00")}
-#: Left edge of the axes, at which smaller values are drawn.
+#: Smallest size drawn, near the left edge of the axes; smaller sizes are drawn at this value.
 LEAST = 1e-10
 
 
@@ -39,7 +39,7 @@ def _points(ax, values, rows, label, **look) -> None:
     },
 )
 def draw(spectral: xr.Dataset, accuracy: xr.Dataset) -> Figure:
-    """Sizes of elongation (left) and of loss of amplitude (right) at one step size, over a logarithmic axis."""
+    """Sizes of elongation (left) and of loss of amplitude (right) at one step size, on logarithmic axes."""
     schemes = [name for part in families(accuracy).values() for name in part.scheme.values]
     linear = spectral.sel(scheme=schemes, damping_ratio=0.0).interp(dt_over_period=1 / STEPS)
     measured = accuracy.sel(scheme=schemes, steps_per_period=STEPS, periods=PERIODS)

@@ -1,4 +1,4 @@
-"""True error after a hundred periods against the tolerance of general solvers."""
+"""True error of general solvers over their longest runs against the tolerance."""
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -17,7 +17,7 @@ _TITLES = {"softening_large": "softening,\nlarge amplitude"}
     agreement="reference_agreement",
 )
 def draw(agreement: xr.Dataset) -> Figure:
-    """One panel per problem: the largest error of the displacement over a hundred periods, over the tolerance."""
+    """One panel per problem: the error of the displacement over the longest runs, against the tolerance."""
     rows = -(-agreement.sizes["problem"] // 2)
     figure, axes = panels(rows, 2, COLUMN, 3.9 * rows + 2.2, sharex=True, sharey=True)
     periods = agreement.periods.max()

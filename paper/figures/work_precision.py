@@ -8,7 +8,7 @@ from paper.figures.style import PAGE, curve_styles, legend_below, letter, panels
 from paper.products import figure
 from paper.published import SCHEMES
 
-#: Periods of the runs, and of shorter runs that show whether a loss of amplitude is steady.
+#: Periods of the runs, and of shorter runs that show whether a change of amplitude is steady.
 PERIODS, SHORTER = 100, 3
 MEASURES = {
     "max_trajectory_error": "displacement",
@@ -26,7 +26,7 @@ _REQUIRES = {
 
 
 def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
-    """One row per problem, one column per measure of error, over a cost."""
+    """One row per problem, one column per measure of error, against a cost."""
     data = of_the_paper(data)
     losses = loss_of_amplitude(data, SHORTER, PERIODS)
     data = data.sel(periods=PERIODS)
@@ -60,7 +60,7 @@ def _draw(data: xr.Dataset, cost: str, label: str) -> Figure:
     requires=_REQUIRES,
 )
 def over_time(data: xr.Dataset) -> Figure:
-    """Errors over the time of a run; heyoka, a general solver, in grey."""
+    """Errors against the time of a run; heyoka, a general solver, in grey."""
     return _draw(data, "time_per_run", "time (s)")
 
 
@@ -71,5 +71,5 @@ def over_time(data: xr.Dataset) -> Figure:
     requires=_REQUIRES,
 )
 def over_forces(data: xr.Dataset) -> Figure:
-    """Errors over the number of force evaluations, which sets the cost of expensive forces."""
+    """Errors against the number of force evaluations, which sets the cost of expensive forces."""
     return _draw(data, "force_evaluations", "forces evaluated")

@@ -10,7 +10,7 @@ from study.words import span
 #: Problems with a history, and problems with any kink except contact.
 REMEMBER = ["yielding", "hysteretic"]
 KINKED = [*REMEMBER, "shaken"]
-#: Order below which a method of fourth order has lost its order, and ratio of errors above which it is still better.
+#: Order below which Runge-Kutta has lost its order, and ratio of another error to its own above which it is better.
 LOST, GAINED = 3.0, 1.5
 #: Error of the balance of energies, in percent of the energy, below which that balance counts as kept.
 KEPT = 0.01
@@ -24,7 +24,7 @@ def _orders(kinks: xr.Dataset, problem: str, *schemes: str) -> str:
 
 
 def at_equal_forces(kinks: xr.Dataset) -> xr.DataArray:
-    """Ratio of the error of central difference with four times as many steps to that of Runge-Kutta, over its steps."""
+    """Ratio of errors: central difference with four times the steps of Runge-Kutta, to Runge-Kutta, by its steps."""
     four_times = 4 * kinks.steps_per_period
     steps = kinks.steps_per_period[four_times.isin(kinks.steps_per_period)]
     central = kinks.error.sel(scheme="central_difference", steps_per_period=(4 * steps).values)

@@ -54,7 +54,7 @@ def _caught(drift: xr.Dataset) -> np.ndarray:
     """Whole number of steps per oscillation that holds each run, zero otherwise.
 
     A run is held if its final steps per oscillation equal that number to one part in a thousand, and if it has lost
-    less than half of the energy that runs at neighbouring step sizes have lost.
+    less than half of the median energy that runs at neighbouring step sizes have lost.
     """
     count, lost = drift.steps_per_oscillation.values, -drift.energy_drift.values
     whole = np.round(count)

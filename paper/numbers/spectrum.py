@@ -6,7 +6,7 @@ import xarray as xr
 from paper.products import numbers
 from study.words import number, percent, span
 
-#: Least period in s at which a step has to resolve the record rather than the oscillator.
+#: Smallest period in s at which the record, not the oscillator, limits the step.
 LONG = 1.0
 #: Period in s at which the oscillator, not the record, limits the step.
 SHORT = 0.2
@@ -19,12 +19,12 @@ def share_beyond(spectrum: xr.Dataset) -> xr.DataArray:
 
 
 def share_at_the_spacing(spectrum: xr.Dataset) -> xr.DataArray:
-    """The share with a step of the spacing of the records, by scheme."""
+    """The same share at a step equal to the spacing of the records, by scheme."""
     return share_beyond(spectrum).sel(step_size=spectrum.spacing, method="nearest")
 
 
 def share_between(spectrum: xr.Dataset) -> xr.DataArray:
-    """The mean share of the steps between half the spacing and the spacing, which do not divide it, by scheme."""
+    """Mean of the same share over the steps between half the spacing and the spacing, which do not divide it."""
     off = spectrum.commensurate == 0
     between = off & (spectrum.step_size > spectrum.spacing / 2) & (spectrum.step_size < spectrum.spacing)
     return share_beyond(spectrum).sel(step_size=between).mean("step_size")
@@ -42,7 +42,7 @@ def largest_steps(spectrum: xr.Dataset, error: float) -> xr.DataArray:
     requires={"spectrum.schemes": ["average_acceleration", "rk4"], "spectrum.periods": [SHORT, LONG]},
 )
 def of_spectrum(spectrum: xr.Dataset) -> dict:
-    """Sufficient steps for all records and strengths, commensurate or any, and share of runs beyond the error."""
+    """Sufficient steps for all records and strengths, commensurate or any, and share of runs that exceed the error."""
     needed = spectrum.step_needed.min(["record", "reduction"], skipna=False)
     at_spacing, between = share_at_the_spacing(spectrum), share_between(spectrum)
     found = {

@@ -9,7 +9,7 @@ from study.words import span
 
 #: The case that the figure and the text show.
 PROBLEM, SCHEME = "hardening", "average_acceleration"
-#: Growth of the energy error from the first period to the last above which it drifts, and below which it does not.
+#: Growth of the energy error from the first period to the last: smallest that counts as a drift, and largest without.
 DRIFTS, KEPT = 3.0, 1.1
 #: Steps in a period of the cells of 1996 that are compared.
 CELL = 50
@@ -22,7 +22,7 @@ STIFF, PULSE = ["stiff_soft"], "pulse"
 
 
 def growth(step_control: xr.Dataset) -> xr.DataArray:
-    """Ratio of the largest energy errors of the last and the first period, of controlled and of equal steps."""
+    """Ratio of the largest energy errors in the last and in the first period, with controlled and with equal steps."""
     return step_control.history.isel(period=-1) / step_control.history.isel(period=0)
 
 

@@ -11,13 +11,13 @@ from study.words import number
 #: Allowed error of energy and period.
 ERROR = 0.01
 SCHEMES = ["central_difference", "average_acceleration", "rk4"]
-#: Largest ratio of the largest to the smallest Δt ωmax that still makes a rule.
+#: Ratio of the largest to the smallest Δt ωmax from which there is no rule.
 NO_RULE = 3.0
 
 
 @numbers(rule="stability/step_rule", requires={"step_rule.schemes": SCHEMES})
 def of_step_rule(rule: xr.Dataset) -> dict:
-    """Δt ωmax up to which all runs keep energy and period, and above which none does; and the steps per period."""
+    """Smallest and largest Δt ωmax up to which all steps keep energy and period, and the steps per period."""
     everywhere = ["problem", "amplitude"]
     safe = largest_omega_step(rule, ERROR)
     steps = rule.period * rule.highest_frequency / safe

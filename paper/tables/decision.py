@@ -1,4 +1,4 @@
-"""Recommended explicit scheme, implicit scheme and step for each kind of problem, quantity and error."""
+"""Recommended explicit and implicit schemes, with their steps, for each kind of problem, quantity and error."""
 
 from collections.abc import Iterable, Iterator, Mapping
 
@@ -28,7 +28,7 @@ from study.words import span
 
 #: Quantities of a spring whose error is bounded.
 QUANTITIES = ("displacement", "velocity", "acceleration", "phase", "energy")
-#: Spring in the dataset of kinks, for comparison.
+#: Smooth spring in the dataset of kinks. Its rows come from the assessments instead.
 SPRING = "hardening"
 #: Classes of schemes, by their flag ``explicit``.
 CLASSES = {"explicit": 1, "implicit": 0}
@@ -71,7 +71,7 @@ def _of_spring(spring: xr.Dataset, chosen: pd.DataFrame, limits: Mapping[str, fl
 
 
 def _of_amplitudes(robustness: xr.Dataset, problem: str, chosen: pd.DataFrame) -> str:
-    """Steps that the first scheme of a choice needs at all amplitudes of the maps, if more than the chosen ones."""
+    """A remark on the steps that the first scheme of a choice needs at all amplitudes of the maps, if they are more."""
     known = problem in robustness.problem.values and not chosen.empty
     if not known or chosen.index[0] not in robustness.scheme.values:
         return ""
@@ -119,7 +119,7 @@ def _remembering(kinks: xr.Dataset, limits: Mapping[str, float]) -> Iterator[dic
 
 
 def _losing(one: xr.Dataset) -> str:
-    """The schemes that lose the balance of a structure at some step, or those that keep it if they are fewer."""
+    """A remark on the schemes that fail or lose the balance at some step, or on the others if these are fewer."""
     loses = ((one.status != 0) | ~(one.max_energy_imbalance <= LEVEL)).any("steps_per_period").values
     if not loses.any():
         return ""
@@ -133,14 +133,14 @@ def _losing(one: xr.Dataset) -> str:
 
 
 def _set_by_sawtooth(runs: xr.Dataset, error: xr.DataArray, limits: Mapping[str, float]) -> str:
-    """A remark if a coarser step would suffice without the errors of velocity and acceleration."""
+    """A remark if a coarser step would suffice without the bounds on velocity and acceleration."""
     without = runs.drop_vars(["velocity_error", "acceleration_error"], errors="ignore")
     differs = any(cell(picks_of(runs, error, e, limits)) != cell(picks_of(without, error, e, limits)) for e in ERRORS)
     return "velocity or acceleration sets the step" if differs else ""
 
 
 def _off_in_acceleration(choices: Iterable[list[Pick]]) -> str:
-    """A remark on the errors of the acceleration at the steps of the first schemes, where they exceed ``LEVEL``."""
+    """A remark on the errors of the acceleration at the steps of the named schemes, where they exceed ``LEVEL``."""
     off = [picks[0].acceleration_error for picks in choices if picks and picks[0].acceleration_error > LEVEL]
     return f"acceleration wrong by {span(100 * np.array(off), '.0f')} %" if off else ""
 
@@ -166,7 +166,7 @@ def _structures(structures: xr.Dataset, limits: Mapping[str, float]) -> Iterator
 
 
 def _under_records(spectrum: xr.Dataset, error: float, limits: Mapping[str, float]) -> list[Pick]:
-    """The schemes of a class with the fewest forces per second for the peak drift."""
+    """The schemes that tie for the fewest forces per second at an error of the peak drift, with their steps."""
     runs = ["record", "period", "reduction"]
     largest = largest_steps(spectrum, error)
     found = spectrum.isel(scheme=np.flatnonzero(largest.notnull()))
@@ -217,10 +217,11 @@ def tabulate(
     """One row per kind of problem, quantity and class of schemes; a dash where no scheme keeps the error.
 
     The classes are explicit and implicit. A cell names the scheme of its class with the fewest evaluations of the
-    force. Numbers of evaluations within a tenth tie, and the smallest error then decides. On structures only steps that
-    a finer step confirms are compared. Energy and phase of a spring must also be within ``LEVEL``. A cell contains the
-    steps per period and, in brackets, the forces per period and Δt·ω with the highest ω of the motion, which is below
-    the stability limit of linear theory if there is one.
+    force. Numbers of evaluations within a tenth tie, and the smallest error then decides. On structures and with kinks,
+    however, a step that a finer step confirms comes first. Energy and phase of a spring must also be within ``LEVEL``.
+    A cell contains the steps per period and, in brackets, the forces per period and Δt·ω with the highest ω of the
+    motion, followed by the stability limit of linear theory if there is one. Under records it contains the step in ms
+    and the forces per second.
     """
     limits = spectral.stability_limit.sel(damping_ratio=0.0).to_series().to_dict()
     return pd.DataFrame(

@@ -1,4 +1,4 @@
-"""Schemes that another one dominates in every respect measured."""
+"""Schemes that another scheme dominates in every respect measured."""
 
 import numpy as np
 import pandas as pd
@@ -11,7 +11,7 @@ from paper.respects import costs, dominated_by, respects
 
 @table("Dominated schemes", requires={"spectral.damping_ratios": [0.0]})
 def tabulate(kinks: xr.Dataset, structures: xr.Dataset, spectral: xr.Dataset) -> pd.DataFrame:
-    """One row per scheme: problems on which a step is enough, and the schemes that dominate it."""
+    """One row per scheme: problems on which some step keeps the error, forces, and the schemes that dominate it."""
     forces = costs(kinks, structures)
     of = respects(forces, spectral)
     rows = []

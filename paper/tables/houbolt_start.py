@@ -1,4 +1,4 @@
-"""Houbolt's method with every start: the cell that distinguishes the starts, and the cells that each reproduces."""
+"""Houbolt's method with every start: the cell that distinguishes starts, and the number of cells reproduced."""
 
 import pandas as pd
 import xarray as xr

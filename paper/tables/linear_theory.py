@@ -7,7 +7,7 @@ import xarray as xr
 from paper.data import families
 from paper.products import table
 
-#: Step sizes over period of accuracy and of overshoot.
+#: Δt/T at which elongation and damping are given, and Δt/T at which the overshoot is given.
 FINE, COARSE = 1 / 20, 10.0
 
 

@@ -1,4 +1,4 @@
-"""Cost of accuracy with every scheme: steps in a period and time for an error of the displacement."""
+"""Cost of accuracy with every scheme: steps in a period and time of a run for an error of the displacement."""
 
 import pandas as pd
 import xarray as xr

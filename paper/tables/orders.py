@@ -8,7 +8,7 @@ from paper.orders import PERIODS, observed_order
 from paper.products import table
 from paper.published import SCHEMES
 
-#: Spring of the table of every scheme.
+#: Spring on which the orders of every scheme are given.
 PROBLEM = "softening"
 _TITLES = {
     "max_trajectory_error": "Trajectory",

@@ -7,7 +7,7 @@ import xarray as xr
 from paper.data import families
 from paper.products import table
 
-#: Largest factor between an amplitude and the amplitude of 1996 if they are near each other.
+#: Largest factor by which an amplitude near that of 1996 is larger or smaller.
 SPAN = 3.0
 #: Column of each failure, by the flag of the maps.
 FAILURES = {
@@ -53,7 +53,7 @@ def first_of(atlas: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def _with_problem(values: xr.DataArray) -> str:
-    """The smallest of the values over problems, and the initial of its problem."""
+    """The smallest value of all problems, and the initial letter of its problem; a dash if it is infinite."""
     least = values.min().item()
     return "–" if np.isinf(least) else f"{least:.2g} ({values.problem.values[int(np.argmin(values.values))][0]})"
 

@@ -1,4 +1,4 @@
-"""Overshoot of the schemes without a stability limit, by its definitions."""
+"""Overshoot of the schemes without a stability limit: growth in a long first step, and largest overshoot."""
 
 import numpy as np
 import pandas as pd

@@ -13,7 +13,7 @@ _TITLES = {
     "kvaerno5": "Kvaerno5",
     "heyoka": "heyoka",
 }
-#: Number of decimals of the periods in the table; the datasets hold thirty.
+#: Number of decimals of the periods in the table; the datasets hold thirty digits.
 DIGITS = 20
 
 
@@ -24,7 +24,10 @@ DIGITS = 20
     requires={"references.problems": ["hardening", "softening", "softening_large", "double_well"]},
 )
 def tabulate(agreement: xr.Dataset, references: list[xr.Dataset]) -> pd.DataFrame:
-    """One row per problem: period, uncertainties, smallest error of each solver over 100 periods, and worst period."""
+    """One row per problem: period, uncertainties, and errors of each solver over 100 periods and of the period.
+
+    Errors are the smallest of all tolerances. The error of the period is the largest of all solvers.
+    """
     rows = []
     for reference in references:
         row = {

@@ -1,4 +1,4 @@
-"""Runge-Kutta with relaxation compared with its column in Tables 1 and 2."""
+"""The Runge-Kutta method with and without relaxation, compared with its column in Tables 1 and 2."""
 
 import pandas as pd
 import xarray as xr

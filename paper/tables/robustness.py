@@ -16,7 +16,7 @@ def _steps(value: float, most: int) -> str:
     "Steps in a period at all amplitudes", robustness="stability/robustness", requires={"robustness.periods": rising}
 )
 def tabulate(robustness: xr.Dataset) -> pd.DataFrame:
-    """One row per scheme, over the longest runs, the levels of each problem side by side."""
+    """One row per scheme, one column per problem and level of the error, for the longest runs."""
     most = int(robustness.most_steps)
     rows = []
     for scheme in robustness.scheme.values:

@@ -5,7 +5,7 @@ import xarray as xr
 
 from paper.products import table
 
-#: Column: arithmetic and step size.
+#: Arithmetic and step size of each column.
 COLUMNS = {
     "Double": ("float64", "any"),
     "Single": ("float32", "any"),
@@ -16,7 +16,7 @@ COLUMNS = {
 
 
 def _cell(one: xr.Dataset) -> str:
-    """Exponent with its standard error, and the size at the end in percent; or the step at which the run failed."""
+    """Exponent of the growth with its standard error, and final round-off in percent; or the step of a failure."""
     last = one.isel(periods=-1)
     if last.status != 0:
         return f"fails at step {last.failed_at_step.item():,}"

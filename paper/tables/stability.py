@@ -10,12 +10,16 @@ from paper.requirements import contained, rising
 
 #: The problems with positive energy, on which a gain can be distinguished from a loss.
 PROBLEMS = ["hardening", "softening", "softening_large"]
-#: Least gain of the energy in the second half of a run, over the initial energy, that counts as growth.
+#: Gain of the energy in the second half of a run, divided by the initial energy, above which it counts as growth.
 GAIN = 1.0
 
 
 def _first(run: xr.Dataset) -> str:
-    """The smallest step size at which the energy is doubled in the second half of the run, or the run failed."""
+    """Smallest step size at which the energy exceeds twice its initial value late in the run, or the run fails.
+
+    Late means in the second half. A failure is marked by N if a step has no solution, and otherwise by ∞. A dash means
+    that all step sizes are small enough.
+    """
     gained, failed = run.late_energy_gain.values > GAIN, run.status.values != 0
     if not (gained | failed).any():
         return "–"

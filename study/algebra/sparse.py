@@ -16,21 +16,22 @@ import scipy
 from study.algebra.arrays import ScipySparse, Vector
 from study.algebra.host import on_host
 
-#: Tolerance of symmetry, as a part of the largest entry.
+#: Largest difference of a symmetric matrix from its transpose, relative to the largest entry.
 SYMMETRY = 1e-12
 
 
 class Pattern:
-    """The places of the entries of a sparse matrix (n, n), column by column; of a symmetric one, the lower triangle.
+    """The places of the entries of a sparse matrix (n, n), column by column.
 
-    It always contains the diagonal, and the transpose of each place. Patterns with the same places are equal.
+    Every pattern contains the diagonal. A symmetric pattern holds only the lower triangle; any other contains the
+    transpose of each place. Patterns are equal if size, symmetry and places are equal.
 
     Attributes
     ----------
     rows, columns
-        Place of each entry, (entries,).
+        Row and column of each entry, (entries,).
     diagonal
-        Number of the entry that is on the diagonal, (n,).
+        Number of each diagonal entry, (n,).
     """
 
     def __init__(self, places: ScipySparse, symmetric: bool):
@@ -71,7 +72,7 @@ class Pattern:
 
     def product(self, values: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Product of the matrix with these values and a vector (n,)."""
-        with self._alone:  # making the matrices again would take longer than the product
+        with self._alone:  # the matrices are shared, because making them takes longer than the product
             self._matrix.data = self._mirrored.data = values
             product = self._matrix @ x
             return product + self._mirrored @ x - values[self.diagonal] * x if self.symmetric else product
@@ -161,7 +162,7 @@ def _derivative_of_times(pattern, primals, tangents):
 
 def is_sparse(matrix: Any) -> bool:
     """Whether it is a matrix of :mod:`scipy.sparse`."""
-    # importing it takes a tenth of a second, and a caller with such a matrix has imported it
+    # scipy.sparse takes a tenth of a second to import, and a caller with such a matrix has already imported it
     module = sys.modules.get("scipy.sparse")
     return module is not None and module.issparse(matrix)
 

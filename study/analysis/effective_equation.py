@@ -13,7 +13,7 @@ from study.scheme.wilson import WilsonTheta
 #: Number of displacements between which changes of sign are counted.
 SEARCHED = 4001
 
-#: Bound on the size of these displacements.
+#: Displacement beyond which the range of these displacements is no longer doubled.
 FARTHEST = 1e6
 
 

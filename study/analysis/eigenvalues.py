@@ -27,7 +27,7 @@ def eigenvalues(matrices: Matrices) -> Roots:
 def followed(roots: Roots, exponent: complex, omega: Points) -> ComplexPoints:
     """Logarithm of the principal root, which tends to exp(exponent · Ω) for Ω → 0, over step sizes.
 
-    It is NaN from the step size on at which the root becomes real.
+    It is NaN from the first step size at which the root is real.
     """
     result = np.full(len(omega), complex(np.nan, np.nan))
     last, slope = (0.0, 0j), exponent

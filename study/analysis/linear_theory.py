@@ -1,8 +1,8 @@
 """Linear theory of a scheme, derived from its code.
 
 On the linear oscillator ü + 2ξω u̇ + ω² u = 0, a step is a linear map of the scheme's state. Its matrix, the
-amplification matrix, is the derivative of the step by automatic differentiation, so no formula is in the code
-twice. Here ω = 1, so Ω = ωΔt = 2π Δt/T is the step size.
+amplification matrix, is the derivative of the step by automatic differentiation, so the code has no second set of
+formulas. Here ω = 1, so Ω = ωΔt = 2π Δt/T is the step size.
 
 References
 ----------
@@ -41,7 +41,8 @@ Growth = Float[np.ndarray, "2 2"]
 #: Largest excess of a spectral radius over one that counts as round-off.
 GROWTH = 1e-8
 
-#: Excess of the spectral radius at half of a stability limit above which a scheme is unstable at every step size.
+#: Largest excess of the spectral radius over one at half a stability limit. Above it, a scheme counts as unstable at
+#: every step size.
 WEAK_GROWTH = 1e-11
 
 #: Smallest error of the roots that enters the fit of the order.
@@ -63,7 +64,7 @@ SEARCHED = np.concatenate([np.linspace(3e-4, 12, 40_000), np.geomspace(12.01, 1e
 #: Number of step sizes that one call computes.
 TILE = 1024
 
-#: Number of refinements of a stability limit, and the parts into which each divides the interval.
+#: Number of refinements of a stability limit, and number of values of Ω in each of them.
 REFINEMENTS, PARTS = 2, 1_000
 
 
@@ -117,7 +118,7 @@ class NumericalMotion(NamedTuple):
 
         \lambda = \exp(\bar\omega\Delta t\,(-\bar\xi \pm i \sqrt{1 - \bar\xi^2}))
 
-    All are NaN from the step size on at which the principal roots become real, because the motion then does not
+    All are NaN from the first step size at which the principal roots are real, because the motion then does not
     oscillate.
 
     Attributes

@@ -80,7 +80,7 @@ def outcomes(runs: xr.Dataset, period: np.ndarray | None = None) -> tuple[Outcom
     outcome
         Values of :class:`study.Outcome`, of shape (lanes,).
     began
-        Times at which the outcomes began, of shape (lanes,); NaN for accurate runs, for failed runs, and for runs of
+        Times at which the outcomes began, of shape (lanes,); NaN for accurate runs, for failed runs, and for runs in
         which only the period is wrong.
 
     Raises

@@ -15,9 +15,10 @@ def recommend(
 ) -> pd.DataFrame:
     """List the schemes of an assessment, the fastest first, with the step at which each keeps an error.
 
-    No number is interpolated: steps, errors and forces are those of runs. A step has two digits, or is an integer
-    fraction or multiple of the spacing of a record. All random finer steps that :func:`study.assess` tried keep the
-    error too, and so does the step if initial values and load are one percent smaller or larger.
+    No number is interpolated: steps, errors and numbers of forces are taken from runs. A step has two digits, or is an
+    integer fraction or multiple of the time between the samples of a record. All random
+    finer steps that :func:`study.assess` tried keep the error too, and so does the step if initial values and load are
+    one percent smaller or larger.
 
     Parameters
     ----------
@@ -31,7 +32,7 @@ def recommend(
         Quantity of the assessment that must keep the error. The default is its first quantity, which is
         ``displacement`` if the assessment was given no quantities.
     folder
-        Folder of the results, which has the dataset of a named assessment.
+        Folder of the results, which contains the dataset of a named assessment.
 
     Returns
     -------

@@ -9,7 +9,7 @@ from study.scheme.base import Scheme
 from study.scheme.contract import check_attributes
 from study.scheme.named import schemes as schemes_by_name
 
-#: Default schemes of an assessment: the schemes of common codes, and the best scheme of each family.
+#: Default schemes of an assessment: schemes that codes and textbooks offer.
 USUAL = (
     "average_acceleration",
     "central_difference",

@@ -50,7 +50,7 @@ def assess(
     controller: str | Controller | None = None,
     seconds: float = math.inf,
 ) -> xr.Dataset:
-    """Find out which scheme and which step a problem needs for an error, by runs against a certified reference.
+    """Find the scheme and the step that a problem needs for an allowed error, by runs against a certified reference.
 
     Two independent solvers give the reference and its uncertainty. Every scheme runs at random steps, octave by octave
     from a quarter of the slowest period of small motions down to a twentieth of the step that keeps the smallest error.
@@ -65,7 +65,7 @@ def assess(
 
     A problem of more than 1,000 unknowns is assessed like a :class:`study.Program`: the given schemes, ``rk4`` and
     ``nystrom4`` run with halved steps until two of them agree. Their common result is the reference, and their
-    difference is its uncertainty. A step is confirmed by few random finer steps.
+    difference is its uncertainty. Only a few random finer steps confirm a recommended step.
 
     Parameters
     ----------
@@ -92,15 +92,16 @@ def assess(
         controlled steps at random tolerances; the result has the tolerance that keeps each error, and its cost. It is
         available for up to 1,000 unknowns.
     seconds
-        Wall time after which no run begins. The results so far are returned, and the verdict on the rest is
+        Wall time in s after which no run begins. The results so far are returned, and the verdict on the rest is
         ``out_of_time``. The reference of two solvers and the first runs of every scheme are made in any case. If the
         time runs out, there is no map.
 
     Returns
     -------
     xarray.Dataset
-        Over ``scheme``, ``dt`` and ``quantity``: ``error``, ``status``, ``energy_imbalance``, ``newton_iterations``,
-        NaN where a step was not tried. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt`` and the
+        Over ``scheme``, ``dt`` and ``quantity``: ``error``. Over ``scheme`` and ``dt``: ``status``,
+        ``energy_imbalance`` and ``newton_iterations``. Where a step was not tried, ``status`` is ``not_tried`` and the
+        other variables are NaN. Over ``scheme``, ``quantity`` and ``allowed_error``: ``recommended_dt`` and the
         error there, ``largest_dt``, ``verdict``, ``steps_tried`` from a twentieth of the recommended step up to it and
         the ``worst_error`` among them as a fraction of the allowed one, ``time`` with its spread,
         ``force_evaluations``. Over ``quantity``: ``reference_uncertainty``. ``highest_frequency`` is the highest

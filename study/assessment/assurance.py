@@ -11,7 +11,7 @@ def percent(fraction: float) -> str:
 
 
 def confirmation(assessed: xr.Dataset) -> str:
-    """Number of steps that confirm the recommended ones, and the confidence; empty if there are none."""
+    """Sentences on the steps that confirm the recommended ones, and the confidence; empty if no step is recommended."""
     tried = assessed.steps_tried.values[assessed.recommended_dt.notnull().values]
     if not tried.size:
         return ""
@@ -39,7 +39,7 @@ def confirmation(assessed: xr.Dataset) -> str:
 
 
 def limits_of_reference(assessed: xr.Dataset) -> str:
-    """A sentence on a reference that holds only for a part of the time, or on a program; empty if there is none."""
+    """The remarks on a program, or a sentence on a reference that holds only for part of the duration; may be empty."""
     if assessed.attrs.get("remarks"):
         return f"{assessed.attrs['remarks']}."
     held, requested = assessed.attrs["duration"], assessed.attrs["duration_requested"]
@@ -53,7 +53,7 @@ def limits_of_reference(assessed: xr.Dataset) -> str:
 
 
 def reference_of(assessed: xr.Dataset) -> str:
-    """The reference and its uncertainty."""
+    """Sentences on the reference and its uncertainty."""
     attributes, off = assessed.attrs, assessed.reference_uncertainty
     differences = ", ".join(f"{percent(float(off.sel(quantity=name)))} of {name}" for name in assessed.quantity.values)
     if "interpolation" in attributes:

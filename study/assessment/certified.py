@@ -1,4 +1,4 @@
-"""The certified reference of a problem: its two routes, tightened until they agree."""
+"""The certified reference of a problem, by two routes whose tolerance is tightened until they agree."""
 
 from typing import NamedTuple
 
@@ -20,7 +20,7 @@ AIMED, ACCEPTED = 1 / 100, 1 / 10
 #: Relative tolerances of the routes, from the first try to the last.
 TOLERANCES = (1e-8, 1e-10, 1e-12, 1e-14)
 
-#: Least part of the duration over which the two solutions must agree.
+#: Smallest part of the duration over which the two solutions must agree.
 SHORTEST = 0.05
 
 

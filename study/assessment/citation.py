@@ -9,7 +9,7 @@ import xarray as xr
 
 from study.scheme.named import schemes
 
-#: Bibliography of the study: a link to the article's file; a wheel holds a copy.
+#: Bibliography of the study: in the repository a link to the article's file, in a wheel a copy of it.
 WORKS = Path(__file__).with_name("references.bib")
 
 #: Key of the paper of 1996, and keys of the works on solvers for references, by a word in the solver's name.

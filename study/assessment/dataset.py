@@ -17,7 +17,8 @@ from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 from study.scheme.wrapper.with_history import WithHistory
 
-#: Timing of a recommended step: number of runs, sufficient duration of a run in s, and most steps of the first run.
+#: Timing of a recommended step: number of runs, sufficient time of a run in s, and largest number of steps of the
+#: first run.
 REPEATS, ENOUGH, MOST_TIMED = 5, 0.003, 20_000
 
 #: Outcomes of a run, and the mark of steps that were not tried.
@@ -66,9 +67,9 @@ class Assessed(NamedTuple):
 def _timed(problem: Problem, scheme: Scheme, wanted: dict[float, int]) -> dict[float, tuple]:
     """Median and interquartile range of the time of the steps of a run, by step size.
 
-    ``wanted`` has the number of steps at each step size. Runs are timed over as many steps of the same size as the
-    clock needs. The overhead of a call is the time of a run of one step. It is subtracted if the run takes more than
-    twice as long.
+    ``wanted`` has the number of steps at each step size. The timed runs have as many steps of the same size as the
+    resolution of the clock requires. The overhead of a call is the time of a run of one step. It is subtracted if the
+    run takes more than twice as long.
     """
     timed = Timed(problem, scheme, ())
     call = np.median([timed.run(max(wanted), 1)[0] for _ in range(REPEATS)])

@@ -29,7 +29,8 @@ CLOSER, REFINEMENTS = 65, 2
 #: Number of times at which a quantity is evaluated at once.
 AT_ONCE = 4096
 
-#: Number of intervals of the reference that a step may cross without a loop, which takes longer than all other work.
+#: Number of intervals of the reference that a step may cross before a loop is needed, because the loop takes longer
+#: than the rest of the observer.
 AHEAD = 4
 
 #: Values of a quantity at some times, with an axis for its components.
@@ -121,7 +122,7 @@ class Target:
     times, values
         Fine times of the reference, and the quantity there, of shape (t, components).
     scale
-        The largest size along time, or the size of the reduction.
+        Largest size along time; if the quantity is reduced to a peak or a root mean square, the size of the reduction.
     """
 
     quantity: Quantity
@@ -197,7 +198,7 @@ class ErrorsAlong(Reduction):
         solution, length = targets[0].solution, np.diff(targets[0].solution.t)
         before, after = (tuple(x[part] for x in solution[1:]) for part in (slice(-1), slice(1, None)))
         table = np.stack(quintic(before, after, length.reshape(-1, *(1,) * (solution.u.ndim - 1))), axis=1)
-        # padded to a power of two, so that few programs are compiled; nothing ends the last interval
+        # padded to a power of two, so that few programs are compiled; padding begins at infinity, so no step reaches it
         padding = 2 ** math.ceil(math.log2(len(length) + AHEAD + 1)) - len(length)
         begin = np.append(solution.t[:-1], np.full(padding, np.inf))
         numbers = (

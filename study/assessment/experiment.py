@@ -1,4 +1,4 @@
-"""Assessments in the pipeline, of the problems that the section ``assess`` names: springs, and your own in files."""
+"""Assessments in the pipeline, of problems in the section ``assess``: problems of the study, or your own in files."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -90,8 +90,8 @@ def assessment(
     """Assess which scheme and which step a problem of the study, or one in a file, needs for an error.
 
     ``problem`` and ``quantities`` name a :class:`study.Problem` and a dict of :class:`study.Quantity` as
-    ``FILE.py:NAME``; ``problem`` may also be a name of the study. ``periods`` is the duration in exact periods of a
-    spring, which the dataset ``reference/PROBLEM`` has.
+    ``FILE.py:NAME``; ``problem`` may also be a name of the study. ``periods`` is the duration of a run of
+    a spring in exact periods. The dataset ``reference/PROBLEM`` contains the exact period.
     """
     progress(f"assessment of {problem}")
     if periods is not None:

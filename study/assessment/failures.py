@@ -14,7 +14,7 @@ from study.scheme.base import Scheme
 #: Multiples of start and load in the map.
 EXCITATIONS = (0.25, 0.5, 1.0, 2.0, 4.0)
 
-#: Step sizes of the map, over the coarsest step of a search.
+#: Step sizes of the map, divided by the coarsest step of a search.
 STEPS = 2.0 ** -np.arange(-1, 6.25, 0.25)
 
 #: Largest number of steps of a run of the map.
@@ -44,10 +44,11 @@ def map_of(problem: Problem, scheme: Scheme, duration: float, coarsest: float, r
     Parameters
     ----------
     coarsest
-        Coarsest step of a search, about which the steps of the map lie.
+        Coarsest step of a search. The map covers steps from twice this step down to 1/64 of it, unless finer ones take
+        more than ``MOST_STEPS`` steps.
     recommended
-        Recommended steps. Runs at those coarser than the finest step of the map count for ``largest_safe_dt``, but the
-        map does not show them.
+        Recommended steps. If one is coarser than the finest step of the map, its runs count for ``largest_safe_dt``,
+        but the map does not show them.
 
     Returns
     -------

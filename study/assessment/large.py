@@ -1,4 +1,4 @@
-"""``study.assess`` for a problem of many unknowns: its schemes are refined until two of them agree."""
+"""``study.assess`` for a problem of many unknowns: steps are halved until two schemes agree."""
 
 import hashlib
 from collections.abc import Mapping
@@ -23,7 +23,8 @@ MOST = FINDABLE
 #: Largest number of unknowns at which displacement and velocity are compared if no quantities are given.
 SHOWN = 256
 
-#: Sizes of random states. Accelerations at these states distinguish problems, and forces show where they are linear.
+#: Sizes of random states. Accelerations at these states distinguish problems, and internal forces at them show which
+#: unknowns have a linear force.
 SIZES = (1e-3, 1.0, 1e3)
 
 #: Largest relative deviation of a force from linearity that counts as round-off.
@@ -35,7 +36,7 @@ WITNESSES = ("rk4", "nystrom4")
 
 @dataclass(frozen=True)
 class _Runs:
-    """Runs of a problem in the form of a program's."""
+    """The runs of a problem, in the form that a :class:`study.Program` requires."""
 
     problem: Problem
     schemes: Mapping[str, Scheme]
@@ -43,11 +44,11 @@ class _Runs:
     quantities: list[Quantity]
     source: str = field(init=False)
 
-    #: Its runs need no processes, because they march concurrently in threads.
+    #: True makes :class:`study.Program` use threads, which suffice because compiled marches run concurrently.
     starts_a_process = True
 
     def __post_init__(self):
-        """Set ``source`` to a digest of the program of the equation and of its values at states of several sizes.
+        """Set ``source`` to a digest of the traced equation, the schemes, and values at states of several sizes.
 
         The values distinguish equations that differ only in numbers.
         """

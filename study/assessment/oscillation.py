@@ -77,7 +77,7 @@ class OscillationErrors(Reduction):
 
 def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
     """Times at which the displacement crosses a level upwards, on the interpolant."""
-    from scipy.optimize import brentq  # here, because importing it takes as long as the rest of the study
+    from scipy.optimize import brentq  # here, because its import is slow
 
     u = solution.u
     before = np.flatnonzero((u[:-1] < level) & (u[1:] >= level))
@@ -90,7 +90,11 @@ def _upward_crossings(solution: DenseSolution, level: float) -> np.ndarray:
 
 
 def oscillation(problem: Problem, solution: DenseSolution) -> Oscillation | None:
-    """The oscillation of a solution; None if the problem is driven, damped or not an oscillator."""
+    """The oscillation of a solution, or None.
+
+    It is None if the problem has several unknowns, damping or a load, or if the solution crosses its mean upwards fewer
+    than three times or has no equilibrium between its extremes.
+    """
     if np.ndim(problem.u0) or not problem.conservative:
         return None
     from scipy.optimize import brentq

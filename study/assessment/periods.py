@@ -21,14 +21,14 @@ STIFFEST = 100
 def slowest_period(problem: Problem) -> float | None:
     """Period of the slowest small motion about the start or about u = 0, whichever is shorter.
 
-    If neither has oscillations, it is 2π times the time in which the motion leaves the start, or None.
+    If there are no oscillations about either, it is 2π √(max |u₀| / max |ü₀|), or None if one of the two is zero.
     """
     oscillating = []
     for at in (problem.u0, np.zeros(np.shape(problem.u0))):
         found = frequencies(problem, at)
         if found is not None and np.any(of_motion := (found > 0) & np.isfinite(found)):
             oscillating.append(2 * np.pi / found[of_motion])
-    if not oscillating:  # as on two maxima of the potential
+    if not oscillating:  # for example, if both are maxima of the potential
         pull = np.abs(np.asarray(acceleration(problem, 0.0, problem.u0, problem.v0))).max()
         far = np.abs(problem.u0).max()
         return 2 * np.pi * float(np.sqrt(far / pull)) if far > 0 and pull > 0 else None

@@ -17,7 +17,7 @@ class Progress:
         self.stopped, self.done, self._reported, self._start = False, 0, -PAUSE, time.monotonic()
 
     def report(self, what: str, ahead: float = 0.0) -> None:
-        """Report the present work, immediately if its expected seconds ``ahead`` are many.
+        """Report the present work, immediately if its expected time ``ahead`` in s exceeds the pause between two lines.
 
         After Ctrl-C it raises ``KeyboardInterrupt``, which ends the thread.
         """

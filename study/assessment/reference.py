@@ -16,7 +16,8 @@ from study.mechanics.definition import Problem
 from study.mechanics.frequencies import frequencies
 from study.mechanics.internal_force import switches
 
-#: Number of points of the first grid in the shortest period of small motions, or in the coarsest step.
+#: Number of points of the first grid in the shortest period of small motions or in the coarsest step, whichever is
+#: shorter.
 POINTS = 12
 
 #: Number of parts of a run in which changes of a condition in the load are sought.
@@ -71,11 +72,11 @@ def _switches(load, times):
 
 
 def _switches_of_load(load: Callable | None, duration: float) -> Times:
-    """Times at which a comparison in the program of a load changes; a record declares its own kinks.
+    """Times at which a comparison in the program of a load changes; empty for a load that declares its kinks.
 
     Without these times, both solvers would step over a short pulse.
     """
-    from scipy import optimize  # here, because importing it takes a third of the time to import the study
+    from scipy import optimize  # here, because its import is slow
 
     if load is None or hasattr(load, "kinks"):
         return np.zeros(0)

@@ -31,7 +31,7 @@ WORST = 10.0
 #: Number of points of a curve in an octave of steps; each point is the worst error around it.
 IN_OCTAVE = 8
 
-#: Grey of each outcome from best to worst, and colour and text of its letter.
+#: Grey level of each outcome from best to worst, colour of its letter, and the letter.
 SHADES = np.linspace(1.0, 0.25, len(Outcome))
 INK = np.where(SHADES > 0.5, "black", "white")
 LETTERS = ("", "b", "r", "w", "c", "g", "N", "∞")

@@ -24,8 +24,8 @@ from study.settings import cores
 #: Number of steps in a period of the slowest small motion with which a search begins.
 COARSEST = 4
 
-#: Limits of a search for ever finer steps: number of steps in a period of the slowest small motion, or number of steps
-#: × unknowns of a run if that allows more steps. The third number is the largest number of steps of any run.
+#: Finest step of a search: number of steps in a period of the slowest small motion, or number of steps × unknowns of a
+#: run if this product allows more steps. The third number is the largest number of steps of any run.
 FINEST, FINEST_OF_RUN, MOST_STEPS = 2048, 250_000, 4_000_000
 
 #: Finest Δt·ω of a search, with the highest frequency ω of the motion, and its caps on steps and steps × unknowns.
@@ -36,14 +36,15 @@ FINEST_OF_HIGHEST, STEPS_OF_HIGHEST, WORK_OF_HIGHEST = 0.03, 20_000, 4_000_000
 #: a slight reduction of the largest step that keeps an error would need further runs.
 ENOUGH = 1.1
 
-#: Number of runs in an octave of step sizes: maximum, minimum of tiles for one unknown, and minimum of others.
+#: Number of runs in an octave of step sizes: maximum, minimum of runs in tiles, and minimum of runs of several unknowns
+#: or of more than ``LONG`` steps.
 MOST_RUNS, LEAST_IN_TILES, LEAST_RUNS = 128, TILE, 4
 
 #: Caps on steps × unknowns of the runs of an octave, if enough runs remain, by whether there is one unknown.
 WORK = {True: 1_500_000, False: 4_000_000}
 
 #: Runs in the octave below a recommended step, where errors are largest: maximum, cap on their steps × unknowns, and
-#: minimum, which recommended steps up to twice the finest one do not need.
+#: minimum. A step of at most half of the finest one needs none, because otherwise a search might not end.
 CONFIRMED, WORK_OF_CONFIRMED, LEAST_CONFIRMED = 500, {True: 3_000_000, False: 4_000_000}, {True: 0, False: 8}
 
 #: Number of steps above which a run of one unknown is made alone. The second number is for a search of runs up to
@@ -125,7 +126,10 @@ def _two_digits(x: float) -> float:
 
 
 def round_step(largest: float, spacing: float | None) -> float:
-    """The largest step up to another one that has two digits, or is an integer multiple or fraction of a spacing."""
+    """The largest step up to ``largest`` with two digits, or that is an integer multiple or fraction of ``spacing``.
+
+    If a fraction has two digits and is at least about half as long as the longest fraction, it is preferred.
+    """
     largest *= 1 + 1e-9
     if spacing is None:
         unit = 10.0 ** (math.floor(math.log10(largest)) - 1)
@@ -181,7 +185,7 @@ class Search:
         self.runs, self._random = pd.DataFrame(), np.random.default_rng(0)
 
     def _run(self, start: float, dt: np.ndarray) -> pd.DataFrame:
-        """Rows of one run, or of several at once, from initial values multiplied by a factor."""
+        """Rows of one or several runs, with initial values and load multiplied by ``start``."""
         case = self._cases[start]
         steps = np.maximum(np.floor(self.duration / dt * (1 + 1e-9)), 1).astype(int)
         ds = run(case.problem, self.scheme, dt=dt, steps=steps, observe=case.observe, on_failure="ignore")
@@ -231,7 +235,7 @@ class Search:
         return drawn[len(tried) :]
 
     def _arrays(self, name: str = "dt") -> tuple[np.ndarray, np.ndarray]:
-        """Steps tried from the start of the problem, and the values of a column of their runs."""
+        """Steps tried from the problem's own start, and the values of a column of their runs."""
         own = self.runs.start.to_numpy() == 1.0
         return self.runs.dt.to_numpy()[own], self.runs[name].to_numpy()[own]
 
@@ -243,7 +247,10 @@ class Search:
         return largest_with_margin(dt[below], error[below], allowed)
 
     def search(self, limits: Sequence[Limit], report: Callable[[float], None] = lambda top: None) -> None:
-        """Run down to a twentieth of each step that keeps an error, then at round steps from all starts and below."""
+        """Run down to a twentieth of each step that keeps an error, then at round steps from all starts.
+
+        Random steps in the octave below each round step confirm it.
+        """
         top = self.coarsest
         while not self.late:
             largest = [self.largest(*limit) for limit in limits] if len(self.runs) else [0.0]

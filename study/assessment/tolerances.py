@@ -35,7 +35,7 @@ from study.scheme.wrapper.with_history import WithHistory
 #: Largest and smallest tolerance of a search.
 LOOSEST, TIGHTEST = 0.1, 1e-12
 
-#: Smaller tolerances are tried down to this part of a tolerance.
+#: Part of a tolerance that keeps an error, down to which smaller tolerances are tried.
 HUNDREDTH = 0.01
 
 #: Number of runs made at once, and largest number of steps of a run.
@@ -61,7 +61,7 @@ class Tolerance(NamedTuple):
     worst: float = np.nan
 
 
-#: Ends of a search. Multi-step schemes have no search, and neither have period, phase and amplitude.
+#: Ends of a search. Multi-step schemes need equal steps and have no search, as do period, phase and amplitude.
 ENDS = (*VERDICTS, "needs_equal_steps")
 EQUAL_ONLY = ENDS.index("needs_equal_steps")
 

@@ -28,7 +28,7 @@ def work_precision(
     Parameters
     ----------
     problem, schemes
-        The same as of :func:`study.assess`.
+        As the parameters of :func:`study.assess`.
     figure
         File for the diagram, ``.svg``; by default none is drawn.
     quantity

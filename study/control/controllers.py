@@ -1,7 +1,7 @@
 r"""Controllers of the step size.
 
 A controller takes :math:`r = \eta/\text{tolerance}`, the estimate of a step relative to the tolerance, and the power k
-of Δt with which it falls. It accepts the step or not, and chooses the size of the next one.
+of Δt with which the estimate falls. It accepts the step or not, and chooses the size of the next one.
 """
 
 import abc
@@ -18,7 +18,7 @@ from study.mechanics.balance import acceleration
 from study.mechanics.definition import Problem
 from study.scheme.base import check_ranges
 
-#: Limits of the factor between two steps, and the safety factor of the step that the estimate allows.
+#: Limits of the ratio of two successive steps, and safety factor of the step that the estimate allows.
 SMALLEST, LARGEST, SAFETY = 0.2, 5.0, 0.9
 
 #: Smallest estimate relative to the tolerance, which keeps the next step finite where the estimate is zero.
@@ -39,7 +39,7 @@ class Controller(eqx.Module):
     title: ClassVar[str]
     source: ClassVar[str]
     doi: ClassVar[str]
-    #: Whether a run has a tolerance.
+    #: Whether a run needs a tolerance.
     needs_tolerance: ClassVar[bool] = True
 
     def start(self, problem: Problem, state: Any, tolerance: ScalarLike) -> Any:
@@ -52,7 +52,7 @@ class Controller(eqx.Module):
 
     @abc.abstractmethod
     def decide(self, carried, r, k: int, dt, problem: Problem, state, t, tolerance) -> Decision:
-        """The decision on a step of the size ``dt`` that ended at the time t in that state."""
+        """The decision on a step of the size ``dt`` that ended in ``state`` at the time ``t``."""
 
 
 def _limited(factor):
@@ -80,6 +80,8 @@ class Integral(Controller):
 
 class ProportionalIntegral(Controller):
     r"""The PI controller, :math:`\Delta t' = 0.9\,\Delta t\,r^{-0.7/k} r_0^{0.4/k}` with r₀ of the step before.
+
+    A step with r > 1 is repeated with :math:`\Delta t' = 0.9\,\Delta t\,r^{-1/k}`.
 
     References
     ----------
@@ -109,7 +111,8 @@ class Filtered(Controller):
         c = r^{-1/(4k)}\,r_0^{-1/(4k)}\,(\Delta t/\Delta t_0)^{-1/4}, \quad
         \Delta t' = \Delta t\,[1 + \arctan(c - 1)]
 
-    with r₀ and Δt₀ of the step before. A step is accepted if the factor that r alone allows is at least 0.9.
+    with r₀ and Δt₀ of the step before. A step is accepted if :math:`r^{-1/k} \ge 0.9`; otherwise it is repeated with
+    :math:`c = 0.9\,r^{-1/k}`.
 
     References
     ----------

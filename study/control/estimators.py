@@ -1,7 +1,8 @@
 """Estimators of the error of a step.
 
-An estimator returns one or several sizes of an estimate η. Each is relative to the largest value so far of a size of
-the motion. It states the power k of Δt with which the estimate falls, so that a controller can choose the next step.
+An estimator returns one or several norms of an estimate. A run divides each by the largest value so far of a norm of
+the motion; the largest quotient is η. An estimator also states the power k of Δt with which the estimate falls, so that
+a controller can choose the next step.
 """
 
 import abc
@@ -22,7 +23,7 @@ from study.scheme.contract import stepped
 from study.scheme.embedded_nystrom import EmbeddedNystrom
 from study.scheme.wrapper.unequal_steps import StateOfStep
 
-#: One or several numbers, each relative to its scale.
+#: One or several norms of an estimate or of the motion.
 Sizes = tuple[jax.Array, ...]
 
 
@@ -116,8 +117,8 @@ class _OfAcceleration(Estimator):
     def ends(self, scheme, problem, before, old, new, t, dt) -> tuple[Vector, Vector, float]:
         """ü at both ends of a step, and the offset of its times from these ends, in steps.
 
-        If the scheme carries no ü, it follows from the equation of motion.
-        ``before`` is ü at the end of the last step.
+        If the scheme carries no ü, the equation of motion gives ü at the end of the step, and ``before`` is this value
+        at the end of the previous step.
         """
         if scheme.acceleration_offset is not None:
             return *ends_of_step(old, new), scheme.acceleration_offset
@@ -130,7 +131,7 @@ def carried_acceleration(state: Any) -> Vector:
 
 
 def ends_of_step(old: Any, new: Any) -> tuple[Vector, Vector]:
-    """ü as the scheme carries it at both ends of a step, each at the ``acceleration_offset`` from there."""
+    """ü as the scheme carries it at both ends of a step, each later than its end by ``acceleration_offset`` steps."""
     inner = new
     while isinstance(inner, WrapperState):
         if isinstance(inner, StateOfStep):
@@ -181,9 +182,10 @@ class ThreePoint(_OfAcceleration):
     r"""The difference from a motion whose acceleration is the parabola through three times.
 
     With ü at the ends of this step and at the start of the one before, the parabola is integrated over the step. The
-    estimate is the larger of the errors of u and u̇, each relative to the largest value so far. For equal steps, e_u =
-    :math:`\Delta t^2 [(\beta - \tfrac18) \ddot u_1 + (\tfrac1{12} - \beta) \ddot u_0 + \tfrac1{24} \ddot u_{-1}]` of
-    Newmark's method. It is centred half a step too early, and wrong after a kink of the force.
+    estimate is the larger of the errors of u and u̇, each relative to the largest value so far. For Newmark's
+    method with equal steps, the error of u is
+    :math:`\Delta t^2 [(\beta - \tfrac18) \ddot u_1 + (\tfrac1{12} - \beta) \ddot u_0 + \tfrac1{24} \ddot u_{-1}]`.
+    The estimate of the error of u̇ is centred half a step too early. Both are wrong after a kink of the force.
 
     References
     ----------
@@ -202,13 +204,13 @@ class ThreePoint(_OfAcceleration):
 
     def start(self, scheme, problem, state):
         now = super().start(scheme, problem, state)
-        # before the first step the acceleration counts as constant
+        # a slope of zero: without an earlier step, the first step takes a straight line for the parabola
         return now, jnp.zeros_like(now), jnp.ones(())
 
     def estimate(self, scheme, problem, carried, old, new, t, dt, effort):
         a0, slope_before, dt_before = carried
         before, after, offset = self.ends(scheme, problem, a0, old, new, t, dt)
-        # Newton's form of the parabola about the times at which the accelerations hold
+        # Newton's form of the parabola through the accelerations, at the times to which they belong
         start, end = offset * dt, (1 + offset) * dt
         slope = (after - before) / dt
         bend = jnp.where(slope_before == 0, 0.0, (slope - slope_before) / (dt + dt_before))
@@ -262,7 +264,7 @@ class StepDoubling(Estimator):
 
 
 class EmbeddedPair(Estimator):
-    r"""The difference from a method of lower order that takes the same forces.
+    r"""The difference from a method of lower order that uses the same forces.
 
     .. math::
 

@@ -11,7 +11,7 @@ second-order method of the generalized-α family, such as Newmark's with γ = ½
     c &= \tfrac12 (1 - \alpha_f) - \tfrac12 [(1 - \alpha_m)(1 + 2 s) + s^2]
 
 Relative to the largest values, the true error is :math:`(\omega \Delta t)^3 \max(|e_u \sin \varphi|, |e_v \cos
-\varphi|)` with these coefficients.
+\varphi|)`, where e_u and e_v denote the factors in parentheses above.
 """
 
 import numpy as np

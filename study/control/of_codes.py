@@ -134,7 +134,8 @@ class Iterations(Estimator):
 class HalfIncrement(Controller):
     r"""The controller of Abaqus: a step is repeated with :math:`0.85\,\Delta t/r` if r > 1.
 
-    The step grows by a factor of 1.25 after three consecutive steps with r ≤ 0.85.
+    The step shrinks by at most a factor of five. It grows by a factor of 1.25 after three consecutive steps with
+    r ≤ 0.85.
 
     References
     ----------

@@ -92,7 +92,7 @@ class Experiment:
         return self.function.__name__ if room == "study" else f"{room}_{last}"
 
     def options_of(self, configuration: Mapping) -> Options:
-        """The options in a complete configuration; omitted ones have the defaults of the function."""
+        """The options in a complete configuration; without a ``model``, omitted ones have the function's defaults."""
         if self.options is not None:
             return self.options(configuration)
         for key in self.section.split("."):
@@ -140,7 +140,7 @@ def experiment(*makes: str, section: str = "", **declared: Any) -> Callable[[Cal
     Raises
     ------
     ValueError
-        If the experiment makes no dataset, or its name is not a valid file name, or its module declares it twice.
+        If the experiment makes no dataset, the name of a dataset is invalid, or the module declares a dataset twice.
     """
     if not makes or not all(isinstance(name, str) for name in makes):
         raise ValueError('an experiment must name the dataset that it makes: @experiment("name").')

@@ -22,14 +22,12 @@ def section(kind: type) -> type:
 
 @dataclass(frozen=True)
 class Checked:
-    """A check beyond type and bounds.
+    """A check beyond type and bounds, which it follows.
 
     Parameters
     ----------
     function
         Function of a value and the registries of names by kind. It returns the value, or raises a ``ValueError``.
-    early
-        Whether the check precedes the checks of type and bounds.
     """
 
     function: Callable[[Any, Mapping[str, Any]], Any]
@@ -52,7 +50,7 @@ def _distinct(values: list, registries: Mapping[str, Any]) -> list:
 
 
 def _listed(kind: str) -> Checked:
-    """A name in the registry of this kind, in the registry's spelling, which datasets and files use too."""
+    """Check that a name is in the registry of this kind, in the spelling that datasets and files use too."""
 
     def check(name: str, registries: Mapping[str, Any]) -> str:
         try:

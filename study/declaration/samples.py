@@ -22,7 +22,7 @@ class Known(NamedTuple):
     t, u
         Times (t,), and displacements (t, unknowns).
     uncertainty
-        Uncertainty of the displacements over the largest displacement.
+        Uncertainty of the displacements, relative to the largest displacement.
     """
 
     t: np.ndarray
@@ -30,7 +30,7 @@ class Known(NamedTuple):
     uncertainty: float
 
     def error(self, u: np.ndarray) -> float:
-        """Largest distance of the displacements ``u`` of a run from these samples, over the largest displacement."""
+        """Largest distance of displacements ``u`` of a run from the samples, relative to the largest displacement."""
         off = np.linalg.norm(u.reshape(self.u.shape) - self.u, axis=1)
         return float(off.max() / np.linalg.norm(self.u, axis=1).max())
 

@@ -1,4 +1,4 @@
-"""Bifurcation diagram over the step size: limits of the iterates of a scheme, and divergence of neighbours."""
+"""Bifurcation diagram over the step size: last iterates of a scheme, and divergence of neighbours."""
 
 from collections.abc import Mapping
 
@@ -65,7 +65,7 @@ def bifurcation(
     apart = np.abs(other - one) >= ORDER_ONE  # false after a failure, because the displacement is then NaN
     status, failed_at_step = (pairs[name].values[::2] for name in ("status", "failed_at_step"))
     whole = np.full(len(step_sizes), steps)
-    # in chaotic motion these runs may fail at another step than the pairs, so their length follows from themselves
+    # in chaotic motion these runs may fail at another step than the pairs, so their own failures give their length
     growth = run(problem, scheme, dt=step_sizes, steps=whole, observe=["lyapunov_exponent"], on_failure="ignore")
     lasted = np.where(growth.status == COMPLETED, whole, np.maximum(growth.failed_at_step - 1, 1))
     growth = run(problem, scheme, dt=step_sizes, steps=lasted, observe=["lyapunov_exponent"], on_failure="ignore")

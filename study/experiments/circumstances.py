@@ -46,15 +46,15 @@ class AtTheEnd(Reduction):
     variables: ClassVar = {name: {"long_name": name, "units": "1"} for name in QUANTITIES}
 
     def start(self, problem, state):
-        """The time."""
+        """The initial time, zero."""
         return jnp.zeros(())
 
     def update(self, carried, problem, state, t, effort):
-        """The time."""
+        """The time at the end of the step."""
         return t
 
     def result(self, carried, problem, state):
-        """The last state."""
+        """Displacement, velocity and acceleration of the last state."""
         inner = state
         while hasattr(inner, "inner"):
             inner = inner.inner
@@ -262,7 +262,7 @@ def _support(ratio: float) -> Circumstance:
 
         \ddot u_1 + (\kappa + 1)\,u_1 - u_2 = \kappa g, \quad \ddot u_2 + u_2 - u_1 = 0
 
-    The exact motion is the response to the load and the slow mode. The fast mode is at rest.
+    The exact motion is the sum of the slow mode and the response to the load. The fast mode is at rest.
     """
     of_load, phase = 1.5, 0.7
     soft = 1 - of_load**2  # the second equation is u₁ = soft u₂ for the response

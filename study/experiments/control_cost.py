@@ -1,4 +1,4 @@
-"""Number of forces for an error with controlled and with equal steps, on problems with kinks, records and stiffness."""
+"""Number of forces for a given error with controlled and equal steps, on problems with kinks, records and stiffness."""
 
 from collections.abc import Mapping
 
@@ -57,10 +57,11 @@ def control_cost(
 ) -> xr.Dataset:
     """Measure error and forces of runs with controlled and with equal steps.
 
-    Steps of all runs end at the samples of the exact motion, ``samples_per_period`` of the sections ``kinks`` and
-    ``structures``. The error is the largest distance from the samples over the largest displacement. Forces of a
-    controlled run are the forces of all its trial steps and of the estimates. Each trial step is assumed to take the
-    mean number of Newton iterations of the accepted steps. The estimator is the default one of the scheme.
+    In all runs, steps end at the samples of the exact motion. ``samples_per_period`` of the sections ``kinks`` and
+    ``structures`` is the number of samples in a period. The error is the largest distance from the samples, relative
+    to the largest displacement. The number of forces of a controlled run includes all its trial steps and the
+    estimates. Each trial step is assumed to take the mean number of Newton iterations of the accepted steps. The
+    estimator is the default one of the scheme.
 
     Variables have the shape (problem, scheme, tolerance); with equal steps (problem, scheme, steps_per_sample).
     """
@@ -171,7 +172,7 @@ def _controlled(
 
 
 def _marched(problem: Problem, scheme: Scheme) -> Scheme:
-    """The scheme as it is marched; it evaluates further forces to commit a history."""
+    """The scheme as it is marched; if the problem has a history, further forces are evaluated to commit it."""
     return scheme if problem.history is None else WithHistory(scheme)
 
 

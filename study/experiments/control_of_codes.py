@@ -63,15 +63,15 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count) -> xr.Dataset:
     """March springs over whole periods with the automatic steps of codes, and with a step that is halved once.
 
-    ``steps_per_period`` and ``max_energy_error``, eq. (17) of Xie (1996), have the shape (problem, code, class). The
-    class belongs to the tolerance; the first step is a hundredth of the period.
+    ``steps_per_period`` and ``max_energy_error``, eq. (17) of Xie (1996), have the shape (problem, code, class). Along
+    ``class`` are the tight, middle and loose tolerance of each code. The first step is a hundredth of the period.
 
     ``halved_energy_error`` compares two runs of average acceleration. It is the energy error of a run whose step is
-    halved in the middle, over the error with the first step throughout.
+    halved in the middle, divided by the error with the first step throughout.
 
     ``error_in_tolerances`` repeats a test of SciML, average acceleration on ü + u = 0 from u̇₀ = 1. It is the largest
-    error of displacement or velocity, over the tolerance times the number of steps. Our tolerance is relative to the
-    largest displacement, and the one of SciML to one plus the displacement.
+    error of displacement or velocity, divided by the tolerance times the number of steps. Our tolerance is relative to
+    the largest displacement, and the one of SciML to one plus the displacement.
     """
     shape = (len(problems), len(RULES), len(CLASSES))
     steps, energy = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -151,7 +151,7 @@ def control_of_codes(problems: Springs, steps_per_period: Counts, periods: Count
 
 
 def _error_in_tolerances(tolerance: float) -> float:
-    """Largest error of displacement or velocity of the linear oscillator, over the tolerance times the steps."""
+    """Largest error of u or u̇ of the linear oscillator, divided by the tolerance times the number of steps."""
     oscillator = Problem(lambda u: u, 0.0, 1.0)
     ds = run(
         oscillator,

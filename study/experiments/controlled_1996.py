@@ -23,12 +23,12 @@ ESTIMATOR = "zienkiewicz_xie"
 def controlled_1996(
     problems: Springs, schemes: OneStepSchemes, controllers: Controllers, steps_per_period: Counts, periods: Count
 ) -> xr.Dataset:
-    """Find the largest energy error with steps that the estimator of 1991 controls, as many as equal steps of T/N.
+    """Find the largest energy error with as many steps as equal steps of T/N, controlled by the estimator of 1991.
 
     64 tolerances are tried, and then 64 near the best ones. The result is from the run whose number of steps per period
     is nearest to N = ``steps_per_period``. ``max_energy_error`` is eq. (17), in percent, of the shape (problem,
-    controller, steps_per_period, scheme). It is NaN if no number of steps comes within a tenth of the number of equal
-    steps, and for schemes to which the estimator does not apply.
+    controller, steps_per_period, scheme). It is NaN if the number of steps of every run differs from the
+    number of equal steps by more than a tenth, and for schemes to which the estimator does not apply.
     """
     shape = (len(problems), len(controllers), len(steps_per_period), len(schemes))
     error, taken, tolerance = (np.full(shape, np.nan) for _ in range(3))
@@ -86,7 +86,7 @@ def controlled_1996(
 
 
 def _between(tolerances: np.ndarray, steps: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """As many new tolerances, around the tolerances whose numbers of steps are nearest to the wanted ones."""
+    """``LANES`` new tolerances, around the tolerances whose numbers of steps are nearest to the wanted numbers."""
     ratio = tolerances[1] / tolerances[0]
     nearest = [tolerances[np.argmin(abs(steps - number))] for number in wanted]
     each = -(-LANES // len(nearest))

@@ -26,7 +26,7 @@ from study.scheme.runge_kutta import rk4
 #: Schemes that solve for the true motion over one step of another scheme, without damping and with it.
 UNDAMPED, DAMPED = dormand_prince6, rk4
 
-#: Smallest number of their steps in a step of the other scheme, and in a period of the stiffest mode.
+#: Smallest number of steps of these schemes in a step of the other scheme, and in a period of the stiffest mode.
 FINE_STEPS = 16
 
 #: Number of periods of the stiffest mode in the time scale of a problem that has one.
@@ -57,13 +57,13 @@ def estimates(problems: Problems, schemes: Schemes, estimators: Estimators, step
 
     The true error of a step is its difference from the motion with the same start, solved with at least 16 steps of
     Dormand and Prince's method of sixth order, or of the Runge-Kutta method if the problem is damped. It is the larger
-    of the errors of displacement and velocity, each relative to its largest value. The estimates have the same scale.
-    ``true_displacement_error`` ignores the velocity, as does the estimate of Zienkiewicz and Xie. ``estimate`` and the
-    errors are the largest values in the period without its first tenth. ``ratio`` is the estimate over the true error
-    along the period, at the smallest step. ``linear_ratio`` is the closed form of this ratio for a linear undamped
-    oscillator that starts from a displacement (:mod:`study.control.leading`), and NaN if there is none. For a
-    structure, its time scale takes the place of the period. Problems with a history are left out, because the motion
-    cannot start again within a run.
+    of the errors of displacement and velocity, each relative to its largest value. The estimates are relative to the
+    largest values so far. ``true_displacement_error`` ignores the velocity, as does the estimate of Zienkiewicz and
+    Xie. ``estimate`` and the errors are the largest values in the period without its first tenth. ``ratio`` is the
+    estimate divided by the true error along the period, at the smallest step. ``linear_ratio`` is the closed form of
+    this ratio for a linear undamped oscillator that starts from a displacement (:mod:`study.control.leading`), and NaN
+    if there is none. For a structure, its time scale takes the place of the period. Problems with a history are left
+    out, because the motion cannot start again within a run.
     """
     shape = (len(problems), len(schemes), len(estimators), len(steps_per_period))
     estimate, true, displacement = (np.full(shape, np.nan) for _ in range(3))
@@ -148,7 +148,7 @@ class _Later(eqx.Module):
 
 
 def true_errors(problem: Problem, ds: xr.Dataset, steps: int = FINE_STEPS) -> tuple[np.ndarray, np.ndarray]:
-    """True errors of the displacement, and of displacement or velocity, of each step, over their largest values."""
+    """True errors of each step, relative to the largest values: of the displacement, and the larger of u and u̇."""
     u, v, h = ds.u.values, ds.v.values, ds.step_size.values[1:]
     scheme = UNDAMPED if problem.damping is None else DAMPED
     fine: dict[str, Any] = {"dt": h / steps, "steps": steps, "every": steps}

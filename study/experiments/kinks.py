@@ -46,7 +46,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _order(steps: np.ndarray, error: np.ndarray, uncertainty: float) -> float:
-    """Slope of the error over the step size, by least squares of logarithms; NaN if fewer than three errors count."""
+    """Slope of log error against log step size by least squares; NaN if fewer than three errors count."""
     counts = (steps >= RESOLVED) & (error > max(ABOVE * uncertainty, SMALLEST)) & (error < LARGEST)
     if counts.sum() < 3:
         return np.nan
@@ -68,7 +68,7 @@ def kinks(
 
     The error is max |u − u_ref| / max |u_ref| over the samples, (problem, scheme, steps_per_period). It is NaN where a
     run fails, or where a scheme takes its force from a potential and the force dissipates. The observed
-    order is the slope of its logarithm over the logarithm of the step.
+    order is the slope of the logarithm of the error against the logarithm of the step.
     """
     reference = io.open_dataset("reference/inelastic")
     shape = (len(problems), len(schemes), len(steps_per_period))

@@ -181,7 +181,7 @@ def later_schemes(
     steps
         Numbers of steps of trigonometric methods on a soft and a stiff unknown, and of the auxiliary variable.
     courant, elements
-        Courant numbers, Δt over the time in which a wave crosses an element, and number of elements of the bar.
+        Courant numbers, Δt divided by the time in which a wave crosses an element, and number of elements of the bar.
     long_steps
         Step sizes of runs of a thousand steps of the auxiliary variable on the hardening oscillator ü + u + u³ = 0.
     forces

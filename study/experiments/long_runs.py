@@ -25,8 +25,8 @@ from study.scheme.wrapper.compensated import Compensated
 
 #: Largest number of steps that a run of single precision can count.
 MOST_STEPS = 2**30 - 1
-#: Arithmetics: whether each is in double precision, and whether it sums displacement and velocity with compensation.
-#: The last one is the reference of the others.
+#: Arithmetics: whether each uses double precision, and whether it sums displacement and velocity with compensation.
+#: The last arithmetic is the reference of the others.
 ARITHMETIC = {
     "float32": (False, False),
     "float32_compensated": (False, True),
@@ -36,7 +36,8 @@ ARITHMETIC = {
 #: Kinds of step sizes, by the number of their bits. Single precision, of 24 bits, rounds the squares of the first kind
 #: and represents the squares of the second kind exactly.
 BITS = {"any": 24, "short": 12}
-#: Number of steps of all runs of a job beyond which each arithmetic is a separate job, of a minute or more.
+#: Largest number of steps of a job with all arithmetics of a scheme. Beyond it each arithmetic is a separate job, of a
+#: minute or more.
 MOST_STEPS_OF_JOB = 10**9
 OBSERVED = ("energy_drift", "max_energy_error", "mean_energy_error", "oscillations")
 
@@ -55,7 +56,7 @@ def _step_sizes(step: float, runs: int) -> np.ndarray:
     return np.stack(sizes)
 
 
-#: Variables measured at the end of a run: type and long name.
+#: Type and attributes of each variable that is measured on a run.
 _VARIABLES = {
     "energy_error": (np.float64, {"long_name": "signed energy error at the end", "units": "1"}),
     "max_energy_error": (np.float64, {"long_name": "largest energy error, eq. (17) of Xie (1996)", "units": "percent"}),
@@ -71,7 +72,7 @@ def _phase_error(ds: xr.Dataset, dt: np.ndarray, length: int, period: Fraction, 
 
     The mean period T̄ is taken from the start to the last upward crossing; the delay is (T̄/T − 1) times the length of
     the run in periods. It is computed in fractions: single precision cannot count the steps of long runs, and double
-    precision leaves few digits to their phase.
+    precision would leave few digits of their phase.
 
     Parameters
     ----------
@@ -123,7 +124,7 @@ def _jobs(options: Options) -> dict[str, Options]:
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse too few lengths for a law of growth, and too long runs."""
+    """Refuse too few lengths for a law of growth, runs too long to be counted, and motions that do not cross zero."""
     lengths = options["periods"]
     if options["steps_per_period"] * lengths[-1] > MOST_STEPS:
         return f"periods: a run of {lengths[-1]:,} has more than the {MOST_STEPS:,} steps that single precision counts."
@@ -165,7 +166,7 @@ def long_runs(
     """Measure the errors of energy and phase at the end of each very long run.
 
     Every length is run in every arithmetic with ``runs`` step sizes close to T/N, with T the exact period and
-    N = ``steps_per_period``, once with 24 bits and once with 12.
+    N = ``steps_per_period``, once with step sizes of 24 bits and once with step sizes of 12.
 
     Parameters
     ----------

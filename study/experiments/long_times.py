@@ -14,9 +14,9 @@ _LEAST_ROUND_OFF = "float64_compensated"
 def growth(periods: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Exponent k of the law rms(values) ~ periods^k over the last two decades of lengths, and its standard error.
 
-    k is the least squares slope of log rms over log periods. Its error is the jackknife estimate over runs, because
-    the values of one run at several lengths share their round-off. Both are NaN if there are fewer than three lengths
-    or two runs, if all values are zero, or if one is not finite.
+    k is the least squares slope of log rms against log periods. Its error is the jackknife estimate over runs, because
+    the values of one run at several lengths share their round-off. Both are NaN if there are fewer than three of these
+    lengths or fewer than two runs, if all values of a length, or all except one, are zero, or if a value is not finite.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def growth(periods: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndar
     squares = values[..., late, :] ** 2
     total = squares.sum(axis=-1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # the slope is linear in the logarithms; it is taken over all runs, and over all but one
+        # the slope is linear in the logarithms; it is found with all runs, and with each run left out in turn
         whole, without = (x @ np.log(s) / (2 * x @ x) for s in (total, total - squares))
     error = np.sqrt((runs - 1) * without.var(axis=-1))
     known = np.isfinite(whole[..., 0] + error)
@@ -121,7 +121,7 @@ def summary(runs: xr.Dataset) -> xr.Dataset:
 
 @experiment("long_times", options=lambda configuration: {}, reads=lambda options: ["long_runs"])
 def long_times() -> xr.Dataset:
-    """Find means of the errors of very long runs, their round-off, and the laws of its growth.
+    """Find the mean errors of very long runs, their round-off, and the laws of growth of both.
 
     The round-off of a run is its difference from the run with the same step size in compensated double precision.
 

@@ -49,7 +49,7 @@ def numerical_map(problem: Spring, schemes: Schemes, dt: Sizes, u0: Numbers, ste
     dims = ("scheme", "dt", "u0")
 
     def iterates(name, units):
-        with np.errstate(over="ignore"):  # a run that diverges overflows in single precision first
+        with np.errstate(over="ignore"):  # values of a diverging run may exceed single precision
             values = np.stack([one[name].values for one in runs]).astype(np.float32)
         return (*dims, "iterate"), values.reshape(*shape, -1), {**runs[0][name].attrs, "units": units}
 

@@ -18,10 +18,11 @@ from study.io import flags
 from study.scheme.base import Scheme
 from study.scheme.named import schemes as schemes_by_name
 
-#: Reasons why an order is missing.
+#: Whether an order was measured, or why it is missing.
 STATUSES = ("measured", "does_not_apply", "failed", "exact")
 
-#: Fit of an order: bounds of the errors as parts of the motion, and largest and smallest number of the finest errors.
+#: Fit of an order: smallest and largest error that counts, relative to the motion, and largest and smallest number of
+#: errors in the fit, taken from the finest steps.
 SMALLEST, LARGEST, MOST, LEAST = 1e-11, 1.0, 4, 3
 
 
@@ -36,7 +37,7 @@ def _applies(circumstance: Circumstance, scheme: Scheme) -> bool:
 
 
 def _order(counts: np.ndarray, error: np.ndarray) -> tuple[float, str]:
-    """Order by least squares of the logarithms of the finest errors that count, and one of the ``STATUSES``."""
+    """Order by a least squares fit to the logarithms of the finest errors that count, and one of ``STATUSES``."""
     useful = error < LARGEST
     if useful.sum() < LEAST:
         return np.nan, "failed"
@@ -61,17 +62,19 @@ def order_under_reality(
     """Measure the order of displacement, velocity and acceleration of schemes under the circumstances of real problems.
 
     The error is measured at the end of a run of six units of time. It is the root mean square over twelve motions and
-    all unknowns, relative to the root mean square of the exact motion. The order is the slope of its logarithm over the
-    logarithm of the step. References are exact, or computed by a Runge-Kutta method of eighth order with adaptive
+    all unknowns, relative to the root mean square of the exact motion. The order is the slope of its logarithm against
+    the logarithm of the step. References are exact, or computed by a Runge-Kutta method of eighth order with adaptive
     steps. The acceleration is part of the scheme's state, or follows from the equation of motion if the state has none.
 
-    - ``plain``, ``damping``, ``load``: ü + c u̇ + u + u³ = f cos(1.5t − 0.7), free, with c = 0.2 and with f = 1;
+    - ``plain``, ``damping``, ``load``: the oscillator ü + c u̇ + u + u³ = f cos(1.5t − 0.7), free and undamped, with
+      c = 0.2, or with f = 1;
     - ``support_0``, ...: two masses on a moving support, held by a spring of each of the ``stiffness_ratios``;
-    - ``hysteresis``, ``contact``: an elastoplastic spring, and a mass that meets a stop of twenty times its stiffness;
-    - ``inconsistent_start``: the free oscillator, with an initial acceleration of zero, which violates the equation of
-      motion;
-    - ``unequal_steps``: the free oscillator, with steps that alternate between 4/3 and 2/3 of their mean;
-    - ``tolerance_0``, ...: the free oscillator, with Newton iterations that end at each of the ``tolerances``.
+    - ``hysteresis``, ``contact``: an elastoplastic spring, and a mass on a spring, which meets a stop of twenty times
+      the stiffness of the spring;
+    - ``inconsistent_start``: the oscillator of ``plain``, with an initial acceleration of zero, which violates the
+      equation of motion;
+    - ``unequal_steps``: the oscillator of ``plain``, with steps that alternate between 4/3 and 2/3 of their mean;
+    - ``tolerance_0``, ...: the oscillator of ``plain``, with Newton iterations that end at each of the ``tolerances``.
 
     Parameters
     ----------

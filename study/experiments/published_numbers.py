@@ -11,13 +11,17 @@ from typing_extensions import TypedDict
 from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, FallingTolerances, KnownProblem, Schemes, section
 from study.experiments import coordinates
+from study.io import flags
 from study.marching.result import STATUS_ATTRIBUTES
 from study.marching.run import run
 from study.problem.named import known, problems
 from study.problem.naming import Known
 from study.scheme.named import schemes as schemes_by_name
 
-#: Factor between the numbers of steps of two runs.
+#: Outcomes of a run; a scheme that refuses a problem has no run.
+STATUSES = (*STATUS_ATTRIBUTES["flag_meanings"].split(), "not_run")
+
+#: Factor between the numbers of steps of successive runs.
 FINER = 4
 
 
@@ -34,7 +38,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def _error(at: Known, u: np.ndarray) -> float:
-    """Error of the known displacement over its size."""
+    """Error of the displacement relative to the size of the known one."""
     found = u if at.weights is None else at.weights @ u
     return float(np.linalg.norm(found - at.u) / np.linalg.norm(at.u))
 
@@ -47,7 +51,7 @@ def _equal(problem: str, scheme: str, steps: int) -> tuple[float, int]:
 
 
 def _controlled(problem: str, scheme: str, tolerance: float) -> tuple[float, float]:
-    """Error of a run with controlled steps, and their number; NaN if it failed."""
+    """Error of a run with controlled steps, and the number of its steps; both are NaN if the run failed."""
     at = known[problem]
     ds = run(problem, scheme, tolerance=tolerance, duration=at.time, on_failure="ignore")
     return (_error(at, ds.u.values[-1]), ds.steps.item()) if ds.status == 0 else (np.nan, np.nan)
@@ -69,11 +73,11 @@ def published_numbers(
     Parameters
     ----------
     coarsest
-        Problems, and the smallest number of steps of a run of each.
+        Problems, each with the number of steps of its coarsest run.
     refinements
         Number of runs of each scheme and problem, each with four times as many steps as the one before.
     controlled, tolerances
-        Problems that are also run with steps that ``study.run`` controls by default, and the tolerances.
+        Problems that are also run with the default step control of ``study.run``, and its tolerances.
 
     Returns
     -------
@@ -84,7 +88,7 @@ def published_numbers(
     names = [one["problem"] for one in coarsest]
     steps = np.array([one["steps"] for one in coarsest])[:, None] * FINER ** np.arange(refinements)
     error = np.full((len(names), len(schemes), refinements), np.nan)
-    status = np.zeros(error.shape, np.int32)
+    status = np.full(error.shape, STATUSES.index("not_run"), np.int8)
     for (p, s, k), _ in np.ndenumerate(error):
         if k == 0:
             progress(f"{schemes[s]} on {names[p]}")
@@ -100,7 +104,7 @@ def published_numbers(
     return xr.Dataset(
         {
             "error": (dims, error, {"long_name": "error of the displacement over its size", "units": "1"}),
-            "status": (dims, status, STATUS_ATTRIBUTES),
+            "status": (dims, status, flags("how the run ended", STATUSES, np.int8)),
             "steps": (("problem", "refinement"), steps, {"long_name": "number of steps", "units": "1"}),
             "controlled_error": (of_control, control[0], {"long_name": "error with controlled steps", "units": "1"}),
             "controlled_steps": (of_control, control[1], {"long_name": "number of controlled steps", "units": "1"}),

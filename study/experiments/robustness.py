@@ -25,7 +25,7 @@ def _needed(problem: str, scheme: str, lanes: xr.Dataset, candidates: np.ndarray
     u0, period = lanes.u0.values, lanes.period.values
     needed = np.full((len(LEVELS), len(lengths)), np.nan)
     undecided = np.ones(needed.shape, bool)
-    # from the finest step size on; a level that is exceeded once at a length is decided
+    # from the finest step size on; once a level is exceeded at a length, coarser steps cannot change its result
     for steps in sorted(candidates, reverse=True):
         for k, length in enumerate(lengths):
             if not undecided[:, k].any():

@@ -26,7 +26,7 @@ from study.problem.named import problems as problems_by_name
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.newmark import Newmark
 
-#: Smallest difference of the displacements of two runs that have parted.
+#: Difference of displacements at which two runs count as parted.
 PARTED = 0.1
 #: Starts of Newton's iteration, as factors of the acceleration before the step.
 GUESSES = {"last_acceleration": 1.0, "none": 0.0}
@@ -34,7 +34,7 @@ GUESSES = {"last_acceleration": 1.0, "none": 0.0}
 
 @partial(jit, compiler=eqx.filter_jit)
 def _newton(problem: Problem, coefficient, predictor, guess):
-    """Displacement that Newton's iteration finds, NaN if none, and its iterations, both (guesses, predictors)."""
+    """Displacement that Newton's iteration finds, NaN if none, and number of iterations, both (guesses, predictors)."""
 
     def one(predictor, guess):
         a, effort = balance(
@@ -61,7 +61,7 @@ class _Inexact(Newmark):
     part_of_last: float = eqx.field(default=1.0, kw_only=True)
 
     def new_acceleration(self, problem, t, u, v, c_u, c_v, guess):
-        """The new acceleration; the iteration starts at a multiple of the last one and ends at the tolerance."""
+        """New acceleration and effort; the iteration starts at a multiple of the last acceleration."""
         return balance(problem, load(problem, t), u, v, c_u, c_v, self.part_of_last * guess, tolerance=self.tolerance)
 
 
@@ -133,7 +133,7 @@ def roots(
     tolerances
         Tolerances of Newton's iteration in runs of the average acceleration method.
     steps
-        Length of these runs.
+        Number of steps of these runs.
 
     Returns
     -------
@@ -144,7 +144,7 @@ def roots(
     Raises
     ------
     ValueError
-        If a step of a scheme is not one such equation.
+        If a step of a scheme is not one effective equation.
     """
     progress(f"roots of the effective equation of {problem}")
     definition = problems_by_name[problem]

@@ -18,12 +18,13 @@ from study.scheme.base import OneStep
 from study.scheme.named import schemes as schemes_by_name
 from study.scheme.wrapper.compensated import Compensated
 
-#: Part of a period by which a run exceeds whole periods, so that both displacement and velocity show a delay.
+#: Part of a period by which a run exceeds a whole number of periods, so that displacement and velocity both show a
+#: delay.
 PHASE = Fraction(1, 8)
 
 
 def _check(options: Options, configuration: Mapping) -> str | None:
-    """Refuse step sizes that do not meet the end of the run, and references that are not sampled there."""
+    """Refuse step sizes with which a run has no whole number of steps, and references without a sample at its end."""
     refused = no_multiple("steps_per_period", options["steps_per_period"], PHASE.denominator)
     if refused is None and all(n % PHASE.denominator for n in configuration["references"]["steps_per_period"]):
         return f"steps_per_period: references.steps_per_period must contain a multiple of {PHASE.denominator}."

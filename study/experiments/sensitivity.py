@@ -36,8 +36,8 @@ def sensitivity(problem: Spring, schemes: Schemes, dt: Size, duration: Size, per
     """Compute the distance over time of runs that start next to each other, for every scheme.
 
     The initial displacements of the first two runs differ by ``perturbation``. Their distance |Δu| has the shape
-    (scheme, t). Step of parting and changes of sign, which vary from run to run in chaotic motion, are given for nine
-    runs, (scheme, start). ``dt`` and ``duration`` are in seconds.
+    (scheme, t). The step at which a run parts from the first one, and the number of changes of sign, vary from run to
+    run in chaotic motion. They are given for nine runs, (scheme, start). ``dt`` and ``duration`` are in seconds.
     """
     progress(f"sensitivity of {problem}")
     u0 = float(problems_by_name[problem].u0) + perturbation * np.array(STARTS)

@@ -17,14 +17,15 @@ from study.observer.peak import Peak
 from study.problem.inelastic import SPACING, yielding_under_record
 from study.scheme.named import schemes as schemes_by_name
 
-#: Largest ratio of two neighbouring steps of the grid.
+#: Largest ratio of neighbouring step sizes of the grid.
 RATIO = 1.1
 
 
 def steps_tried(coarsest: float, finest: float) -> tuple[np.ndarray, np.ndarray]:
     """Descending step sizes, and whether each is commensurate with the record.
 
-    Commensurate steps are integer fractions and multiples of the spacing. They are added to a grid of a constant ratio.
+    Commensurate steps are integer fractions and multiples of the spacing. They are merged with a grid of a constant
+    ratio.
     """
     whole = np.arange(1, max(coarsest / SPACING, SPACING / finest) * (1 + 1e-9))
     commensurate = np.append(SPACING / whole, SPACING * whole[1:])
@@ -36,7 +37,7 @@ def steps_tried(coarsest: float, finest: float) -> tuple[np.ndarray, np.ndarray]
 
 
 def _counts(duration: float, steps: np.ndarray) -> np.ndarray:
-    """Numbers of steps up to the first time at the duration or beyond it."""
+    """Number of steps of each size in which a run reaches the duration or passes it."""
     return np.ceil(duration / steps - 1e-9).astype(int)
 
 
@@ -53,7 +54,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _needed(error: xr.DataArray, allowed: float) -> xr.DataArray:
-    """Largest step that keeps the allowed error together with all finer ones, NaN if none does."""
+    """Largest step for which it and all finer steps keep the allowed error, NaN if there is none."""
     kept = error.sortby("step_size") <= allowed
     kept = kept.copy(data=np.logical_and.accumulate(kept.values, axis=kept.get_axis_num("step_size")))
     return kept.step_size.where(kept).max("step_size")
@@ -72,9 +73,9 @@ def spectrum(
 ) -> xr.Dataset:
     """Measure the error of the peak drift at each step, and the largest step that keeps the allowed error.
 
-    All finer steps must keep it too, either all steps tried or only those commensurate with the record. A run ends with
-    the first step at the duration or beyond it, where the ground is at rest. ``step_needed`` is NaN if not even the
-    finest step is enough, or if a scheme takes its force from a potential.
+    All finer steps must keep it too. ``step_needed`` is given among all steps tried, and among the steps commensurate
+    with the record. A run ends with the step that reaches or passes the duration, when the ground is at rest.
+    ``step_needed`` is NaN if not even the finest step is enough, or if a scheme takes its force from a potential.
     """
     exact = io.open_dataset("reference/spectrum")
     table: Any = jnp.asarray(exact.ground.values)

@@ -20,10 +20,10 @@ from study.problem.named import problems as problems_by_name
 #: Name of reversible control along ``control``, and of equal steps in the histories.
 REVERSIBLE, EQUAL = "reversible", "equal"
 
-#: Largest number of steps in a period; a run whose energy grows takes ever smaller ones.
+#: Largest number of steps per period, on average; a run whose energy grows takes ever smaller steps.
 MOST = 1000
 
-#: Displacement and velocity at the end of a run.
+#: Observers of displacement and velocity at the end of a run.
 ENDS = [Quantity(lambda u: u, name="end_u", reduce="final"), Quantity(lambda v: v, name="end_v", reduce="final")]
 
 
@@ -33,7 +33,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
 
 
 def reversible(problem: str, period: float) -> Reversible:
-    """Reversible control with the density ρ² = ω² + p'(u)/m of a spring, where ω = 2π/T."""
+    """Reversible control of a spring of unit mass with the density ρ, where ρ² = ω² + max(p'(u), 0) and ω = 2π/T."""
     force, omega = problems_by_name[problem].force, 2 * np.pi / period
 
     def density(u, v):
@@ -59,7 +59,7 @@ def step_control(
     from the start, the larger of displacement and velocity, each relative to its largest value. ``max_energy_error`` is
     eq. (17) of Xie (1996), in percent. Reversible control takes about as many steps as the first controller at the
     same tolerance. The histories are the largest energy errors of each period, for the first scheme at the middle
-    tolerance. Equal steps in the histories are as many as the steps of the first controller.
+    tolerance. The history with equal steps has as many steps as the history of the first controller.
     """
     controls = [*controllers, REVERSIBLE]
     shape = (len(problems), len(schemes), len(controls), len(tolerances))

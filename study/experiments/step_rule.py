@@ -15,7 +15,7 @@ from study.observer.crossings import Oscillations
 from study.observer.outcome import OutcomeObserver
 from study.problem.named import problems as problems_by_name
 
-#: Largest mean over the amplitudes of ω T for which the declared number of steps holds.
+#: Upper bound of ω T, averaged over the amplitudes, from which the number of steps is declared.
 MOST_STIFF = 25
 
 
@@ -45,7 +45,7 @@ def _number_of_steps(options: Options, configuration: Mapping) -> float:
     stops_early=True,
 )
 def step_rule(schemes: Schemes, omega_steps: dict[str, float], periods: int) -> xr.Dataset:
-    """Measure the errors of energy and period over ω Δt, with the highest ω of the tangent along each motion.
+    """Measure the errors of energy and period by ω Δt, with the highest ω of the tangent along each motion.
 
     The problems and amplitudes come from ``results/reference/amplitudes``.
 

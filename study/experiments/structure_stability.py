@@ -1,4 +1,4 @@
-"""Stability on stiff or chaotic structures: outcomes of runs and divergence of neighbours, over step sizes."""
+"""Stability on stiff or chaotic structures: outcomes of runs and divergence of neighbouring runs, by step size."""
 
 from collections.abc import Mapping
 from itertools import product
@@ -44,7 +44,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 def structure_stability(
     lengths: StructureLengths, schemes: Schemes, excitations: Sizes, steps_per_period: Counts
 ) -> xr.Dataset:
-    """Find how the runs of every scheme on structures end, over excitation and step size.
+    """Find how the runs of every scheme on structures end, by excitation and step size.
 
     The Lyapunov exponent λ is the largest one of the numerical map, times the time scale. It is the mean over the
     second half of a run of N steps, (N λ_N − M λ_M)/(N − M) with M = ⌊N/2⌋.
@@ -52,9 +52,9 @@ def structure_stability(
     Parameters
     ----------
     lengths
-        ``problem`` and ``periods`` of each structure: the length of its runs in its time scale.
+        ``problem`` and ``periods`` of each structure: its name, and the length of its runs in units of its time scale.
     excitations
-        Factors of the initial velocity and of the load of the structure.
+        Factors of the initial velocity and of the load, including the load of the ground.
     steps_per_period
         Steps in the time scale of the structure (``study.problem.named.time_scales``).
 
@@ -79,7 +79,7 @@ def structure_stability(
                     run(problem, scheme, dt=scale / parts, steps=n, observe=OBSERVED, on_failure="ignore")
                     for n in (steps // 2, steps)
                 )
-                # without the first half, in which the perturbation turns into the stiffest mode
+                # the first half is left out, because the perturbation first turns into the stiffest mode
                 rate = (steps * whole.lyapunov_exponent - steps // 2 * half.lyapunov_exponent) / (steps - steps // 2)
                 exponent[at], imbalance[at] = rate * scale, whole.max_energy_imbalance
                 outcome[at] = outcomes_of_balance(whole, exponent[at] * one["periods"])

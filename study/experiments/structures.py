@@ -33,7 +33,7 @@ ATTRIBUTES = {
     "velocity_error": {"long_name": "largest error of the velocity over its largest size", "units": "1"},
     "acceleration_error": {"long_name": "largest error of the acceleration over its largest size", "units": "1"},
     "max_energy_imbalance": EnergyBalance.variables["max_energy_imbalance"],
-    # a support changes the linear momentum, so the error of the momentum is NaN for structures that are held
+    # a support changes the linear momentum, so the error of the linear momentum is NaN for structures that are held
     **MomentumErrors.variables,
     "iterations_per_step": {"long_name": "Newton iterations per step", "units": "1"},
     "max_newton_iterations": NewtonIterations.variables["max_newton_iterations"],
@@ -69,7 +69,7 @@ def _accelerations(problem, t, u, v):
 
 
 def _measured(problem: str, scheme: str, steps_per_period: int, periods: float, reference: xr.Dataset) -> dict:
-    """All variables of one run; NaN if it failed or the structure lacks them."""
+    """All variables of one run; errors are NaN if the run failed or the structure lacks the quantity."""
     observe = OBSERVERS + (["momentum_errors"] if problems_by_name[problem].positions is not None else [])
     every = steps_per_period // reference.samples_per_period
     ds = run(
@@ -138,8 +138,9 @@ def structures(problem: Structure, schemes: Schemes, steps_per_period: Sequence[
     """Measure the errors, balances and effort of every scheme on a structure, by steps per period.
 
     The error of the displacement is max |u − u_ref| / max |u_ref| over the samples of ``reference/PROBLEM``, with
-    Euclidean norms over the unknowns; the velocity's error is defined likewise. The step size is the time scale of the
-    structure over ``steps_per_period``. Variables have the shape (problem, scheme, steps_per_period) or (problem,).
+    Euclidean norms over the unknowns; the errors of velocity and acceleration are defined likewise. The step size is
+    the time scale of the structure over ``steps_per_period``. Variables have the shape (problem, scheme,
+    steps_per_period) or (problem,).
 
     Raises
     ------

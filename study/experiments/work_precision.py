@@ -36,7 +36,7 @@ def _check(options: Options, configuration: Mapping) -> str | None:
 
 
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
-    """Steps of the timed runs; the fastest steps take twenty nanoseconds."""
+    """Upper bound of the steps of the timed runs: the fastest steps take twenty nanoseconds."""
     runs = options["repeats"] * len(options["problems"]) * len(options["schemes"]) * len(options["steps_per_period"])
     return runs * LONG_ENOUGH / 20e-9
 
@@ -55,9 +55,9 @@ merged("work_precision", of=("work_precision/schemes", "work_precision/solvers")
 def work_precision(problems: Springs, schemes: Schemes, steps_per_period: RisingCounts, repeats: Repeats) -> xr.Dataset:
     """Measure time, force evaluations and Newton iterations of a step of every scheme, and its errors.
 
-    The errors are taken from the dataset ``accuracy``, and the costs are added. The schemes are timed in turns, so that
-    a slow moment of the machine affects all of them. Times of a step have the shape
-    (problem, scheme, steps_per_period, repeat), in nanoseconds; they are NaN for a run that failed.
+    The result is the dataset ``accuracy``, which holds the errors, with the costs added. The schemes are timed in
+    turns, so that a slow moment of the machine affects all of them. Times of a step have the shape (problem, scheme,
+    steps_per_period, repeat), in nanoseconds; they are NaN for a run that failed.
 
     Raises
     ------

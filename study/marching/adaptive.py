@@ -24,12 +24,14 @@ AFTER_FAILURE = 0.25
 #: Smallest step, as a part of the duration.
 SMALLEST_STEP = 1e-13
 
-#: Names of the values stored for each step: its end, its size, its estimate, and the trial steps rejected so far, by
-#: the estimate and for lack of a finite solution. The second name is the name of their array.
+#: Names of the values stored for each step: the time at its end, its size, its estimate, and the numbers of trial steps
+#: rejected so far, by the estimate and for lack of a finite solution. ``OF_STEP`` is the name of the array that holds
+#: these values.
 OF_EACH_STEP = ("t", "step_size", "estimate", "rejected_by_estimate", "rejected_by_solver")
 OF_STEP = "of each step"
 
-#: Tolerance of a stated time as a part of a step, so that round-off does not add a tiny step.
+#: A step that falls short of a stated time, one on which a step must end, by less than this part of the interval is
+#: lengthened to it. Otherwise round-off would add a tiny step.
 ROUND_OFF = 1e-9
 
 
@@ -43,11 +45,11 @@ class Trial(NamedTuple):
     t, dt
         Time, and size of the next trial step.
     target
-        Number of the next stated time.
+        Index of the next time on which a step must end.
     taken, place
-        Steps taken, and the place of the next sample in the room.
+        Number of steps taken, and index at which the next sample is stored.
     estimated, unsolved
-        Trial steps rejected by the estimate, and because no balance was found or the state was not finite.
+        Numbers of trial steps rejected by the estimate, and because no balance was found or a value was not finite.
     state, reduced, estimator, controller
         States of the scheme, the reductions, the estimator and the controller.
     scales
@@ -81,7 +83,7 @@ class AdaptiveMarch(eqx.Module):
     most: jax.Array
 
     def begin(self, u0, v0, dt, tolerance, room: int) -> tuple[Trial, Any, dict[str, jax.Array]]:
-        """The run at t = 0, its first state, and room for samples, with the first one stored.
+        """Progress at t = 0, the initial state, and room for samples, with the first one stored.
 
         Parameters
         ----------
@@ -123,10 +125,10 @@ class AdaptiveMarch(eqx.Module):
         return {**self.march._sample(initial, state, t), OF_STEP: of_step}
 
     def turn(self, trial: Trial, initial, tolerance) -> tuple[Trial, dict[str, jax.Array]]:
-        """The run after a trial step, and the sample of that step."""
+        """Progress of the run after one trial step, and the sample of that step."""
         march, scheme = self.march, self.march.scheme
         t, end = trial.t, self.times[-1]
-        # the last two steps before a stated time share the way to it, so that neither is tiny
+        # the last two steps before a stated time halve the interval that remains, so that neither is tiny
         way = self.times[trial.target] - t
         lands = trial.dt >= way * (1 - ROUND_OFF)
         dt = jnp.where(lands, way, jnp.where(trial.dt > way / 2, way / 2, trial.dt))
@@ -141,7 +143,7 @@ class AdaptiveMarch(eqx.Module):
         k = self.estimator.exponent(scheme)
         decision = self.controller.decide(trial.controller, estimate / tolerance, k, dt, here, state, now, tolerance)
         accepted = solved & decision.accepted
-        # a step that was shortened to meet a time does not reduce the next size
+        # a step that was shortened to end on a stated time does not reduce the size of the next step
         next_dt = jnp.where(accepted & (dt < trial.dt), jnp.maximum(decision.dt, trial.dt), decision.dt)
         next_dt = jnp.where(solved, jnp.minimum(next_dt, end), AFTER_FAILURE * dt)
 
@@ -216,7 +218,7 @@ def proceed(
         attempt, store = jax.vmap(attempt), jax.vmap(store)
 
     def step(carry):
-        """Trial steps until one is accepted in any lane, which is then stored."""
+        """Make trial steps until a step is accepted in any lane, and store it."""
         trial, stored, count = carry
         before = trial.place
 

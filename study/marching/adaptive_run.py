@@ -37,13 +37,13 @@ from study.scheme.base import Scheme
 from study.scheme.newmark import average_acceleration
 from study.scheme.wrapper.unequal_steps import UnequalSteps
 
-#: Maximum number of samples of one run that a call stores.
+#: Maximum number of samples of one run that are stored by one call of the compiled program.
 MOST_ROOM = 2**15
 
 #: Number of equal steps of the trial run that finds the size of a motion from rest.
 OF_TRIAL = 200
 
-#: Ends of a run with a controlled step.
+#: Meanings of the status of a run with a controlled step.
 ENDS = (*STATUSES, "step_too_small", "too_many_steps")
 
 _STATUS = flags("how the run ended", ENDS, np.int32)
@@ -131,7 +131,7 @@ def _itself(adaptive: AdaptiveMarch, arguments: Any) -> AdaptiveMarch:
 
 
 class _Family(eqx.Module):
-    """Function that replaces the problem of a march by the one that a lane's arguments make."""
+    """Function that replaces the problem of a march by the one that ``make`` returns for the arguments of a lane."""
 
     make: Callable = eqx.field(static=True)
 
@@ -140,9 +140,9 @@ class _Family(eqx.Module):
 
 
 def _joined(parts: Sequence[tuple[np.ndarray, dict]], lanes: bool) -> dict[str, np.ndarray]:
-    """The samples of all calls, one after the other, of each lane; NaN after the end of a lane that is shorter.
+    """The samples of all calls, one after the other, of each lane; NaN after the end of the shorter lanes.
 
-    A part is a pair of the number of its samples, one per lane if there are lanes, and the samples.
+    A part holds the samples of one call: a pair of their number, one per lane if there are lanes, and the samples.
     """
     if not parts:
         return {}
@@ -256,7 +256,7 @@ class Adaptive:
         begin = self._of, lanes, adaptive, self._over, self._starts
         trial, initial, stored = _begin(*begin, dt, tolerance, room)
         if control.estimator.relative and not all(np.all(np.asarray(one)) for one in trial.scales):
-            # a tolerance is relative to the largest displacement, velocity or force so far, which is zero here
+            # a tolerance is relative to the largest displacement, velocity or force so far, and one of them is zero
             scales = _scales_of_trial(*begin)
             trial = trial._replace(scales=tuple(map(jnp.maximum, trial.scales, scales)))
         parts = []

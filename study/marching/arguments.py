@@ -23,7 +23,7 @@ from study.registry import Registry, did_you_mean
 
 T = TypeVar("T")
 
-#: Reserved names, which every result has and no observer may take.
+#: Names of the variables and coordinates of a result, which no observer may take.
 RESERVED = (
     "status",
     "failed_at_step",
@@ -47,7 +47,7 @@ MOST_SAMPLES, FEWEST_SAMPLES, SAMPLED = 1001, 65, 10_000_000
 
 
 def resolve(thing: str | T, registry: Registry[T], kind: type[T]) -> T:
-    """The entry of that name, or the object itself if it is of the kind."""
+    """Entry of the registry with that name, or the object itself if it is a ``kind``."""
     if isinstance(thing, str):
         return registry[thing]
     if not isinstance(thing, kind):
@@ -133,6 +133,8 @@ def checked_bound(
     bound: float | None, problems: Sequence[Problem], u0: Displacements, v0: Displacements, duration: float
 ) -> float:
     """Bound of the displacement of a run: as given, or a large multiple of the motion that start and load cause.
+
+    It is infinite if neither causes a motion.
 
     Raises
     ------

@@ -18,12 +18,12 @@ from study.scheme.base import Scheme
 #: Default first step, as a part of the duration.
 FIRST_STEP = 1e-3
 
-#: Default of the largest number of steps.
+#: Default value of the largest number of steps.
 MOST_STEPS = 1_000_000
 
 
 class Control(NamedTuple):
-    """The choice of the steps of a run.
+    """Settings that determine the steps of a run.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Control(NamedTuple):
 
 
 def usual_estimator(scheme: Scheme, problem: Problem) -> str:
-    """Default estimator: embedded pair, else Zienkiewicz-Xie of a carried acceleration, else step doubling."""
+    """Default estimator: embedded pair, else Zienkiewicz-Xie if the acceleration is carried, else step doubling."""
     carries = scheme.acceleration_offset is not None
     fits = ["embedded_pair", *(["zienkiewicz_xie"] if carries else []), "step_doubling"]
     return next(name for name in fits if not estimators[name].refusal(scheme, problem))
@@ -62,16 +62,17 @@ def checked_control(
     dt: Any,
     steps: Any,
 ) -> Control:
-    """The choice of the steps of a run, from the arguments of :func:`study.run`.
+    """Settings that determine the steps of a run, from the arguments of :func:`study.run`.
 
     Raises
     ------
     KeyError, TypeError, ValueError
-        If there is no such estimator or controller, they do not fit the scheme, or a number is out of its range.
+        If there is no such estimator or controller, it does not fit the scheme or the problem, or a number is out of
+        its range.
     """
     if scheme.needs_equal_steps:
         raise ValueError(
-            f"'{scheme.title}' carries earlier steps, whose coefficients hold for steps of one size: give dt and steps."
+            f"'{scheme.title}' carries earlier steps, and its coefficients hold for equal steps: give dt and steps."
         )
     for observer in observers:
         if observer.needs_equal_steps:

@@ -18,8 +18,8 @@ from study.settings import cores
 #: are padded to a tile; otherwise XLA compiles another loop and the last bits differ.
 TILE = 64
 
-#: Largest number of lanes of several unknowns that are marched as single runs. They share the program of a single run,
-#: and only a full tile is faster.
+#: Largest number of lanes that are marched as single runs if they have several unknowns. They share the program of a
+#: single run, and only a full tile is faster.
 FEW = 64
 
 #: Initial displacements and velocities, and step sizes.
@@ -30,9 +30,9 @@ GROUPS = (1, 8, 64)
 
 
 def _in_tiles(values: np.ndarray, shape: tuple[int, int, int], size: int, filler: float) -> np.ndarray:
-    """Values of the lanes, of shape (groups, size, lanes of a tile, ...), where each group has ``shape[1]`` tiles.
+    """Values of the lanes, reshaped to (groups, ``size``, lanes of a tile, ...).
 
-    Empty places hold ``filler``.
+    Only the first ``shape[1]`` tiles of a group hold lanes; empty places hold ``filler``.
     """
     room = np.full((math.prod(shape), *values.shape[1:]), filler, values.dtype)
     room[: len(values)] = values
@@ -77,8 +77,9 @@ def march_one_by_one(program: Program, begin: Begin, steps: CountPerRun, every: 
 def march_in_tiles(program: Program, begin: Begin, steps: CountPerRun, every: int, samples: int) -> Result:
     """March every lane, side by side in tiles.
 
-    A lane depends neither on its neighbours nor on the number of cores, to the last bit. If lanes have their own
-    numbers of steps, they are sorted by them, so that long lanes share tiles; then this holds to round-off. A tile
+    The result of a lane depends neither on its neighbours nor on the number of cores, to the last bit. Lanes with
+    different numbers of steps are sorted by length, so that long lanes share tiles; then the independence holds to
+    round-off. A tile
     takes as many Newton iterations as its slowest lane, and ends with its last lane.
 
     Parameters

@@ -21,7 +21,7 @@ HOW = {
 
 
 class RunFailedWarning(RuntimeWarning):
-    """A run failed; its values are NaN, and its samples from the failure on."""
+    """A run failed; its values are NaN, and its samples are NaN from the failure on."""
 
 
 def likely_cause(problem: Problem, scheme: Scheme, status: int, dt: float) -> str:

@@ -1,4 +1,4 @@
-"""An ensemble over arguments of a function that makes the problem."""
+"""An ensemble of problems: each lane has its own arguments of the function that makes the problem."""
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
@@ -27,7 +27,8 @@ def checked_family(make: Any, over: Mapping[str, Any], observers: Sequence[Obser
     Raises
     ------
     TypeError, ValueError
-        If ``make`` is not a function of the names, a name is taken, or the arrays are not numbers of one length.
+        If ``make`` is not a function of the names in ``over``, a name is taken, or the arrays are not numbers of one
+        length.
     """
     if not callable(make) or isinstance(make, Problem):
         what = f"the problem '{make.title}'" if isinstance(make, Problem) else repr(make)
@@ -110,7 +111,7 @@ def march_family(
     lanes = len(dt)
     tile = min(lanes, TILE)
     tiles = -(-lanes // tile)
-    # the last lane fills up the last tile
+    # copies of the last lane fill up the last tile
     place = np.minimum(np.arange(tiles * tile), lanes - 1).reshape(tiles, tile)
 
     def one(arguments, dt, steps):

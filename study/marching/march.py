@@ -71,7 +71,7 @@ class March(eqx.Module):
         lanes: bool = False,
         bound: float = np.inf,
     ) -> "March":
-        """The march of a scheme on a problem, with the history and the neighbour that problem and observers need."""
+        """The march of a scheme on a problem, with the history of the problem and the neighbour that observers need."""
         if problem.history is not None:
             scheme = WithHistory(scheme)
         if any(observer.needs_neighbour for observer in observers):
@@ -166,13 +166,13 @@ class March(eqx.Module):
         Parameters
         ----------
         progress, stored, initial
-            As :meth:`start` or the call before returned them. ``stored`` has the samples along the first axis.
+            As :meth:`start` or the previous call returned them. ``stored`` has the samples along the first axis.
         until
             Step at which to pause or end.
         every, each_step
-            Steps between two samples, and whether that is one.
+            Steps between two samples, and whether a sample is stored after every step, without an inner loop.
         first
-            Number of the sample that belongs to the first place of ``stored``; samples beyond its end share the last
+            Number of the sample in the first place of ``stored``; samples beyond the end of ``stored`` share the last
             place.
         steps
             Last step of each lane, if the lanes do not all end at ``until``. Records are not allowed then.

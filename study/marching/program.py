@@ -18,8 +18,8 @@ from study.marching.shapes import CountPerRun, Displacements, PerRun
 from study.mechanics.definition import Problem
 from study.scheme.base import Scheme
 
-#: Numbers of samples for which a program has room, in a run of one call and in a run of several calls. Few different
-#: numbers keep the number of compiled programs small. The overhead of a call is a tenth of a millisecond.
+#: Maximum numbers of samples for which a program has room, in a run of one call and in a run of several calls. Few
+#: different numbers keep the number of compiled programs small. The overhead of a call is a tenth of a millisecond.
 AT_ONCE, IN_STRETCHES = 2**13, 2**17
 
 #: Largest number of values of one variable in these samples.
@@ -72,7 +72,7 @@ _forms: dict[_Form, _Form] = {}
 
 
 def _each_tile(march: March, function: Callable, lanes: tuple) -> Any:
-    """``function(*lanes)``, or for an ensemble, its results for each of the tiles along the first axis of ``lanes``."""
+    """``function(*lanes)``; for an ensemble its results for all tiles, which lie along the first axis of ``lanes``."""
     return lax.map(lambda tile: function(*tile), lanes) if march.lanes else function(*lanes)
 
 
@@ -176,7 +176,7 @@ class Program:
         Returns
         -------
         Result
-            NumPy arrays; NaN where there are no samples, because the run or all its lanes ended before.
+            NumPy arrays; samples after a failure or after the end of a lane are meaningless.
         """
         room = self._room(u0, AT_ONCE)
         # a loop without an inner loop pays off where steps are short
@@ -208,7 +208,7 @@ class Program:
             new = min(room, samples + 1 - first)
             for name, values in stored.items():
                 whole[name][(*before, slice(first, first + new))] = np.asarray(values)[(*before, slice(new))]
-            # waits for the result, so that Ctrl-C acts between two stretches
+            # reading the result waits for it, so that Ctrl-C acts between two stretches
             if np.all(np.asarray(result[0])) or not on_pause(until):
                 break
         for values in whole.values():

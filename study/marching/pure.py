@@ -31,7 +31,7 @@ def final_state(
     u0: VectorLike | None = None,
     v0: VectorLike | None = None,
 ) -> dict[str, jax.Array]:
-    """The end of a run and its reductions, as a pure function of every number in problem, scheme, dt and start.
+    """The final state of a run and its reductions, as a pure function of every number in problem, scheme, dt and start.
 
     ``jax.grad``, ``jax.jvp``, ``jax.vmap`` and ``jax.jit`` apply to it, also if the problem depends on their arguments.
     Newton's iteration is differentiated by the implicit function theorem, exactly and not iteration by iteration.
@@ -109,6 +109,6 @@ def final_state(
 
 
 def _steps(march: March, progress: Any, dt: ScalarLike, count: int) -> Any:
-    """The progress after some steps."""
+    """The progress after ``count`` more steps."""
     step = partial(march.stepped, dt=jnp.asarray(dt, float))
     return lax.scan(lambda progress, _: (step(progress), None), progress, length=count)[0]

@@ -46,7 +46,7 @@ class Result(NamedTuple):
     failed_at_step
         Step at which the run failed, −1 if it completed.
     restarts
-        Newton iterations that failed and were started again with a safeguard.
+        How often Newton's iteration failed and was started again with a safeguard.
     values
         Variables of the reductions; meaningless if the run failed.
     samples
@@ -62,7 +62,7 @@ class Result(NamedTuple):
 
 
 def _without_meaning(result: Result, steps: CountPerRun, every: int, samples: int) -> Flags:
-    """Which samples were taken after a failure, or belong to a step after the end of the run; (..., samples + 1)."""
+    """Which samples belong to the failing step or a later one, or to a step after the end; (..., samples + 1)."""
     step = np.arange(samples + 1) * every
     failed_at = np.where(result.status == COMPLETED, steps + 1, result.failed_at_step)
     return step >= failed_at[..., None]
@@ -83,7 +83,7 @@ class Work:
     Attributes
     ----------
     steps
-        Number of steps of all runs, over all lanes, which the pipeline compares with the declared number.
+        Number of steps of all lanes of all runs with equal steps, which the pipeline compares with the declared number.
     """
 
     steps = 0

@@ -116,8 +116,8 @@ def run(
 ) -> xr.Dataset:
     r"""March one scheme on one problem and return the observed values, with equal steps or with a tolerance.
 
-    A run whose Newton iteration fails is marched once more with a safeguard: with one unknown a bracket, which finds a
-    root wherever the residual changes its sign, and with several unknowns shorter corrections
+    A run with equal steps whose Newton iteration fails is marched once more with a safeguard: with one unknown a
+    bracket, which finds a root wherever the residual changes its sign, and with several unknowns shorter corrections
     (:mod:`study.mechanics.balance`). ``newton_restarts`` counts the iterations that needed it.
 
     Parameters
@@ -141,7 +141,8 @@ def run(
         ``embedded_pair`` or ``zienkiewicz_xie`` if the scheme supports it, otherwise
         ``step_doubling``; the default controller is ``pi``.
     times
-        Times on which a step of a run with a tolerance must end; by default the samples of a record.
+        Times on which a step of a run with a tolerance must end; by default the kinks of the load, such as the samples
+        of a ground motion.
     observe
         Names in ``study.observers``, or your own :class:`study.Reduction` and :class:`study.Record`.
     u0, v0
@@ -168,15 +169,16 @@ def run(
         ``newton_restarts``. Records lie along ``t``, the elapsed time; the runs of an ensemble along ``lane``, with the
         ``dt``, ``steps``, ``u0`` and ``v0`` of each as coordinates where they differ. If lanes have their own step
         sizes, records lie along ``sample`` and ``t`` is a coordinate over (lane, sample). Values of a failed run are
-        NaN, and its samples from the failure on. A run with a tolerance has ``steps``, the trial steps that were
-        rejected by the estimate or without a balance, and along time ``step_size``, ``estimate`` and the rejections
-        before each step; it keeps the values before a failure. The attributes name problem, scheme, its
-        parameters, version, and the ``dt``, ``steps``, ``u0`` and ``v0`` that all runs share.
+        NaN, and its samples from the failure on. A run with a tolerance has, in place of ``newton_restarts``,
+        ``steps``, ``failed_at_time`` and the numbers of trial steps that were rejected by the estimate or without a
+        balance. Along time it has ``step_size``, ``estimate`` and the rejections before each step. It keeps the samples
+        before a failure, and its ``status`` may also be step too small or too many steps. The attributes name problem,
+        scheme, its parameters, version, and the ``dt``, ``steps``, ``u0`` and ``v0`` that all runs share.
 
     Raises
     ------
     KeyError
-        If there is no such problem, scheme or observer.
+        If there is no such problem, scheme, observer, estimator or controller.
     TypeError, ValueError
         If an argument has the wrong type or shape or is out of range, if scheme or observer do not fit the problem, if
         two observers have a variable of one name, if the records exceed the memory, or if a scheme needs equal steps
@@ -239,7 +241,7 @@ def run(
     _check_memory(plain, *begin, room)
 
     def marched(prepared: Callable[[Problem], Problem], place: Any = slice(None)) -> Result:
-        """March the lanes in some places, or the single run, on the problem as prepared."""
+        """March the lanes at ``place``, or the single run, on the problem that ``prepared`` returns."""
 
         def march_of(one: Problem) -> March:
             return March.of(prepared(one), method, chosen, side_by_side, limit)
@@ -257,7 +259,7 @@ def run(
 
     try:
         result = marched(lambda one: one)
-    except TypeError as error:  # of a scheme or an observer: the traceback through the march is useless
+    except TypeError as error:  # a scheme or observer raised it: the traceback through the march is useless
         raise error.with_traceback(None) from error.__cause__
     unsolved = result.status == NO_SOLUTION
     if not (method.explicit or equation.linear):  # a correction may lead to where the force is not finite
@@ -284,7 +286,7 @@ def _replaced(values: np.ndarray, place: np.ndarray, new: np.ndarray) -> np.ndar
 
 
 def _check_not_traced(arguments: Any) -> None:
-    """Refuse a call within ``jit``, which traces all arrays, ``grad`` or ``vmap``, which trace some of them."""
+    """Refuse a call within ``jit``, which traces all arrays, or ``grad`` or ``vmap``, which trace some of them."""
     leaves = [jnp.zeros(()), *jax.tree.leaves(arguments)]
     for leaf in leaves.copy():
         leaves += [cell.cell_contents for cell in getattr(leaf, "__closure__", None) or ()]

@@ -11,7 +11,7 @@ PerRunLike = Float[Any, "*lanes"]
 #: Values that can be converted to a count or one per lane, shape () or (lanes,).
 CountPerRunLike = Int[Any, "*lanes"]
 
-#: Values that can be converted to a displacement or one per lane, shape () or (n,), with the axis of lanes in front.
+#: Values that can be converted to a displacement, shape () or (n,), or one per lane, with the axis of lanes in front.
 DisplacementsLike = Float[Any, "*lanes_and_n"]
 
 #: A number or one per lane, shape () or (lanes,).
@@ -20,7 +20,7 @@ PerRun = Float[np.ndarray, "*lanes"]
 #: A count or one per lane, shape () or (lanes,).
 CountPerRun = Int[np.ndarray, "*lanes"]
 
-#: A displacement or one per lane, shape () or (n,), with the axis of lanes in front.
+#: A displacement, shape () or (n,), or one per lane, with the axis of lanes in front.
 Displacements = Float[np.ndarray, "*lanes_and_n"]
 
 #: Step sizes of all lanes of an ensemble, shape (lanes,).

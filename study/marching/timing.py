@@ -11,7 +11,7 @@ from study.mechanics.definition import Problem
 from study.observer.base import Reduction
 from study.scheme.base import Scheme
 
-#: Maximum time in s of ten steps of a fast run, which a thousand more steps warm up.
+#: Maximum time in s of ten steps of a run that is fast. A fast run is warmed up by a thousand more steps.
 SLOW = 0.01
 
 

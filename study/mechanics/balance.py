@@ -19,7 +19,7 @@ along it is nearly zero.
 
 An iteration of a problem that is ``safeguarded`` starts again if it fails. With one unknown it seeks a bracket,
 which finds a root of every continuous residual that changes its sign. With several unknowns a correction is halved
-until the next one of the same tangent is shorter (Deuflhard, 2004, section 3.3). A test for a smaller residual would
+until the next one with the same tangent is shorter (Deuflhard, 2004, section 3.3). A test for a smaller residual would
 stall where stiff members rotate.
 
 References
@@ -100,7 +100,7 @@ class System(Protocol):
 
 
 def _inertia(problem: System, c_v: Matrix, n: int) -> Matrix:
-    """M + c_v C; M itself if c_v is zero, so that it keeps its form, such as a diagonal where C is a band."""
+    """M + c_v C; M itself if c_v is zero, so that M keeps its form, such as a diagonal next to a banded C."""
     mass = 1.0 if problem.mass is None else problem.mass
     without = problem.damping is None or (isinstance(c_v, float) and c_v == 0)
     return mass if without else add(mass, product(problem.damping, c_v, n), n=n)
@@ -185,13 +185,13 @@ def balance(
     weight
         w, the weight of the internal force.
     force
-        Internal force as a function of u + c_u a and v + c_v a, in place of the problem's p. The problem then has no
-        stiffness K.
+        Internal force as a function of u + c_u a and v + c_v a, in place of the problem's p. The problem must then
+        have no stiffness K.
     symmetric
         Whether the tangent is symmetric if M and C are.
     tolerance
         Relative change of the displacement, or of the velocity if the force depends on it, below which a correction is
-        the last one; by default the value of ``TOLERANCES``, which also has further criteria.
+        the last one; by default the value in ``TOLERANCES``, which also holds the tolerances of further criteria.
 
     Returns
     -------
@@ -241,7 +241,7 @@ def balance(
         out_of_balance = inertial + internal - rhs
         correction = solved(effective, out_of_balance)
         if halved:
-            # a correction that was halved many times is short without convergence
+            # measured before it is halved: a correction that was halved many times is short without convergence
             moved = norm(times(reach, correction))
             a = a - backtracked(residual, a, correction, partial(solved, effective))
         else:

@@ -55,7 +55,7 @@ def check_shapes(problem) -> None:
                 f"{name} must be a number, a diagonal or a matrix for u0 of shape {shape}; got {value.shape}."
             )
     if problem.influence is not None and problem.ground is None:
-        raise ValueError("influence needs Problem(ground=...), the motion whose influence it is.")
+        raise ValueError("influence needs Problem(ground=...), the motion of the ground.")
     if problem.influence is not None and np.shape(problem.influence) != shape:
         raise ValueError(f"influence must have the shape of u0, {shape}, not {np.shape(problem.influence)}.")
     if problem.positions is not None and (
@@ -96,7 +96,7 @@ def check_symmetry(name: str, matrix) -> None:
 
 
 def is_singular(mass) -> bool:
-    """Whether the mass is singular; a negative or zero one is refused.
+    """Whether the mass is singular; a mass that is negative or zero everywhere is refused.
 
     A sparse mass may be singular only because some unknowns have no mass.
     """
@@ -125,7 +125,7 @@ def _is_singular(mass: ScipySparse) -> bool:
 
 
 def check_rayleigh(damping: Rayleigh, title: str) -> None:
-    """Refuse coefficients of Rayleigh damping that are not finite numbers."""
+    """Refuse coefficients of Rayleigh damping that are negative or not finite numbers."""
     if any(isinstance(c, jax.core.Tracer) for c in damping):
         return
     if not all(np.ndim(c) == 0 and np.asarray(c).dtype.kind in "fiu" and 0 <= c < np.inf for c in damping):

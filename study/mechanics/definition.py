@@ -39,7 +39,7 @@ class Problem(eqx.Module):
         Internal force p(u), written with ``jax.numpy``; returns the shape of ``u``. Without it, the force is the
         gradient of the potential, if there is one. A function of two arguments is p(u, u̇). One of three takes a
         history too, and returns the force and the new history: see ``history``. If it branches, as contact does,
-        Newton's iteration is safeguarded.
+        Newton's iteration brackets the root or shortens its corrections.
     u0, v0
         Displacement and velocity at t = 0, both of shape () or (n,). The default velocity is zero.
     history
@@ -52,7 +52,7 @@ class Problem(eqx.Module):
         K, the constant part of the internal force, which is K u + p then: a number, a diagonal (n,), or a symmetric
         matrix (n, n), dense, of :mod:`scipy.sparse`, or a ``BCOO`` of :mod:`jax.experimental.sparse`, whose entries may
         depend on parameters that JAX differentiates or on the lane of a family. Only p is differentiated. A problem
-        with a stiffness and no force is linear, and takes one solution per step without iteration. With sparse matrices
+        with a stiffness and no force is linear, and takes one linear solve per step. With sparse matrices
         p should act on few unknowns or couple neighbours; the factorisation is suited to the pattern, and is reused
         while the matrix stays the same.
     potential
@@ -68,7 +68,7 @@ class Problem(eqx.Module):
         :class:`study.Rayleigh`; zero by default.
     load
         f(t), of the shape of ``u``. If its slope jumps, an attribute ``kinks`` may hold the times of the jumps, on
-        which steps of references then end.
+        which the steps of references and of runs with a tolerance then end.
     ground, influence
         Motion of the ground, and the displacement ι (of the shape of ``u``) of the unknowns for a unit displacement of
         the ground, by default one for each unknown. The unknowns are then relative to the ground, whose acceleration a
@@ -76,10 +76,11 @@ class Problem(eqx.Module):
     tangent
         Form of ∂p/∂u with several unknowns: ``diagonal``, ``tridiagonal``, ``dense``, ``matrix_free`` (for symmetric
         tangents), the half bandwidth as a number, or a sparse matrix with an entry wherever ∂p/∂u has one. By default
-        it is found from the tangent at two displacements, and is sparse for more than a thousand unknowns. Declare it
-        if the force couples other unknowns later, as in contact. Bands are eliminated without pivoting between rows
-        that are far apart; declare ``dense`` for a saddle point, which needs such pivoting. Number the joints of a mesh
-        along its short side: a narrow band is much faster. For sparse matrices the order does not matter.
+        it is dense for at most four unknowns, sparse for more than a thousand, and otherwise a band or dense, as the
+        tangent near u₀ and at zero requires. Declare it if the force couples other unknowns later, as in contact. Bands
+        are eliminated without pivoting between rows that are far apart; declare ``dense`` for a saddle point, which
+        needs such pivoting. Number the joints of a mesh along its short side: a narrow band is much faster. For sparse
+        matrices the order does not matter.
     positions
         Positions of the masses at u = 0, of shape (points, directions); u is their change, point by point. Only
         momenta need them.
@@ -107,7 +108,7 @@ class Problem(eqx.Module):
     tangent: Any = eqx.field(default=None, kw_only=True, static=True)
     positions: PositionsLike = eqx.field(default=None, kw_only=True)
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
-    #: History at rest, which does not change when others are committed.
+    #: History at rest, which remains when a step commits another history.
     _at_rest: Any = eqx.field(default=None, kw_only=True, repr=False)
     #: Whether M is singular.
     massless: bool = eqx.field(init=False, static=True)
@@ -206,7 +207,7 @@ class Problem(eqx.Module):
         def matrix(u):
             return rayleigh_matrix(damping, mass, self.stiffness_at(u), u.size)
 
-        # a matrix-free one holds functions, which a compiled function cannot return
+        # a matrix-free C holds functions, which a compiled function cannot return
         at_once = matrix if self.tangent == "matrix_free" else jax.jit(matrix)
         return checks.finite_damping(at_once(jnp.zeros_like(self.u0)), self.title)
 
@@ -231,7 +232,7 @@ class Problem(eqx.Module):
         return self if self.history is None else self.remembering(state.history)
 
     def at_rest(self) -> "Problem":
-        """The problem with its first history."""
+        """The problem with its history at rest."""
         return self if self.history is None else self.remembering(self._at_rest)
 
     def remembering(self, history: Any) -> "Problem":
@@ -315,5 +316,5 @@ class Problem(eqx.Module):
 
 
 def _nothing(u: Vector) -> Scalar:
-    """The potential of a linear problem in addition to ½ uᵀ K u."""
+    """Zero, the potential of a linear problem in addition to ½ uᵀ K u."""
     return jnp.zeros((), u.dtype)

@@ -20,7 +20,7 @@ from study.mechanics.tangent import FormOfTangent
 def form_of_tangent(
     force: Callable | None, u0: np.ndarray, declared: Any, massless: bool, others: list[ScipySparse], title: str
 ) -> FormOfTangent:
-    """The form of the tangent, found or as declared; none for one unknown.
+    """The form of the tangent, found or as declared; None for one unknown, and 0, a diagonal, without a force.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def form_of_tangent(
             if declared is None:
                 return tangent.found(force, u0, massless, title)  # type: ignore[arg-type]
             tangent.check_declared_form(force, u0, declared, title)  # type: ignore[arg-type]
-    except NOT_TRACEABLE:  # the force has numbers that JAX traces, so that there are no values
+    except NOT_TRACEABLE:  # the force has numbers that JAX traces, so the tangent has no values
         if declared is None:
             forms = (
                 "diagonal, tridiagonal, a half bandwidth, or a sparse matrix with an entry wherever it has one"
@@ -124,7 +124,7 @@ def _declared_coupling(declared: Any, n: int, title: str) -> ScipySparse:
 def _next_to_sparse(
     force: Callable | None, u0: np.ndarray, coupling: ScipySparse | None, others: list[ScipySparse], title: str
 ) -> SparseTangent | int:
-    """The form of a tangent that is added to sparse matrices: a half bandwidth of 0 or 1 if that holds all of them."""
+    """The form of a tangent that is added to sparse matrices: a half bandwidth of 0 or 1 if possible, else sparse."""
     n = len(u0)
     states = [] if force is None else tangent.probed_states(force, u0, title)
     declared = coupling is not None

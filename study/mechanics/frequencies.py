@@ -21,7 +21,7 @@ def _stiffness(force, u):
 
 
 def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | None:
-    """Circular frequencies ω in ascending order, from det(K − ω² M) = 0 with K = ∂p/∂u at ``u``, by default u₀.
+    """Circular frequencies ω in ascending order, from det(K − ω² M) = 0 with K the tangent at ``u``, by default u₀.
 
     A mode without mass has an infinite frequency. A mode that grows instead of oscillating, with ω² < 0, has the
     frequency zero, or infinity if the mass is singular.
@@ -39,7 +39,7 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
     mass = np.eye(n) if problem.mass is None else np.asarray(dense(problem.mass, n))
     if not np.isfinite(stiffness).all():
         return None
-    # of K⁻¹ M where the mass is singular: its zero eigenvalues are the infinite frequencies
+    # if the mass is singular, the eigenvalues of K⁻¹ M are found, which are 1/ω²: zero means an infinite frequency
     if problem.massless:
         flexibility = np.linalg.lstsq(stiffness, mass, rcond=None)[0]
         periods_squared = np.clip(np.linalg.eigvals(flexibility).real, 0, None)

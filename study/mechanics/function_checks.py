@@ -70,7 +70,7 @@ def index_beyond(function: Callable, *arguments) -> str | None:
 
 
 def _index_beyond_of_jax(function: Callable, arguments: tuple) -> str | None:
-    """The same for a function that takes arrays of JAX only; None if the values are traced."""
+    """As :func:`index_beyond`, for a function that takes arrays of JAX only; None if the values are traced."""
     checked = jax.jit(checkify.checkify(function, errors=checkify.index_checks))
     try:
         with jax.ensure_compile_time_eval():
@@ -138,7 +138,7 @@ def check_functions(problem) -> None:
         needed = name == "force" and problem.stiffness is None
         if not callable(function) and (function is not None or needed):
             if np.ndim(function):
-                raise TypeError(f"{name} must be a function, not an array: jnp.interp makes one of samples.")
+                raise TypeError(f"{name} must be a function, not an array: use jnp.interp for samples.")
             raise TypeError(f"{name} must be a function, not {function!r}.")
         if function is None:
             continue

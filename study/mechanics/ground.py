@@ -146,7 +146,7 @@ class GroundMotion(eqx.Module):
         FileNotFoundError
             If there is no such file.
         ValueError
-            If the unit is unknown or cannot be right, if header and samples disagree, or if samples are missing.
+            If the unit is unknown or wrong, header and samples disagree, or samples are missing or not evenly spaced.
         """
         path = Path(path)
         if not isinstance(unit, str) or unit not in UNITS:

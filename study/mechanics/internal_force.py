@@ -1,4 +1,4 @@
-"""Arguments of an internal force, and the kinks of its slope, both found in its traced program."""
+"""Number of arguments of an internal force, its kinks, and whether it depends on the velocity."""
 
 import inspect
 from collections.abc import Callable
@@ -76,12 +76,12 @@ def _kinked(jaxpr: core.Jaxpr, depends: list[bool]) -> tuple[bool, list[bool]]:
 
 
 def _program(force: Callable, arguments: tuple) -> core.Jaxpr:
-    """The traced program of a force, and the arrays that it captures."""
+    """The traced program of a force."""
     return eqx.filter_make_jaxpr(force)(*map(jnp.asarray, arguments))[0].jaxpr
 
 
 def may_have_kinks(force: Callable, *arguments: Any) -> bool:
-    """Whether the force branches on an argument, or takes its absolute value, its sign, or a maximum or minimum.
+    """Whether the force branches on an argument, or applies one of ``KINKS`` to it, such as a maximum.
 
     A root counts as smooth, as in the length of a bar, although it has a kink where its argument is zero.
     """
@@ -93,7 +93,7 @@ def may_have_kinks(force: Callable, *arguments: Any) -> bool:
 _SWITCHES: dict[str, Callable] = dict.fromkeys(("lt", "le", "gt", "ge", "max", "min"), lambda a, b: [a - b])
 _SWITCHES |= dict.fromkeys(("abs", "sign"), lambda a: [a])
 _SWITCHES["clamp"] = lambda low, a, high: [a - low, a - high]
-#: Operations that are programs of their own, by the parameter that holds the program.
+#: Operations that contain a program, with the name of the parameter that holds it.
 _CALLS = {"jit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
 
 
@@ -107,7 +107,7 @@ def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array)
         name = equation.primitive.name
         if any(given):
             marked.update(equation.outvars)
-            # whole numbers, such as places in a table, jump across their kinks
+            # integers, such as indices into a table, jump, so that no change of sign locates the kink
             if name in _SWITCHES and all(jnp.issubdtype(x.aval.dtype, jnp.floating) for x in equation.invars):
                 wanted.append((_SWITCHES[name], equation.invars))
             elif name in _CALLS:

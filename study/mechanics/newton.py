@@ -16,21 +16,21 @@ from study.algebra.arrays import Scalar, Vector
 
 
 class Tolerances(NamedTuple):
-    """Criteria by which Newton's iteration ends, for one precision of the numbers.
+    """Criteria by which Newton's iteration ends, for one floating-point precision.
 
     Parameters
     ----------
     displacement
         The iteration ends when a correction changes the displacement by less than this part of it. Convergence is
-        quadratic, so the remaining error is of the order of the square: round-off.
+        quadratic, so the remaining error is of the order of the square of this part, which is below round-off.
     near, predicted
         With one unknown it also ends after the second correction if that is smaller than ``near`` and predicts that the
         third would be smaller than ``predicted``, both as parts of the displacement. Corrections of the sizes d₁ and d₂
         are followed by one of about :math:`d_2^3/d_1^2` (Deuflhard, 2004, section 2.1).
     force, round_off
-        With several unknowns the force that the last correction removed must also be less than the part ``force`` of
-        the forces in balance, unless the correction itself was below ``round_off``: the force of a stiff member is not
-        known more accurately.
+        With several unknowns the residual before the last correction must also be less than the part ``force`` of the
+        forces in balance, unless the correction was smaller than the part ``round_off`` of the displacement: the force
+        of a stiff member is not known more accurately.
     """
 
     displacement: float
@@ -67,7 +67,7 @@ def tolerances_of(dtype: np.dtype) -> Tolerances:
 #: Largest numbers of Newton iterations, without and with a safeguard.
 MAX_ITERATIONS, MAX_SAFEGUARDED = 50, 1000
 
-#: Largest part of the residual that may remain along a correction if the residual changes its sign.
+#: Largest residual along a correction, relative to the residual before it, that may remain if it changes its sign.
 OVERSHOOT = 0.1
 
 #: Largest number of halvings of a correction.
@@ -154,7 +154,7 @@ def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
 
 
 def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Callable) -> Vector:
-    """A Newton correction of several unknowns, halved until the next one of the same tangent is shorter.
+    """A Newton correction of several unknowns, halved until the next correction with the same tangent is shorter.
 
     This natural monotonicity test depends neither on units nor on how stiff a member is.
 
@@ -174,11 +174,11 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
 
 
 def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
-    """A Newton correction of several unknowns, shortened to where the residual along it is nearly zero.
+    """A Newton correction of several unknowns, shortened to a point where the residual along it is nearly zero.
 
-    If the tangent is symmetric and positive definite, this is the least energy along the correction, and every
+    If the tangent is symmetric and positive definite, the energy along the correction is least there, and every
     correction reduces the distance to the solution. Secants (Illinois: the value at a fixed end is halved) and
-    bisection alternate to find the place.
+    bisection alternate to find the point.
     """
 
     def along(part):

@@ -24,7 +24,7 @@ ROOM = 2**22
 
 
 class SparseTangent:
-    """Form of ∂p/∂u as a :class:`Sparse`. Forms with the same places are equal.
+    """Form of ∂p/∂u as a :class:`Sparse`. Forms with the same positions of entries are equal.
 
     Parameters
     ----------
@@ -40,9 +40,9 @@ class SparseTangent:
     pattern
         Positions of the entries of the tangent and of the other matrices.
     entries
-        Numbers in the pattern of the entries of the tangent.
+        Indices, within the pattern, of the entries of the tangent.
     colours
-        Number of products.
+        Number of colours; each needs one product with the derivative.
     """
 
     def __init__(self, coupling: ScipySparse, others: Iterable[ScipySparse], symmetric: bool):
@@ -65,7 +65,7 @@ class SparseTangent:
         return f"SparseTangent({self.pattern}, {len(self.entries)} entries of the force in {self.colours} products)"
 
     def force_and_tangent(self, force: Callable, u: Vector) -> tuple[Vector, Matrix]:
-        """p(u) and ∂p/∂u, or the number 0 for a force that is constant."""
+        """p(u) and ∂p/∂u; the tangent of a constant force is the number 0."""
         if not self.colours:
             return force(u), 0.0
         value, slope = jax.linearize(force, u)

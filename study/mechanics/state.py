@@ -18,7 +18,7 @@ class Effort(NamedTuple):
         History of the force from which the last sub-step started, if the step commits it between sub-steps; see
         :class:`study.scheme.wrapper.with_history.WithHistory`.
     restarts
-        Iterations that failed and were started again with a safeguard.
+        How often Newton's iteration failed and was started again with a safeguard.
     """
 
     iterations: jax.Array | int = 0

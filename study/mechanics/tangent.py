@@ -23,11 +23,11 @@ PROBES = 8
 #: Largest number of products with the tangent that are written out one by one.
 WRITTEN_OUT = 3
 
-#: Candidate distances from u₀, relative to its size, at which the tangent is examined; the first with a finite tangent
-#: is used.
+#: Candidate distances from u₀, relative to its size or to one if it is smaller, at which the tangent is examined. The
+#: first distance with a finite tangent is used.
 PROBED = (0.05, 1e-3, 1e-6, 1e-9)
 
-#: Smaller distance, within which springs have not yet yielded.
+#: Distance from u₀, relative to the same scale, within which springs have not yet yielded.
 ELASTIC = 1e-6
 
 #: Relative tolerance between the true tangent and the tangent in the declared form, for round-off.
@@ -43,7 +43,7 @@ def _bands(slope: Callable, half_bandwidth: int, n: int) -> Banded:
     """All bands from 2k + 1 products: columns 2k + 1 apart share no row (Curtis, Powell and Reid, 1974)."""
     count = 2 * half_bandwidth + 1
     directions = _directions(count, n)
-    # XLA merges the loops of a few products that are written out
+    # written out, because XLA then merges the loops of a few products
     place, offset = jnp.arange(n, dtype=jnp.int32), range(-half_bandwidth, half_bandwidth + 1)
     if count <= WRITTEN_OUT:
         products = [slope(d) for d in directions]
@@ -106,8 +106,8 @@ def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarra
 def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | str:
     """Form of the tangent near u₀ and at zero, up to ``FINDABLE`` unknowns: a half bandwidth, or ``"dense"``.
 
-    It is ``"dense"`` too if the mass is singular and an unknown has no stiffness of its own, because bands are
-    eliminated without pivoting.
+    It is ``"dense"`` if the half bandwidth exceeds a quarter of the number of unknowns. It is ``"dense"`` too if the
+    mass is singular and the tangent has a zero on its diagonal, because bands are eliminated without pivoting.
 
     Raises
     ------
@@ -121,7 +121,7 @@ def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | 
     half_bandwidth = int(np.abs(rows - columns).max(initial=0))
     if massless and not np.diagonal(entries).all():
         return "dense"
-    # at a quarter of n the elimination of blocks takes about as long as LAPACK's of the full matrix
+    # at a half bandwidth of n/4, the elimination of blocks takes about as long as LAPACK's of the full matrix
     return half_bandwidth if 4 * half_bandwidth <= n else "dense"
 
 
@@ -152,7 +152,8 @@ def check_declared_form(force: Callable, u0: np.ndarray, declared: int | str, ti
     Raises
     ------
     ValueError
-        If its product with a random direction differs from the derivative along it.
+        If the product of the tangent with a random direction differs from the derivative along it, if a matrix-free
+        tangent is not symmetric, or if the derivative is not finite near u₀.
     """
     known = form_named(declared, len(u0), title)
     one, other = np.random.default_rng(1).normal(size=(2, len(u0)))

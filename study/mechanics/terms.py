@@ -1,4 +1,4 @@
-"""Terms of the equation of motion with a form of their own: strain energy and Rayleigh damping."""
+"""Special forms of terms of the equation of motion: strain energy and Rayleigh damping."""
 
 from collections.abc import Callable
 from typing import NamedTuple

@@ -26,7 +26,7 @@ class NewtonIterations(Reduction):
 
 
 class Restarts(Reduction):
-    """Number of Newton iterations that failed and were started again with a safeguard."""
+    """How often Newton's iteration failed and was started again with a safeguard."""
 
     variables = {"newton_restarts": {"long_name": "Newton iterations started again with a safeguard", "units": "1"}}
 
@@ -83,9 +83,9 @@ def _momenta(problem: Problem, state):
 
 
 class MomentumErrors(Reduction):
-    """Largest change of total linear and angular momentum, each relative to the largest sum of its size over points.
+    """Largest changes of total linear and angular momentum, relative to the sums of their sizes over the points.
 
-    NaN if no point has momentum.
+    The divisor is the largest such sum along the run. NaN if no point has momentum.
     """
 
     variables = {

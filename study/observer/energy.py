@@ -91,8 +91,9 @@ class EnergyBalance(Reduction):
     which is of second order, and exact for the trapezoidal rule on a linear structure. A force that depends on the
     velocity or a history dissipates too, :math:`\Delta D = \tfrac12 (u_1 - u_0)^T (p_0 + p_1) - \Delta V`. Without a
     potential the stored energy counts as dissipated, V = 0, and the error is relative to
-    :math:`|E_0| + \max(\max|W|, \max|D|)`. For such forces the formulas of the trapezoidal rule for u and u̇ imply this
-    balance to round-off at any step, so that the balance does not measure the accuracy of that rule.
+    :math:`|E_0| + \max(\max|W|, \max|D|)`. If the force takes a velocity or a history, the formulas of the trapezoidal
+    rule for u and u̇ imply this balance to round-off at any step size, and it does not measure the accuracy of that
+    rule.
 
     References
     ----------

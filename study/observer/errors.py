@@ -20,7 +20,7 @@ HALVINGS = 53
 
 
 def _root(coefficients):
-    """Root in 0 ≤ s ≤ 1 of a polynomial whose ends differ in sign, by bisection, which cannot leave the step."""
+    """Root in 0 ≤ s ≤ 1 of a polynomial of opposite signs at 0 and 1, by bisection, which cannot leave the step."""
     sign = jnp.sign(value(coefficients, jnp.ones_like(coefficients[0])))
 
     def halve(_, bracket):
@@ -34,7 +34,7 @@ def _root(coefficients):
 
 
 def _chosen(condition, value, other):
-    """Choose one of two steps; its root is found after the run, as in most steps of an ensemble some lane has a root.
+    """Choose one of two steps. Its root is found after the run, as in most steps of an ensemble some lane has a root.
 
     The choice is made one step later; otherwise XLA would compute the force of the step once more for every choice.
     """
@@ -42,7 +42,10 @@ def _chosen(condition, value, other):
 
 
 def _quintic(problem: Problem, before, now, dt, of_v: bool = False):
-    """Quintic of a step between two pairs of u and u̇, with the accelerations of the free motion there."""
+    """Quintic of a step between two pairs of u and u̇, with the accelerations of the free motion there.
+
+    With ``of_v``, its derivative.
+    """
     start, end = ((u, v, acceleration(problem, 0.0, u, v)) for u, v in (before, now))
     return quintic(start, end, dt, of_v)
 
@@ -57,7 +60,7 @@ class TrajectoryError(Reduction):
     steps
         Steps per period.
     lag
-        Δt less the exact period divided by ``steps``: the rounding error of Δt, which shifts the time of every step.
+        Δt − T/``steps`` with the exact period T: the rounding error of Δt, which shifts the time of every step.
     """
 
     u: jax.Array
@@ -142,7 +145,7 @@ class PeriodError(Reduction):
         first, last = (self._crossing(problem, *end) for end in ends)
         between = crossings.astype(float) - 1
         mean_period = jnp.where(crossings > 1, (last - first) / between, self.steps)
-        # a motion that crosses nothing for one and a half periods has come to rest at another place, and has no phase
+        # a motion without a crossing for one and a half periods has come to rest at another place, and has no phase
         swings = (crossings > 0) & (step.astype(float) - last < 1.5 * mean_period)
         return {
             "period_elongation": jnp.where(swings & (crossings > 1), mean_period / self.steps - 1, jnp.nan),

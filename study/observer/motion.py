@@ -112,6 +112,8 @@ class Quantity(Record):
 
     Raises
     ------
+    TypeError
+        If ``function`` is not a function.
     ValueError
         If the function has other arguments, or there is no such reduction.
     """
@@ -160,7 +162,7 @@ class Quantity(Record):
         return None
 
     def _at_start(self, u, v):
-        """The function, called with NumPy arrays."""
+        """The quantity at t = 0 from NumPy arrays, with zeros as accelerations."""
         given = {"t": 0.0, "u": u, "v": v, "a": np.zeros_like(u), "ground": np.zeros_like(u)}
         return self.function(**{name: given[name] for name in _arguments_of(self.function)})
 

@@ -17,10 +17,10 @@ ACCURATE = AT_REST = 0.01
 #: Smallest H/H₀ of a run that has grown.
 GROWN = 100.0
 
-#: Minima farther than this multiple of |u₀| are rejected.
+#: Minima farther than this multiple of max(|u₀|, 1) are rejected.
 FARTHEST = 1e6
 
-#: Errors of the energy that :class:`Excursions` observes.
+#: Relative errors of the height H whose first times :class:`Excursions` observes.
 LEVELS = (0.01, 0.05, 0.1)
 
 

@@ -14,8 +14,8 @@ class Peak(Reduction):
 
         u(s) = u_0 + s\,[d_0 + s\,(3 \Delta - 2 d_0 - d_1 + s\,(d_0 + d_1 - 2 \Delta))], \quad 0 \le s \le 1
 
-    with :math:`\Delta = u_1 - u_0` and :math:`d = \Delta t\,\dot u`. At the steps alone the peak of an oscillation ω is
-    missed by up to :math:`(\omega \Delta t)^2/8` of its size.
+    with :math:`\Delta = u_1 - u_0` and :math:`d = \Delta t\,\dot u`. At the steps alone the peak of an oscillation of
+    circular frequency ω is missed by up to :math:`(\omega \Delta t)^2/8` of its size.
     """
 
     variables = {

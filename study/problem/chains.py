@@ -149,7 +149,7 @@ def loaded_bar() -> Problem:
     Young's modulus, density, length and cross section are one, and the mass is lumped. By d'Alembert's solution of the
     wave equation a strain of one travels to the fixed end and comes back doubled, so that at t = 2 the displacement at
     the distance x from the loaded end is 2 (1 − x), twice the static one. Central difference gives this exactly at the
-    step 1/64, the time in which a wave crosses an element. At small steps the error of the elements remains.
+    step 1/64, the time in which a wave crosses an element. At smaller steps the error of the elements remains.
 
     References
     ----------

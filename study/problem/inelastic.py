@@ -14,7 +14,7 @@ from study.problem.naming import Known, named
 #: Period in seconds of small motions of all of them except the bouncing mass, and their stiffness.
 PERIOD = 1.0
 _STIFFNESS = (2 * np.pi / PERIOD) ** 2
-#: Displacement at yield, and the speed of the start: four times the speed that brings the mass to yield.
+#: Displacement at yield, and initial speed: four times the speed that brings the undamped mass to yield.
 _YIELD, _SPEED = 0.1, 4 * 0.1 * 2 * np.pi / PERIOD
 #: Damping c of two percent of the critical one.
 _DAMPING = 0.02 * 2 * 2 * np.pi / PERIOD
@@ -39,7 +39,7 @@ def hysteretic() -> Problem:
 
 @named()
 def bouncing() -> Problem:
-    """A mass that falls from half a metre on a stop of stiffness 100 π² and bounces without loss, under gravity."""
+    """A mass that falls under gravity from half a metre onto a stop of stiffness 100 π², and bounces without loss."""
     stop = gap(25 * _STIFFNESS)
     weight = GroundMotion(np.array([-9.81, -9.81]), 1e6, title="gravity")
     return Problem(stop, -0.5, 0.0, potential=stop.potential, ground=weight, title="bouncing mass")
@@ -87,7 +87,7 @@ def belt() -> Problem:
 
 
 def ground_motions(number: int) -> list[GroundMotion]:
-    """El Centro, 1940, and stochastic motions with the same spacing of samples, up to the requested number."""
+    """The requested number of motions: El Centro, 1940, and stochastic ones with the same spacing of samples."""
     return [GroundMotion.el_centro(), *(GroundMotion.kanai_tajimi(seed, dt=SPACING) for seed in range(1, number))]
 
 

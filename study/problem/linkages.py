@@ -26,8 +26,8 @@ def double_pendulum() -> Problem:
             + \begin{bmatrix} 2\sin\theta_1 \\ \sin\theta_2 \end{bmatrix} = 0, \quad
         c = \cos(\theta_1 - \theta_2), \quad s = \sin(\theta_1 - \theta_2)
 
-    The angles u = (θ₁, θ₂) are those of the rods to the vertical. They start at a right angle, at rest. The equation is
-    solved for the acceleration, so that the force depends on the velocity and has no potential.
+    The angles u = (θ₁, θ₂) are those of the rods to the vertical. Both start at π/2, at rest. The equation is solved
+    for the acceleration, so that the force depends on the velocity and has no potential.
 
     References
     ----------
@@ -44,7 +44,7 @@ def double_pendulum() -> Problem:
     return Problem(force, u0=[np.pi / 2, np.pi / 2], title="double pendulum")
 
 
-#: Angles of the elastic beam.
+#: Number of angles of the elastic beam.
 ANGLES = 40
 
 
@@ -65,8 +65,8 @@ def elastic_beam() -> Problem:
     with n = 40, θ₀ = −θ₁ and θ₄₁ = θ₄₀. The tridiagonal C has the entries −cos(θ_k − θ_{k−1}) next to its diagonal
     (1, 2, ..., 2, 3), and D has ∓sin(θ_k − θ_{k−1}) there, the negative ones below. The force at the end is
     F_y = −F_x = 1.5 sin²t up to t = π and zero after. The links start in a row at rest. Their fastest small motion has
-    the circular frequency 6400. The force depends on the angles and on time, which is therefore the last unknown, with
-    no acceleration and unit velocity.
+    the circular frequency 6400. The force depends on the angles, their velocities and time. Time is therefore the last
+    unknown, with zero acceleration and unit velocity.
 
     References
     ----------

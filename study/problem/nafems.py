@@ -36,8 +36,8 @@ def deep_beam() -> Problem:
 
     Timoshenko's beam is simply supported, 10 m long and 2 m by 2 m across, E = 200 GPa, ν = 0.3, ρ = 8000 kg/m³,
     κ = 0.85, with the Rayleigh damping of 5.36 M + 7.46e-5 K and the load q = 10⁶ N/m. The unknowns are the amplitudes
-    of the half waves n = 1, 3, 5, 7, sin(nπx/L) of w and then cos(nπx/L) of φ. The printed peak in the middle is
-    1.043 mm at 0.0117 s.
+    of sin(nπx/L) in w and then of cos(nπx/L) in φ, for n = 1, 3, 5, 7. The printed peak in the middle is 1.043 mm at
+    0.0117 s.
 
     References
     ----------

@@ -1,7 +1,7 @@
 """Every problem that can be called by name.
 
-A problem is named by a variable of a module of this package: ``pendulum``, a function under
-:func:`study.problem.naming.named` in ``oscillators.py``, makes ``study.problems["pendulum"]``.
+A problem has the name of a variable in a module of this package: the function ``pendulum`` in ``oscillators.py``,
+decorated with :func:`study.problem.naming.named`, makes ``study.problems["pendulum"]``.
 """
 
 from study import problem

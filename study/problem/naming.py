@@ -21,7 +21,7 @@ class Known(NamedTuple):
     u
         The displacement, or a quantity of it.
     weights
-        Matrix by which that quantity follows from the displacement; none for the displacement itself.
+        Matrix that gives this quantity by a product with the displacement; None for the displacement itself.
     """
 
     time: float

@@ -7,7 +7,7 @@ from scipy.special import ellipk
 from study.mechanics.definition import Problem
 from study.problem.naming import Known, named
 
-#: Mass of the moon over that of earth and moon, and the period of the orbit, as printed.
+#: Mass of the moon relative to the mass of earth and moon together, and period of the orbit, as printed.
 MOON, PERIOD = 0.012277471, 17.0652165601579626
 _START = np.array([0.994, 0.0])
 
@@ -46,7 +46,7 @@ def arenstorf() -> Problem:
     )
 
 
-#: Unit vector of a straight motion, its ends on this line, and its period.
+#: Unit vector of a straight motion, distances r at which it turns, and its period.
 _LINE, _ENDS = -np.array([np.sqrt(3), 1.0]) / 2, (0.5, (1 - np.sqrt(3)) / 2)
 STRAIGHT_PERIOD = 4 * np.sqrt(1.5) / 3**0.25 * ellipk(0.5)
 

@@ -123,9 +123,9 @@ def shallow_arch() -> Problem:
 
         \ddot u + 2u - 3u^2 + u^3 = P, \quad P = 0.3
 
-    from u₀ = 0 at rest, where u is the deflection of the crown over the height of the arch. A static load snaps it
-    through at :math:`2/(3\sqrt3) = 0.385`. A sudden load does so at 8/27 = 0.296, where its work up to u = 2/3 equals
-    the energy of the unstable equilibrium there. The time scale is the period of small motions about u = 0.
+    from u₀ = 0 at rest, where u is the deflection of the crown relative to the height of the arch. A static load snaps
+    it through at :math:`2/(3\sqrt3) = 0.385`. A sudden load does so at 8/27 = 0.296, where its work up to u = 2/3
+    equals the energy of the unstable equilibrium there. The time scale is the period of small motions about u = 0.
 
     References
     ----------

@@ -13,7 +13,7 @@ from study.problem.naming import named
 class CubicSpring(eqx.Module):
     """The Duffing spring p(u) = S1 u (1 + S2 u²) of Xie (1996), eqs (2) and (4)."""
 
-    # NumPy numbers are arguments of a compiled program, Python numbers constants in it: two springs share a program
+    # NumPy numbers are arguments of a compiled program, which several springs share; Python numbers are constants in it
     S1: float = eqx.field(converter=np.float64)
     S2: float = eqx.field(converter=np.float64)
 

@@ -16,7 +16,7 @@ SUPPORT_PERIOD = 2 * np.pi / 1.2
 def stiff_soft(soft_energy=lambda stretch: stretch * stretch / 2, title: str = "stiff and soft springs") -> Problem:
     r"""The problem of Bathe and Noh with three degrees of freedom: two masses in a row on a moving support.
 
-    A stiff spring holds the first mass, a soft one the second.
+    A stiff spring connects the support and the first mass, and a soft spring connects the two masses.
 
     .. math::
 
@@ -56,7 +56,7 @@ def elastic_pendulum() -> Problem:
         V = \frac{EA}{8 L^3} (x^2 + y^2 - L^2)^2
 
     The motion u = (x, y) starts from (L, 0) with the velocity (0, v₀). With L = 3.0443, m = 10, EA = 10¹⁰ and v₀ = 7.72
-    the period of a turn is 2.48, and the period of the bar's own mode 3.5e-4.
+    the period of a turn is 2.48, and the period of the axial mode of the bar is 3.5e-4.
 
     References
     ----------

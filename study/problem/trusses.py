@@ -36,7 +36,7 @@ def _bars(joints: np.ndarray, bars: np.ndarray, rigidity: float, free: np.ndarra
     return StrainEnergy(strains, lambda e: rigidity * np.sqrt(squared) / 2 * e * e)
 
 
-#: Cells along and across the trusses.
+#: Numbers of cells along and across the trusses.
 TRUSS = (24, 5)
 
 

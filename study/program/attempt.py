@@ -22,7 +22,7 @@ STATUSES = (
     "not_tried",
 )
 
-#: Names in the result of a run: its times, and its wall time in s, in all or up to each time, if that is measured.
+#: Names in the result of a run: its times, and, if it is measured, its wall time in s, in total or up to each time.
 TIME, SECONDS = "t", "seconds"
 
 #: Largest size of a value; a run that grows beyond it counts as unbounded.
@@ -95,7 +95,7 @@ def _array(name: str, given: object) -> Values:
 
 
 def _check_times(t: np.ndarray, dt: float, duration: float) -> None:
-    """Check that times reach the end and that the gap between them, except the last, is a constant number of steps."""
+    """Check that times end at most one gap before the end, and that all gaps but the last are equally many steps."""
     gaps = np.diff(t)
     if t.ndim != 1 or not gaps.size:
         raise Unusable("too_short", f"'{TIME}' has {t.size} time{'s' * (t.size != 1)}, and at least two are needed")
@@ -119,7 +119,7 @@ def checked(returned: object, dt: float, duration: float) -> tuple[np.ndarray, d
     Raises
     ------
     Unusable
-        If the result is not a mapping from names to finite numbers, or its times are not steps that reach the end.
+        If the result is not a mapping from names to finite numbers, or its times are not equally spaced or end early.
     """
     if returned is None:
         raise Unusable("nothing", "it returned nothing")

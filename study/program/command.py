@@ -19,10 +19,10 @@ import psutil
 from study.program.attempt import TIME, Unusable
 from study.program.definition import Program
 
-#: Placeholders of a command that a run fills.
+#: Placeholders of a command, which each run replaces by its values.
 PLACES = ("dt", "scheme", "output", "duration")
 
-#: Largest number of characters of a program's last line of output in the reason of a failure.
+#: Maximum number of characters of a program's last line of output that the reason of a failure quotes.
 LAST_WORDS = 200
 
 
@@ -37,7 +37,7 @@ class Command:
     #: A digest of files that determine the runs and that the command does not name.
     more: str = ""
 
-    #: Its runs need no process of this package.
+    #: Each run is a process by itself, so it needs no process of this package.
     starts_a_process = True
 
     def __post_init__(self):
@@ -146,8 +146,11 @@ def command(
     ------
     FileNotFoundError
         If there is no such executable.
+    TypeError
+        If the command is not a string.
     ValueError
-        If the command lacks ``{dt}``, ``{scheme}`` or ``{output}``.
+        If the command cannot be split into words, or lacks ``{dt}``, ``{scheme}`` or ``{output}``, or if the time limit
+        is not greater than zero.
     """
     if not isinstance(template, str):
         raise TypeError(f"the command must be a string, not {template!r}.")

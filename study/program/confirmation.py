@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-#: Part of a recommended step down to which finer steps count as tried.
+#: Finer steps down to this part of a recommended step count as tried.
 TWENTIETH = 1 / 20
 
 #: Quantile of the errors up to an octave below a step. The margin for untried steps is the worst error less this
@@ -15,7 +15,9 @@ Steps = Float[np.ndarray, "step"]
 
 
 def largest_with_margin(dt: Steps, error: Steps, allowed: float) -> float:
-    r"""Largest step that keeps an error, as all finer ones, with a margin for scatter; zero if there is none.
+    r"""Largest step that keeps an error with a margin for scatter; zero if there is none.
+
+    All given steps must keep the error without this margin. With the errors e(h) of the steps h, the condition is
 
     .. math::
 

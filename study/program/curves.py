@@ -20,7 +20,7 @@ INTERPOLATION = "cubic splines through the steps of the finer run"
 FEWEST = 8
 
 
-#: Largest difference of equal times, relative to a step.
+#: Largest difference, relative to a step, of two times that count as equal.
 SAME = 1e-6
 
 
@@ -73,7 +73,10 @@ class Curve:
         return float(np.abs(self.difference(finer)).max(initial=0.0))
 
     def between(self) -> float:
-        """Error of the values between its steps: half of the error of interpolation between every second step."""
+        """Error of the values between its steps: half of the error of interpolation between every second step.
+
+        Zero with fewer than ``FEWEST`` steps.
+        """
         if len(self.t) < FEWEST:
             return 0.0
         return self.distance(Curve(self.t[::2], self.values[::2])) / 2

@@ -26,9 +26,9 @@ class Program:
     It may be anything with a fixed step: a function of NumPy, a simulation in another process, a finite element code.
     :func:`study.opensees` makes a program from a model of OpenSees, and :func:`study.command` from an executable.
 
-    Every run is kept on disk, so a second or an interrupted assessment repeats none. The source of a program identifies
-    its runs: the file that contains ``run`` and the data that ``run`` holds. Files that this file imports do not count.
-    If the source is not enough, give a ``name``, and change it whenever the program changes.
+    Every run is kept on disk, so an assessment that is repeated or continued makes none again. The source of a program
+    identifies its runs: the file that contains ``run`` and the data that ``run`` holds. Files that this file imports do
+    not count. If the source is not enough, give a ``name``, and change it whenever the program changes.
 
     Parameters
     ----------
@@ -41,12 +41,12 @@ class Program:
         Names of schemes for ``run``, at least two including the witnesses. If the study has a scheme of the same name,
         the assessment takes its title and its kind.
     duration
-        Time of every run in s.
+        Simulated time of every run in s.
     spacing
         Time in s between the samples of a record. All steps then divide it.
     coarsest, finest
         Largest and smallest step that may be run, in s. The default largest step is the spacing, or a sixteenth of the
-        duration without a spacing. The default smallest step is the duration over 131,072.
+        duration without a spacing. The default smallest step is the duration divided by 131,072.
     witnesses
         Names of further schemes, which only serve to find the reference.
     name

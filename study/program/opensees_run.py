@@ -53,10 +53,10 @@ INTEGRATORS = {
     "ExplicitDifference": Integrator(("ExplicitDifference",), "Linear", "Diagonal"),
 }
 
-#: Algorithms that are tried one after the other if Newton's iteration finds no balance.
+#: Algorithms that are tried one after the other if Newton's iteration does not converge.
 OTHERS = (("NewtonLineSearch",), ("KrylovNewton",), ("ModifiedNewton", "-initial"))
 
-#: Default norm of the last correction of the displacements, in the units of the model, and largest number of
+#: Default tolerance of the norm of a correction of the displacements, in the units of the model, and maximum number of
 #: iterations.
 TOLERANCE, ITERATIONS = 1e-10, 50
 

@@ -40,9 +40,10 @@ class Refinement:
     remarks
         Sentences on the program as a whole.
     seconds
-        Time of all runs that gave the reference.
+        Wall time of all runs that gave the reference, in s.
     noise
-        Relative difference of a repeated run of each scheme; infinite if the scheme ignores the step.
+        Relative difference of a repeated run of each scheme; infinite if the scheme ignores the step, or if the
+        repeated run fails or returns other quantities.
 
     Raises
     ------
@@ -113,7 +114,7 @@ class Refinement:
         return truth
 
     def _work(self, one: Estimate, wanted: float) -> float:
-        """Estimated seconds of a run that reaches an error, if the scheme has second order."""
+        """Estimated seconds of a run that reaches the error ``wanted``, if the scheme is of second order."""
         return self.of(one.scheme)[-1].seconds * math.sqrt(max(1.0, max(one.error.values()) / wanted))
 
     def _check_sizes(self, truth: Truth) -> None:
@@ -141,7 +142,7 @@ class Refinement:
         return f"ends at Δt = {failed[-1].dt:.4g} s: {failed[-1].reason}" if failed else "has too few steps to halve"
 
     def _ignores(self, scheme: str) -> bool:
-        """Whether two runs of a scheme are the same to the last digit, which adds a remark."""
+        """Whether a scheme ignores the step, because its two finest runs agree to the last digit; adds a remark."""
         runs = self.last_completed(scheme)[-2:]
         if self.noise[scheme] or len(runs) < 2:
             return bool(self.noise[scheme])
@@ -172,7 +173,7 @@ class Refinement:
         )
 
     def _repeat(self) -> None:
-        """Repeat a cheap run of every scheme, which must return the same."""
+        """Repeat the coarsest completed run of every scheme, and add a remark if it returns something else."""
         first = {s: next((run for run in self.of(s) if run.completed), None) for s in self._program.all_schemes}
         known = {s: run for s, run in first.items() if run is not None and not self.noise[s]}
         again = self._runs.run([(s, run.dt) for s, run in reversed(known.items())], repeat=1)

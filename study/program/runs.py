@@ -26,7 +26,7 @@ from study.settings import cores
 #: Version of the file format; a run in another format is made again.
 FORM = 2
 
-#: Names in the file of a run: scheme, status and reason; step and seconds; and the times of the run.
+#: Names in the file of a run: for its scheme, status and reason; for its step, seconds and elapsed time; for its times.
 WORDS, NUMBERS, T = "words", "numbers", "t"
 
 #: Pair of a scheme and a step.
@@ -134,7 +134,7 @@ class Runs:
         return found
 
     def _expected(self, jobs: list[Job]) -> dict[Job, float]:
-        """Estimated seconds of each run, by the fastest step of its scheme; zero if its scheme has no run."""
+        """Estimated seconds of each run, from the least time per step of its scheme; zero before its first run."""
         work = dict[str, float]()  # seconds of a run at a step of one second
         for run in self.made.values():
             if run.completed:
@@ -156,7 +156,7 @@ class Runs:
         return found
 
     def _waited_less(self, run: Run) -> bool:
-        """Whether a run was stopped at a limit of time that is shorter than the present one."""
+        """Whether a run was stopped at a time limit that is shorter than the present one."""
         limit = getattr(self.program.run, "time_limit", None)
         return run.status == "timed_out" and (limit is None or run.elapsed < limit)
 

@@ -15,16 +15,18 @@ from study.program.runs import Job, Runs
 from study.program.truth import FEWEST_RUNS
 from study.words import percent
 
-#: Ratio of the next larger step tried to the largest step that keeps an error, at which no step in between is tried.
+#: Maximum ratio of the next larger step tried to the largest step that keeps an error. Above this ratio, a step in
+#: between is tried.
 NEAR = 1.25
 
-#: Random steps up to an octave below a recommended one: minimum, maximum, and seconds that are always available.
+#: Random steps up to an octave below a recommended step: minimum and maximum number, and seconds that they may always
+#: take.
 FEWEST_CONFIRMING, MOST_CONFIRMING, CHEAP = 4, 64, 0.5
 
-#: Part of the finest step of the reference down to which a scheme that keeps no error is tried.
+#: A scheme that keeps no error is tried down to this part of the finest step of the reference.
 FINER = 1 / 32
 
-#: Ratio of the errors at half a step and at the step above which a scheme converges to another motion.
+#: A scheme converges to another motion if its error at half a step exceeds this part of its error at the whole step.
 STUCK = 0.9
 
 #: Quantity and its allowed error.
@@ -32,7 +34,11 @@ Limit = tuple[str, float]
 
 
 class Needed(NamedTuple):
-    """The largest step that keeps an error, the round step below it, and the confirming runs; zero if there is none."""
+    """The verdict on an error: the largest step that keeps it, the round step below, and the runs that confirm it.
+
+    ``tried`` is the number of these runs, and ``worst`` their largest error relative to the allowed error. If no step
+    keeps the error, the steps and ``tried`` are zero, and ``worst`` is NaN.
+    """
 
     largest: float
     recommended: float
@@ -50,7 +56,8 @@ class Search:
     allowed
         Allowed errors, the largest first.
     round_step
-        Function of a step and the spacing of a record, or None, that returns the largest round step up to the step.
+        Function of a step and of the spacing of a record, which is None without a record. It returns the largest round
+        step up to the step.
     seconds
         Wall time in s. No run begins that is expected to end later.
     report
@@ -61,7 +68,7 @@ class Search:
     refinement
         The runs, and the reference.
     errors
-        Errors of every run, by scheme and step: of each quantity, NaN if the run failed.
+        Error of each quantity in every run, by scheme and step; NaN if the run failed.
 
     Raises
     ------
@@ -105,7 +112,7 @@ class Search:
                 )
 
     def _search(self, error: float) -> bool:
-        """Make runs until an error has its verdict; return whether there was any."""
+        """Make runs until an error has its verdict; return whether any run was made."""
         before = len(self.errors)
         while self.refinement.run(job for scheme in self.program.schemes for job in self._wanted(scheme, error)):
             self._measure()
@@ -122,7 +129,7 @@ class Search:
         return limit[1] >= CERTAIN * max(self.truth.uncertainty[limit[0]], self.refinement.noise[scheme])
 
     def largest(self, scheme: str, limit: Limit) -> tuple[float, float]:
-        """Largest step that keeps an error with all finer steps tried, or zero, and the next larger step tried."""
+        """Largest step that keeps an error, as all finer ones do, or zero; and the next larger step tried, or ∞."""
         name, allowed = limit
         dt, error = np.array([(dt, one[name]) for (s, dt), one in self.errors.items() if s == scheme]).T
         below = dt < dt[~(error <= allowed)].min(initial=math.inf)  # a failed run, NaN, counts as above
@@ -150,15 +157,16 @@ class Search:
         step = self._round(largest)
         if step not in tried:
             return [step]
-        # one of the halved steps of the reference lies in this octave
+        # one of the halved steps of the reference lies in this octave, and is not random
         wanted = self._confirming(scheme, step)
         missing = wanted + 1 - sum(step / 2 <= dt < step for dt in tried)
         return [one for one in self._random(scheme, step, wanted) if one not in tried][: max(missing, 0)]
 
     def _confirming(self, scheme: str, step: float) -> int:
-        """Number of random steps that confirm one.
+        """Number of random steps that confirm a recommended step.
 
-        They may take ``CHEAP`` seconds or, if that is more, a share of a quarter of the time of the reference.
+        Their runs may take ``CHEAP`` seconds or, if it is more, an equal share of a quarter of the time of the
+        reference, which all schemes, quantities and errors divide among them.
         """
         if self._late:
             return FEWEST_CONFIRMING
@@ -173,13 +181,13 @@ class Search:
         return self._round_step(step, self.program.spacing)
 
     def _random(self, scheme: str, step: float, count: int) -> list[float]:
-        """Random steps up to an octave below another one, the same in every search."""
+        """Random steps up to an octave below a step, the same in every search."""
         random = np.random.default_rng(zlib.crc32(f"{scheme} {step:.12g}".encode()))
         drawn = dict.fromkeys(self.program.fitted(step * 2.0**-part) for part in random.random(count))
         return [one for one in drawn if one < step and one >= self.program.smallest]
 
     def _hopeless(self, scheme: str, name: str) -> bool:
-        """Whether halving no longer reduces the error of a scheme, which adds a remark."""
+        """Whether a finer run timed out, or halving no longer reduces the error of a scheme, which adds a remark."""
         runs = self.refinement.of(scheme)
         if runs[-1].status == "timed_out":
             return True

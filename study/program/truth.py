@@ -19,7 +19,7 @@ OFF_ORDER = (0.15, 0.4)
 #: Bounds of the order in the estimate of the error of a run without extrapolation.
 ORDERS = (0.5, 1.0)
 
-#: Smallest ratio of the difference of two schemes to their own errors at which they solve different problems.
+#: Two schemes solve different problems if their difference exceeds their own errors by more than this factor.
 APART = 10.0
 
 
@@ -112,7 +112,7 @@ def _limit(along: Sequence[Curve]) -> tuple[Curve, int, float]:
     # the errors of a single number, such as a peak among steps, have no order
     if order and along[-1].values.ndim and len(near) == len(OFF_ORDER) and all(near):
         before, last = (_extrapolated(coarser, finer, order) for coarser, finer in list(pairwise(along))[-2:])
-        return last, order, before.distance(last) / 2  # half, as where the motion has kinks
+        return last, order, before.distance(last) / 2  # half, for the first order of motions with kinks
     clipped = float(np.clip(observed[-1], *ORDERS)) if apart[-1] > 0 < apart[-2] else ORDERS[0]
     # the last difference may be small by chance
     return along[-1], 0, max(apart[-1], apart[-2] / 2) / (2**clipped - 1)

@@ -12,7 +12,7 @@ from study.scheme.newmark import ROUND_OFF, bounded_at_infinite_frequency, predi
 
 
 def _stability_limit(alpha_m: float, alpha_f: float, beta: float, gamma: float) -> float | None:
-    """Stability limit: infinite under Chung and Hulbert's conditions for second order, Newmark's limit without α."""
+    """Stability limit: infinite under Chung and Hulbert's conditions for second order; Newmark's if both α are zero."""
     if alpha_m == alpha_f == 0:
         return stability_limit(beta, gamma)
     shift = alpha_f - alpha_m
@@ -93,7 +93,7 @@ class HHTAlpha1996(OneStep):
 
     @property
     def needs_mass(self) -> bool:
-        # at infinite frequency (1 + α) u₁ = α u₀: the third root, α/(1 + α), is at most ½
+        # at infinite frequency (1 + α) u₁ = α u₀: the third root, α/(1 + α), is at most ½ in size
         return not bounded_at_infinite_frequency(self.beta, self.gamma)
 
     def increment(self, problem, state, t, dt):
@@ -196,7 +196,7 @@ class GeneralizedAlpha(OneStep):
 
     @property
     def needs_mass(self) -> bool:
-        # at infinite frequency u_f = 0: the third root, −α_f/(1 − α_f), is at most one, as α_f ≤ ½
+        # at infinite frequency u_f = 0: the third root, −α_f/(1 − α_f), is at most one in size, as α_f ≤ ½
         return not bounded_at_infinite_frequency(self.beta, self.gamma)
 
     def increment(self, problem, state, t, dt):

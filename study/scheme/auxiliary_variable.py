@@ -1,4 +1,4 @@
-"""Scalar auxiliary variable: backward differences with the non-linear force explicit, and an energy that decays."""
+"""Scalar auxiliary variable: BDF2 with an explicit non-linear force, and an energy that does not grow."""
 
 import math
 from typing import ClassVar, NamedTuple
@@ -28,7 +28,7 @@ class Auxiliary(NamedTuple):
 
 
 class AuxiliaryVariable(Scheme):
-    r"""BDF2 with a scalar auxiliary variable r for :math:`\sqrt{V(u) + c}`: no iteration, and no limit of stability.
+    r"""BDF2 with a scalar auxiliary variable r for :math:`\sqrt{V(u) + c}`: no iteration, and no stability limit.
 
     With the extrapolated :math:`\bar u = 2u_0 - u_{-1}` and :math:`q = \sqrt{V(\bar u) + c}`,
 

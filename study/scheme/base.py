@@ -91,8 +91,8 @@ class Scheme(eqx.Module):
         """Whether every unknown must have mass.
 
         An unknown without mass is a mode of infinite frequency. A scheme can step it if it never solves with M alone
-        and no root of its amplification matrix at infinite frequency is larger than one. By default explicit schemes
-        need mass and implicit ones do not; an implicit scheme without these properties overrides this.
+        and no eigenvalue of its amplification matrix at infinite frequency exceeds one in size. By default explicit
+        schemes need mass and implicit ones do not; an implicit scheme without these properties overrides this.
         """
         return self.explicit
 

@@ -55,11 +55,12 @@ class ImplicitMidpoint(OneStep):
 
 
 #: Relative change of a strain (or displacement) below which the force at the midpoint replaces the quotient of energy
-#: and strain. The round-off of the quotient would exceed the third-order error of the midpoint. About the cube root of
-#: round-off.
+#: and strain. The round-off of the quotient would exceed the third-order error of the midpoint. The value is about the
+#: cube root of round-off.
 STANDSTILL = {np.dtype("float64"): 1e-5, np.dtype("float32"): 8e-3}
 
-#: Absolute change below which the force at the midpoint is used too, because its square underflows, as ahead of a wave.
+#: Absolute change of a strain below which the force at the midpoint is used too, because the square of the change
+#: underflows, as ahead of a wave.
 SMALLEST = {np.dtype("float64"): 1e-150, np.dtype("float32"): 1e-18}
 
 

@@ -24,7 +24,7 @@ def _diagonal(s: int, rho_inf: float) -> float:
 
 
 def _explicit_part(c: np.ndarray, row: int, gamma: float, moments: list[float]) -> np.ndarray:
-    """A row of weights a with γ on the diagonal: Σ a cᵏ + γ c_rowᵏ = moments[k], by the first weights alone."""
+    """A row of weights: γ on the diagonal, and as many first weights a as moments: Σ a cᵏ + γ c_rowᵏ = moments[k]."""
     number = len(moments)
     weights = np.zeros(len(c))
     rest = np.array(moments) - gamma * c[row] ** np.arange(number)

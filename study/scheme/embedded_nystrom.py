@@ -15,9 +15,9 @@ from study.scheme.base import OneStep
 class Tableau(NamedTuple):
     """Weights of an explicit Runge-Kutta-Nyström pair whose last stage is the first one of the next step.
 
-    ``c`` (s,) are the times of the stages, and ``a`` (s, s) their weights, with ``b`` as last row. ``b`` and
-    ``b_velocity`` (s,) are the weights of displacement and velocity, ``b_hat`` and ``b_hat_velocity`` the weights of
-    the embedded method.
+    ``c`` (s,) are the times of the stages. Row i of ``a`` has the weights of the stages before stage i, and its last
+    row ``b`` (s − 1,) the weights of the displacement. ``b_velocity`` (s,) are the weights of the velocity. ``b_hat``
+    and ``b_hat_velocity`` (s,) are the weights of the embedded method.
     """
 
     c: tuple[float, ...]
@@ -33,7 +33,7 @@ class Tableau(NamedTuple):
 
     @property
     def a_velocity(self) -> np.ndarray:
-        """Weights (s, s) of the velocity of the stages, which integrate the polynomial through all stages before."""
+        """Weights (s, s) of the velocity of the stages, which integrate the polynomial through all earlier stages."""
         weights = np.zeros((len(self.c), len(self.c)))
         for i, end in enumerate(self.c):
             powers = np.arange(i)
@@ -123,7 +123,7 @@ class EmbeddedNystrom(OneStep):
 
 
 def _weighted(weights, stages):
-    """Sum of the stages with their weights, without those of weight zero."""
+    """Weighted sum of the stages, without stages of weight zero."""
     return sum(w * k for w, k in zip(weights, stages, strict=False) if w)
 
 

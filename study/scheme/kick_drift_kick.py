@@ -41,7 +41,7 @@ class KickDriftKick(Alternating):
     Raises
     ------
     ValueError
-        If the weights do not add up to one, or do not alternate.
+        If the kicks or the drifts do not add up to one, or if there is not one kick more than drifts.
 
     References
     ----------

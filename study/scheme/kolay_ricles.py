@@ -17,7 +17,7 @@ class KolayRicles(OneStep):
     r"""The KR-α method: unconditionally stable for a linear structure, without iteration for a non-linear one.
 
     With the stiffness K = ∂p/∂u of the undeformed structure at rest, :math:`G = \gamma\Delta t\,C + \beta\Delta t^2 K`
-    and S = M + G, where C holds ∂p/∂u̇ too,
+    and S = M + G, where the C in G includes ∂p/∂u̇,
 
     .. math::
 

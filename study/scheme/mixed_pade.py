@@ -18,7 +18,7 @@ from study.scheme.base import OneStep, check_ranges
 
 
 class _Weights(NamedTuple):
-    """Times c, and for each λ: its row of T⁻¹, the sum of this row, its product with c, and the weights of u̇ and u."""
+    """Times c; and for each λ: λ, its row of T⁻¹, this row's sum and product with c, and the weights of u̇ and u."""
 
     c: np.ndarray
     roots: np.ndarray
@@ -63,8 +63,8 @@ class MixedPade(OneStep):
 
     with the Padé expansions P/Q of :math:`e^z`, each Q with the leading coefficient :math:`(-1)^M`. It is the
     collocation method at the roots c of :math:`(1 + \rho_\infty) P_M - (1 - \rho_\infty) P_{M-1}`, with Legendre's
-    polynomials on [0, 1], its weights A and b, and :math:`A = T \Lambda T^{-1}`. For each eigenvalue λ with the row τ
-    of :math:`T^{-1}`, and the weights w = bᵀT and w′ = bᵀAT,
+    polynomials on [0, 1]. Its weights are b and :math:`A = T \Lambda T^{-1}`. For each eigenvalue λ with the row τ of
+    :math:`T^{-1}`, and the weights w = bᵀT and w′ = bᵀAT,
 
     .. math::
 

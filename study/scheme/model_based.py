@@ -17,12 +17,12 @@ from study.scheme.base import OneStep
 
 
 def mass_of(problem: Problem) -> Matrix:
-    """M, one for every unknown by default."""
+    """M; the number 1 if the problem declares no mass."""
     return 1.0 if problem.mass is None else problem.mass
 
 
 def viscous(problem: Problem, u: Vector, factor: ScalarLike) -> Matrix:
-    """``factor`` C of the undeformed structure at rest, where C holds ∂p/∂u̇ too; None without damping."""
+    """``factor`` (C + ∂p/∂u̇) of the undeformed structure at rest; None without damping."""
     terms = [] if problem.damping is None else [product(factor, problem.damping, u.size)]
     if problem.takes_velocity:
         at_rest, undeformed = jnp.zeros_like(u), problem.at_rest()
@@ -32,7 +32,7 @@ def viscous(problem: Problem, u: Vector, factor: ScalarLike) -> Matrix:
 
 
 def model(problem: Problem, u: Vector, of_damping: ScalarLike, of_stiffness: ScalarLike) -> Matrix:
-    """``of_damping`` C + ``of_stiffness`` K of the undeformed structure at rest; ``u`` has its shape."""
+    """``of_damping`` (C + ∂p/∂u̇) + ``of_stiffness`` K of the undeformed structure at rest; ``u`` gives the shape."""
     stiffness = product(of_stiffness, problem.at_rest().stiffness_at(jnp.zeros_like(u)), u.size)
     damping = viscous(problem, u, of_damping)
     return stiffness if damping is None else add(stiffness, damping, n=u.size)
@@ -41,7 +41,7 @@ def model(problem: Problem, u: Vector, of_damping: ScalarLike, of_stiffness: Sca
 class ChenRicles(OneStep):
     r"""The CR method of Chen and Ricles, from discrete control theory.
 
-    With the stiffness K = ∂p/∂u of the undeformed structure at rest, where C holds ∂p/∂u̇ too,
+    With the stiffness K = ∂p/∂u of the undeformed structure at rest, where the C in S includes ∂p/∂u̇,
 
     .. math::
 
@@ -85,7 +85,8 @@ class ChenRicles(OneStep):
 class Chang(OneStep):
     r"""Chang's explicit method of 2002, with the velocity of the trapezoidal rule.
 
-    With the stiffness K = ∂p/∂u of the undeformed structure at rest, where C holds ∂p/∂u̇ too,
+    With the stiffness K = ∂p/∂u of the undeformed structure at rest, where C in S and in the equation of u₁ includes
+    ∂p/∂u̇,
 
     .. math::
 

@@ -11,7 +11,7 @@ from study.scheme.contract import check_attributes
 
 
 def _of_families(found: dict[str, Scheme]) -> dict[str, Scheme]:
-    """The schemes, if each of them names its family."""
+    """The schemes, after a check that each of them has a ``family``."""
     for name, one in found.items():
         if not hasattr(one, "family"):
             raise ValueError(f"the scheme '{name}' needs a class variable 'family', by which figures group schemes.")
@@ -67,7 +67,7 @@ def register_scheme(name: str, scheme: Scheme) -> None:
     Raises
     ------
     TypeError
-        If it is not a :class:`study.Scheme`, or its title, order or number of forces is invalid.
+        If it is not a :class:`study.Scheme`, or its title, orders, stability limit or numbers of forces are invalid.
     ValueError
         If the name is taken or invalid, or the scheme has no class variable ``family``, by which figures group schemes.
     """

@@ -30,7 +30,10 @@ def corrected(
 
 
 def stability_limit(beta: float, gamma: float) -> float:
-    """Largest ωΔt at which Newmark's method is stable without damping: 1/√(γ/2 − β) if γ ≥ ½ and 2β < γ."""
+    """Largest ωΔt at which Newmark's method is stable without damping: 1/√(γ/2 − β) if γ ≥ ½ and 2β < γ.
+
+    It is zero if γ < ½, and infinite if 2β ≥ γ ≥ ½.
+    """
     if gamma < 0.5:
         return 0.0
     return math.inf if 2 * beta >= gamma - ROUND_OFF else 1 / math.sqrt(gamma / 2 - beta)

@@ -25,9 +25,9 @@ class NohBathe(OneStep):
 
     Second order; stable without damping for :math:`\omega\Delta t \le 2/\sqrt{(3p - 1)(1 - p)}` if p ≤ ¾, which is
     ωΔt ≤ 3.745 for p = 0.54. For larger p it is stable for :math:`(\omega\Delta t)^2 \le 8/(1 + \sqrt{1 - 4c})` with
-    :math:`c = (1 - p)(4p^2 - 3p + 1)`, where a root of the amplification matrix is −1. p = ½ is two steps of central
-    difference. Carries u, u̇ and ü; two forces per step, and two solutions with M. The history of a force is committed
-    at the end of both sub-steps.
+    :math:`c = (1 - p)(4p^2 - 3p + 1)`; at this limit a root of the amplification matrix is −1. p = ½ is two steps of
+    central difference. Carries u, u̇ and ü; two forces per step, and two solutions with M. The history of a force is
+    committed at the end of each sub-step.
 
     Parameters
     ----------

@@ -109,7 +109,7 @@ class Nystrom4(OneStep):
 
 
 class Stages(NamedTuple):
-    """Displacement and velocity, each of shape () or (n,), and the accelerations (2, ...) of the last stages."""
+    """Displacement and velocity, each of shape () or (n,), and accelerations (2, ...) of the last step's two stages."""
 
     u: Vector
     v: Vector
@@ -189,8 +189,9 @@ class Gauss4(OneStep):
         u(t_1) &= u_0 + \Delta t\,\dot u_0 + \tfrac12 \Delta t^2 \sum_i (1 - c_i)\,\ddot u_i
 
     Fourth order and symplectic; unconditionally stable for linear systems, without numerical damping. Both stages are
-    solved together. Carries u, u̇ and both stage accelerations as a guess; two forces per Newton iteration, and one
-    solution for 2n unknowns. The history of a force is committed at u₁; the stages all start from the history at u₀.
+    solved together. Carries u, u̇ and both stage accelerations, which are the guess for the next step; two forces per
+    Newton iteration, and one solution for 2n unknowns. The history of a force is committed at u₁; the stages all start
+    from the history at u₀.
 
     References
     ----------

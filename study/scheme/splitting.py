@@ -27,7 +27,7 @@ def check_order(scheme: str, order: int) -> None:
 
 
 class Alternating(OneStep):
-    """Kicks and drifts in turn, with weights that add up to one; of second order with damping."""
+    """Kicks and drifts in turn, each with weights that add up to one; of second order at most with damping."""
 
     kicks: eqx.AbstractVar[tuple[float, ...]]
     drifts: eqx.AbstractVar[tuple[float, ...]]
@@ -78,7 +78,7 @@ class Splitting(Alternating):
     Raises
     ------
     ValueError
-        If the weights do not add up to one, or do not alternate.
+        If the weights do not add up to one, there is not one drift more than kicks, or the order is invalid.
 
     References
     ----------
@@ -154,7 +154,7 @@ class Composition(OneStep):
     Raises
     ------
     ValueError
-        If the weights do not add up to one, or are not symmetric.
+        If the weights do not add up to one or are not symmetric, or the order is invalid.
 
     References
     ----------
@@ -204,7 +204,7 @@ class Composition(OneStep):
 
 
 def mirrored(*half: float) -> tuple[float, ...]:
-    """Symmetric weights, from the outer ones inwards; the middle one makes their sum one."""
+    """Symmetric weights from their first half; the weight in the middle makes the sum one."""
     return *half, 1 - 2 * sum(half), *half[::-1]
 
 

@@ -16,7 +16,7 @@ from study.scheme.base import OneStep
 
 
 class Pushed(NamedTuple):
-    """Displacement, velocity and acceleration g of the forces without the stiffness, each of shape () or (n,)."""
+    """Displacement, velocity, and the acceleration g due to all forces except K u, each of shape () or (n,)."""
 
     u: Vector
     v: Vector
@@ -37,7 +37,7 @@ def _tangent(x: Vector) -> Vector:
     return _sinc(x / 2) / jnp.cos(x / 2)
 
 
-#: φ and ψ/sinc of each method.
+#: φ and ψ₁ = ψ/sinc of each member.
 filters: dict[str, tuple[Callable, Callable]] = {
     "gautschi": (_one, _tangent),
     "deuflhard": (_one, _one),
@@ -65,7 +65,7 @@ class Trigonometric(OneStep):
 
     The displacements satisfy :math:`u_1 - 2\cos(\xi)\,u_0 + u_{-1} = \Delta t^2 \psi(\xi)\,g_0`. Members of the family:
 
-    - ``gautschi``, ψ(ξ) = sinc²(ξ/2), φ = 1, whose velocity is not defined where ωΔt = π;
+    - ``gautschi``, ψ(ξ) = sinc²(ξ/2), φ = 1, whose velocity is not defined where ωΔt is an odd multiple of π;
     - ``deuflhard``, ψ = sinc, φ = 1, symplectic, the method called impulse in molecular dynamics;
     - ``garcia_archilla``, ψ = sinc², φ = sinc, symplectic, called mollified impulse;
     - ``hairer_lubich``, ψ = sinc², φ = 1, which nearly conserves the energy over long times.

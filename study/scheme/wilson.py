@@ -11,8 +11,8 @@ from study.mechanics.state import Motion
 from study.scheme.base import OneStep, check_ranges
 from study.scheme.newmark import corrected, stability_limit
 
-#: Largest excess of a root over one that counts as round-off, not as growth. Where roots meet, half of their digits are
-#: lost.
+#: Tolerance, for round-off, of the condition that no root is larger than one. Where roots meet, half of their digits
+#: are lost.
 GROWTH = 1e-6
 
 
@@ -94,7 +94,7 @@ class WilsonTheta(OneStep):
     def increment(self, problem, state, t, dt):
         u, v, a = state
         tau = self.theta * dt
-        # not u + du of Newmark's increments: terms added in another order have other round-off
+        # not by ``predicted``: it adds the terms in another order, which changes the round-off
         u_predicted = u + tau * v + tau**2 * (0.5 - self.beta) * a
         v_predicted = v + tau * (1 - self.gamma) * a
         a_theta, effort = balance(

@@ -1,4 +1,4 @@
-"""Matrices of every form, and the same as dense NumPy arrays."""
+"""Matrices of every form, and the same matrices as dense NumPy arrays."""
 
 from types import SimpleNamespace
 
@@ -29,7 +29,7 @@ def _dominant(rng, n, k):
 
 
 def _matrix(form, n, rng):
-    """A matrix of the form, and the same as a dense one."""
+    """A matrix of the form, and the same matrix as a dense array."""
     whole = _dominant(rng, n, HALF_BANDWIDTHS.get(form, n if form in ("dense", "matrix_free") else 0))
     match form:
         case "number":

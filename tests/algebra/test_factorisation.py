@@ -1,4 +1,4 @@
-"""Factorisations of sparse matrices: each method, what is kept, and programs that call them."""
+"""Factorisations of sparse matrices: each method, the factorisations that are kept, and programs that call them."""
 
 import subprocess
 import sys
@@ -21,7 +21,7 @@ def _mesh(width, length):
 
 
 def _chords(n):
-    """The stiffness of a ring of springs with chords at random, which no numbering makes narrow."""
+    """The stiffness of a ring of springs with random chords; no numbering of its unknowns has a small bandwidth."""
     one = np.arange(n)
     ends = np.concatenate([np.roll(one, 1), np.random.default_rng(0).permutation(n)])
     springs = sparse.coo_array((np.ones(2 * n), (np.tile(one, 2), ends)), shape=(n, n))
@@ -76,14 +76,14 @@ def test_factors_are_kept_while_matrices_come_again(width):
         for factor in 1.0, 2.0, 4.0:
             np.testing.assert_allclose(factor * (matrix @ solver.solved(factor * values, rhs)), rhs, atol=1e-9)
     assert solver.count == 3
-    # the new factorisation takes the memory of the oldest one
+    # a new factorisation replaces the oldest of those that are kept
     for factor in 8.0, 1.0, 8.0:
         np.testing.assert_allclose(factor * (matrix @ solver.solved(factor * values, rhs)), rhs, atol=1e-9)
     assert solver.count == 5
 
 
 def test_programs_that_call_numpy_do_not_stand_still():
-    """With one core and large arrays, JAX's own callbacks wait for each other for ever."""
+    """With one core and large arrays, JAX's own callbacks would deadlock."""
     program = """
 import os
 os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})

@@ -69,7 +69,7 @@ def test_sums_and_products_keep_to_the_least_form(make):
 
 
 def test_one_unknown_has_numbers():
-    """One unknown is n = 0, and its matrices are numbers."""
+    """For a single unknown the functions take n = 0, and its matrices are numbers."""
     assert linear.add(2.0, 3.0, n=0) == 5.0
     assert linear.product(2.0, 3.0, 0) == 6.0
     assert elimination.solve(4.0, 2.0) == 0.5

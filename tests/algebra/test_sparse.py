@@ -12,7 +12,7 @@ from study.algebra.sparse import Pattern, Sparse
 
 
 def _random(n, symmetric, seed=0):
-    """A sparse matrix with a diagonal that exceeds the sum of its row, and its pattern."""
+    """A sparse matrix whose diagonal exceeds the sum of the other entries of its row, and its pattern."""
     matrix = sparse.random_array((n, n), density=0.1, rng=np.random.default_rng(seed))
     matrix = matrix + matrix.T if symmetric else matrix
     matrix = sparse.csc_array(matrix + sparse.diags_array(1.0 + np.asarray(abs(matrix).sum(axis=1)).ravel()))
@@ -21,7 +21,7 @@ def _random(n, symmetric, seed=0):
 
 @pytest.fixture(params=[True, False], ids=["symmetric", "not symmetric"])
 def both(request):
-    """A matrix of SciPy and the same one of ours."""
+    """A matrix in SciPy's form, and the same matrix in the study's."""
     matrix, pattern = _random(30, request.param)
     return matrix, Sparse(jnp.asarray(pattern.values(matrix)), pattern)
 

@@ -77,7 +77,7 @@ def test_a_crossing_never_leaves_its_step():
 
 
 def test_interpolation_between_exact_steps_is_of_sixth_order():
-    """Phase and amplitude of the exact motion itself show the observers' own error."""
+    """On exact states the errors that are left in phase and amplitude are those of the observers' interpolation."""
     reference, problem = _harmonic(400)
     errors = []
     for steps in (25, 50):
@@ -111,7 +111,7 @@ def test_phases_that_the_reference_lacks_are_refused():
 
 
 def test_the_reference_is_taken_at_the_times_of_the_run():
-    """The lag of a rounded step size is accounted for; over a million steps it would look like an error."""
+    """The round-off of the step size is accounted for: over a million steps its lag would look like an error."""
     reference, problem = _harmonic(400, stretch=1 + 1e-5)
     # the true period is longer than the stored one by 1e-5; a run with the true period has no error if this is known
     errors = []
@@ -119,7 +119,7 @@ def test_the_reference_is_taken_at_the_times_of_the_run():
         dt, observers = against(reference.assign(period_remainder=remainder), 400, longest=400)
         ds = study.run(problem, "rk4", dt=dt, steps=4000, observe=observers)
         errors.append(ds.max_trajectory_error.item())
-    # the last time that the motion is fastest is at 9.75 periods
+    # at 9.75 periods the motion is fastest for the last time, and the error of the trajectory is largest
     assert errors[0] == pytest.approx(2 * np.pi * 9.75 * 1e-5, rel=1e-2)
     assert errors[1] < 1e-2 * errors[0]
 
@@ -135,7 +135,7 @@ def test_amplitudes_are_counted_from_the_equilibrium():
         attrs={"problem": "lopsided"},
     )
     _, (*_, amplitude) = against(reference, 8, longest=8)
-    # the spring's force is zero where the acceleration is
+    # the force of the spring is zero where the acceleration is zero
     rest = brentq(lambda x: 0.4 * np.cos(x) + 0.4 * np.cos(2 * x), 0, np.pi / 2)
     expected = 0.9 + 0.4 * np.cos(rest) + 0.1 * np.cos(2 * rest)
     assert float(amplitude.rest) == pytest.approx(expected, abs=1e-5)
@@ -145,7 +145,7 @@ def test_amplitudes_are_counted_from_the_equilibrium():
 def test_a_motion_that_has_come_to_rest_has_no_phase():
     reference, _ = _harmonic(50)
     dt, observers = against(reference, 50, longest=50)
-    # 40 periods of a motion that soon comes to rest at u = 0.1, and then crosses zero no more
+    # 40 periods of a motion that soon comes to rest at u = 0.1, after which it no longer crosses zero
     problem = study.Problem(lambda u: (2 * np.pi) ** 2 * (u - 0.1), u0=1.0, damping=2.0)
     ds = study.run(problem, "rk4", dt=dt, steps=2000, observe=observers)
     assert np.isnan(ds.phase_error) and np.isnan(ds.period_elongation)

@@ -107,16 +107,16 @@ def test_the_limits_in_docstrings_are_those_of_named_schemes():
 @pytest.mark.parametrize("name", AT_INFINITY)
 def test_radii_at_infinite_frequency(name):
     theory = LinearTheory(study.schemes[name], PARTS)
-    # two or three roots that meet converge slowly, so half or two thirds of the digits are lost
+    # where two or three roots meet, half or two thirds of their digits are lost
     assert theory.infinite_frequency_radius() == pytest.approx(AT_INFINITY[name], abs=1e-3)
 
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1])
 def test_order_is_that_of_the_principal_roots(scheme_name, damping_ratio):
-    """The roots have the order that a scheme claims, except where errors of the start lower the order of the motion."""
+    """The roots have the order of the scheme, except where an error of the start alone lowers the claimed order."""
     scheme = study.schemes[scheme_name]
     expected = {
-        # conjugate to velocity Verlet, and to the generalized-α method: the map has their order, the start has not
+        # conjugate to velocity Verlet and to the generalized-α method: the step has their order, but not the start
         ("symplectic_euler", 0.0): 2,
         ("symplectic_euler", 0.1): 2,
         ("kr_alpha", 0.0): 2,
@@ -201,7 +201,7 @@ def test_principal_roots_predict_the_motion_of_a_run(scheme, part):
 
 
 def test_damping_of_the_oscillator_is_seen(scheme):
-    """With 10 % damping the spectral radius at small steps is exp(−ξΩ), up to the error of a step."""
+    """With the damping ratio ξ = 0.1 the spectral radius at a small step is exp(−ξΩ), up to the error of a step."""
     omega = 2 * np.pi * 1e-3
     radius = LinearTheory(scheme, np.array([1e-3]), 0.1).spectral_radius[0]
     assert radius == pytest.approx(np.exp(-0.1 * omega), abs=max(omega ** (scheme.order_with_damping + 1), 1e-9))
@@ -222,7 +222,7 @@ def test_wilson_overshoots_and_the_generalized_alpha_method_does_not():
 
 def test_an_overshoot_that_comes_late_is_seen():
     """Symplectic Euler keeps u² ± Ω u u̇/ω + (u̇/ω)² = 1, so that both reach 1/√(1 − Ω²/4)."""
-    part = 0.158  # step over the period, at which both need more than 32 steps to reach it
+    part = 0.158  # Δt/T at which both need more than 32 steps to reach it
     overshoot = LinearTheory("symplectic_euler", np.array([part])).overshoot()
     np.testing.assert_allclose(overshoot[:, 0], 1 / np.sqrt(1 - (np.pi * part) ** 2) - 1, rtol=0.01)
 
@@ -256,7 +256,7 @@ def test_a_stability_limit_does_not_depend_on_the_grid(parts):
 
 @pytest.mark.parametrize("name, at", [("kahan_li8", 3.118), ("extrapolation12", 3.1414)])
 def test_narrow_windows_of_instability_are_found(name, at):
-    """Below π, between two points of a coarse grid, the motion grows; further on it is stable again."""
+    """The motion grows in an interval of ωΔt that is narrower than a coarse grid; beyond it the motion is stable."""
     theory = LinearTheory(name, np.array([at, 3.3]) / (2 * np.pi))
     assert theory.spectral_radius[0] > 1 + 1e-5 and theory.spectral_radius[1] < 1 + 1e-10
     assert theory.stability_limit() < at

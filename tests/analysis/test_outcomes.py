@@ -34,7 +34,7 @@ def test_how_runs_end(problem, u0, scheme, dt, steps, outcome):
 
 
 def test_an_accurate_run_keeps_the_period_too():
-    """The energy-momentum method keeps the energy at every step size."""
+    """The energy-momentum method keeps the energy at every step size, so its error of the period decides."""
     observer = OutcomeObserver.of("softening")
     u0, period = [10.0], 2.0
     observe = [observer, "lyapunov_exponent", "oscillations"]
@@ -45,7 +45,7 @@ def test_an_accurate_run_keeps_the_period_too():
 
 
 def test_a_motion_that_is_damped_out_of_chaos_was_not_chaotic():
-    # neighbours separate at first, then all come to rest
+    # neighbouring runs diverge at first, and then all come to rest
     definition = study.problems["softening"]
     observe = [OutcomeObserver.of(definition), "lyapunov_exponent"]
     runs = study.run(

@@ -49,7 +49,7 @@ def _by_scipy(t):
 @pytest.mark.parametrize("allowed", [0.05, 0.01])
 @pytest.mark.parametrize("scheme", ["average_acceleration", "rk4"])
 def test_a_recommended_step_keeps_its_error_against_another_solver(driven, assessed, scheme, allowed):
-    """A step a third larger than the largest one does not keep it."""
+    """A step a third larger than the largest step found does not keep the error."""
     one = assessed.sel(scheme=scheme, quantity="path", allowed_error=allowed)
     largest = np.abs(_by_scipy(np.linspace(0, DURATION, 4001))).max()
 
@@ -97,9 +97,9 @@ def test_the_reference_is_as_uncertain_as_it_says(driven, assessed):
 @pytest.mark.parametrize(
     "problem, duration",
     [
-        # the start does not show the frequency of the motion
+        # the frequency at the start is far below the frequency of the motion
         (study.Problem(lambda u: 1e3 * u**3, 0.0, 10.0, damping=0.01, title="far out"), 5.0),
-        # nor do small motions show the frequency of the load
+        # the frequency of small motions is far below the frequency of the load
         (study.Problem(lambda u: u + u**3, 0.0, load=lambda t: 50 * jnp.cos(60 * t), title="driven fast"), 5.0),
     ],
 )
@@ -155,7 +155,7 @@ def test_no_recommended_step_contradicts_the_largest_safe_one(assessed):
 
 
 def test_a_spring_of_the_study_has_the_errors_of_its_datasets():
-    """Displacement, acceleration and energy over 20 periods, against the observers that compare with exact motions."""
+    """Errors of displacement, acceleration and energy over 20 periods, against the exact motion and MaxEnergyError."""
     problem, steps = study.problems["hardening"], 20 * 32
     exact = float(taylor.period(problem, 0.15))
     duration = 20 * exact

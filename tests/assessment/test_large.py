@@ -32,7 +32,7 @@ def test_steps_and_error_bar_are_those_of_the_certified_reference(damped_chain, 
     certified = study.assess(damped_chain(), SCHEMES, quantities=quantities, **OPTIONS)
     assert set(found.quantity.values) == {"displacement", "velocity"}
     assert found.reference_uncertainty.max() < 1e-3
-    # at one percent, because its steps are finer than the coarsest step of a program
+    # only at one percent, where the steps are finer than the coarsest step of a program
     ratio = (found.largest_dt / certified.largest_dt).sel(quantity=found.quantity, allowed_error=0.01)
     assert ((ratio > 0.9) & (ratio < 1.1)).all()
     assert found.attrs["reference"].startswith(("rk4", "nystrom4"))

@@ -24,7 +24,7 @@ from study.program.confirmation import TWENTIETH
 
 
 class MadeUp(Search):
-    """A search whose runs have the error that a function of step and start gives."""
+    """A search in which a function of step and start replaces the error of a run."""
 
     def __init__(self, error, finest=1e-5, spacing=None, unknowns=1):
         self.duration, self.coarsest, self.finest, self._size, self._spacing = 20.0, 1.0, finest, unknowns, spacing
@@ -68,13 +68,13 @@ def test_a_lucky_step_is_passed_over():
 
 
 def test_an_unlucky_stretch_of_steps_is_found():
-    """A hundredth of the steps up to the recommended one would exceed the error."""
+    """If the steps from 0.050 to 0.051 were missed, a hundredth of the steps up to the recommended one would fail."""
     _, verdict = searched(lambda dt, start: 0.02 if 0.050 < dt < 0.051 else dt**2)
     assert verdict.recommended <= 0.05
 
 
 def test_errors_that_scatter_keep_a_larger_distance():
-    """One error in a hundred is five times the median, so fresh steps have larger errors than all steps tried."""
+    """One error in a hundred exceeds five times the median, so some fresh steps have larger errors than steps tried."""
 
     def error(dt, start):
         return dt * np.random.default_rng(int(dt * 2**60)).lognormal(sigma=0.7)

@@ -1,4 +1,4 @@
-"""Small mistakes for the programs in NumPy and C: a text of the source, its replacement, and the cause to find."""
+"""Mistakes for the programs in NumPy and C: a text of the source, its replacement, and the cause to report."""
 
 PYTHON = [
     ('numbers["beta"] if', '1e-3 + numbers["beta"] if', "beta is off by about 0.001"),
@@ -66,7 +66,7 @@ PYTHON = [
     ("- sizes, sizes, strict=True)", "- sizes, [sizes[0], *sizes[:-1]], strict=True)", "size of the one before"),
 ]
 
-#: A change that keeps generalized-α of second order on unequal steps, which is no mistake.
+#: Not a mistake: a change that keeps the generalized-α method of second order on unequal steps.
 MOVED = (
     "        tau = theta * dt\n",
     """        if t > 0:

@@ -31,13 +31,13 @@ def _assembled(n, links):
 
 
 def _elements(lines, kind, values_after):
-    """Nodes of the elements of a type in a file of Abaqus, from 0 on, and their value."""
+    """Nodes, numbered from 0, and value of each element of a type in a file of Abaqus."""
     for at in (i for i, line in enumerate(lines) if line.startswith(f"*ELEMENT, TYPE={kind},")):
         yield *(int(word) - 1 for word in lines[at + 1].split(",")[1:]), float(lines[at + values_after])
 
 
 def _force(lines, i, t):
-    """Amplitude of the force on an unknown at a time."""
+    """Force on an unknown at a time, from its amplitude in a file of Abaqus."""
     at = next(place for place, line in enumerate(lines) if line.startswith(f"*AMPLITUDE, NAME=FORCE{i + 1}"))
     if "PERIODIC" in lines[at]:
         (_, w, _, constant), (cosine, sine) = (map(float, lines[at + k].split(",")) for k in (1, 2))
@@ -68,7 +68,7 @@ def test_a_file_of_abaqus_states_the_case(name):
 
 
 class Commands(dict):
-    """Names of a program of code_aster, whose commands keep their arguments."""
+    """Names for a program of code_aster; the entry ``called`` stores the arguments of its commands."""
 
     def __missing__(self, name):
         if hasattr(builtins, name):
@@ -100,7 +100,7 @@ def test_commands_of_code_aster_state_the_case(name, scheme):
     assert all(" ".join([one.GROUP_MA, *(f"N{digit}" for digit in one.GROUP_MA[1:])]) in mesh for one in parts)
     assert [one.VALE for one in called["CREA_CHAMP"].AFFE[1:]] == problem.u0.tolist()
     motion = called["DYNA_NON_LINE"]
-    # a free motion has no external force for a relative tolerance
+    # a relative tolerance refers to the external force, which is zero in a free motion
     assert vars(motion.CONVERGENCE).keys() == {"RESI_GLOB_MAXI", "ITER_GLOB_MAXI"}
     assert 0 < motion.CONVERGENCE.RESI_GLOB_MAXI < 1e-6
     assert scheme.items() <= vars(motion.SCHEMA_TEMPS).items()
@@ -130,7 +130,7 @@ def test_what_cannot_be_stated_has_no_file():
     """A spring that is not linear, coupled masses, and a scheme of another family."""
     for name in ("A-CUB-AVG", "F-MASS-AVG", "A-LIN-BAT"):
         assert not any(write(BY_NAME[name]) for write in (chains.abaqus, chains.code_aster, chains.mesh))
-    # the β of the HHT of code_aster follows from α
+    # the HHT method of code_aster derives β from α, and takes no other
     case = BY_NAME["A-LIN-HHT"]
     other = case | {"scheme": case["scheme"] | {"beta": "0.3"}}
     assert chains.code_aster(other) is None and "BETA=0.3" in _written(chains.abaqus, other)

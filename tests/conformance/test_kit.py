@@ -30,7 +30,7 @@ from tests.conformance import mutations
 PROJECT = Path(__file__).parents[2]
 TOOLS = PROJECT / "conformance" / "tools"
 ALL = list(cases())
-#: Cases that a mutation is run on: fast ones, which together reach every line of the examples.
+#: Fast cases on which mutations are run; together they reach every line of the examples.
 QUICK = [case for case in ALL if case["expect"][0]["kind"] == "identical" and case["name"][0] in "ADEFG"]
 QUICK = [case for case in QUICK if not case["name"].startswith(("E-GAP", "F-SINE", "F-FRAME"))]
 
@@ -62,7 +62,7 @@ def test_every_case_follows_the_schema_and_is_small():
 
 
 def test_a_case_never_changes():
-    """SHA-256 of all cases of a version; it changes only where a case retires."""
+    """The SHA-256 of all cases of a version changes only if one of these cases retires."""
     digests: defaultdict[str, Any] = defaultdict(sha256)
     for file in sorted(generate.CASES.glob("*.json")):
         text = file.read_bytes()
@@ -103,9 +103,9 @@ def test_the_stored_end_of_a_case_of_order_is_exact():
 
 
 def test_the_study_passes():
-    """All cases of levels A to D and G, and those of E and F, which compile a program each, for four schemes.
+    """All cases of levels A to D and G; the cases of E and F, each of which compiles a program, for four schemes only.
 
-    On unequal steps its α-methods move the carried acceleration, an alternative of the kit.
+    On unequal steps the study's α-methods move the carried acceleration, which the kit lists as an alternative.
     """
     chosen = [case for case in ALL if case["name"][0] in "ABCDG" or case["name"][-3:] in ("AVG", "HHT", "BAT", "RK4")]
     moved = {case["name"] for case in ALL if case["name"][0] == "G" and case["name"][-3:] in ("GEN", "HHT")}
@@ -131,7 +131,7 @@ def _mutated(text, change):
 
 
 def _caught(found, cause):
-    """Whether a mistake is caught, and whether it gets its cause."""
+    """Whether a mistake is caught, and whether its cause is reported."""
     failed = [one for one in found if one.verdict in ("fail", "differs")]
     return bool(failed), bool(cause) and any(cause in one.cause for one in failed)
 

@@ -64,9 +64,9 @@ def test_a_code_that_raises_or_returns_something_else_fails_with_a_sentence(monk
 @pytest.mark.parametrize(
     ("found", "sentence"),
     [
-        (None, "the function must return u, v and, if it has it, a"),
-        ({"u": 0, "v": 0}, "the function must return u, v and, if it has it, a"),
-        ([np.zeros((3, 1))] * 4, "the function must return u, v and, if it has it, a"),
+        (None, "the function must return u, v and, if available, a"),
+        ({"u": 0, "v": 0}, "the function must return u, v and, if available, a"),
+        ([np.zeros((3, 1))] * 4, "the function must return u, v and, if available, a"),
         ([np.zeros((3, 1)), [["a"]] * 3], "v must be an array of numbers, with a row for t = 0 and for each step"),
         ([None, np.zeros((3, 1))], "u must be an array of numbers, with a row for t = 0 and for each step"),
     ],

@@ -14,7 +14,7 @@ HARDENING = study.Problem(lambda u: u + u**3, potential=lambda u: u**2 / 2 + u**
 
 
 def factors(controller, estimates, k=3):
-    """Factors between the steps, and which were accepted, for a sequence of estimates relative to the tolerance."""
+    """Ratios of successive step sizes, and which steps were accepted, for estimates relative to the tolerance."""
     carried, dt, found, accepted = controller.start(None, None, 1.0), 1.0, [], []
     for r in estimates:
         decision = controller.decide(carried, jnp.asarray(r), k, jnp.asarray(dt), None, None, 0.0, 1.0)

@@ -15,7 +15,7 @@ CASES = [(scheme, estimator) for scheme in CARRIED for estimator in ESTIMATORS]
 
 
 def _distance(scheme, estimator, steps):
-    """Largest distance of the measured from the closed ratio, over the largest ratio, after a third of the period."""
+    """Largest difference of measured and closed ratio after a third of the period, relative to the largest ratio."""
     equal = study.Prescribed([2 * np.pi / steps])
     ds = study.run(OSCILLATOR, scheme, controller=equal, duration=2 * np.pi, estimator=estimator)
     part = (np.arange(steps) + 0.5) / steps

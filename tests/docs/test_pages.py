@@ -1,4 +1,4 @@
-"""Pages by hand, and the step of the pipeline."""
+"""Pages that are written by hand, and the step of the pipeline that builds the site."""
 
 import inspect
 import json

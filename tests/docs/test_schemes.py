@@ -1,4 +1,4 @@
-"""Pages of schemes, and the table of all."""
+"""Pages of schemes, and the table of all schemes."""
 
 import re
 from pathlib import Path
@@ -42,7 +42,7 @@ def test_pages_of_named_schemes_and_of_ones_own_have_one_form(library):
     pages = {name: scheme_page(library.subject(name), library) for name in library.schemes}
     headings = {name: re.findall("^## .*", page, re.MULTILINE) for name, page in pages.items()}
     assert headings["houbolt"] == headings["central_difference"] == headings["heun"]
-    # sections without data are omitted, which one sentence states
+    # sections without data are omitted, and one sentence lists them
     assert all(page.count("this page has no") == 1 and "## Map of stab" not in page for page in pages.values())
     houbolt = pages["houbolt"]
     assert "<code>houbolt</code>, <code>hbt</code>" in houbolt and "10.2514/8.1722" in houbolt
@@ -74,7 +74,7 @@ def test_orders_come_from_the_errors():
 
 
 def _kinks(*needed, first_order=0):
-    """A yielding oscillator on which central difference and Runge-Kutta need some steps a period for one percent."""
+    """A yielding oscillator: central difference and Runge-Kutta need the given steps a period for an error of 1 %."""
     steps, names = np.array([16, 32, 64]), ["central_difference", "rk4"]
     dims = ("problem", "scheme", "steps_per_period")
     error = np.where(steps < np.array(needed)[:, None], 0.02, 0.005)[None]
@@ -116,7 +116,7 @@ def test_the_better_scheme_is_as_good_in_all():
     names = ("houbolt", "park", "average_acceleration")
     library = Library(Empty(), {name: study.schemes[name] for name in names}, {})
     pages = {name: verdict(library.subject(name), library) for name in names}
-    assert '<a href="park.html">Park</a>' in pages["houbolt"]  # average acceleration does not damp high frequencies
+    assert '<a href="park.html">Park</a>' in pages["houbolt"]  # average acceleration damps no high frequencies
     assert "none in linear theory" in pages["park"] and "none in linear theory" in pages["average_acceleration"]
 
 

@@ -13,7 +13,7 @@ from docs.scheme_table import table_of
 from docs.tables_page import claims_page, tables_page
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-#: Titles of the schemes that the table shows.
+#: Script that returns the titles of the schemes that the table shows.
 SHOWN = """
 const rows = [...document.querySelectorAll("tbody tr")]
 return rows.filter((row) => !row.hidden).map((row) => row.cells[1].innerText)
@@ -66,7 +66,7 @@ def test_the_keyboard_sorts_and_narrows_the_table(browser):
     assert browser.execute_script(SHOWN) == ["Runge-Kutta", "Central difference"]
     press(*[Keys.BACKSPACE] * len("explicit"), "Verlet")  # an alias
     assert browser.execute_script(SHOWN) == ["Central difference"]
-    press(*[Keys.BACKSPACE] * len("Verlet"), "Houbolt OpenSees")  # a name in a code
+    press(*[Keys.BACKSPACE] * len("Verlet"), "Houbolt OpenSees")  # its name in OpenSees
     assert browser.execute_script(SHOWN) == ["Houbolt"]
     press(*[Keys.BACKSPACE] * len("Houbolt OpenSees"))
     sorted_by = {}
@@ -78,7 +78,7 @@ def test_the_keyboard_sorts_and_narrows_the_table(browser):
     assert sorted_by["order"] == ["Central difference", "Houbolt", "Runge-Kutta"]
     assert sorted_by["largest stable ωΔt"] == ["Central difference", "Runge-Kutta", "Houbolt"]
     assert sorted_by["period, %"] == ["Runge-Kutta", "Central difference", "Houbolt"]  # by size; the second is negative
-    assert sorted_by["time, ns"] == ["Runge-Kutta", "Houbolt", "Central difference"]  # what is missing stays last
+    assert sorted_by["time, ns"] == ["Runge-Kutta", "Houbolt", "Central difference"]  # a missing value is last
     (last,) = browser.execute_script("return [...document.querySelectorAll('[aria-sort]')].map((one) => one.ariaSort)")
     assert last == "ascending"
     browser.execute_script("document.querySelectorAll('thead button')[10].focus()")
@@ -92,7 +92,7 @@ def test_the_keyboard_sorts_and_narrows_the_table(browser):
 
 @pytest.fixture
 def results(tmp_path):
-    """Tables of one row, and a ledger of three claims."""
+    """Tables of two rows, and a ledger of three claims."""
     ledger = pd.DataFrame({"No.": ["1", "2", "3"], "Claim": ["A < B.", "C.", "D of A."]}).assign(Whose="Xie, 2")
     ledger = ledger.assign(**{"Decided by": "runs", "Printed": "", "Ours": "1"})
     verdicts = ["reproduced", "not reproduced; by far", "reproduced"]

@@ -1,4 +1,4 @@
-"""Errors over step sizes, and where the reference is too coarse to resolve them."""
+"""Errors against step sizes, and flags where the reference is too coarse to resolve them."""
 
 import numpy as np
 import pytest

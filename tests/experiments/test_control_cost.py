@@ -1,4 +1,4 @@
-"""Forces and errors of controlled and equal steps, and of general solvers."""
+"""Force evaluations and errors of controlled and equal steps, and of general solvers."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def test_control_reaches_the_exact_motion_of_a_bouncing_mass(reference, monkeypa
     ds = control_cost(["bouncing"], schemes, "pi", [1e-2, 1e-4, 1e-6], [8, 16, 32]).squeeze("problem")
     controlled, multistep = (ds.sel(scheme=one) for one in schemes)
     assert (controlled.status == 0).all() and controlled.error[-1] < 1e-4 < controlled.error[0]
-    # six stages a step, also a rejected one; the first stage is the last one of the previous step
+    # five forces a step, accepted or rejected: the first of six stages is the last stage of the previous step
     np.testing.assert_array_equal(controlled.forces, 5 * (controlled.steps + controlled.rejected))
     np.testing.assert_array_equal(controlled.equal_forces, 5 * 16 * ds.steps_per_sample)
     assert (controlled.equal_error.diff("steps_per_sample") < 0).all()
@@ -67,5 +67,5 @@ def test_rules_of_codes_on_the_hardening_spring(monkeypatch):
     assert (steps.sel(code="Nastran") > [20, 10, 5]).all() and (steps.sel(code="Nastran") < [80, 40, 20]).all()
     assert (steps.sel(code="Abaqus").diff("class") < 0).all() and steps.sel(code="Abaqus").max() < 20
     assert ds.halved_energy_error == pytest.approx(1, abs=0.01)
-    # between 0.2 and 3 in the tests of SciML's package OrdinaryDiffEqNewmark
+    # the tests of SciML's package OrdinaryDiffEqNewmark require a ratio between 0.2 and 3
     assert (ds.error_in_tolerances > 0.2).all() and (ds.error_in_tolerances < 3).all()

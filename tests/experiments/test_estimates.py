@@ -14,7 +14,7 @@ def test_true_errors_under_a_load_are_those_of_the_closed_form():
     problem = study.Problem(lambda u: u, 0.3, 0.1, load=lambda t: t * t)
     ds = study.run(problem, "average_acceleration", controller=study.Prescribed([0.2]), duration=2.0)
     t, u, v, h = ds.t.values, ds.u.values, ds.v.values, 0.2
-    # t² − 2 solves the equation, so the difference from it is a free motion
+    # t² − 2 is a particular solution, so the difference from it is a free motion
     free, speed = u[:-1] - (t[:-1] ** 2 - 2), v[:-1] - 2 * t[:-1]
     exact_u = t[1:] ** 2 - 2 + free * np.cos(h) + speed * np.sin(h)
     exact_v = 2 * t[1:] + speed * np.cos(h) - free * np.sin(h)

@@ -1,4 +1,4 @@
-"""What the authors of later schemes claim, on problems whose answer is known."""
+"""Claims of the authors of later schemes, on problems whose solution is known."""
 
 import numpy as np
 import pytest

@@ -29,7 +29,7 @@ def test_circumstances_cost_the_order_of_theory(found):
     # the carried acceleration belongs to a time within the step
     late = order.sel(scheme="generalized_alpha", quantity="acceleration", circumstance=["damping", "load"])
     np.testing.assert_allclose(late, 1.0, atol=0.35)
-    # a wrong first acceleration shifts the velocity by a part of the first step
+    # a wrong initial acceleration causes an error of the velocity that is proportional to the first step
     wrong = order.sel(scheme="average_acceleration", circumstance="inconsistent_start", quantity="velocity")
     assert wrong == pytest.approx(1.0, abs=0.1)
     # a kink costs the Runge-Kutta method two orders
@@ -66,7 +66,7 @@ def test_newton_iterations_that_end_early_leave_another_error_and_the_order(foun
     loose, plain = (implicit.sel(circumstance=name) for name in ("tolerance_0", "plain"))
     np.testing.assert_allclose(loose.observed_order, plain.observed_order, atol=0.05)
     assert (loose.error != plain.error).any("steps").all()
-    # one iteration a step is enough for most
+    # with the loose tolerance, one iteration is enough in most steps
     case = circumstances_with([100.0], [1e-3])["tolerance_0"]
     schemes_with = schemes["average_acceleration"], LooselyBalanced(schemes["average_acceleration"], 1e-3)
     full, early = (

@@ -1,4 +1,4 @@
-"""Steps for the peak drift under records, from a reference that the test makes itself."""
+"""Step sizes that keep the error of the peak drift under records, with a reference that the test makes itself."""
 
 import numpy as np
 import pytest
@@ -54,7 +54,7 @@ def test_the_step_that_is_needed_keeps_the_error_as_all_finer_ones(found):
     for tried, some in (("all", ours), ("commensurate", ours.isel(step_size=np.flatnonzero(ours.commensurate)))):
         fine = some.step_size <= some.step_needed.sel(tried=tried)
         assert (some.error.where(fine, 0) <= 0.01).all()
-        # the next coarser step does not keep it
+        # the next coarser step does not keep the error
         next_coarser = np.maximum(fine.argmax("step_size") - 1, 0)
         assert ((some.error.isel(step_size=next_coarser) > 0.01) | fine.isel(step_size=0)).all()
     # the error falls with the square of the step once the record is resolved

@@ -29,7 +29,7 @@ def test_energy_errors_are_the_printed_ones(monkeypatch):
     printed = PRINTED.sel(problem="hardening", steps_per_period=steps, scheme=ours.scheme)
     found = ours.max_energy_error.sel(problem="hardening")
     np.testing.assert_allclose(found.sel(period_used="printed"), printed, atol=0.06)
-    # the exact period is another step size
+    # the exact period gives another step size
     assert (abs(found.sel(period_used="exact") - found.sel(period_used="printed")) > 1e-3).all()
     assert (ours.status == 0).all() and (ours.failed_at_step == -1).all()
 
@@ -48,7 +48,7 @@ def test_relaxation_keeps_the_energy_of_the_runs_of_the_tables(monkeypatch):
     printed = PRINTED.sel(problem="hardening", scheme="rk4", steps_per_period=20).item()
     assert found.max_energy_error.sel(variant="plain", steps_per_period=20) == pytest.approx(printed, abs=0.06)
     assert (found.max_energy_error.sel(variant="relaxed") < 1e-9).all()
-    # the motion is nearer to the exact one, and its error falls with the fourth order of the method
+    # relaxation reduces the error of the motion, which still falls with the fourth order of the method
     assert (found.motion_error.sel(variant="relaxed") < found.motion_error.sel(variant="plain")).all()
     coarse, fine = found.motion_error.sel(variant="relaxed")
     assert np.log10(coarse / fine) == pytest.approx(4, abs=0.3)

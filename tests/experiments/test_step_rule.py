@@ -1,4 +1,4 @@
-"""Errors by the step times the highest frequency of the motion."""
+"""Errors against the product of the step and the highest frequency of the motion."""
 
 import numpy as np
 import pytest
@@ -22,11 +22,11 @@ def test_errors_are_those_of_a_run(springs):
     )
     assert one.energy_error.item() == pytest.approx(run.max_energy_error.item() / 100, rel=1e-9)
     assert one.period_error.item() == pytest.approx(abs(run.mean_period.item() / exact.period.item() - 1), rel=1e-9)
-    assert ds.energy_error.isel(omega_step=1).isnull().any()  # beyond the stability limit, two
+    assert ds.energy_error.isel(omega_step=1).isnull().any()  # beyond the stability limit of two
 
 
 def test_the_energy_of_a_well_is_measured_from_its_bottom(springs):
     ds = step_rule(["rk4"], {"first": -1, "last": -0.5, "count": 2}, 10).sel(problem="double_well").isel(scheme=0)
-    # fifth order: a step that is three times as large makes an error of the energy that is some 300 times as large
+    # the energy error is of fifth order: it is some 300 times as large at a step three times as large
     assert ((ds.energy_error[:, 1] / ds.energy_error[:, 0]) > 100).all()
     assert (ds.energy_error[:, 0] < 1e-2).all()

@@ -21,7 +21,7 @@ def end():
 
 
 def order(scheme, end, sizes):
-    """Observed order of the displacement after four seconds, with steps in these proportions."""
+    """Observed order of the displacement after four seconds, with step sizes in the given proportions."""
     errors = []
     for n in (80, 160):
         steps = study.Prescribed(np.asarray(sizes) / np.mean(sizes) * 4 / n)
@@ -102,7 +102,7 @@ def test_a_family():
 
 
 def test_many_samples_and_several_unknowns():
-    """More steps than one call stores."""
+    """The run has more steps than one call of the program stores."""
     problem = study.Problem(stiffness=np.array([[2.0, -1.0], [-1.0, 2.0]]), u0=[1.0, 0.0])
     ds = study.run(problem, "average_acceleration", tolerance=1e-8, duration=30.0)
     assert ds.steps > 5000 and ds.u.dims == ("t", "component") and (np.diff(ds.t) > 0).all()

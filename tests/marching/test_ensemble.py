@@ -1,4 +1,4 @@
-"""Ensembles are many single runs."""
+"""Ensembles give the results of many single runs."""
 
 import jax
 import jax.numpy as jnp
@@ -84,7 +84,7 @@ def test_a_failed_lane_is_frozen_whole_with_its_neighbour():
     dt = jnp.asarray([0.1, 3.5])
     progress, initial, stored = definition.start(jnp.full(2, 0.5), jnp.zeros(2), dt, 1)
     progress, _ = definition.proceed(progress, stored, initial, dt, 1000, 1, 0, each_step=False)
-    # no balance was found, at some step before the last one
+    # the second lane found no balance, at some step before the last one
     assert progress.failure[0] == 0 and progress.failure[1] % 3 == 0 < progress.failure[1] < 3000
-    # NaN, on which Newton's iteration ends at once
+    # its state is NaN, which ends Newton's iteration at once
     assert all(np.isnan(part[1]) and np.isfinite(part[0]) for part in jax.tree.leaves(progress.state.inner))

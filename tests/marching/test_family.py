@@ -1,4 +1,4 @@
-"""Ensembles over what a problem is made of."""
+"""Ensembles whose lanes differ in the arguments of a problem."""
 
 import jax
 import jax.numpy as jnp

@@ -64,7 +64,7 @@ def test_a_number_of_samples_fits_runs_of_every_length(u0):
 
 @pytest.mark.parametrize("every", [1, 10, 1000])
 def test_a_pause_changes_nothing(monkeypatch, every):
-    """A pause may lie between two samples."""
+    """The march may pause between two samples."""
     arguments = {"dt": 0.002, "steps": 3000, "every": every, "observe": ["trajectory", "max_energy_error"]}
     at_once = study.run("softening", "houbolt", **arguments)
     monkeypatch.setattr(program, "PAUSE", 257)
@@ -79,9 +79,9 @@ def test_a_failure_ends_a_run_at_its_pause(monkeypatch):
 
 @pytest.mark.parametrize("u0", ["1.5", "[1.0] * 2000"], ids=["alone", "ensemble"])
 def test_a_long_run_can_be_interrupted(tmp_path, u0):
-    """Ctrl-C ends a run of a million million steps, and files written before stay."""
+    """Ctrl-C ends a run of 10¹² steps, and files that were written before it are kept."""
     code = (
-        # a shell that runs the tests in the background ignores interrupts
+        # a shell that starts the tests in the background makes them ignore interrupts
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
         "import study; study.io.write(study.run('hardening', 'rk4', dt=1e-4, steps=10), 'kept.nc'); "
         "print('ready', flush=True); "
@@ -166,7 +166,7 @@ def test_a_step_without_a_solution_is_recorded():
 
 
 def test_step_size_and_count_share_one_compilation(caplog):
-    problem = study.Problem(lambda u: u, u0=1.0, potential=lambda u: u**2 / 2)  # which no other test has compiled
+    problem = study.Problem(lambda u: u, u0=1.0, potential=lambda u: u**2 / 2)  # compiled by no other test
     with jax.log_compiles():
         for dt, steps in ((0.01, 10), (0.02, 20), (0.03, 30)):
             study.run(problem, "houbolt", dt=dt, steps=steps, observe=["max_energy_error"])

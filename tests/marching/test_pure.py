@@ -1,4 +1,4 @@
-"""A run as a pure function: its derivatives against finite differences of many digits, its memory, its refusals."""
+"""A run as a pure function: its derivatives against multiprecision finite differences, its memory, its refusals."""
 
 import jax
 import jax.numpy as jnp
@@ -9,7 +9,7 @@ import study
 
 
 def _average_acceleration(stiffness, cubic, steps=40, dt="0.05"):
-    """Last displacement of ü + k u + c u³ = 0, u₀ = 1, with mpmath's numbers and bisection-free Newton."""
+    """Last displacement of ü + k u + c u³ = 0 from u₀ = 1 at rest, in multiple precision, by plain Newton iteration."""
     u, v, dt = mpmath.mpf(1), mpmath.mpf(0), mpmath.mpf(dt)
     a = -stiffness * u - cubic * u**3
     for _ in range(steps):

@@ -14,7 +14,7 @@ def test_schemes_run_in_single_precision(kind):
         single = study.run("hardening", kind, **arguments)
     assert single.u.dtype == np.float32 and single.status == 0
     difference = np.abs(single.u - double.u).max().item()
-    # more than zero, and at most some hundred round-offs; schemes with differences over Δt² lose more
+    # more than zero, and at most a few hundred round-offs; schemes with differences divided by Δt² lose more
     assert 1e-8 < difference < (2e-3 if kind == "houbolt" else 5e-5)
 
 
@@ -45,7 +45,7 @@ def test_a_structure_in_single_precision():
 
 
 def _single_round_off(scheme, dt, steps):
-    """Round-off of the mean energy error over all runs, against compensated double precision."""
+    """Round-off of the mean energy error against compensated double precision, as the root mean square of all runs."""
     observed = []
     for double, method in ((False, scheme), (True, study.Compensated(scheme))):
         with jax.enable_x64(double):
@@ -55,7 +55,7 @@ def _single_round_off(scheme, dt, steps):
 
 
 def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
-    """Newmark's form of central difference drifts; velocity Verlet, the same scheme by kicks and drifts, does not."""
+    """The energy drifts with Newmark's form of central difference, but not with its kick-drift-kick form."""
     short = np.ldexp(np.arange(3936, 4064), -19)
     long = short + np.ldexp(1365, -31)
     newmark, verlet = study.schemes["central_difference"], study.Composition((1.0,), of_order=2)
@@ -65,7 +65,7 @@ def test_single_precision_drifts_where_it_rounds_the_square_of_the_step():
 
 
 def test_single_precision_comes_back_bit_for_bit():
-    """Without a drift the state returns, since few numbers lie near the orbit."""
+    """Without a drift of the energy the run becomes periodic, since few numbers lie near the orbit."""
     with jax.enable_x64(False):
         ds = study.run("hardening", "yoshida4", dt=np.ldexp(3972, -19), steps=200_000)
     states = list(zip(ds.u.values.tolist(), ds.v.values.tolist(), strict=True))

@@ -132,7 +132,7 @@ def test_constants_and_lists_are_loads():
 
 
 class _Switched(eqx.Module):
-    """A load that ends, as a list."""
+    """A load that returns a list; its second component ends at t = 0.5."""
 
     kinks = (0.5,)
 
@@ -145,7 +145,7 @@ def test_a_load_as_a_list_keeps_its_kinks():
 
 
 def test_an_array_is_no_load():
-    with pytest.raises(TypeError, match="load must be a function, not an array: jnp.interp makes one of samples."):
+    with pytest.raises(TypeError, match="load must be a function, not an array: use jnp.interp for samples."):
         study.Problem(lambda u: u, u0=0.0, load=np.ones(100))
 
 
@@ -162,7 +162,7 @@ def test_neither_force_nor_potential_is_refused():
         (np.arange(1.0, 6.0), False),
         (np.arange(5.0), True),
         (np.diag([1.0, 1.0, 0.0, 1.0, 1.0]), True),
-        # a mass that moves with the sum of two unknowns only; the rank is lost to round-off
+        # singular: a uniform acceleration needs no force, but round-off hides it
         (np.eye(5) - np.full((5, 5), 0.2), True),
         (np.eye(5) - np.full((5, 5), 0.19), False),
     ],
@@ -190,7 +190,7 @@ def test_schemes_with_a_limit_of_stability_need_a_mass_everywhere(scheme):
 
 @pytest.mark.parametrize("mass", [[1.0, 1.0, 0.0, 1.0, 1.0], np.diag([1.0, 1.0, 0.0, 1.0, 1.0])])
 def test_an_implicit_scheme_takes_a_massless_unknown(mass):
-    """At a massless unknown the springs are in balance."""
+    """The forces of the springs at a massless unknown balance each other."""
     problem = _problem(u0=np.array([0.0, 0.3, 0.6, 0.9, 1.2]), mass=mass)
     ds = study.run(problem, "average_acceleration", dt=0.1, steps=10)
     assert ds.status == 0
@@ -209,7 +209,7 @@ def test_a_load_that_is_no_number_is_refused_before_the_run(number):
 @pytest.mark.parametrize("mass", [None, 2.0, np.arange(1.0, 6.0), 4 * np.eye(N) + np.eye(N, k=1) + np.eye(N, k=-1)],
                          ids=["none", "number", "diagonal", "matrix"])  # fmt: skip
 def test_rayleigh_damping_is_of_mass_and_stiffness(structure, mass):
-    """C = aM + bK with the stiffness at rest, wherever the motion starts."""
+    """C = aM + bK with the stiffness at u = 0, whatever the initial displacement."""
     a, b = 0.3, 0.05
     problem = _problem(u0=np.linspace(0, 2, N), mass=mass, damping=study.Rayleigh(a, b), tangent=structure)
     whole = np.eye(N) if mass is None else np.diag(np.broadcast_to(mass, N)) if np.ndim(mass) < 2 else mass

@@ -55,7 +55,7 @@ def test_switches_change_their_sign_at_kinks(force, arguments, expected):
 def test_smooth_problems_of_the_study_are_seen_as_smooth():
     """Their iterations need no safeguard, which would cost compilation."""
     kinked = [name for name in study.problems if study.problems[name].kinked]
-    # the load on the beam ends with a branch, though smoothly
+    # the load on the beam ends smoothly, but with a branch
     assert sorted(kinked) == ["belt", "bouncing", "elastic_beam", "hysteretic", "yielding"]
 
 

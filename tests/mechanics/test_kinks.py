@@ -17,7 +17,7 @@ kinks = st.lists(st.floats(-2.0, 2.0), min_size=3, max_size=3)
 
 
 class PieceByPiece(eqx.Module):
-    """A force that is continuous, rises, and has a slope of its own between any two kinks."""
+    """A continuous, rising force, with a given slope between any two kinks."""
 
     slopes: np.ndarray
     kinks: np.ndarray
@@ -40,7 +40,7 @@ def test_random_pieces_are_solved_as_by_bisection(slopes, kinks, rhs, u, c_u):
 
 
 def test_two_branches_do_not_take_turns():
-    """Plain Newton's iteration jumps between the outer branches of this force for ever."""
+    """Plain Newton's iteration cycles between the outer branches of this force."""
     force = PieceByPiece(np.array([1.0, 100.0, 1.0]), np.array([-1.0, 1.0]))
     plain = 3.0
     for _ in range(20):
@@ -53,7 +53,7 @@ def test_two_branches_do_not_take_turns():
 
 
 def test_a_force_that_jumps_is_met_in_the_jump():
-    """The acceleration of a mass that Coulomb's law brings to rest is the one that stops it within the jump."""
+    """If the mass stops within the step, the root of the balance lies in the jump of Coulomb's law."""
     problem = study.Problem(lambda u, v: 5.0 * jnp.sign(v), u0=0.0, v0=0.1)
     a, effort = eqx.filter_jit(balance)(problem, *map(jnp.asarray, (0.0, 0.05, 0.1, 0.25, 0.5, -5.0)))
     assert effort.converged and effort.iterations < MAX_ITERATIONS
@@ -61,7 +61,7 @@ def test_a_force_that_jumps_is_met_in_the_jump():
 
 
 class RowWithStops(eqx.Module):
-    """Four masses in a row, each between springs and stops a hundred times as stiff."""
+    """Four masses in a row of springs, each with a stop that is a hundred times as stiff."""
 
     openings: np.ndarray
 
@@ -84,7 +84,7 @@ def test_several_unknowns_with_stops_are_solved(seed):
 
 
 def _softened(u):
-    """A hundredth of the stiffness beyond a tenth."""
+    """A force whose stiffness falls to a hundredth beyond |u| = 0.1."""
     return 1e4 * (u - 0.99 * jnp.where(u > 0.1, u - 0.1, 0.0) - 0.99 * jnp.where(u < -0.1, u + 0.1, 0.0))
 
 
@@ -95,7 +95,7 @@ def test_uncoupled_springs_that_soften_run_as_each_of_them_alone(v0, dt):
         study.Problem(_softened, np.zeros(len(v0)), v0), "average_acceleration", dt=dt, steps=100, on_failure="raise"
     )
     alone = study.run(study.Problem(_softened, 0.0, v0[0]), "average_acceleration", dt=dt, steps=100)
-    # neighbouring runs diverge later, because the step is too long for the spring
+    # later the runs diverge from round-off, because the step is too long for the spring
     np.testing.assert_allclose(together.u[:20, 0], alone.u[:20], atol=1e-6)
 
 
@@ -119,7 +119,7 @@ def test_fluid_dampers_of_small_exponent_run(exponent):
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e9])
 def test_several_unknowns_do_not_swing_between_sticking_and_slipping(stiffness):
-    """The balance of a contact far stiffer than its neighbours, the minimum of a convex function, is found."""
+    """The balance of a contact far stiffer than its neighbours, the minimum of a convex function, is always found."""
     contact = study.materials.elements(study.materials.friction(20.0, stiffness), lambda u: u[:-1] - u[1:], 1)
 
     def force(u, v, history):

@@ -20,7 +20,7 @@ def test_convergence_is_quadratic_down_to_round_off():
 
 
 def test_a_far_guess_is_given_the_iterations_that_it_needs():
-    """On the steep side of an exponential each iteration comes nearer by one unit of the exponent."""
+    """On the steep side of an exponential each iteration reduces the exponent by one only."""
     problem = study.Problem(jnp.expm1, u0=1.0)
     a, effort = balance(problem, *map(jnp.asarray, (0.0, 0.5, 0.0, 1.0, 0.0, 40.0)))
     assert effort.converged and 40 < effort.iterations < MAX_ITERATIONS
@@ -28,7 +28,7 @@ def test_a_far_guess_is_given_the_iterations_that_it_needs():
 
 
 def _corrected(spring, u, c_u, a):
-    """One more Newton iteration, and its correction relative to the displacement."""
+    """Result of one more Newton iteration, and its correction relative to the displacement."""
     force, tangent = jax.jvp(jax.vmap(spring.force), (u + c_u * a,), (jnp.ones_like(u),))
     correction = (a + force) / (1 + c_u * tangent)
     a = a - correction
@@ -50,7 +50,7 @@ def test_no_third_correction_if_it_is_predicted_to_be_round_off(problem, steps_p
 
 
 def test_failure_is_reported_within_the_bound():
-    """Under a force like a root of the displacement the iteration jumps from side to side for ever."""
+    """Under the cube root of the displacement as a force, Newton's iteration does not converge."""
     problem = study.Problem(lambda u: jnp.cbrt(u), u0=1.0)
     _, effort = balance(problem, 0.0, jnp.asarray(1.0), jnp.asarray(0.0), 1e9, 1.0, jnp.asarray(1.0))
     assert not effort.converged

@@ -27,11 +27,11 @@ def test_the_period_is_that_of_linear_theory(scheme, double, accuracy):
     with jax.enable_x64(double):
         ds = study.run(HARMONIC, scheme, dt=dt, steps=2_000_000, observe=["oscillations"])
     period = _period(scheme, dt)
-    # from rest the first crossing comes at three quarters
+    # from rest the first upward crossing comes at three quarters of the period
     assert ds.crossings == np.floor(2_000_000 * dt / period + 0.25)
     assert ds.mean_period.item() == pytest.approx(period, rel=accuracy)
     last = (ds.crossings.item() - 0.25) * period / dt
-    # single precision loses part of the phase of 31,250 periods; in double precision the interpolation has an error
+    # single precision loses digits of the phase over 31,250 periods; in double precision only the interpolation errs
     assert ds.last_crossing_step.item() + ds.last_crossing_part.item() == pytest.approx(last, abs=1e-4 if double else 2)
     assert ds.last_crossing_step % 1 == 0 and 0 < ds.last_crossing_part <= 1
 

@@ -43,7 +43,7 @@ def test_a_problem_at_rest_is_in_balance():
 
 
 def test_a_blow_up_is_no_loss():
-    """The imbalance is relative to the energy at the start, and far above one after a blow-up."""
+    """The imbalance is relative to the initial energy, and far above 1 after a blow-up."""
     stiff = study.Problem(lambda u: 100 * u, 1.0, potential=lambda u: 50 * u * u)
     assert _balance(stiff, "central_difference", 0.25, 20, bound=np.inf).max_energy_imbalance > 1e2
 
@@ -56,7 +56,7 @@ def test_an_oscillator_dissipates_all_that_it_had():
 
 
 def test_half_of_the_work_of_a_load_that_stays_is_dissipated():
-    """The load does the work f²/k; half of it is left in the spring."""
+    """The load does the work f²/k; half of it stays in the spring, and half is dissipated."""
     problem = study.Problem(
         lambda u: 9 * u, 0.0, potential=lambda u: 4.5 * u * u, mass=2.0, damping=1.2, load=lambda t: jnp.asarray(3.0)
     )

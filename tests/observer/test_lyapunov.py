@@ -13,7 +13,7 @@ def test_a_stretched_linear_map_grows_by_its_spectral_radius():
     rho = LinearTheory("central_difference", np.array([dt / (2 * np.pi)])).spectral_radius[0]
     ds = study.run(oscillator(), "central_difference", dt=dt, steps=400, observe="lyapunov_exponent", bound=np.inf)
     assert ds.lyapunov_exponent.item() * dt == pytest.approx(np.log(rho), rel=0.01)
-    # |δ| = ρⁿ passes 2³³, a step or two sooner or later
+    # |δ| ≈ ρⁿ exceeds 2³³ within a few steps of this time
     assert ds.apart_from.item() / dt == pytest.approx(np.log(2.0**33) / np.log(rho), abs=3)
 
 
@@ -29,7 +29,7 @@ def test_neighbours_part_as_two_runs_do():
     met = int(np.argmax(np.abs(pair[1] - pair[0]).values > 1e-2))
     alone = study.run("double_well", "average_acceleration", dt=dt, steps=met, observe=["lyapunov_exponent"])
     assert ds.lyapunov_exponent.item() * dt > 0.1
-    # ln of the growth so far, which the pair shows as long as it is small
+    # logarithm of the growth, which the pair of runs shows as long as their distance is small
     assert alone.lyapunov_exponent.item() * met * dt == pytest.approx(np.log(1e-2 / 1e-10), abs=2.5)
 
 

@@ -9,7 +9,7 @@ from study.problem import trusses
 
 
 def test_conservation_in_a_spinning_truss(small_truss):
-    """Energy-momentum conserves the energy and both momenta, the midpoint rule the momenta."""
+    """The energy-momentum method conserves the energy and both momenta, the midpoint rule only the momenta."""
     problem = trusses.spinning_truss()
     ours, midpoint = (
         study.run(problem, name, dt=0.1, steps=100, observe=["max_energy_error", "momentum_errors"])
@@ -22,7 +22,7 @@ def test_conservation_in_a_spinning_truss(small_truss):
 
 
 def test_momenta_in_space_are_those_in_the_plane():
-    """Two masses on a spring, in their plane and turned out of it; Houbolt's method keeps no angular momentum."""
+    """Two masses on a spring, in a plane and rotated in space; Houbolt's method does not conserve angular momentum."""
     places, speeds = np.array([[-1.0, 0.0], [1.0, 0.0]]), np.array([[0.3, -1.0], [0.1, 1.0]])
     turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0][:, :2].T
 

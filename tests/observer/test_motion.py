@@ -61,7 +61,7 @@ def test_unfit_quantities_are_refused():
 
 
 def test_floors_are_accelerated_with_the_ground():
-    """Without a spring, nothing moves in a frame at rest; on a stiff one, the mass follows the ground."""
+    """Without a spring the mass has no absolute acceleration; on a stiff spring it follows the ground."""
     ground = study.GroundMotion([0.0, 1.0, -1.0, 0.5, 0.0], 0.5)
     observe = ["trajectory", "absolute_acceleration"]
     loose = study.Problem(lambda u: 0 * u, u0=0.0, ground=ground)

@@ -1,4 +1,4 @@
-"""Where the rest of a problem lies, and when a run crosses its hill."""
+"""Where a problem is at rest, and when a run crosses the hill of its potential."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ def test_a_run_from_above_the_hill_is_in_no_wrong_well():
 
 
 def test_a_run_has_grown_once_it_keeps_a_hundred_times_the_energy():
-    """Average acceleration with negative damping γ < ½ multiplies the energy of u² / 2 by one factor a step."""
+    """With γ < ½, average acceleration multiplies the energy of a linear spring by a constant factor each step."""
     spring = study.Problem(lambda u: u, 1.0, potential=lambda u: u * u / 2, title="linear")
     scheme, dt = study.Newmark(beta=0.25, gamma=0.25), 0.2
     theory = study.LinearTheory(scheme, np.array([dt / (2 * np.pi)])).spectral_radius.item()

@@ -1,4 +1,4 @@
-"""The texts, article and supplement, and what is made for them."""
+"""The texts, and the numbers, figures and tables that are made for them."""
 
 import inspect
 import json
@@ -73,7 +73,7 @@ def test_every_figure_and_table_is_cited_in_order(text):
 
 @pytest.mark.parametrize("text", TEXTS, ids=lambda text: text.stem)
 def test_no_semicolon_follows_a_number(text):
-    # Typst takes it for the end of the number and does not print it
+    # Typst reads the semicolon as the end of the expression and does not print it
     assert not re.findall(r"#n\.[\w.]+;", text.read_text())
 
 
@@ -93,7 +93,7 @@ def test_every_problem_that_is_not_one_of_1996_is_stated_with_the_numbers_of_its
 def test_facts_are_what_holds_takes_and_numbers_are_not():
     names = {name for text in TEXTS for name in re.findall(r"#holds\(n\.(\w+)\)", text.read_text())}
     assert names
-    # a fact that is printed would read true or false
+    # a fact in the printed text would appear as true or false
     for text in TEXTS:
         printed = re.sub(r"#holds\(n\.\w+\)", "", text.read_text())
         assert not names & set(uses(printed)["number"])
@@ -118,7 +118,7 @@ def test_a_fact_must_be_true_or_false(tmp_path):
         _compiled(tmp_path, {"yes": "True", "no": False, "absent": None, "number": "3"})
 
 
-#: A key of a mapping at the start of a line or in a comprehension, or one that is set; selections stand within a line.
+#: A key of a mapping at the start of a line, in a comprehension or in an assignment; other keys within a line select.
 _KEY = re.compile(r'^ +f?"([^"]+)": |\{f"([^"]+)": |^ +\w+\[f?"([^"]+)"\] = ', re.MULTILINE)
 
 

@@ -90,7 +90,7 @@ def test_what_is_asked(requires, sentence):
 
 @pytest.fixture(params=["study.yaml", "full.yaml"])
 def config(request) -> dict:
-    """The configurations that are shipped."""
+    """Every shipped configuration in turn."""
     settings = yaml.safe_load((CONFIG / "study.yaml").read_text())
     update_config(settings, yaml.safe_load((CONFIG / request.param).read_text()))
     return complete(settings)
@@ -159,7 +159,7 @@ def test_a_figure_is_one_new_file(tmp_path):
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert all((tmp_path / f"own{suffix}").stat().st_size > 1000 for suffix in (".pdf", ".png", ".svg"))
-    assert b'width="238.32pt"' in (tmp_path / "own.svg").read_bytes()  # the style of the figures
+    assert b'width="238.32pt"' in (tmp_path / "own.svg").read_bytes()  # the width in the style of the figures
     done = subprocess.run([*command, "--width", "90"], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert b'width="255.118' in (tmp_path / "own.svg").read_bytes()

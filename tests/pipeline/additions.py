@@ -1,6 +1,6 @@
-"""One file for each kind of thing that a reader may add."""
+"""A file for each kind of addition that a reader may make."""
 
-#: Path in the project: text.
+#: Text of each file, by its path in the project.
 ADDED = {
     "study/scheme/mine.py": '''"""A user's scheme."""
 

@@ -13,14 +13,14 @@ from pipeline import configuration
 from study.declaration.experiment import discover
 from tests.pipeline.pipeline import PROJECT, SMALL
 
-#: Sections on which most other sections depend, so that a change would make all datasets again.
+#: Sections on which most other sections depend; a change in them would make all datasets again.
 DEEP = {"references", "agreement", "accuracy", "work_precision", "assess", "structures"}
-#: Number of values that are changed, and the factors by which they are multiplied.
+#: Number of sections with changed values, and the factors by which values are multiplied.
 NUMBERS, FACTORS = 5, (0.3, 0.5, 0.7, 1.4, 2.0)
 
 
 def _numbers(section: Any, above: tuple = ()) -> Iterator[tuple]:
-    """The places of all numbers."""
+    """The keys that lead to each number of a section."""
     entries = section.items() if isinstance(section, dict) else enumerate(section) if isinstance(section, list) else ()
     for key, value in entries:
         if isinstance(value, int | float) and not isinstance(value, bool):

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -46,8 +47,13 @@ def call_snakemake(folder: Path, *arguments: str, overlays=(SMALL,)) -> subproce
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
 
 
+def interruptible() -> None:
+    """Let a new process react to Ctrl-C, which a shell that runs the tests in the background makes it ignore."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def make(folder: Path, *products: str, **options) -> None:
-    """Make products below the results, or all."""
+    """Make the products with these paths below the results, or all products."""
     done = call_snakemake(folder, *(f"results/{product}" for product in products), **options)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
 

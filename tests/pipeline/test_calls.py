@@ -11,7 +11,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from tests.pipeline.pipeline import SMALL, call_snakemake, copied, hashes_of, make
+from tests.pipeline.pipeline import SMALL, call_snakemake, copied, hashes_of, interruptible, make
 
 TARGETS = ["energy_drift.nc", "houbolt_start.nc"]
 PATHS = [f"results/{target}" for target in TARGETS]
@@ -38,15 +38,17 @@ def running(folder, undisturbed):
     """A run that has begun to make the datasets again."""
     for target in TARGETS:
         (folder / "results" / target).unlink(missing_ok=True)
-    # a shell that runs the tests in the background ignores interrupts
-    code = (
-        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-        "from snakemake.cli import main; main()"
-    )
-    command = [sys.executable, "-c", code, *PATHS, "--configfile", str(SMALL)]
-    environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
+    command = [sys.executable, "-m", "snakemake", *PATHS, "--configfile", str(SMALL)]
     with (folder / "log").open("w") as log:
-        run = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment, start_new_session=True)
+        run = subprocess.Popen(
+            command,
+            cwd=folder,
+            stdout=log,
+            stderr=log,
+            env=os.environ | {"SOURCE_DATE_EPOCH": "0"},
+            start_new_session=True,
+            preexec_fn=interruptible,
+        )
     _wait(lambda: len(_processes(folder)) > 3)
     yield run
     if run.poll() is None:
@@ -86,7 +88,7 @@ def test_no_process_outlives_a_run_that_is_killed(folder, running):
 
 
 def test_the_pipeline_goes_on_without_its_worker_and_after_interrupts(folder, running, undisturbed):
-    """Jobs then run by themselves, and the datasets are those of a run that nothing disturbs."""
+    """Without the worker, jobs run by themselves, and the datasets are those of an undisturbed run."""
     unfinished = folder / "results" / ".site.1.ab.unfinished" / "index.html"
     unfinished.parent.mkdir()
     unfinished.write_text("of a site that a killed run has left")

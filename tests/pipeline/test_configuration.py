@@ -26,7 +26,7 @@ PRODUCTS = products.discover()
 
 
 def _shipped(name: str) -> dict:
-    """A configuration that overrides the study's, as in Snakemake."""
+    """The configuration of the study, overridden by another one as Snakemake does."""
     settings = yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())
     update_config(settings, yaml.safe_load((PROJECT / "config" / name).read_text()))
     return settings
@@ -37,7 +37,7 @@ SHIPPED = {name: _shipped(name) for name in ("study.yaml", "full.yaml")}
 
 @pytest.fixture(params=SHIPPED)
 def config(request) -> dict:
-    """The configurations that are shipped."""
+    """Every shipped configuration in turn."""
     return copy.deepcopy(SHIPPED[request.param])
 
 

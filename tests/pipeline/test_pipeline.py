@@ -41,7 +41,7 @@ def copy(project, tmp_path) -> Path:
 
 
 def _would_run(folder: Path) -> set[str]:
-    """The products that a further call would make again, under ``results`` and without ending."""
+    """Paths below ``results``, without suffix, of the products that a further call would make."""
     done = call_snakemake(folder, "--summary")
     assert done.returncode == 0, done.stderr[-4000:]
     rows = list(csv.DictReader(done.stdout.splitlines(), delimiter="\t"))
@@ -90,7 +90,7 @@ def test_datasets_explain_themselves(project):
 
 
 def test_datasets_keep_the_cf_conventions(project, tmp_path):
-    """One file of every kind: those of one experiment differ in their numbers."""
+    """Checked on one file for every set of variables; files with the same variables differ only in their numbers."""
     of_kind = {}
     for path in sorted((project / "results").rglob("*.nc")):
         with xr.open_dataset(path) as ds:

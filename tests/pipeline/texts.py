@@ -20,7 +20,7 @@ def check_latex(project: Path, folder: Path) -> None:
     """Write and compile the sources: they have the figures, tables and citations of the texts, and all references."""
     subprocess.run([sys.executable, "-m", "paper.latex", project / "results", folder], cwd=project, check=True)
     for name in PAGES:
-        # until references and the widths of tables are settled
+        # repeated until references and the widths of tables are settled
         for command in ([*PDFLATEX, name], ["bibtex", name], *3 * [[*PDFLATEX, name]]):
             subprocess.run(command, cwd=folder, capture_output=True, check=False)
         log = (folder / f"{name}.log").read_text(errors="replace")
@@ -38,12 +38,12 @@ def check_latex(project: Path, folder: Path) -> None:
 WORD = re.compile(r'<word xMin="(.+?)" yMin="(.+?)" xMax="(.+?)" yMax="(.+?)">(.*?)</word>')
 #: Lower and right margin in points, and how far a word may reach into it.
 MARGIN, INTO_MARGIN = 54, 6
-#: Words of a page that may lie over others, as signs of an equation do.
+#: Largest number of pairs of overlapping words on a page; signs of an equation may overlap.
 OVERLAPS = 2
 
 
 def check_pages(results: Path) -> None:
-    """Texts are short enough; no page has overlapping words, or words in its lower or right margin."""
+    """Check the number of pages; no page has many overlapping words, or words in its lower or right margin."""
     for name, (least, most) in PAGES.items():
         command = ["pdftotext", "-bbox", str(results / f"{name}.pdf"), "-"]
         stated = subprocess.run(command, capture_output=True, text=True, check=True).stdout

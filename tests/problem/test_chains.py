@@ -28,7 +28,7 @@ def test_central_difference_has_the_exact_motion_of_a_linear_bar():
     n = bar.u0.size
     exact = study.run(bar, "central_difference", dt=1 / n, steps=2 * n, every=n // 2)
     np.testing.assert_allclose(exact.u[-1], at.u, rtol=0, atol=1e-13)
-    # the displacement at the end rises evenly until the wave is back
+    # the displacement of the struck end rises linearly until the reflected wave arrives
     np.testing.assert_allclose(exact.u[:, 0], exact.t, rtol=0, atol=1e-13)
     finer = study.run(bar, "central_difference", dt=0.25 / n, steps=8 * n, every=8 * n)
     assert np.abs(finer.u[-1] - at.u).max() > 1e-3

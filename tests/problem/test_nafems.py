@@ -16,7 +16,7 @@ def _middle(name, u):
 
 
 def _peak(name):
-    """Largest value in the middle, and its time."""
+    """Largest displacement in the middle, and its time."""
     ds = study.run(name, "gauss4", dt=known[name].time / 400, steps=600)
     middle = _middle(name, ds.u.values)
     return middle.max(), ds.t.values[middle.argmax()]

@@ -207,7 +207,7 @@ def test_ctrl_c_before_the_truth_is_known_ends_the_question(tmp_path):
 
 
 def _eight_seconds(run, scheme, dt, duration):
-    """A run that has taken eight seconds at a step of one second."""
+    """A run whose time is eight seconds divided by its step in seconds."""
     return Run(scheme, dt, "completed", "", 1.0, 8.0 / dt, np.empty(0), {"peak": np.array(1.0)})
 
 
@@ -265,7 +265,7 @@ def test_runs_are_known_by_the_source(tmp_path):
 
 
 def test_a_curve_at_its_steps_needs_no_spline():
-    """Between its steps it needs one."""
+    """Only values between the steps need a spline."""
     t = np.linspace(0, 1, 11)
     curve = Curve(t, np.stack([np.sin(t), np.cos(t)], axis=1))
     assert (curve.at(t[::2] + 1e-9) == curve.values[::2]).all() and "_spline" not in vars(curve)

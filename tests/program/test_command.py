@@ -89,7 +89,7 @@ def test_an_unfit_command_is_refused():
 def test_the_example_in_c_is_assessed(tmp_path, monkeypatch):
     """Its assessment equals that of the same oscillator in Python."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    # otherwise their number depends on the time of a run
+    # otherwise the number of confirming runs depends on the time of a run
     monkeypatch.setattr(search, "MOST_CONFIRMING", search.FEWEST_CONFIRMING)
     source, made = PROJECT / "examples" / "oscillator.c", tmp_path / "oscillator"
     subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", made, source, "-lm"], check=True)

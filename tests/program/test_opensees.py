@@ -25,7 +25,7 @@ def example(tmp_path):
 
 
 def _errors_against(found, finer):
-    """Largest differences from a finer run at the times of a run, relative to its size."""
+    """Largest differences from a finer run at the times of a run, relative to the largest values of the finer run."""
     every = round((len(finer["t"]) - 1) / (len(found["t"]) - 1))
     return {n: np.abs(found[n] - finer[n][::every]).max() / np.abs(finer[n]).max() for n in found}
 

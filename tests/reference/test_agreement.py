@@ -1,4 +1,4 @@
-"""Every route to the reference against the others, and the arguments that it refuses."""
+"""Every route to the reference against the others, and the arguments that routes refuse."""
 
 import jax.numpy as jnp
 import numpy as np

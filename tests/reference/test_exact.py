@@ -37,7 +37,7 @@ def test_motion_is_certified_and_closes_after_a_period(name):
 
 
 def test_folding_is_the_long_integration():
-    """The reference of the hundredth period, folded, against a run of 128 bits through all hundred."""
+    """The reference of the hundredth period, folded into the first, against a run of 128 bits over all periods."""
     problem = study.problems["softening"]
     t = np.array([113.7, 113.9, 114.05])
     truth = exact.folded(problem, t, *exact.period(problem, 1.14))
@@ -48,7 +48,7 @@ def test_folding_is_the_long_integration():
 
 @pytest.mark.parametrize("name", CUBIC)
 def test_the_reference_after_a_hundred_thousand_periods_is_the_closed_form(name):
-    """At times in any order, among them whole periods, where rounding decides on which side a time lies."""
+    """The times are in any order. Some are whole periods, where rounding decides on which side a time lies."""
     problem, found = study.problems[name], exact.period(study.problems[name], approximate_periods[name])
     once = float(found[0])
     t = np.concatenate(

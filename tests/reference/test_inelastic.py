@@ -75,7 +75,7 @@ def test_schemes_converge_to_the_motion_of_a_damper():
 
 
 def test_the_pulse_has_a_closed_form():
-    """Forced up to the end of the half sine, and free from there."""
+    """The motion is forced up to the end of the half sine, and free afterwards."""
     omega, end = 2 * np.pi / PERIOD, 0.2
     r = np.pi / (omega * end)
 

@@ -28,7 +28,7 @@ def test_two_solvers_agree_on_a_stiff_chain():
 
 @pytest.mark.parametrize("name", closed_form.STRUCTURE_TRAJECTORIES)
 def test_closed_forms_solve_the_equation_of_motion(name):
-    """By central differences of the closed form, and at the problem's start."""
+    """Checked by central differences of the closed form, and at the initial condition."""
     problem, h = study.problems[name], 1e-6
     t = np.array([0.3, 1.1, 2.7])
     u, _ = closed_form.structure_trajectory(name, problem, t)

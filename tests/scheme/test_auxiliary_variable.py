@@ -30,7 +30,7 @@ def test_it_is_of_second_order():
 
 
 def test_its_energy_does_not_grow_and_its_motion_ends_where_no_forces_balance():
-    """In the double well, whose positions of rest are −1, 0 and 1, at the step of the article."""
+    """The double well has its equilibria at −1, 0 and 1; the step is that of the article."""
     problem, scheme, dt = study.problems["double_well"], study.AuxiliaryVariable(), jnp.asarray(2.5)
     state, _ = scheme.start(problem, jnp.asarray(problem.u0), jnp.asarray(problem.v0), dt)
     step = jax.jit(lambda state: scheme.step(problem, state, 0.0, dt)[0])

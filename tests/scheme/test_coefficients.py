@@ -26,7 +26,7 @@ PROBLEM = study.Problem(force, u0=0.7, v0=-0.4, mass=MASS, damping=DAMPING, load
 
 
 def balanced(u, v, c_u, c_v, w, r):
-    """The unknown a of the balance of forces."""
+    """The solution a of the balance of forces."""
     return brentq(
         lambda a: MASS * a + DAMPING * (v + c_v * a) + w * force(u + c_u * a) - r, -1e3, 1e3, xtol=1e-14, rtol=1e-15
     )

@@ -11,7 +11,7 @@ import study
 @pytest.mark.parametrize("name", ["energy_momentum", "average_vector_field"])
 @pytest.mark.parametrize("problem, dt", [("hardening", 0.15 / 8), ("double_well", 2.5)])
 def test_energy_of_a_quartic_is_conserved_to_round_off(name, problem, dt):
-    """At step sizes with which the error of average acceleration exceeds one per cent."""
+    """At step sizes at which the energy error of average acceleration exceeds one per cent."""
     ds = study.run(problem, name, dt=dt, steps=20_000, observe=["max_energy_error"])
     assert ds.status == 0
     assert ds.max_energy_error < 1e-8

@@ -17,7 +17,8 @@ STEPS = {
 }
 
 
-#: In place of extrapolation of twelfth order, which double precision leaves no room to fit; linear theory shows it.
+#: Tested in place of extrapolation of order 12, whose errors reach round-off before an order can be fitted. Linear
+#: theory shows that order.
 SIXTH = study.Extrapolation((1, 2, 3))
 
 
@@ -28,7 +29,7 @@ def scheme(scheme):
 
 
 def _driven_along(exact, damping=None, mass=None):
-    """A problem whose load is the one that the chosen motion needs, so that the exact solution is known."""
+    """A problem whose load makes the chosen motion its exact solution."""
     u0, v0, _ = exact(0.0)
     coupling = jnp.asarray([[2.0, -1.0], [-1.0, 3.0]]) if jnp.ndim(u0) else 2.0
 
@@ -94,7 +95,7 @@ def test_order_of_two_coupled_unknowns(kind):
     "name, order", [("hht_alpha_1996", 2), ("blanes_moan4", 4), ("mclachlan4", 4), ("fox_goodwin", 4)]
 )
 def test_a_free_spring_without_damping_shows_the_order_that_damping_costs(name, order):
-    """Free, undamped and from rest Fox and Goodwin's displacement is Numerov's, of order 4."""
+    """In free undamped motion from rest, Fox and Goodwin's displacements are those of Numerov's formula, of order 4."""
     period = 0.151532834447260357127078726219
     assert order == study.schemes[name].order > study.schemes[name].order_with_damping
     counts = {2: [1600, 3200, 6400], 4: [50, 100, 200]}[order]

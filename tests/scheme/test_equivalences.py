@@ -1,4 +1,4 @@
-"""Schemes that become each other at certain parameters, and schemes written out."""
+"""Schemes that are equal at certain parameters, and schemes against their formulas written out."""
 
 import jax.numpy as jnp
 import numpy as np

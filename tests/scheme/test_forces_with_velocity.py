@@ -49,7 +49,7 @@ def test_the_order_with_quadratic_drag(kind):
 
 
 def test_a_force_without_velocity_compiles_as_before():
-    """A second argument that is not used leaves no trace in the problem."""
+    """A velocity argument that the force does not use makes a problem neither damped nor iterative."""
     problem = study.Problem(lambda u, v: 4 * u, u0=1.0)
     assert problem.arguments == 2 and not problem.takes_velocity and not problem.damped
     iterations = study.run(problem, "central_difference", dt=0.1, steps=10, observe=["newton_iterations"])

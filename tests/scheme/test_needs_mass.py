@@ -13,7 +13,7 @@ from study.scheme.rederived import Rederived
 from study.scheme.wrapper.compensated import Compensated
 from study.scheme.wrapper.linearised import Linearised
 
-#: Three roots that meet at −1 are known to a third of their digits only.
+#: Tolerance of roots at one: three roots that meet at −1 are known to a third of their digits only.
 GROWTH = 1e-3
 
 #: Smallest distance of tested parameters from the edge of a condition, unless they lie on it.
@@ -108,7 +108,7 @@ def test_bathes_method_with_two_weights(beta1, beta2, gamma):
     ],
 )
 def test_methods_of_given_radius_need_none(make, least, most):
-    """At ρ∞ = 1 they are on the edge of the condition: round-off of their parameters must not carry them over."""
+    """At ρ∞ = 1 the methods are on the edge of the condition; round-off of their parameters must not violate it."""
     assert not any(make(rho_inf).needs_mass for rho_inf in np.linspace(least, most, 101).tolist())
 
 

@@ -20,7 +20,7 @@ def _polynomials(scheme, parts=PARTS, damping_ratio=0.0):
 
 
 def _assert_roots(scheme, expected, parts=PARTS, tolerance=1e-10):
-    """Each expected root of each step size is a root of the characteristic polynomial, in units of its coefficients."""
+    """Check that the polynomial of each step size has the expected roots, to a tolerance relative to its terms."""
     for polynomial, roots in zip(_polynomials(scheme, parts), expected, strict=True):
         residual = np.abs(np.polyval(polynomial, roots))
         assert np.all(residual < tolerance * np.polyval(np.abs(polynomial), np.abs(roots)))
@@ -61,7 +61,7 @@ def test_explicit_runge_kutta_methods_are_series(name, last):
         for polynomial, x in zip(_polynomials(study.schemes[name], parts), omega**2, strict=True):
             # u₁ and u̇₁ of the three stages, written out for F = −u
             matrix = np.array([[1 - x / 2 + x**2 / 24, 1 - x / 6], [-1 + x / 6 - x**2 / 96, 1 - x / 2 + x**2 / 24]])
-            # in units of Δt the velocity's row is times Ω², the displacement's column over it
+            # for u and Δt u̇, the effect of u₀ on Δt u̇₁ is multiplied by Ω²
             expected = np.poly(matrix * np.array([[1, 1], [x, 1]]))
             np.testing.assert_allclose(polynomial, expected, rtol=1e-10, atol=1e-10 * (1 + x**2))
 
@@ -117,7 +117,7 @@ def test_wilson_has_its_polynomial():
 
 @pytest.mark.parametrize("rho_inf", [0.0, 0.3, 0.5, 0.8, 1.0])
 def test_the_generalized_alpha_family_meets_its_spectral_radius(rho_inf):
-    """At infinite frequency both main roots are −ρ∞, and the third of the generalized-α method is as well."""
+    """At infinite frequency both principal roots are −ρ∞, as is the third root of the generalized-α method."""
     infinity, minus = np.array([1e7]), -rho_inf
     (chung,), (kolay,) = (
         _polynomials(make(rho_inf), infinity) for make in (study.GeneralizedAlpha.chung_hulbert, study.KolayRicles)
@@ -149,7 +149,7 @@ def test_kr_alpha_has_the_roots_of_the_generalized_alpha_method(damping_ratio):
 
 @pytest.mark.parametrize("rho_b", [0.0, 0.3, 0.5, 0.8])
 def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
-    """At Ω = (1 + ρ_b)√(2 − ρ_b) the main roots meet at −ρ_b, and stability ends where one of them is −1."""
+    """At Ω = (1 + ρ_b)√(2 − ρ_b) the principal roots meet at −ρ_b; stability ends where one of them is −1."""
     scheme = study.ExplicitAlpha.hulbert_chung(rho_b)
     meeting = (1 + rho_b) * np.sqrt(2 - rho_b) / (2 * np.pi)
     polynomial = _polynomials(scheme, np.array([meeting]))[0]
@@ -170,7 +170,7 @@ def test_hulbert_and_chungs_roots_meet_where_they_say(rho_b):
     ids=["ρ_s = ρ_b", "ICL, ρ_b = ½", "ICL, ρ_b = 1"],
 )
 def test_explicit_methods_with_one_force_share_their_polynomials(one, other, damping_ratio):
-    """GSSE evaluates its force elsewhere than the others, but has the same sequence of displacements."""
+    """GSSE evaluates its force at another time than the other methods, but has the same sequence of displacements."""
     parts = PARTS[STEPS < 2]
     of_one, of_other = (_polynomials(scheme, parts, damping_ratio) for scheme in (one, other))
     np.testing.assert_allclose(of_one, of_other, atol=1e-10)
@@ -178,7 +178,7 @@ def test_explicit_methods_with_one_force_share_their_polynomials(one, other, dam
 
 @pytest.mark.parametrize("rho_s, rho_b", [(0.0, 0.8), (0.125, 0.8), (0.5, 0.9)])
 def test_the_roots_of_gsse_meet_at_its_parameters(rho_s, rho_b):
-    """Somewhere the principal roots meet at −ρ_b, where the third one is −ρ_s."""
+    """At one step size the principal roots meet at −ρ_b, and the third root is −ρ_s."""
     omega = np.linspace(1.5, 2, 4001)
     polynomials = _polynomials(study.SingleSolve(rho_s, rho_b), omega / (2 * np.pi))
     meeting = np.poly([-rho_b, -rho_b, -rho_s])

@@ -1,4 +1,4 @@
-"""Schemes on several unknowns: what does not depend on the form of the tangent, the coordinates or the coupling."""
+"""Schemes on several unknowns: results do not depend on the form of the tangent, the coordinates or the coupling."""
 
 from functools import cache
 
@@ -26,7 +26,7 @@ def _phase(problem, scheme, dt=DT, steps=STEPS, **arguments):
     return np.stack([ds.u.values, ds.v.values])
 
 
-#: One scheme for each use of tangents and solutions, and the schemes that make matrices from the tangent.
+#: A scheme for each use of tangents and linear solutions; of these, the schemes that form matrices from the tangent.
 WAYS = ["average_acceleration", "hht_alpha_1996", "kr_alpha", "chung_lee", "energy_momentum", "gauss4"]
 MATRICES = ["average_acceleration", "kr_alpha", "gauss4"]
 
@@ -42,7 +42,7 @@ def of_dense_tangent(damped_chain):
     [
         *((scheme, "tridiagonal", 1e-11) for scheme in WAYS),
         ("kr_alpha", 2, 1e-11),
-        # iterations end at ten digits of a solution
+        # an iterative linear solution has ten digits
         *((scheme, "matrix_free", 1e-9) for scheme in WAYS),
     ],
 )
@@ -56,7 +56,7 @@ def test_the_form_of_the_tangent_makes_no_difference(damped_chain, of_dense_tang
 def test_uncoupled_oscillators_are_as_many_single_ones(name):
     spring, u0 = CubicSpring(4.0, 0.5), np.linspace(-1, 2, N)
     common = {"mass": 2.0, "damping": 0.3}
-    # one energy a strain: the mean force of a whole potential would couple them
+    # an energy for each strain: the mean force of a single potential would couple the oscillators
     together = study.Problem(
         potential=study.StrainEnergy(lambda u: u, spring.potential), u0=u0, v0=np.full(N, 0.5), tangent=0,
         load=lambda t: jnp.full(N, jnp.cos(t)), **common,
@@ -94,7 +94,7 @@ WITHOUT_MASS = {type(scheme): name for name, scheme in reversed(list(study.schem
 
 @pytest.mark.parametrize("name", WITHOUT_MASS.values())
 def test_a_joint_without_mass_leaves_the_springs_in_series(name):
-    """Springs of 6 and 3 in series are one of 2."""
+    """Springs of stiffness 6 and 3 in series are one spring of stiffness 2."""
     stiffness, (u0, v0) = np.array([6.0, 3.0]), (0.9, 0.6)
     springs = study.StrainEnergy(_elongations, lambda e: stiffness * e * e / 2)
     # the joint starts in balance
@@ -102,7 +102,7 @@ def test_a_joint_without_mass_leaves_the_springs_in_series(name):
     single = study.Problem(lambda u: 2 * u, u0, v0, potential=lambda u: u * u, mass=2.0)
     both = _phase(series, name)
     np.testing.assert_allclose(both[..., 1], _phase(single, name), rtol=0, atol=1e-9)
-    # Wilson's balance is beyond the end of the step
+    # Wilson's method balances the forces beyond the end of the step
     if name != "wilson_theta":
         np.testing.assert_allclose(both[0, :, 0], both[0, :, 1] / 3, rtol=0, atol=1e-9)
 

@@ -1,4 +1,4 @@
-"""Runs of sparse models: the numbers of full matrices, in the user's order."""
+"""Runs of sparse models give the results of full matrices, with the unknowns in the user's order."""
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +13,7 @@ from study.mechanics.sparse_tangent import SparseTangent
 
 N = 24
 RNG = np.random.default_rng(4)
-#: Unknowns of a chain numbered at random, with springs to the second neighbour too.
+#: Random numbering of the unknowns of a chain, whose springs also connect second neighbours.
 ORDER = RNG.permutation(N)
 STIFFNESS = sparse.csc_array(
     sparse.diags_array([-0.5, -2.0, 6.0, -2.0, -0.5], offsets=[-2, -1, 0, 1, 2], shape=(N, N))

@@ -29,7 +29,7 @@ def _errors(name, problem, steps, duration=4.0, samples=50):
 
 @pytest.mark.parametrize("name", sorted({*ONE_OF_EACH, *BACKWARDS, *FIRST} - {"energy_momentum"}))
 def test_no_scheme_has_more_than_order_two_at_yield_points(name):
-    """Steps at odds with the yield points: the error falls with the second power, or the first."""
+    """No step ends at a yield point, so the error falls with the second power of the step, or with the first."""
     steps = [1600, 3200, 6400, 12800, 25600]
     errors = _errors(name, YIELDING, steps)
     order = -np.polyfit(np.log(steps), np.log(errors), 1)[0]
@@ -86,7 +86,7 @@ def test_the_history_is_committed_once_a_step():
 
 
 def test_sub_steps_commit_where_they_end():
-    """Bathe's step is one of the trapezoidal rule and one by three points, with a history between them."""
+    """Bathe's method commits the history at the end of its first sub-step, a step of the trapezoidal rule."""
     problem, dt = YIELDING, 0.4
     scheme = study.schemes["bathe"]
     start, _ = scheme.start(problem, jnp.asarray(problem.u0), jnp.asarray(problem.v0), jnp.asarray(dt))
@@ -115,7 +115,7 @@ def test_lanes_compensated_sums_and_neighbours_remember():
     compensated = study.Compensated(study.schemes["average_acceleration"])
     ds = study.run(YIELDING, compensated, dt=0.01, steps=100, observe=["lyapunov_exponent", "internal_force"])
     np.testing.assert_allclose(ds.internal_force, lanes.internal_force[0], atol=1e-10)
-    # a motion at rest after yielding keeps its plastic part: neighbouring runs neither separate nor approach
+    # after yielding, a motion comes to rest with its plastic part: neighbouring runs neither diverge nor converge
     assert abs(float(ds.lyapunov_exponent)) < 2.0
 
 

@@ -1,4 +1,4 @@
-"""First calls on a structure, compilation included, against a loop written by hand; and many runs against one."""
+"""First calls on a structure, with compilation, against a loop written by hand; lanes against single runs."""
 
 import time
 from collections.abc import Callable, Iterator

@@ -15,7 +15,7 @@ from study.problem.named import printed_periods
 
 #: Number of stages that one Newton iteration of a scheme solves for together, if not one.
 STAGES = {"gauss4": 2}
-#: Largest acceptable ratio to C, by spring and scheme; other schemes have the one of average acceleration.
+#: Largest acceptable ratio to C, by spring and scheme; the ratio of average acceleration holds for other schemes.
 TO_C = {
     "hardening": {"average_acceleration": 1.4, "central_difference": 1.6, "rk4": 1.1},
     "softening": {"average_acceleration": 0.75},
@@ -36,7 +36,7 @@ def cases(folder: str) -> Iterator[Case]:
 
 
 def against_c(folder: str) -> Iterator[Case]:
-    """A run with the energy observed against C of the same formula."""
+    """A run that observes the energy, against the same formulas in C."""
     for spring, targets in TO_C.items():
         for name in peer.SCHEMES:
             ours = Timed(study.problems[spring], study.schemes[name], (MaxEnergyError(),))
@@ -150,7 +150,7 @@ def observers() -> Iterator[Case]:
     def run(spring, name, **more):
         return timed(lambda: study.run(spring, name, dt=step_size(spring), steps=STEPS * 10, **more))
 
-    # the march of a neighbour is another program
+    # without observers that need a neighbour, whose march is another program
     every_one = [
         o for o in study.observers.values() if not o.refusal(study.problems["hardening"]) and not o.needs_neighbour
     ]

@@ -11,7 +11,7 @@ from study.scheme.base import OneStep, Wrapper, WrapperState
 
 
 class Summed(WrapperState):
-    """State of the scheme itself, and the round-off of its last additions, each of shape () or (n,)."""
+    """State of the scheme itself, and the round-off of the last additions to u and u̇, each of shape () or (n,)."""
 
     inner: Any
     lost_u: Vector

@@ -36,7 +36,7 @@ def _relaxation(energy: Callable) -> tuple[Scalar, Effort]:
 
     def iterate(gamma, last):
         new = corrected(gamma)
-        # convergence is quadratic: the correction after the loop leaves round-off
+        # convergence is quadratic, so the correction after the loop reduces the error to round-off
         return new, jnp.abs(new - gamma) > jnp.finfo(one.dtype).eps ** (1 / 3), last
 
     opened, given = opened_closure(iterate, one, one)

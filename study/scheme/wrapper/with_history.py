@@ -25,9 +25,9 @@ class WithHistory(Wrapper):
     Within a step, every iteration and every stage evaluates the force from the history h₀ that the previous step
     committed, for a straight motion from u₀ to its own displacement. The end of the step commits h₁; the start commits
     the history after a straight motion from rest to the first displacement. A scheme of sub-steps with balances at
-    their ends commits at the end of each. Its effort then holds the history from which the last sub-step started. A
-    march wraps its scheme in this one if the problem has a history. Carries the state of the scheme and the history;
-    one additional force per step.
+    their ends commits at the end of each sub-step, and its effort holds the history from which the last sub-step
+    started. A march wraps its scheme in this one if the problem has a history. Carries the state of the scheme and the
+    history; one additional force per step.
 
     Parameters
     ----------

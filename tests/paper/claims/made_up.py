@@ -21,14 +21,14 @@ def energy_error(order=2.0, **errors) -> xr.Dataset:
 
 
 def accuracy(energy=1.0, displacement=1.0, drift=0.0) -> xr.Dataset:
-    """A dataset like accuracy.nc, with one error of each kind in percent."""
+    """A dataset like accuracy.nc, with the same errors, given in percent, in all runs."""
     along = {"problem": PROBLEMS, "scheme": SCHEMES, "steps_per_period": [16, 32], "periods": [100]}
     values = {"max_energy_error": energy, "max_trajectory_error": displacement / 100, "energy_drift": drift / 100}
     return xr.Dataset({name: filled(value, **along) for name, value in values.items()})
 
 
 def times(**of_schemes) -> xr.Dataset:
-    """A dataset like cpu_time.nc; times that are not given are 10 ns a step in each of four repeats."""
+    """A dataset like cpu_time.nc with four repeats; times that are not given are 10 ns a step."""
     time = filled(10.0, problem=PROBLEMS, scheme=SCHEMES, repeat=[0, 1, 2, 3])
     for scheme, values in of_schemes.items():
         time.loc[{"scheme": scheme}] = np.broadcast_to(values, (len(PROBLEMS), 4))

@@ -75,7 +75,7 @@ def _kinks(gain=10.0, order=2.0, imbalance=1e-15, equal=1.0):
     [
         (1.0, 2.0, 1.0, "reproduced"),
         (1.0, 4.0, 1.0, "not reproduced"),
-        (10.0, 2.0, 0.1, "reproduced with a qualification"),  # a smaller error at equal steps, not at equal forces
+        (10.0, 2.0, 0.1, "reproduced with a qualification"),  # at equal steps the error is smaller
         (10.0, 2.0, 1.0, "not reproduced"),
     ],
 )

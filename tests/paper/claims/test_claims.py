@@ -1,4 +1,4 @@
-"""The ledger: its size, its verdicts, and that a check can fail."""
+"""The ledger: its size, its verdicts, and checks that fail."""
 
 import pytest
 import xarray as xr

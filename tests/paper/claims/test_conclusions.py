@@ -12,7 +12,7 @@ PARTS = [0.01, 0.04, 0.05]
 
 
 def _large_steps(**worst):
-    """A dataset like large_steps.nc: 1 % below T/20, except one given error on each problem; 99 % elsewhere."""
+    """A dataset like large_steps.nc: 1 % below T/20 for faithful schemes, except one error per problem; else 99 %."""
     schemes = ["average_acceleration", "central_difference", "houbolt"]
     dims = ["problem", "scheme", "dt_over_period"]
     error = xr.DataArray(99.0, dict(zip(dims, (list(worst), schemes, PARTS), strict=True)), dims).copy()
@@ -78,7 +78,7 @@ def test_results_vary_greatly_and_one_is_far_better_by_the_same_factor(ratio, ve
 
 
 def _beyond(failing=(), error=1.0):
-    """Runs at Δt = T/10 and T/3; the named schemes fail at the larger step on the hardening spring."""
+    """Runs at Δt = 0.1 T and 0.3 T; the named schemes fail at the larger step on the hardening spring."""
     along = {"problem": ["hardening", "softening"], "scheme": SCHEMES, "dt_over_period": [0.1, 0.3]}
     status = filled(0, **along)
     status.loc[{"problem": "hardening", "scheme": list(failing), "dt_over_period": 0.3}] = 1

@@ -1,4 +1,4 @@
-"""Claims on costs: a ratio lies beyond a bound only if both quartiles over the repeats do."""
+"""Claims on costs: a ratio lies beyond a bound only if both quartiles of its repeats lie beyond it."""
 
 import pytest
 

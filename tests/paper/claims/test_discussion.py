@@ -10,7 +10,7 @@ from paper.claims.terms import DAMPED
 from paper.published import SCHEMES
 from tests.paper.claims.made_up import energy_error, filled
 
-#: Of 80 neighbours, four are a twentieth.
+#: 81 steps have 80 pairs of neighbours; four pairs are a twentieth.
 STEPS = [round(0.01 * k, 2) for k in range(1, 82)]
 
 

@@ -13,7 +13,7 @@ FOURTH = ["blanes_moan4", "mclachlan4"]
 
 
 def _later(**parts):
-    """A dataset like later_schemes.nc, of ones except for the values given by the name of a scheme."""
+    """A dataset like later_schemes.nc: all values are one except those given for a variable, or for its schemes."""
     along = {
         "largest_stiffening": {"with_model": ["chen_ricles", "chang", "kr_alpha"], "omega_step": [1.0, 10.0]},
         "trigonometric_error": {"member": MEMBERS, "steps": [16, 32, 64]},
@@ -47,7 +47,7 @@ def _reality(scheme, **orders):
 
 
 def _spectral(**powers):
-    """A dataset like spectral.nc, with one power of growth for each scheme."""
+    """A dataset like spectral.nc, with the given power of growth of u from v for each scheme; other powers are zero."""
     names = [f"growth_{one}_from_{start}" for one in "uv" for start in "uv"]
     along = {"scheme": list(powers), "damping_ratio": [0.0]}
     data = xr.Dataset({name: filled(0.0, **along) for name in [*names, "linear_order"]})

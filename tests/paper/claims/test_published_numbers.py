@@ -1,4 +1,4 @@
-"""Claims on problems whose answer is known: each check can come out either way."""
+"""Claims on problems whose solution is known: each check can come out either way."""
 
 import numpy as np
 import xarray as xr

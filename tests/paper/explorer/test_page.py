@@ -18,7 +18,7 @@ from tests.browser import WIDTHS, check_page, needs_browser, set_width, wait
 
 discover(["explorer"])
 PROBLEMS = ["hardening", "softening", "double_well"]
-#: The scripts of the page cannot compute runs of the last one.
+#: The scripts of the page cannot compute runs of the last scheme.
 SCHEMES = ["average_acceleration", "central_difference", "rk4", "bathe", "wilson_theta", "own"]
 TITLES = ["Average acceleration", "Central difference", "Runge-Kutta", "Bathe", "Wilson-θ", "Own <&>"]
 EXPLICIT = [0, 1, 1, 0, 0, 0]
@@ -106,7 +106,7 @@ def _text(browser, selector):
 
 
 def _click(browser, along, up, kind="mouse"):
-    """Click or tap at a place of the first map, both from 0 to 1."""
+    """Click or tap at a place of the first map, given as fractions of its width and height."""
     from selenium.webdriver.common.actions.action_builder import ActionBuilder
     from selenium.webdriver.common.actions.pointer_input import PointerInput
 
@@ -121,13 +121,13 @@ def _click(browser, along, up, kind="mouse"):
 
 
 def _address(browser):
-    """The choice in the address, which the page updates with a delay."""
+    """The choices that the address of the page states; the page updates it with a delay."""
     browser.execute_async_script("setTimeout(arguments[0], 400)")
     return {key: value for key, (value,) in parse_qs(urlsplit(browser.current_url).fragment).items()}
 
 
 def _cell(address):
-    """Relative amplitude and step size of the run in an address."""
+    """Relative amplitude and relative step size of the run in an address."""
     unit = UNITS[PROBLEMS.index(address["problem"])]
     return [float(address["u0"]) / unit, 1 / float(address["steps"])]
 

@@ -15,9 +15,9 @@ from matplotlib.transforms import Bbox
 from paper.figures.style import COLUMN, PAGE
 from paper.products import discover, made, reader
 
-#: Smallest type in points, and how many points two texts may share at their edges.
+#: Smallest size of type, and largest overlap of two texts at their edges, in points.
 SMALLEST, SHARED = 7.0, 1.0
-#: Greatest height in cm of the text on a page.
+#: Height in cm of the text area of a page.
 TALLEST = 19.5
 
 
@@ -46,13 +46,13 @@ def printed(figure: Figure) -> list[Printed]:
 
 
 def _of_code(words: str) -> bool:
-    """Whether a text outside formulas has a variable's name, a missing number or a power of ten as in a program."""
+    """Whether a text has, outside formulas, the name of a variable, ``nan`` or a power of ten as in a program."""
     outside = re.sub(r"\$[^$]*\$", "", words)
     return bool(re.search(r"_|\b(nan|None|inf)\b|\de[-−+]?\d", outside))
 
 
 def faults(figure: Figure) -> list[str]:
-    """Sentences on the size of the figure, and on texts that are small, of code, cut off, or over each other."""
+    """Sentences on a wrong size of the figure, and on texts that are too small, of code, cut off, or overlapping."""
     width, height = figure.get_size_inches() * 2.54
     found = (
         [] if min(abs(width - COLUMN), abs(width - PAGE)) < 0.01 else [f"{width:.1f} cm is no width of the manuscript"]
@@ -73,7 +73,7 @@ def faults(figure: Figure) -> list[str]:
 
 
 def faults_of_all(results: Path) -> dict[str, list[str]]:
-    """The faults of the figures in a folder of results, without figures that have none."""
+    """The faults of all figures with faults, made from a folder of results."""
     read, found = reader(results), {}
     for product in discover(["figures"]):
         if product.kind == "figure":

@@ -22,7 +22,7 @@ EVERY = xr.Dataset(coords=scheme_coordinates(list(study.schemes)))
 
 
 def _members(number, family="Own"):
-    """The first schemes of a family, which may be one that the study does not have."""
+    """Coordinates of a number of schemes of one family, which need not be a family of the study."""
     names = [f"{family} {place}" for place in range(number)]
     of = {"scheme": names, "scheme_title": names, "family": [family] * number, "place_in_family": list(range(number))}
     return xr.Dataset(coords={name: ("scheme", values) for name, values in of.items()})
@@ -32,6 +32,11 @@ def test_a_scheme_has_the_same_style_in_every_figure():
     every, few = curve_styles(EVERY.scheme), xr.Dataset(coords=scheme_coordinates(["rk4", "bathe"]))
     assert curve_styles(few.scheme) == {name: every[name] for name in ("rk4", "bathe")}
     assert len({every[name]["color"] for name in SCHEMES}) == 7
+
+
+def test_the_marks_of_all_schemes_differ_without_their_lines():
+    looks = curve_styles(EVERY.scheme).values()
+    assert len({(look["color"], look["marker"]) for look in looks}) == len(looks)
 
 
 def test_all_schemes_look_different_also_those_that_are_added():
@@ -109,7 +114,7 @@ def test_a_legend_takes_the_place_of_a_missing_panel():
 
 
 def test_the_style_serves_other_figures():
-    """A program of a user finds it in a checkout by name, without the modules of the paper."""
+    """In a checkout, a user's program finds the style by its name, and imports no module of the paper."""
     code = (
         "import sys, matplotlib.pyplot as plt; plt.style.use('paper.figures.style'); "
         "print(plt.rcParams['font.size'], 'paper.figures.style' in sys.modules)"

@@ -1,4 +1,4 @@
-"""How the numbers of the text are gathered."""
+"""Numbers that the text takes from the ledger and the datasets."""
 
 import numpy as np
 import pandas as pd

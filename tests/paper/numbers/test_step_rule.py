@@ -1,4 +1,4 @@
-"""Numbers on the step by the highest frequency."""
+"""Numbers on the rule that sets the step by the highest frequency."""
 
 import numpy as np
 import xarray as xr
@@ -34,7 +34,7 @@ def test_ranges_are_those_of_the_runs():
     assert found["rule_steps_central_difference"] == "20 to 40"
     assert (found["rule_below_rk4"], found["rule_most_rk4"]) == ("0.01", "0.02")
     assert found["rule_steps_rk4"] == "100 to 200"
-    assert not found["rule_serves"]  # the numbers of steps in a period vary equally little
+    assert not found["rule_serves"]  # the number of steps in a period varies no more than Δt ωmax
     assert found["rule_exceptions"] == "none"
 
 

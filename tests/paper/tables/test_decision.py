@@ -1,4 +1,4 @@
-"""The cells of the table of decisions follow from its datasets."""
+"""The cells of the table of decisions, from made-up datasets."""
 
 import re
 from functools import cache
@@ -20,8 +20,8 @@ TITLES = ("scheme", ["Cheap", "Dear", "Fails"])
 def _assessed(forces: float, energy: float) -> xr.Dataset:
     """A spring of period one; the cheap scheme takes 8 steps at the largest error, the dear one twice as many.
 
-    A step of the dear scheme takes one force, and a step of the cheap one a given number of forces. The dear scheme has
-    the smaller error, and takes less time. For the energy, all numbers of steps are multiplied by a factor.
+    A step of the dear scheme takes one force, and a step of the cheap one the number ``forces``. The dear scheme has
+    the smaller error, and takes less time. For the energy, all numbers of steps are multiplied by ``energy``.
     """
     steps = np.broadcast_to(np.array([[8.0, 16, np.nan], [16, 32, 64], [np.nan] * 3])[:, None], (3, KINDS, 3)).copy()
     steps[:, QUANTITIES.index("energy")] *= energy
@@ -107,7 +107,7 @@ def _runs(
 def _spectrum() -> xr.Dataset:
     """Errors of the peak drift by scheme and step; with the coarsest step the dear scheme is right by accident.
 
-    The third one is implicit.
+    The third scheme is implicit.
     """
     error = np.array([[0.5, 0.02, 0.8, 0.009], [0.001, 0.2, 0.8, 0.008], [1e-9, 1e-9, 1e-9, 1e-9]])
     dims = ("scheme", "step_size", "record", "period", "reduction")
@@ -158,7 +158,7 @@ def rows():
 
 
 def _steps(row):
-    """The cells of a row without their brackets."""
+    """The cells of a row without the parts in brackets."""
     return [re.sub(r" \(.*\)", "", row[column]) for column in ("10 %", "1 %", "0.1 %")]
 
 
@@ -199,7 +199,7 @@ def test_elsewhere_the_fewest_forces_decide(rows):
     assert structure["1 %"] == "Cheap: 80 † (160 forces, ωΔt 0.12 < 2)" and _steps(structure)[2] == "Dear: 80 †"
     assert structure["Beware of"] == "lost by Fails"
     assert energy["Beware of"] == ""
-    # a balance that is off by one percent; where the cheap scheme keeps it, its displacement is lost
+    # the energy balance errs by 1 %; where the cheap scheme keeps it, the displacement is wrong
     assert _steps(energy) == ["Dear: ≤ 20", "Dear: ≤ 20", "–"]
     assert kinked["Beware of"] == "only first order: Dear"
     assert rows(imbalance=0.11)[ROWS + 1]["10 %"] == "–"
@@ -207,7 +207,7 @@ def test_elsewhere_the_fewest_forces_decide(rows):
     assert _steps(record) == ["Cheap: 20 ms", "Cheap: 10 ms", "–"]
     assert record["10 %"] == "Cheap: 20 ms (50 forces/s, ωΔt 0.063 < 2)"
     assert implicit["0.1 %"] == "Fails: 40 ms (75 forces/s, ωΔt 0.13)"
-    # a step of 15 ms is beyond the error in all runs, one of the spacing in half of them
+    # a step of 15 ms exceeds the error in all runs, a step of the spacing in half of them
     assert (record["Beware of"], implicit["Beware of"]) == ("other steps", "")
 
 
@@ -225,7 +225,7 @@ def test_of_schemes_that_tie_a_step_that_a_finer_one_confirms_comes_first():
 def test_a_scheme_whose_velocity_or_acceleration_is_wrong_is_not_recommended(rows):
     assert _steps(rows(velocity=0.74)[ROWS + 1])[0] == "Dear: ≤ 20"
     assert rows(velocity=0.76)[ROWS + 1]["10 %"] == "–"
-    # the finer step is twice as wrong, so that no step is left beyond half of the bound
+    # the error of the finer step is twice as large, so that no step is left if the coarse step exceeds half the bound
     assert _steps(rows(acceleration=0.62)[ROWS + 1])[0] == "Dear: ≤ 20"
     assert rows(acceleration=0.63)[ROWS + 1]["10 %"] == "–"
     assert rows(acceleration=0.63)[ROWS + 1]["Beware of"] == "lost by Fails; velocity or acceleration sets the step"
