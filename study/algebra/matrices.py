@@ -195,7 +195,7 @@ def add(*terms: Matrix, n: int) -> Matrix:
 
 
 def product(one: Matrix, other: Matrix, n: int) -> Matrix:
-    """Product of two matrices in any form, for n unknowns."""
+    """Product of two matrices, for n unknowns; the other factor of a sparse one is a number, full or matrix-free."""
     forms = form_of(one), form_of(other)
     if max(forms) < Form.BAND:
         return one * other
