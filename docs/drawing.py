@@ -12,7 +12,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from paper.figures.style import OUTCOME_STYLES  # its settings hold for these figures too
+from paper.figures.style import OUTCOME_STYLES  # importing this module sets the style of these figures too
 from study.words import RAISED
 
 #: Colours of text and lines, of the highlighted curve and of other curves; ``static/site.css`` replaces them.

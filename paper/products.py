@@ -213,8 +213,8 @@ def main(module: str, name: str, results: str, output: str, width: float | None 
     Raises
     ------
     SystemExit
-        If the module has no such product, if a page is given a width, or if the function of a figure returns something
-        else. The message is one sentence.
+        If the module has no such product, if a page is given a width, or if the function of a figure returns no figure.
+        The message is one sentence.
     """
     importlib.import_module(module)
     of_module = [product for product in PRODUCTS.values() if product.module == module and product.name == name]

@@ -168,7 +168,7 @@ def _refuse(arguments: argparse.Namespace, defaults: dict[str, Any], whose: str)
 
 def _program(arguments: argparse.Namespace) -> Program:
     """The program that a command, or a model of OpenSees, defines."""
-    _refuse(arguments, {"quantities": None}, "a problem, not of a program")
+    _refuse(arguments, {"quantities": None, "controller": None}, "a problem, not of a program")
     if not arguments.schemes or not arguments.duration:
         raise ValueError("a program needs --schemes, such as newmark hht, and --duration.")
     schemes = [name for word in arguments.schemes for name in word.split(",") if name]

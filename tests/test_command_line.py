@@ -62,6 +62,10 @@ def test_a_recommendation_is_printed(capsys, tmp_path):
             "--quantities is an option of a problem, not of a program; leave it out.",
         ),
         (
+            ["assess", "--command", "mycode", "--schemes", "a", "b", "--duration", "1", "--controller", "pi"],
+            "--controller is an option of a problem, not of a program; leave it out.",
+        ),
+        (
             ["recommend", "hardening", "--error", "0.01", "--folder", "{folder}"],
             "there is no dataset '{folder}/assessment/hardening.nc'; "
             "`snakemake {folder}/assessment/hardening.nc` makes it if the study has it. The command runs in the "

@@ -34,7 +34,7 @@ GUESSES = {"last_acceleration": 1.0, "none": 0.0}
 
 @partial(jit, compiler=eqx.filter_jit)
 def _newton(problem: Problem, coefficient, predictor, guess):
-    """Displacement that Newton's iteration finds, NaN if none, and number of iterations, both (guesses, predictors)."""
+    """Displacement that Newton's iteration finds, or NaN, and number of iterations; shapes (guesses, predictors)."""
 
     def one(predictor, guess):
         a, effort = balance(
