@@ -150,7 +150,8 @@ def of_families(dataset: xr.Dataset, rows: int, height: float) -> tuple[Figure, 
     Returns
     -------
     figure, columns
-        The figure; for each family its part of the dataset, and its panels from the top and the place of its legend.
+        The figure; and for each family its part of the dataset, and an array of its panels from top to bottom, with the
+        place of its legend last.
     """
     parts = families(dataset)
     entries = [[wrapped(title, ENTRY) for title in part.scheme_title.values] for part in parts.values()]

@@ -104,7 +104,7 @@ def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarra
 
 
 def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | str:
-    """Form of the tangent near u₀ and at zero, up to ``FINDABLE`` unknowns: a half bandwidth, or ``"dense"``.
+    """Form of the tangent near u₀ and at zero: a half bandwidth, or ``"dense"``; for at most ``FINDABLE`` unknowns.
 
     It is ``"dense"`` if the half bandwidth exceeds a quarter of the number of unknowns. It is ``"dense"`` too if the
     mass is singular and the tangent has a zero on its diagonal, because bands are eliminated without pivoting.

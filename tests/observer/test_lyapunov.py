@@ -13,7 +13,7 @@ def test_a_stretched_linear_map_grows_by_its_spectral_radius():
     rho = LinearTheory("central_difference", np.array([dt / (2 * np.pi)])).spectral_radius[0]
     ds = study.run(oscillator(), "central_difference", dt=dt, steps=400, observe="lyapunov_exponent", bound=np.inf)
     assert ds.lyapunov_exponent.item() * dt == pytest.approx(np.log(rho), rel=0.01)
-    # |δ| ≈ ρⁿ exceeds 2³³ within a few steps of this time
+    # δ reaches 2³³, which `apart_from` marks, after about ln 2³³ / ln ρ steps
     assert ds.apart_from.item() / dt == pytest.approx(np.log(2.0**33) / np.log(rho), abs=3)
 
 

@@ -53,7 +53,7 @@ def contact(stiffness):
     """The spring parallel to a contact that slips: together one elastoplastic spring."""
     both = STIFFNESS + stiffness
     spring = study.materials.elastoplastic(both, SLIP * both / stiffness, hardening=STIFFNESS / both)
-    # initially the contact is strained as if the mass had slipped to its position
+    # the contact starts at its slip force, as if the mass had slipped to its start from farther out
     return study.Problem(spring, u0=1.0, history=1.0 + SLIP / stiffness, mass=MASS, title="contact")
 
 
