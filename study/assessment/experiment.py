@@ -8,6 +8,7 @@ import xarray as xr
 from typing_extensions import TypedDict
 
 from study import io
+from study.assessment.arguments import USUAL
 from study.assessment.assess import assess
 from study.assessment.periods import length_of
 from study.declaration.experiment import Options, experiment, progress
@@ -63,6 +64,11 @@ def _check(options: Options, configuration: Mapping) -> str | None:
     return None
 
 
+def _jobs(options: Options) -> dict[str, Options]:
+    """The options of each job; schemes are given by their names, from which the files of the job follow."""
+    return {name: {"schemes": list(USUAL)} | one for name, one in options.items()}
+
+
 def _problem(place: str) -> Problem:
     return load(place, (Problem,)) if ".py" in place else problems[place]
 
@@ -71,7 +77,7 @@ def _problem(place: str) -> Problem:
     "assessment",
     section="assess",
     model=dict[Name, _Assessment],
-    split=lambda options: options,
+    split=_jobs,
     reads=_reads,
     files=_files,
     check=_check,

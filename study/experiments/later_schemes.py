@@ -21,15 +21,21 @@ from study.mechanics.loads import HarmonicLoad
 from study.observer.motion import Quantity
 from study.scheme.auxiliary_variable import AuxiliaryVariable
 from study.scheme.base import Scheme
+from study.scheme.bathe import beta_bathe, rho_bathe
+from study.scheme.kick_drift_kick import blanes_moan4
 from study.scheme.kolay_ricles import KolayRicles
 from study.scheme.mixed_pade import MixedPade
-from study.scheme.named import schemes as schemes_by_name
+from study.scheme.model_based import chang, chen_ricles
+from study.scheme.newmark import average_acceleration, central_difference
+from study.scheme.noh_bathe import noh_bathe
+from study.scheme.runge_kutta import nystrom4
+from study.scheme.splitting import mclachlan4, yoshida4
 from study.scheme.trigonometric import Trigonometric, filters
 
 #: Schemes with a model of the structure in their coefficients; the α-methods have ρ∞ = 1 here.
 WITH_MODEL: dict[str, Scheme] = {
-    "chen_ricles": schemes_by_name["chen_ricles"],
-    "chang": schemes_by_name["chang"],
+    "chen_ricles": chen_ricles,
+    "chang": chang,
     "kr_alpha": KolayRicles(rho_inf=1.0),
     "mkr_alpha": KolayRicles(rho_inf=1.0, modified=True),
 }
@@ -37,8 +43,19 @@ WITH_MODEL: dict[str, Scheme] = {
 RATIOS, GROWTH = np.geomspace(1.0001, 1e4, 20_000), 1e-7
 
 #: Schemes for the wave, and schemes of fourth order.
-OF_WAVES = ("rho_bathe", "beta_bathe", "average_acceleration", "noh_bathe", "central_difference")
-OF_FOURTH_ORDER = ("blanes_moan4", "mclachlan4", "yoshida4", "nystrom4")
+OF_WAVES: dict[str, Scheme] = {
+    "rho_bathe": rho_bathe,
+    "beta_bathe": beta_bathe,
+    "average_acceleration": average_acceleration,
+    "noh_bathe": noh_bathe,
+    "central_difference": central_difference,
+}
+OF_FOURTH_ORDER: dict[str, Scheme] = {
+    "blanes_moan4": blanes_moan4,
+    "mclachlan4": mclachlan4,
+    "yoshida4": yoshida4,
+    "nystrom4": nystrom4,
+}
 
 #: ωΔt of the stiff unknown in the test of trigonometric methods (π and 2π are resonances), and duration of the runs.
 PHASES, OSCILLATES = np.pi * np.array([0.5, 1.0, 2.0]), 2.0
@@ -122,7 +139,7 @@ class _Push(eqx.Module):
         return jnp.zeros(self.n).at[0].set(1.0)
 
 
-def _error_of_wave(scheme: str, courant: float, elements: int) -> float:
+def _error_of_wave(scheme: Scheme, courant: float, elements: int) -> float:
     """Root mean square error of the velocity along a bar that is pushed at one end, at the end of a run.
 
     The bar has lumped masses, and its wave speed and impedance are 1. The exact velocity is 1 behind the front and 0
@@ -164,7 +181,7 @@ def _radius_of_mixed_pade(terms: int) -> float:
 def _number_of_steps(options: Options, configuration: Mapping) -> float:
     waves = sum(REACHED * options["elements"] / courant for courant in options["courant"]) * len(OF_WAVES)
     trigonometric, auxiliary = (number * sum(options["steps"]) for number in (len(PHASES) * len(filters), 2))
-    fourth = sum(options["forces"]) * sum(1 / schemes_by_name[name].forces_per_step for name in OF_FOURTH_ORDER)
+    fourth = sum(options["forces"]) * sum(1 / scheme.forces_per_step for scheme in OF_FOURTH_ORDER.values())
     return trigonometric + waves + 1000 * len(options["long_steps"]) + len(SPEEDS) * (auxiliary + fourth)
 
 
@@ -188,16 +205,18 @@ def later_schemes(
         Numbers of forces that schemes of fourth order evaluate over the same motion.
     """
     plain = circumstances_with([])["plain"]
-    average = schemes_by_name["average_acceleration"]
-    auxiliary: dict[str, Scheme] = {"auxiliary_variable": AuxiliaryVariable(), "average_acceleration": average}
+    auxiliary: dict[str, Scheme] = {
+        "auxiliary_variable": AuxiliaryVariable(),
+        "average_acceleration": average_acceleration,
+    }
     displacement = QUANTITIES.index("displacement")
     peaks = [
         float(run(plain.problem, AuxiliaryVariable(), dt=dt, steps=1000, observe="peak", on_failure="ignore").peak)
         for dt in long_steps
     ]
     fourth = [
-        plain.errors(schemes_by_name[name], [count // schemes_by_name[name].forces_per_step for count in forces])
-        for name in OF_FOURTH_ORDER
+        plain.errors(scheme, [count // scheme.forces_per_step for count in forces])
+        for scheme in OF_FOURTH_ORDER.values()
     ]
     error = {"long_name": "error of the displacement over the motion", "units": "1"}
     return xr.Dataset(
@@ -214,7 +233,7 @@ def later_schemes(
             ),
             "wave_error": (
                 ("wave_scheme", "courant"),
-                [[_error_of_wave(name, number, elements) for number in courant] for name in OF_WAVES],
+                [[_error_of_wave(scheme, number, elements) for number in courant] for scheme in OF_WAVES.values()],
                 {"long_name": "root mean square error of the velocity along a bar over its size", "units": "1"},
             ),
             "auxiliary_error": (

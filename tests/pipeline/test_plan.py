@@ -45,6 +45,17 @@ def test_an_edited_problem_concerns_what_runs_it_and_a_new_one_nothing_else(jobs
     assert ("kinks", "hardening") in springs and ("kinks", "yielding") not in springs
 
 
+def test_schemes_and_data_that_no_option_names_are_inputs(jobs):
+    assert "later_schemes" in _names(_that_read(jobs, "study/scheme/noh_bathe.py"))
+    assert "kinks" in _names(_that_read(jobs, "study/mechanics/records/el_centro_1940_ns.at2"))
+    configuration = yaml.safe_load((PROJECT / "config" / "study.yaml").read_text())
+    configuration["published_numbers"]["coarsest"].append({"problem": "elastic_beam", "steps": 64})
+    configuration["assess"]["own"] = {"problem": "pendulum", "duration": 60.0}
+    steps = {step["name"]: step["jobs"] for step in plan(Path(), configuration)["steps"]}
+    assert "study/problem/elastic_beam.csv" in steps["published_numbers"][""]["inputs"]
+    assert {"study/scheme/bathe.py", "study/scheme/houbolt.py"} <= {*steps["assessment"]["own"]["inputs"]}
+
+
 def test_every_job_of_the_study_depends_on_the_settings_of_jax(jobs):
     made = {key for key, one in jobs.items() if one.command.startswith("pipeline.command")}
     assert len(made) > 50 and made <= _that_read(jobs, "study/settings.py")
