@@ -11,7 +11,7 @@ import sys
 from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
-min_version("9.15")
+min_version("9.27")
 
 # the folder of this file, also if workflow/Snakefile includes it
 PROJECT = str(workflow.current_basedir)

@@ -57,6 +57,11 @@ class Library:
         """Steps and evaluations of the force that the schemes need in a period, by problem and allowed error."""
         return scheme_verdict.needs(self.data)
 
+    @cached_property
+    def tried(self) -> Mapping[str, set[str]]:
+        """Schemes that ran on each problem."""
+        return scheme_verdict.tried(self.data)
+
     def subject(self, name: str) -> Subject:
         """A scheme by its name, whose linear theory is computed once for all pages."""
         if name not in self._known:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 import study
 from docs.text import definitions, table
@@ -25,6 +26,8 @@ COMPARED = 0.01
 DAMPS = 0.01
 #: Spectral radius at infinite frequency below which unresolved modes count as damped.
 RADIUS = 0.9
+#: Share of the schemes above which they are most schemes.
+MOST = 0.5
 #: Ratio of its error to that of another scheme below which a scheme counts as better.
 BETTER = 0.9
 
@@ -65,6 +68,25 @@ def needs(data: Mapping[str, Any]) -> dict[str, dict[float, pd.DataFrame]]:
     return found
 
 
+def tried(data: Mapping[str, Any]) -> dict[str, set[str]]:
+    """Schemes that ran on each problem, by its title; a scheme without any error on a kink refuses the problem."""
+    kinks, structures = data["kinks"], data["structures"]
+    found = {data[name].attrs.get("problem", ""): {*data[name].scheme.values} for name in ASSESSED}
+    if structures.scheme.size:
+        found |= {title: {*structures.scheme.values} for title in structures.problem_title.values}
+    if kinks.scheme.size:
+        ran = np.isfinite(kinks.error).any("steps_per_period")
+        found |= {one.problem_title.item(): {*one.scheme.values[one.values]} for one in ran.transpose("problem", ...)}
+    return found
+
+
+def _lost(structures: Any) -> Any:
+    """Whether a run fails, or the energies are out of balance, at some step, over (problem, scheme)."""
+    if not structures.scheme.size:
+        return xr.DataArray(np.empty((0, 0), bool), dims=("problem", "scheme"))
+    return ((structures.status != 0) | ~(structures.max_energy_imbalance <= LEVEL)).any("steps_per_period")
+
+
 def _best(rows: pd.DataFrame, kind: str) -> pd.DataFrame:
     """The schemes of a kind whose forces tie with the fewest, the fewest first."""
     rows = rows[rows.kind == kind].sort_values("forces", kind="stable")
@@ -83,7 +105,7 @@ def _steps(subject: "Subject", library: "Library") -> str:
     """Steps by problem and error, and the scheme of the same kind with the fewest forces; empty if nothing is known."""
     rows, name = [], subject.name
     for title, tables in library.needs.items():
-        if not any(name in rows.index for rows in tables.values()):
+        if name not in library.tried[title]:
             continue
         cells = [
             f"{one.steps[name]} ({one.forces[name]:,.0f})" if name in one.index else "–"
@@ -110,7 +132,7 @@ def _steps(subject: "Subject", library: "Library") -> str:
 
 
 def _good(subject: "Subject", library: "Library") -> Iterator[str]:
-    scheme, theory = subject.scheme, subject.theory
+    scheme, theory, structures = subject.scheme, subject.theory, library.data["structures"]
     fewest = [
         title for title, tables in library.needs.items() if subject.name in _best(tables[COMPARED], _kind(scheme)).index
     ]
@@ -124,6 +146,14 @@ def _good(subject: "Subject", library: "Library") -> Iterator[str]:
         yield f"stiff structures{without}: stability limits no step in linear theory"
         if theory.at_infinity < RADIUS:
             yield f"modes that the step does not resolve, which it damps (ρ∞ = {number(theory.at_infinity)})"
+    if subject.name in structures.scheme.values:
+        lost = _lost(structures)
+        rare = ~lost.sel(scheme=subject.name) & (lost.mean("scheme") > MOST)
+        if rare.any():
+            yield (
+                f"coarse steps on the {listed(structures.problem_title.values[rare.values].tolist())}: it keeps the "
+                f"balance of energies to {percent(LEVEL)} with all steps tried, and most schemes do not"
+            )
     if theory.limit > 0 and abs(theory.decay_of_rule) < ROUND_OFF:
         yield "long motions, whose amplitude it keeps in linear theory"
     if min(scheme.order, scheme.order_with_damping) >= 4:
@@ -162,8 +192,7 @@ def _bad(subject: "Subject", library: "Library") -> Iterator[str]:
         if first:
             yield f"small errors on the {listed(first)}, where its observed order is one"
     if subject.name in structures.scheme.values:
-        lost = (structures.status != 0) | ~(structures.max_energy_imbalance <= LEVEL)
-        lost = lost.any("steps_per_period")
+        lost = _lost(structures)
         of_it = lost.sel(scheme=subject.name) & ~lost.all("scheme")
         titles = structures.problem_title.values[of_it.values].tolist()
         if titles:
@@ -196,16 +225,19 @@ def _dominates(other: "Subject", one: "Subject") -> bool:
 
 def _alternative(subject: "Subject", library: "Library") -> str:
     """Of the schemes that are better in linear theory, the one with the nearest radius at infinite frequency."""
-    theory, found = subject.theory, []
+    theory, structures, found = subject.theory, library.data["structures"], []
+    lost = {one.scheme.item(): {*one.problem.values[one.values]} for one in _lost(structures).transpose("scheme", ...)}
     for name in library.schemes:
         other = library.subject(name)
-        if _dominates(other, subject):
+        loses_more = subject.name in lost and not lost.get(name, set()) <= lost[subject.name]
+        if not loses_more and _dominates(other, subject):
             apart = abs(other.theory.at_infinity - theory.at_infinity) if math.isinf(theory.limit) else 0.0
             found.append((apart, _error(other), name))
     if not found:
         return (
             f"none in linear theory: every {_kind(subject.scheme)} scheme here that needs as few forces a step has as "
-            f"large an error at {STEPS} steps a period, or is worse in order, stability or damping of high frequencies"
+            f"large an error at {STEPS} steps a period, is worse in order, stability or damping of high frequencies, "
+            "or loses the balance of energies on a structure where this one keeps it"
         )
     best = library.subject(min(found)[2])
     return (

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import heyoka as hy
 import jax
-import jax.extend.core
+import jax.extend.core  # JAX promises no stability here, but has no other way to read a traced program
 import numpy as np
 import sympy
 from sympy.printing.pycode import PythonCodePrinter

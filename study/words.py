@@ -36,11 +36,11 @@ def number(value: float, digits: int = 3) -> str:
     return printed(f"{float(f'{value:.{digits}g}'):g}".replace("inf", "∞"))
 
 
-def percent(fraction: float, digits: int = 2) -> str:
+def percent(fraction: float) -> str:
     """A fraction in percent with a no-break space: 0 % if it is zero to round-off, and a dash for NaN."""
     if math.isnan(fraction):
         return "–"
-    return f"{number(100 * fraction, digits)}\u00a0%" if abs(fraction) > _ZERO else "0\u00a0%"
+    return f"{number(100 * fraction, 2)}\u00a0%" if abs(fraction) > _ZERO else "0\u00a0%"
 
 
 def span(values: Any, form: str = ".2f") -> str:

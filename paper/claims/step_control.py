@@ -25,8 +25,8 @@ def _ratio(estimates, estimator, error="true_error"):
     return finest.estimate / finest[error]
 
 
-def _asked(estimator, scheme=AVERAGE, problems=PROBLEMS):
-    return {"estimates.problems": problems, "estimates.schemes": [scheme], "estimates.estimators": [estimator]}
+def _asked(estimator, problems=PROBLEMS):
+    return {"estimates.problems": problems, "estimates.schemes": [AVERAGE], "estimates.estimators": [estimator]}
 
 
 @claim(

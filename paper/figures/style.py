@@ -44,9 +44,6 @@ OUTCOME_STYLES = {
     "unbounded": ("unbounded", "#000000"),
 }
 
-#: Colour of the exact solution where it lies below the curves of schemes.
-EXACT = "0.7"
-
 #: Characters in a line of a legend below the panel of a family.
 ENTRY = 14
 

@@ -5,7 +5,6 @@ import xarray as xr
 
 from paper.claims.published_numbers import fewest_steps, largest_step, steps_of_orbit
 from paper.claims.terms import ROUND_OFF
-from paper.picks import sentence
 from paper.products import numbers
 from study.words import span
 
@@ -31,7 +30,6 @@ def of_published_numbers(published_numbers: xr.Dataset, ueda: xr.Dataset) -> dic
         fine = published_numbers.error.sel(problem="thin_plate").isel(refinement=-1)
         plate = f"{100 * fine.min().item():.1f}"
     return {
-        "known_titles": "; ".join(map(sentence, [*published_numbers.problem_title.values, "Ueda's oscillator"])),
         **{
             f"orbit_{kind}_{name}": f"{steps[name]:,.0f}" if np.isfinite(steps[name]) else None
             for kind, steps in orbit.items()

@@ -16,7 +16,7 @@ from study.analysis.recommendation import recommend
 from study.assessment.assurance import confirmation, limits_of_reference, percent, reference_of
 from study.assessment.failures import failed_runs
 from study.assessment.style import STYLE
-from study.io import write
+from study.io import read, write
 from study.scheme.codes import names_in_codes
 from study.scheme.named import schemes
 from study.words import document, number, text_of
@@ -312,4 +312,4 @@ def report(assessed: xr.Dataset, path: str | Path) -> Path:
 
 
 if __name__ == "__main__":
-    report(xr.load_dataset(sys.argv[1]), sys.argv[2])
+    report(read(Path(sys.argv[1])), sys.argv[2])

@@ -115,7 +115,6 @@ Size = Annotated[float, Ge(1e-9), Le(1e9)]
 #: A relative tolerance, error or perturbation.
 Tolerance = Annotated[float, Ge(1e-15), Lt(1)]
 Counts = Annotated[list[Count], _FEW, _DISTINCT]
-FallingSizes = Annotated[list[Size], _FEW, _DISTINCT, Checked(_falling)]
 #: Number of records of ground motion.
 Records = Annotated[int, Ge(1), Le(1000)]
 #: Periods in s of oscillators under records.

@@ -10,7 +10,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.extend import core
+from jax.extend import core  # JAX promises no stability here, but has no other way to read a traced program
 from jaxtyping import Array, Float
 
 #: Operations whose slope jumps at some values of their argument.

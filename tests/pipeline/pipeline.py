@@ -3,13 +3,18 @@
 import hashlib
 import os
 import shutil
-import signal
 import subprocess
 import sys
 from pathlib import Path
 
 PROJECT = Path(__file__).parents[2]
 SMALL = Path("tests", "pipeline", "small.yaml")
+#: Snakemake as a process that Ctrl-C ends, also if a shell runs the tests in the background, which ignores interrupts.
+SNAKEMAKE = [
+    sys.executable,
+    "-c",
+    "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from snakemake.cli import main; main()",
+]
 #: Products with measured times, which differ from run to run, and products made from them.
 TIMED = {
     "cpu_time",
@@ -45,11 +50,6 @@ def call_snakemake(folder: Path, *arguments: str, overlays=(SMALL,)) -> subproce
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", *map(str, overlays)]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
-
-
-def interruptible() -> None:
-    """Let a new process react to Ctrl-C, which a shell that runs the tests in the background makes it ignore."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def make(folder: Path, *products: str, **options) -> None:

@@ -4,14 +4,13 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import psutil
 import pytest
 
-from tests.pipeline.pipeline import SMALL, call_snakemake, copied, hashes_of, interruptible, make
+from tests.pipeline.pipeline import SMALL, SNAKEMAKE, call_snakemake, copied, hashes_of, make
 
 TARGETS = ["energy_drift.nc", "houbolt_start.nc"]
 PATHS = [f"results/{target}" for target in TARGETS]
@@ -38,17 +37,10 @@ def running(folder, undisturbed):
     """A run that has begun to make the datasets again."""
     for target in TARGETS:
         (folder / "results" / target).unlink(missing_ok=True)
-    command = [sys.executable, "-m", "snakemake", *PATHS, "--configfile", str(SMALL)]
+    command = [*SNAKEMAKE, *PATHS, "--configfile", str(SMALL)]
+    environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     with (folder / "log").open("w") as log:
-        run = subprocess.Popen(
-            command,
-            cwd=folder,
-            stdout=log,
-            stderr=log,
-            env=os.environ | {"SOURCE_DATE_EPOCH": "0"},
-            start_new_session=True,
-            preexec_fn=interruptible,
-        )
+        run = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment, start_new_session=True)
     _wait(lambda: len(_processes(folder)) > 3)
     yield run
     if run.poll() is None:

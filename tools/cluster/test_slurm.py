@@ -5,7 +5,6 @@ import platform
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -13,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.pipeline.pipeline import SMALL, call_snakemake, copied, interruptible
+from tests.pipeline.pipeline import SMALL, SNAKEMAKE, call_snakemake, copied
 
 #: Products: jobs on the node, figures in one group, a table on the login node, and a job that measures times.
 PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "figures/roots.pdf", "cpu_time.nc"]
@@ -62,10 +61,10 @@ def _targets(products: list[str]) -> list[str]:
 
 
 def _started(folder: Path, products: list[str], *options: str) -> subprocess.Popen:
-    command = [sys.executable, "-m", "snakemake", *_targets(products), *OPTIONS, *options, "--configfile", str(SMALL)]
+    command = [*SNAKEMAKE, *_targets(products), *OPTIONS, *options, "--configfile", str(SMALL)]
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     with (folder / "slurm.log").open("a") as log:
-        return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment, preexec_fn=interruptible)
+        return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment)
 
 
 def _made(folder: Path, products: list[str]) -> str:
