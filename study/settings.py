@@ -36,7 +36,7 @@ _OPTION = "xla_cpu_small_while_loop_byte_threshold"
 #: of some megabytes.
 _THRESHOLD = 1 << 24
 
-#: Largest size of the cache in bytes when a process starts.
+#: Size of the cache in bytes above which the older half of its programs is removed.
 _CACHE_SIZE = 1 << 30
 
 #: Seconds between two checks of the size of the cache, which inspect every file.

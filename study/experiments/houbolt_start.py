@@ -1,4 +1,4 @@
-"""Energy error of Houbolt's method by the way it is started, which Xie (1996) does not state."""
+"""Energy error of Houbolt's method for each way to start it; Xie (1996) does not state which one he used."""
 
 from collections.abc import Mapping
 

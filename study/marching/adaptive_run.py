@@ -70,7 +70,7 @@ _OF_RUN = {
 
 
 class Scales(Reduction):
-    """Largest size of the motion along a run, for each of an estimator's sizes."""
+    """Largest value along a run of each of the estimator's sizes of the motion."""
 
     estimator: Estimator
 
