@@ -15,8 +15,8 @@ REASONABLE = 10.0
 #: Energy error in percent above which a result is "far" from the exact one, in "grave" error, "meaningless", or
 #: "strongly" damped.
 FAR_OFF = 50.0
-#: Energy error in percent above which a run is "unstable". A run that only loses energy stays below 100, up to
-#: round-off.
+#: Energy error in percent above which a run is "unstable". A run of a spring that only loses energy stays below
+#: 100, up to round-off.
 UNSTABLE = 101.0
 #: Least gain of the energy in percent, in the second half of a run, that counts as growth.
 GROWN = 100.0
