@@ -10,8 +10,8 @@
 
 Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble. ``over`` runs an ensemble of problems, by arrays for
 arguments of a function that makes the problem. ``final_state`` is a run as a pure function, which JAX differentiates. A
-run that fails warns with ``RunFailedWarning``. ``help(study.run)`` describes all arguments, and ``help`` describes each
-of the names below.
+run that fails warns with ``RunFailedWarning``. ``help(study.run)`` describes all arguments, and so does
+``help()`` for each of the names below.
 
 Steps of controlled size
     ``run`` takes a ``tolerance`` and a ``duration`` in place of ``dt`` and ``steps``. ``estimators`` and
