@@ -5,6 +5,7 @@ import platform
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.pipeline.pipeline import SMALL, SNAKEMAKE, call_snakemake, copied
+from tests.pipeline.pipeline import SMALL, call_snakemake, copied
 
 #: Products: jobs on the node, figures in one group, a table on the login node, and a job that measures times.
 PRODUCTS = ["energy_drift.nc", "houbolt_start.nc", "figures/energy_drift.pdf", "figures/roots.pdf", "cpu_time.nc"]
@@ -23,22 +24,15 @@ OPTIONS = "--workflow-profile profiles/slurm --slurm-status-command squeue --slu
 #: Seconds between two checks of the queue, fewer than in the profile, for short runs.
 SOON = "--slurm-init-seconds-before-status-checks", "2"
 
-#: Configuration of the Slurm that ``start`` starts; Slurm's commands read its path from ``SLURM_CONF``.
-CONF = "/var/spool/slurm-of-the-study/slurm.conf"
-
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module", autouse=True)
 def slurm():
-    """Slurm, while these tests run; they are skipped with a reason where it is not installed."""
+    """Start Slurm; tests are skipped with a reason where it is not installed."""
     if shutil.which("slurmctld") is None or find_spec("snakemake_executor_plugin_slurm") is None or os.getuid():
         pytest.skip("a Slurm needs root, Debian's slurm-wlm and munge, and the extra 'slurm' of this package")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SLURM_CONF", CONF)
-        subprocess.run([Path(__file__).with_name("start")], check=True)
-        yield
-        subprocess.run(["scontrol", "shutdown"], check=True)
+    subprocess.run([Path(__file__).with_name("start")], check=True)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +55,7 @@ def _targets(products: list[str]) -> list[str]:
 
 
 def _started(folder: Path, products: list[str], *options: str) -> subprocess.Popen:
-    command = [*SNAKEMAKE, *_targets(products), *OPTIONS, *options, "--configfile", str(SMALL)]
+    command = [sys.executable, "-m", "snakemake", *_targets(products), *OPTIONS, *options, "--configfile", str(SMALL)]
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     with (folder / "slurm.log").open("a") as log:
         return subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment)
