@@ -51,7 +51,8 @@ _COLOURS = ["#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#
 _LINES = ["-", "--", "-.", ":", (0, (7, 1.5)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 0.6))]
 _MARKERS = ["o", "s", "v", "^", "D", "P", "X", "<"]
 
-#: Numbers of the curve styles of each family, by the place of a scheme in it. Each colour occurs once in a family.
+#: Numbers of the curve styles of each family, by the place of a scheme in it. The first eight schemes of a family have
+#: different colours.
 _STYLE_NUMBERS = {
     "Newmark and Wilson": (0, 1, 2, 3, 21, 23, 36, 38),
     "Multi-step and composite": (4, 8, 9, 10, 11, 14, 37, 39, 52, 49),

@@ -10,7 +10,7 @@ from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, Kinked, RisingCounts, Schemes
 from study.experiments import coordinates
 from study.io import flags
-from study.marching.result import STATUS_ATTRIBUTES
+from study.marching.result import STATUSES_OR_NOT_RUN
 from study.marching.run import run
 from study.mechanics.frequencies import highest_frequency
 from study.problem.named import problems as problems_by_name
@@ -19,9 +19,6 @@ from study.scheme.named import schemes as schemes_by_name
 #: Errors that count towards the order: at least this multiple of the uncertainty of the reference, above round-off,
 #: below a tenth of the motion, and at this number of steps per period or more.
 ABOVE, SMALLEST, LARGEST, RESOLVED = 100.0, 1e-11, 0.1, 64
-
-#: Ends of a run; a scheme that does not fit a problem has no run.
-STATUSES = (*STATUS_ATTRIBUTES["flag_meanings"].split(), "not_run")
 
 #: Largest number of periods of a run.
 LONGEST = 30
@@ -74,7 +71,7 @@ def kinks(
     shape = (len(problems), len(schemes), len(steps_per_period))
     error, imbalance, iterations = (np.full(shape, np.nan) for _ in range(3))
     highest = np.empty(len(problems))
-    order, status = np.full(shape[:2], np.nan), np.full(shape, STATUSES.index("not_run"), np.int8)
+    order, status = np.full(shape[:2], np.nan), np.full(shape, STATUSES_OR_NOT_RUN.index("not_run"), np.int8)
     for p, problem in enumerate(problems):
         known, definition = reference.sel(problem=problem), problems_by_name[problem]
         size, scale = np.abs(known.u.values).max(), known.time_scale.item()
@@ -107,7 +104,7 @@ def kinks(
                 imbalance,
                 {"long_name": "largest error of the balance of energies", "units": "1"},
             ),
-            "status": (dims, status, flags("how the run ended", STATUSES, np.int8)),
+            "status": (dims, status, flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8)),
             "iterations_per_step": (dims, iterations, {"long_name": "Newton iterations per step", "units": "1"}),
             "observed_order": (dims[:2], order, {"long_name": "observed order of the errors", "units": "1"}),
             "period": (

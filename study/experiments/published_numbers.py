@@ -12,14 +12,11 @@ from study.declaration.experiment import Options, experiment, progress
 from study.declaration.options import Count, FallingTolerances, KnownProblem, Schemes, section
 from study.experiments import coordinates
 from study.io import flags
-from study.marching.result import STATUS_ATTRIBUTES
+from study.marching.result import STATUSES_OR_NOT_RUN
 from study.marching.run import run
 from study.problem.named import known, problems
 from study.problem.naming import Known
 from study.scheme.named import schemes as schemes_by_name
-
-#: Outcomes of a run; a scheme that refuses a problem has no run.
-STATUSES = (*STATUS_ATTRIBUTES["flag_meanings"].split(), "not_run")
 
 #: Factor between the numbers of steps of successive runs.
 FINER = 4
@@ -88,7 +85,7 @@ def published_numbers(
     names = [one["problem"] for one in coarsest]
     steps = np.array([one["steps"] for one in coarsest])[:, None] * FINER ** np.arange(refinements)
     error = np.full((len(names), len(schemes), refinements), np.nan)
-    status = np.full(error.shape, STATUSES.index("not_run"), np.int8)
+    status = np.full(error.shape, STATUSES_OR_NOT_RUN.index("not_run"), np.int8)
     for (p, s, k), _ in np.ndenumerate(error):
         if k == 0:
             progress(f"{schemes[s]} on {names[p]}")
@@ -104,7 +101,7 @@ def published_numbers(
     return xr.Dataset(
         {
             "error": (dims, error, {"long_name": "error of the displacement over its size", "units": "1"}),
-            "status": (dims, status, flags("how the run ended", STATUSES, np.int8)),
+            "status": (dims, status, flags("how the run ended", STATUSES_OR_NOT_RUN, np.int8)),
             "steps": (("problem", "refinement"), steps, {"long_name": "number of steps", "units": "1"}),
             "controlled_error": (of_control, control[0], {"long_name": "error with controlled steps", "units": "1"}),
             "controlled_steps": (of_control, control[1], {"long_name": "number of controlled steps", "units": "1"}),

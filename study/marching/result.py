@@ -18,6 +18,8 @@ from study.scheme.base import Scheme
 COMPLETED, NO_SOLUTION, NOT_FINITE, UNBOUNDED = range(4)
 
 STATUSES = "completed", "no_solution_found", "not_finite", "unbounded"
+#: Statuses in experiments, where a scheme that refuses a problem has no run.
+STATUSES_OR_NOT_RUN = (*STATUSES, "not_run")
 
 STATUS_ATTRIBUTES = flags("how the run ended", STATUSES, np.int32)
 

@@ -150,6 +150,10 @@ class _NoTitle(_Plain):
     title: str = " "
 
 
+class _OldAttribute(_Plain):
+    evaluations = 3
+
+
 class _RaisingOrder(_Plain):
     @property
     def order(self):  # type: ignore[override]
@@ -160,6 +164,7 @@ class _RaisingOrder(_Plain):
     "scheme, sentence",
     [
         (_SecondOrder(), "order of _SecondOrder must be a whole number of at least 1, not 'two'."),
+        (_OldAttribute(), "evaluations of _OldAttribute is now called forces_per_step."),
         (_LessThanNoForce(), "forces_per_step of _LessThanNoForce must be a whole number of at least 0, not -1."),
         (_NegativeLimit(), "stability_limit of _NegativeLimit must be a number of at least 0 or None, not -1.0."),
         (_NoTitle(), "title of _NoTitle must be a string, not ' '."),
