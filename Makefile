@@ -42,6 +42,7 @@ coverage: .venv/ready
 check: .venv/ready
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/snakefmt --check snakefile workflow
 	$(BIN)/mypy
 
 # times compared with C, OpenSees where it is installed, and other parts of the study

@@ -21,6 +21,7 @@ _PROGRAMS = ("OpenSees", "Abaqus", "LS-DYNA")
 _HEAD = ("scheme", "code", "name and parameters", "remark")
 #: Quantities of the short table.
 _QUANTITIES = ("displacement", "peak drift")
+_ERRORS = ("10 %", "1 %", "0.1 %")
 #: A cell of the table of decisions: the scheme and its step, and ω Δt in the brackets.
 _CELL = re.compile(r"(.+): (.+?) \(.*ωΔt\s([\d.]+)[^)]*\)")
 
@@ -40,7 +41,7 @@ def _input_lines(cells: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[N
 
 
 def recommended(results: Path) -> dict[str, str]:
-    """The schemes of OpenSees, Abaqus and LS-DYNA for an error of 1 %, and their input lines, as tables in Markdown."""
+    """The schemes of OpenSees, Abaqus and LS-DYNA for three errors, and their input lines, as tables in Markdown."""
     known, read = {one.scheme for one in names_in_codes() if one.code.startswith(_PROGRAMS)}, reader(results)
 
     def of_programs(name: str) -> xr.Dataset:
@@ -49,14 +50,14 @@ def recommended(results: Path) -> dict[str, str]:
 
     decided = made(RECOMMENDED, of_programs).replace("", pd.NA).ffill()
     chosen = decided[decided["Right in"].isin(_QUANTITIES)]
-    picks = chosen.pivot(index="Problem", columns="Scheme", values="1 %").loc[chosen["Problem"].unique()]
-    rows = [[problem, *map(_short_cell, row)] for problem, row in zip(picks.index, picks.to_numpy(), strict=True)]
+    picks = chosen[list(_ERRORS)].map(_short_cell)
+    rows = chosen[["Problem", "Scheme"]].join(picks).to_numpy().tolist()
     lines = [
         [study.schemes[one.scheme].title, one.code, f"`{one.name}`", one.note]
-        for one in _input_lines(chosen["1 %"], _PROGRAMS)
+        for one in _input_lines(picks.to_numpy().ravel(), _PROGRAMS)
     ]
     return {
-        "recommended": table(["problem", *picks.columns], rows, numbers_from=3),
+        "recommended": table(["problem", "kind", *_ERRORS], rows, numbers_from=2 + len(_ERRORS)),
         "recommended_lines": table(_HEAD, lines, numbers_from=len(_HEAD)),
     }
 
