@@ -30,7 +30,8 @@ def _short_cell(cell: str) -> str:
     if not (found := _CELL.match(cell)):
         return cell
     title, step, omega_step = found.groups()
-    return f"{title}: {step if step.endswith('ms') else f'{step} steps'}, ωΔt\u00a0=\u00a0{omega_step}"
+    counted = (step if step.endswith("ms") else f"{step} steps").replace(" ", "\u00a0")
+    return f"{title}: {counted}, ωΔt\u00a0=\u00a0{omega_step}"
 
 
 def _input_lines(cells: Iterable[str], codes: tuple[str, ...] = ("",)) -> list[NameInCode]:
