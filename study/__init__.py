@@ -75,7 +75,7 @@ A scheme with other parameters
 
 A scheme of your own
     ``Scheme``, or ``OneStep`` for one-step schemes, is the base class. ``building`` states what a scheme must return,
-    and provides the parts of one: states, the equation of motion and the balance of an implicit step.
+    and provides its parts: states, the equation of motion and the balance of an implicit step.
     ``assess_scheme`` compares your scheme with schemes of the study. ``register_scheme`` gives it a name, by which
     experiments can use it too.
 

@@ -3,8 +3,8 @@
 A scheme is a :class:`study.Scheme`: frozen parameters with two pure functions, which JAX compiles, vectorises and
 differentiates.
 
-- ``start(problem, u0, v0, dt)`` returns the state at t = 0, and ``step(problem, state, t, dt)`` the state at t + Δt,
-  each with the :class:`Effort` to find it. A step does not change fields, shapes or types of the state.
+- ``start(problem, u0, v0, dt)`` returns the state at t = 0, and ``step(problem, state, t, dt)`` returns the state at
+  t + Δt, both in a tuple with the :class:`Effort`. A step does not change fields, shapes or types of the state.
 - A state is a :class:`Phase` (u, u̇), a :class:`Motion` (u, u̇, ü), or your own named tuple with ``u`` and ``v``.
 - A :class:`study.OneStep` has ``increment(problem, state, t, dt)`` in place of ``step``. It returns the new state with
   the increments of u and u̇ in the fields ``u`` and ``v``. :class:`study.Compensated` adds these increments by

@@ -22,7 +22,7 @@ def _plain(word: str) -> str:
 def nearest(word: str, known: Iterable[str]) -> list[str]:
     """Known names that a misspelt or shortened word may mean, the likeliest first; empty if no name is near.
 
-    If at most five names contain the word, these are returned; otherwise the name with the most similar spelling. Case
+    If one to five names contain the word, these are returned; otherwise the name with the most similar spelling. Case
     and separators do not matter.
     """
     names = {str(name): _plain(name) for name in known}

@@ -12,8 +12,8 @@
     user's cache folder, in a folder named after this machine, since another processor may lack instructions. If the
     folder exceeds 1 GiB, the older half of its programs is removed; this is checked once a day.
 
-The environment variable ``STUDY_SETTINGS`` names the settings to make, for instance ``precision,cache``; ``none`` makes
-none. Without the variable all three are made. JAX's own switches keep working:
+The environment variable ``STUDY_SETTINGS`` names the settings to make, for instance ``precision,cache``. With ``none``
+no setting is made. Without the variable all three settings are made. JAX's own switches keep working:
 ``with jax.enable_x64(False): study.run(...)`` computes in single precision.
 
 This module does not import JAX, which takes half a second. If JAX is not imported yet, its settings are made as

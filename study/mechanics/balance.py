@@ -168,7 +168,8 @@ def balance(
 
         M a + C (v + c_v a) + w\,p(u + c_u a, v + c_v a) = r
 
-    A force with a history, and its tangent, start from the committed history. A constant stiffness K adds K u to p.
+    If the problem has a constant stiffness K, the internal force is K u + p. A force with a history, and its tangent,
+    start from the committed history.
 
     Parameters
     ----------
@@ -241,7 +242,7 @@ def balance(
         out_of_balance = inertial + internal - rhs
         correction = solved(effective, out_of_balance)
         if halved:
-            # measured on the whole correction: one that was halved many times is short without convergence
+            # the whole correction is measured: one that was halved many times is short without convergence
             moved = norm(times(reach, correction))
             a = a - backtracked(residual, a, correction, partial(solved, effective))
         else:

@@ -36,7 +36,7 @@ class Problem(eqx.Module):
     Parameters
     ----------
     force
-        Internal force p(u), written with ``jax.numpy``; returns the shape of ``u``. Without it, the force is the
+        Internal force p(u), written with ``jax.numpy`` and of the shape of ``u``. Without it, the force is the
         gradient of the potential, if there is one. A function of two arguments is p(u, u̇). A function of three
         arguments also takes a history, and returns the force and the new history: see ``history``. If the force
         branches, as contact does, Newton's iteration brackets the root or shortens its corrections.
@@ -49,7 +49,7 @@ class Problem(eqx.Module):
         and the stages of a scheme start from the committed history; the end of the step commits the new one. Called
         again with the same u and u̇ and the new history, the function must return the same force and history.
     stiffness
-        K of a constant stiffness, with which the internal force is K u + p: a number, a diagonal (n,), or a symmetric
+        Constant stiffness K, with which the internal force is K u + p: a number, a diagonal (n,), or a symmetric
         matrix (n, n), dense, of :mod:`scipy.sparse`, or a ``BCOO`` of :mod:`jax.experimental.sparse`. The entries of a
         ``BCOO`` may depend on parameters that JAX differentiates, or differ between the problems of an ensemble. Only p
         is differentiated. A problem with a stiffness and no force is linear, and takes one linear solve per step. With

@@ -120,7 +120,7 @@ def check_arguments(force: Callable, load: Callable | None, title: str) -> None:
             )
         if parameter.default is not parameter.empty and parameter.name in NEVER_OPTIONAL:
             raise ValueError(
-                f"force of '{title}' gives '{parameter.name}' a default, so that it would never receive it: "
+                f"force of '{title}' gives '{parameter.name}' a default, and would never be called with another value: "
                 f"drop the default."
             )
     for parameter in _parameters(load):
@@ -233,8 +233,8 @@ def check_history(force: Callable, u0, v0, history, title: str) -> None:
 def check_stored_energy(force: Callable, potential: Callable, u0, history, title: str) -> None:
     """Refuse a stored energy whose slope differs from the force along a motion that does not change the history.
 
-    A small motion in one of two opposite directions is taken: a spring that has yielded keeps its history when the
-    motion reverses. If the history changes in both directions, nothing is compared.
+    Two opposite small motions are tried, since a spring that has yielded keeps its history when the motion reverses.
+    If both motions change the history, nothing is compared.
     """
     u, direction, h = _near(u0)
 

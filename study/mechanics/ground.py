@@ -14,10 +14,10 @@ from jaxtyping import Float
 
 from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 
-#: Metres per second squared in one unit of acceleration.
+#: Size of each unit of acceleration in metres per second squared.
 UNITS = {"g": 9.80665, "m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "in/s2": 0.0254, "ft/s2": 0.3048}
 
-#: Smallest and largest plausible peak of a record in g. Others mean a wrong unit; the largest recorded is near 4 g.
+#: Smallest and largest plausible peak of a record in g; a peak outside means a wrong unit. The largest is near 4 g.
 PEAKS = (1e-6, 20.0)
 
 #: Relative tolerance of the spacing of samples, since a file holds few digits of their times.
@@ -133,8 +133,8 @@ class GroundMotion(eqx.Module):
         """Read a record of acceleration and convert it to metres per second squared.
 
         Two formats are read. An AT2 file of the PEER ground motion database has four lines of header; the last one
-        holds ``NPTS`` and ``DT``. Its first sample belongs to t = DT, and the motion starts from zero at t = 0. A file
-        of two columns holds times and accelerations; lines that begin with ``#`` or ``%`` are skipped.
+        holds ``NPTS`` and ``DT``. The first sample of an AT2 file belongs to t = DT, and the motion starts from zero
+        at t = 0. A file of two columns holds times and accelerations. Lines that begin with ``#`` or ``%`` are skipped.
 
         Parameters
         ----------
@@ -233,8 +233,8 @@ def _check_numbers(acceleration: Any, dt: Any, title: str) -> None:
         except ValueError:  # rows of different lengths
             numbers = np.asarray(None)
         if numbers.ndim != ndim or np.dtype(numbers.dtype).kind not in "fiu":
-            shape = "of shape (samples,)" if ndim else "that is a number"
-            raise ValueError(f"'{title}' needs {what} {shape}, of real numbers, not {reprlib.repr(value)}.")
+            shape = "real numbers of shape (samples,)" if ndim else "a real number"
+            raise ValueError(f"'{title}' needs {what} as {shape}, not {reprlib.repr(value)}.")
 
 
 def _numbers(path: Path, words: list[str]) -> np.ndarray:

@@ -68,8 +68,8 @@ def tolerances_of(dtype: np.dtype) -> Tolerances:
 #: Largest number of Newton iterations, and of further iterations with a safeguard.
 MAX_ITERATIONS, MAX_SAFEGUARDED = 50, 1000
 
-#: Largest component of the residual along a correction that may remain, relative to its value before the correction,
-#: if it has changed its sign.
+#: Fraction of the residual before a correction. The correction is shortened if the component of the residual along it
+#: changes its sign and exceeds this fraction.
 OVERSHOOT = 0.1
 
 #: Largest number of halvings of a correction.
@@ -178,8 +178,8 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
 def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
     """A Newton correction of several unknowns, shortened until the component of the residual along it nearly vanishes.
 
-    If the tangent is symmetric and positive definite, the energy along the correction is least at this point, and every
-    correction reduces the distance to the solution. The point is found by secants and bisections in turn. The secants
+    If the tangent is symmetric and positive definite, the correction ends where the energy along it is least, and every
+    correction reduces the distance to the solution. Its length is found by secants and bisections in turn. The secants
     use the Illinois method: the value at an end that stays is halved.
     """
 

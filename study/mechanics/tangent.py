@@ -35,7 +35,7 @@ AGREEMENT = 1e-8
 
 
 def _directions(count: int, n: int):
-    """Vectors (count, n) of zeros and ones: vector k has ones at the places k, k + count, k + 2 count, ..."""
+    """Vectors (count, n) of zeros and ones: vector k has ones at k, k + count, k + 2 count, ..."""
     return (jnp.arange(n, dtype=jnp.int32)[None] % count == jnp.arange(count, dtype=jnp.int32)[:, None]).astype(float)
 
 
@@ -148,7 +148,7 @@ def form_named(declared: int | str, n: int, title: str) -> int | str:
 
 
 def check_declared_form(force: Callable, u0: np.ndarray, declared: int | str, title: str) -> None:
-    """Refuse a declared form that cannot hold the derivative of the force; the form must not be ``"dense"``.
+    """Refuse a declared form that cannot hold the derivative of the force, as ``"dense"`` always can.
 
     Raises
     ------

@@ -11,7 +11,7 @@ from study.mechanics.definition import Problem
 from study.observer.base import Record, Reduction
 from study.problem.named import problems
 
-#: Largest |H − H₀|/H₀ of an accurate run, and largest H/H₀ of a run at rest. H is the energy above that of rest.
+#: Largest |H − H₀|/H₀ of an accurate run, and largest H/H₀ of a run at rest, with the energy H above that of rest.
 ACCURATE = AT_REST = 0.01
 
 #: Smallest H/H₀ of a run that has grown, with the energy H above that of rest.
@@ -101,7 +101,7 @@ class OutcomeObserver(Reduction):
             If the problem has several unknowns, damping, a load or no potential, or if the potential has no minimum
             downhill of u₀.
         """
-        from scipy import optimize  # imported here, because it takes a third of the time to import the study
+        from scipy import optimize  # here, as this import takes a third of the time of importing the study
 
         if not isinstance(problem, str | Problem):
             raise TypeError(f"OutcomeObserver.of takes a problem or its name, not {problem!r}.")

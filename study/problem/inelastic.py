@@ -15,7 +15,7 @@ from study.problem.naming import Known, named
 PERIOD = 1.0
 #: Stiffness of a unit mass with this period.
 _STIFFNESS = (2 * np.pi / PERIOD) ** 2
-#: Displacement at yield, and initial speed: four times the speed that brings the undamped mass to yield.
+#: Displacement at yield. Initial speed, four times the speed at which the undamped mass just reaches yield.
 _YIELD, _SPEED = 0.1, 4 * 0.1 * 2 * np.pi / PERIOD
 #: Damping coefficient c, two percent of the critical damping.
 _DAMPING = 0.02 * 2 * 2 * np.pi / PERIOD

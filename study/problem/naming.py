@@ -42,7 +42,7 @@ class NamedProblem:
         Time that measures the step sizes of a structure: a period of its load or of its motion.
     period
         Approximate period of a free oscillator with one unknown. A problem with a period is one of the springs: its
-        step sizes are parts of the period, and the reference finds the exact period nearby.
+        step sizes are fractions of the period, and the reference finds the exact period near it.
     printed
         Whether Xie (1996) prints ``period``, in two or three digits.
     known
