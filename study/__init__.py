@@ -8,42 +8,43 @@
     ds.u.plot()
     print(ds.status)
 
-Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble. ``over`` runs an ensemble of problems, by arrays for
-arguments of a function that makes the problem. ``final_state`` is a run as a pure function, which JAX differentiates. A
-run that fails warns with ``RunFailedWarning``. ``help(study.run)`` describes all arguments, and so does
-``help()`` for each of the names below.
+Arrays for ``dt``, ``u0``, ``v0`` or ``steps`` run an ensemble. ``over`` runs an ensemble of problems: it holds arrays
+for the arguments of a function that makes the problem. ``final_state`` returns the state at the end of a run. It is a
+pure function, so that JAX can differentiate it. ``run`` warns with ``RunFailedWarning`` if a run fails.
+``help(study.run)`` describes all arguments, and ``help()`` describes each of the names below.
 
 Steps of controlled size
     ``run`` takes a ``tolerance`` and a ``duration`` in place of ``dt`` and ``steps``. ``estimators`` and
-    ``controllers`` hold those with a name; ``Estimator`` and ``Controller`` are the base classes for your own.
-    ``DeadBand``, ``Reversible`` and ``Prescribed`` take arguments, and ``UnequalSteps`` is an α-method on unequal
-    steps::
+    ``controllers`` hold the error estimators and step-size controllers by name. ``Estimator`` and ``Controller`` are
+    the base classes for your own. ``DeadBand``, ``Reversible`` and ``Prescribed`` are controllers with parameters, and
+    ``UnequalSteps`` adapts an α-method to steps of different sizes::
 
         ds = study.run("hardening", "hht_alpha", tolerance=1e-4, duration=15.0, estimator="three_point")
 
 What can be run
-    ``problems``, ``schemes`` and ``observers`` hold everything that has a name: ``list(study.schemes)``,
+    ``problems``, ``schemes`` and ``observers`` hold problems, schemes and observers by name: ``list(study.schemes)``,
     ``study.schemes["houbolt"]``.
 
-Which scheme and which step
-    ``assess`` finds them for any problem, by runs against a certified reference, ``recommend`` lists the schemes that
-    keep an error, the cheapest first, and ``report`` writes a page::
+Which scheme and which step size
+    ``assess`` runs schemes on any problem and compares them with a certified reference. ``recommend`` lists the schemes
+    that keep an allowed error, the cheapest first, and ``report`` writes a page of HTML::
 
         ds = study.assess(pendulum, duration=60.0, quantities={"angle": study.Quantity(lambda u: u, reduce="peak")})
         study.recommend(ds, error=0.01, quantity="angle")
         study.report(ds, "pendulum.html")
 
-    ``work_precision`` draws error against time, and ``cite`` lists the works on which a dataset is based as BibTeX.
+    ``work_precision`` draws error against computing time. ``cite`` lists, as BibTeX, the works on which a dataset is
+    based.
 
 A model in another program
-    ``assess`` takes a ``Program`` too, any function that runs a model with a scheme and a step. ``command`` makes a
-    program from an executable, and ``opensees`` from a model of OpenSees::
+    ``assess`` also takes a ``Program``: any function that runs a model with a scheme and a step size. ``command`` makes
+    a program from an executable, and ``opensees`` makes one from a model of OpenSees::
 
         program = study.command("./mycode {dt} {scheme} {output}", ["newmark", "hht"], duration=10.0)
         study.recommend(study.assess(program), error=0.01)
 
 Datasets of the study
-    ``open_dataset`` opens a dataset of the study; ``recommend`` takes the name of one of its assessments.
+    ``open_dataset`` opens a dataset of the study. ``recommend`` also takes the name of an assessment of the study.
 
 Analysis
     ``LinearTheory`` derives spectral radius, period elongation, damping and order of a scheme from its code.
@@ -51,18 +52,18 @@ Analysis
     ``OutcomeObserver`` has found.
 
 A problem of your own
-    ``Problem`` describes it. ``Rayleigh`` gives its damping, ``StrainEnergy`` the force of a structure, and
-    ``GroundMotion`` the acceleration of its ground::
+    ``Problem`` describes it. ``Rayleigh`` gives its damping, ``StrainEnergy`` the potential of a structure, and
+    ``GroundMotion`` the acceleration of the ground::
 
         pendulum = study.Problem(force=jnp.sin, potential=lambda u: 1 - jnp.cos(u), u0=3.0)
 
-    The force may take the velocity, ``force(u, v)``, or a history too. ``materials`` has forces that yield, slip, damp
-    or touch.
+    The force may also take the velocity, ``force(u, v)``, and a history. ``materials`` has forces of springs that
+    yield, slip or touch, and of dampers.
 
 An observer of your own
     ``Quantity`` observes a function of t, u, u̇ and ü, along time or as its peak, its final value or its root mean
-    square. Every ``Observer`` has one of two base classes: ``Reduction`` gives one value per run, and ``Record`` gives
-    values along time.
+    square. An ``Observer`` is a ``Reduction``, which gives one value per run, or a ``Record``, which gives values along
+    time.
 
 A scheme with other parameters
     ``Newmark``, ``WilsonTheta``, ``Houbolt``, ``HHTAlpha1996``, ``GeneralizedAlpha``, ``ExplicitAlpha``,
@@ -74,9 +75,9 @@ A scheme with other parameters
 
 A scheme of your own
     ``Scheme``, or ``OneStep`` for one-step schemes, is the base class. ``building`` states what a scheme must return,
-    and provides the parts of one: states, the equation of motion and the balance of an implicit step.
-    ``assess_scheme`` compares one with those of the study, and ``register_scheme`` gives it a name, under which
-    experiments take it too.
+    and provides its parts: states, the equation of motion and the balance of an implicit step.
+    ``assess_scheme`` compares your scheme with schemes of the study. ``register_scheme`` gives it a name, by which
+    experiments can use it too.
 
 Importing ``study`` switches JAX to double precision, among other settings; see ``help(study.settings)``.
 """
@@ -89,9 +90,9 @@ from study import settings as settings
 
 _STUB = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
 #: Module of each public name. JAX and xarray take a second to import, so each name is imported when it is first used.
-#: The stub states the names, also for type checkers.
+#: The stub file lists the names with their modules; type checkers read it too.
 _MODULES = {name.name: node.module for node in _STUB.body if isinstance(node, ast.ImportFrom) for name in node.names}
-#: Names of the previous version, each with its present name.
+#: Public names of the previous version, each with its present name.
 _RENAMED = {
     "HHTAlpha": "HHTAlpha1996",
     "OUTCOMES": "Outcome",

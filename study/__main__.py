@@ -98,7 +98,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _given(place: str, kind: type) -> Any:
-    """The name itself, or the object that ``FILE.py:NAME`` names."""
+    """The given name unchanged, or the object that ``FILE.py:NAME`` names."""
     return load(place, (kind,)) if ".py" in place else place
 
 
@@ -123,7 +123,7 @@ def _run(arguments: argparse.Namespace) -> None:
 def _assess(arguments: argparse.Namespace) -> None:
     outputs = []
     if arguments.output:
-        # also a name with one of the two endings stands for both files
+        # an output name that ends in .nc or .html stands for both files, too
         stem = arguments.output.name.removesuffix(".nc").removesuffix(".html")
         outputs = [io.check_writable(arguments.output.with_name(stem + suffix)) for suffix in (".nc", ".html")]
     if arguments.command or arguments.opensees:
@@ -160,7 +160,7 @@ def _assess(arguments: argparse.Namespace) -> None:
 
 
 def _refuse(arguments: argparse.Namespace, defaults: dict[str, Any], whose: str) -> None:
-    """Refuse an option that would have no effect."""
+    """Raise an error for an option that was given although it has no effect."""
     for name, default in defaults.items():
         if getattr(arguments, name) != default:
             raise ValueError(f"--{name.replace('_', '-')} is an option of {whose}; leave it out.")
@@ -207,13 +207,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Parameters
     ----------
     arguments
-        Words of the command line, by default of this process.
+        Words of the command line; by default those given to this process.
 
     Raises
     ------
     SystemExit
-        With code 2 after a mistake; one sentence on the standard error output explains it. With code 130 after an
-        interrupt.
+        With code 2 after a mistake, which one sentence on the standard error output explains, and with code 130 after
+        an interrupt.
     """
     parser = _parser()
     words = sys.argv[1:] if arguments is None else list(arguments)
@@ -221,7 +221,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         chosen.function(chosen)
         sys.stdout.flush()
-    except BrokenPipeError:  # the reader, such as head, has closed the pipe, and the exit would flush into it
+    except BrokenPipeError:  # a reader such as head has closed the pipe, into which the exit would flush
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return
     except KeyboardInterrupt:

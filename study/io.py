@@ -52,7 +52,7 @@ __version__ = _version()
 
 
 def _installed() -> Iterator[str]:
-    """Installed packages with their versions."""
+    """Name and version of each package of ``_PACKAGES`` that is installed."""
     for package in _PACKAGES:
         try:
             yield f"{package} {version(package)}"
@@ -71,7 +71,7 @@ def _git(*arguments: str) -> str:
 
 
 def _made_at() -> str:
-    """Date of the sources, never the time of the run, so that the same inputs give the same bytes."""
+    """Date of the sources: ``SOURCE_DATE_EPOCH``, or that of the last commit; the same inputs give the same bytes."""
     if "SOURCE_DATE_EPOCH" in os.environ:
         return datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), UTC).isoformat()
     return _git("log", "-1", "--format=%cI") or "undated"
@@ -114,7 +114,7 @@ def flags(long_name: str, meanings: Sequence[str], dtype: type[np.integer]) -> d
     Parameters
     ----------
     meanings
-        One word each, without spaces.
+        Meaning of each index, one word without spaces.
     dtype
         Type of the values of the variable, which CF requires of ``flag_values`` too.
     """
@@ -143,12 +143,12 @@ def one_sentence() -> Iterator[None]:
 
 
 def check_writable(path: str | Path) -> Path:
-    """Make the folder of a file and check that the file can be written.
+    """Make the folder of a file and check that the file can be written; the path is returned.
 
     Raises
     ------
     NotWritten
-        If it cannot; the message states why.
+        If the file cannot be written; the message states why.
     """
     path = Path(path)
     try:
@@ -163,9 +163,11 @@ def check_writable(path: str | Path) -> Path:
 
 
 def _encoding(dataset: xr.Dataset) -> dict:
-    """Compression of large variables; no fill value on coordinates and integers, which have no missing values.
+    """Options by which netCDF stores each variable.
 
-    Flags become floating point when datasets without them are merged; they are stored as integers with a fill value.
+    Variables of more than 1024 floating-point values are compressed. Coordinates and integers get no fill value, since
+    they have no missing values. Flags become floating point when they are merged with a dataset that lacks them; they
+    are stored as integers with the fill value −1.
     """
     encoding: dict = {}
     for name, variable in dataset.variables.items():
@@ -182,8 +184,8 @@ def _encoding(dataset: xr.Dataset) -> dict:
 def write(content: xr.Dataset | str | bytes, path: str | Path) -> None:
     """Write a file atomically.
 
-    The content is written to a temporary file next to ``path``, which then takes its place. Of several writers the last
-    one wins, and readers get one of the complete files.
+    The content is written to a temporary file next to ``path``. The temporary file then replaces the file at ``path``.
+    If several processes write the same file, the last one wins, and readers always get a complete file.
 
     Raises
     ------
@@ -228,8 +230,8 @@ def read(path: str | Path) -> Any:
 
     Returns
     -------
-    xarray.Dataset, pandas.DataFrame of texts, content of JSON, or bytes of a PDF
-        According to the suffix of the file.
+    xarray.Dataset, pandas.DataFrame of strings, content of JSON, or bytes of a PDF
+        For the suffixes ``.nc``, ``.csv``, ``.json`` and ``.pdf``.
 
     Raises
     ------
@@ -252,13 +254,13 @@ def read(path: str | Path) -> Any:
     return content
 
 
-#: Datasets that may be opened by name; None, outside of an experiment, allows all of them.
+#: Names of the datasets that :func:`open_dataset` may open; None, outside of an experiment, allows all datasets.
 _READABLE: ContextVar[frozenset[str] | None] = ContextVar("readable", default=None)
 
 
 @contextmanager
 def reading_only(names: Iterable[str]) -> Iterator[None]:
-    """Allow only these datasets to be opened by name, so that an experiment reads only what it declares."""
+    """Within this context only these datasets can be opened by name: an experiment reads only what it declares."""
     token = _READABLE.set(frozenset(names))
     try:
         yield
@@ -274,12 +276,12 @@ def open_dataset(name: str, folder: str | Path = RESULTS) -> xr.Dataset:
     name
         Name of the file without its suffix, relative to the folder: ``"reference/hardening"``.
     folder
-        Folder of the results.
+        Folder of the results, by default ``results``.
 
     Raises
     ------
     FileNotFoundError
-        If there is no such dataset; the message gives the nearest name and the command that makes the dataset.
+        If there is no such dataset; the message gives similar names and the command that makes the dataset.
     ValueError
         If a file is given in place of a name, if an experiment reads a dataset that it does not declare, or if the
         dataset is damaged or was not written by this study.

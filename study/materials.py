@@ -6,8 +6,8 @@ A material is the force of one unknown, or with :func:`elements` the force of ev
     oscillator = study.Problem(spring, u0=0.0, potential=spring.potential, load=load)
 
 Parameters may be arrays with one value for each element. A material with a memory has an attribute ``history`` and
-returns the new one with its force. Forces are exact for the straight motion from the last committed displacement to u:
-a step has only the error of its scheme.
+returns the new history with its force. Forces are exact for the straight motion from the last committed displacement to
+u, so that the material adds no error to that of the scheme.
 """
 
 from collections.abc import Callable
@@ -23,7 +23,7 @@ from study.mechanics.internal_force import number_of_arguments
 
 
 def _check(name: str, value: Any, low: float, strict: bool, high: float = np.inf) -> None:
-    """Refuse a parameter that is not a finite number, or an array of them, in its range."""
+    """Refuse a parameter that is not a finite number in its range, or an array of such numbers."""
     if isinstance(value, jax.core.Tracer):
         return
     numbers = np.asarray(value)
@@ -73,7 +73,7 @@ class Elastoplastic(eqx.Module):
         return jnp.where(trial > bound, bound, jnp.where(trial < -bound, -bound, trial))
 
     def __call__(self, u, v, history):
-        """Force p at displacement u, and u_p after the motion to it."""
+        """Force p at displacement u, and the plastic displacement u_p after the motion to u."""
         elastic = self._elastic(u, history)
         force = self.stiffness * (self.hardening * u + (1 - self.hardening) * elastic)
         return force, u - elastic
@@ -91,7 +91,7 @@ def elastoplastic(stiffness, yield_force, hardening=0.0) -> Elastoplastic:
     Raises
     ------
     ValueError
-        If k or p_y is not greater than zero, b is not between 0 and 1, or their shapes differ.
+        If k or p_y is not greater than zero, b is not between 0 and 1, or arrays among them differ in shape.
     """
     _check("stiffness", stiffness, 0.0, strict=True)
     _check("yield_force", yield_force, 0.0, strict=True)
@@ -103,14 +103,14 @@ def elastoplastic(stiffness, yield_force, hardening=0.0) -> Elastoplastic:
 def friction(slip_force, stiffness) -> Elastoplastic:
     """Coulomb friction: a contact of the given stiffness that slips where its force reaches the slip force.
 
-    The stiffness models the asperities. A stiff contact, with a period well above the time step, approximates the rigid
-    law of Coulomb, whose force jumps and has no tangent: the relative difference of the motions falls with the square
-    root of the stiffness.
+    The stiffness models the asperities. A stiff contact approximates the rigid law of Coulomb, whose force jumps and
+    has no tangent. The relative difference of the two motions is inversely proportional to the square root of the
+    stiffness. The vibration period of the contact should stay well above the step size.
 
     Raises
     ------
     ValueError
-        If the slip force or the stiffness is not greater than zero, or their shapes differ.
+        If the slip force or the stiffness is not greater than zero, or both are arrays of different shapes.
     """
     _check("slip_force", slip_force, 0.0, strict=True)
     _check("stiffness", stiffness, 0.0, strict=True)
@@ -126,9 +126,9 @@ class BoucWen(eqx.Module):
         p &= b k u + (1 - b)\,k z, \quad u_y = p_y/k \\
         dz &= [1 - \tfrac12 |z/u_y|^n (1 + \operatorname{sgn}(z\,du))]\,du
 
-    Wen's β and γ are equal, so that unloading is elastic. For n = 1 and n = 2 the equation has a closed solution, which
-    is used: with z = u_y y and du = s u_y dx, :math:`dy/dx = 1 - |y|^n` for s y > 0, else 1. The history is u and y at
-    the last commit.
+    Wen's β and γ are equal, so that unloading is elastic. With z = u_y y and du = s u_y dx, where s = ±1 is the
+    direction of the motion, :math:`d(s y)/dx = 1 - |y|^n` for s y > 0, else 1. This equation has a closed solution for
+    n = 1 and n = 2, which is used. The history holds u and y at the last commit.
 
     References
     ----------
@@ -142,25 +142,25 @@ class BoucWen(eqx.Module):
 
     @property
     def history(self) -> tuple[np.ndarray, np.ndarray]:
-        """At rest at u = 0, without a force."""
+        """The history at rest: u = 0 and y = 0."""
         zero = np.zeros(np.broadcast_shapes(*map(np.shape, (self.stiffness, self.yield_force, self.hardening))))
         return zero, zero
 
     def _loaded(self, y, x):
-        """The value of y after loading by x ≥ 0 from y ≥ 0."""
+        """The value of y ≥ 0 after loading by a displacement x ≥ 0 in units of u_y."""
         if self.exponent == 1:
             return y - (1 - y) * jnp.expm1(-x)
         tanh = jnp.tanh(x)
         return (y + tanh) / (1 + y * tanh)
 
     def __call__(self, u, v, history):
-        """Force p at displacement u, and u with y after the motion to it."""
+        """Force p at displacement u, and the history (u, y) after the motion to u."""
         before, y = history
         bound = self.yield_force / self.stiffness
         way = (u - before) / bound
         sign = jnp.where(way < 0, -1.0, 1.0)
         y, x = sign * y, sign * way
-        # a negative y grows by x up to zero, which is unloading; the rest of x loads from zero
+        # a negative y is unloaded first: it grows with x up to zero. The rest of x loads from zero
         unloading = jnp.minimum(y + x, 0.0)
         y = sign * (unloading + self._loaded(jnp.maximum(y, 0.0), jnp.maximum(x + jnp.minimum(y, 0.0), 0.0)))
         force = self.stiffness * (self.hardening * u + (1 - self.hardening) * bound * y)
@@ -173,8 +173,8 @@ def bouc_wen(stiffness, yield_force, hardening=0.0, exponent: int = 1) -> BoucWe
     Raises
     ------
     ValueError
-        If k or p_y is not greater than zero, b is not between 0 and 1, n is neither 1 nor 2, or their shapes
-        differ.
+        If k or p_y is not greater than zero, b is not between 0 and 1, n is neither 1 nor 2, or arrays among k, p_y
+        and b differ in shape.
     """
     _check("stiffness", stiffness, 0.0, strict=True)
     _check("yield_force", yield_force, 0.0, strict=True)
@@ -192,7 +192,7 @@ class ViscousDamper(eqx.Module):
     exponent: Any = eqx.field(converter=as_float64)
 
     def __call__(self, u, v):
-        """Force c |u̇|^α sgn u̇; its derivative at rest, infinite for α < 1, is then zero."""
+        """Force c |u̇|^α sgn u̇. For α < 1 its derivative at rest is infinite and is replaced by zero."""
         moves = v != 0
         speed = jnp.where(moves, jnp.abs(v), 1.0)
         at_rest = jnp.where(self.exponent == 1, 1.0, 0.0)
@@ -205,7 +205,7 @@ def viscous_damper(coefficient, exponent=1.0) -> ViscousDamper:
     Raises
     ------
     ValueError
-        If c is negative, α is not greater than zero and at most 2, or their shapes differ.
+        If c is negative, α lies outside 0 < α ≤ 2, or both are arrays of different shapes.
     """
     _check("coefficient", coefficient, 0.0, strict=False)
     _check("exponent", exponent, 0.0, strict=True, high=2.0)
@@ -214,7 +214,7 @@ def viscous_damper(coefficient, exponent=1.0) -> ViscousDamper:
 
 
 class Gap(eqx.Module):
-    """A spring that touches at the displacement g: p = k (u − g) for u > g, zero otherwise."""
+    """A spring that is in contact beyond the displacement g: p = k (u − g) for u > g, zero otherwise."""
 
     stiffness: Any = eqx.field(converter=as_float64)
     opening: Any = eqx.field(converter=as_float64)
@@ -224,7 +224,7 @@ class Gap(eqx.Module):
         return self.stiffness * jnp.maximum(u - self.opening, 0.0)
 
     def potential(self, u):
-        """½ k (u − g)² for u > g, zero otherwise, summed over elements."""
+        """Stored energy ½ k (u − g)² for u > g, zero otherwise, summed over elements."""
         return jnp.sum(self.stiffness * jnp.maximum(u - self.opening, 0.0) ** 2) / 2
 
 
@@ -234,7 +234,7 @@ def gap(stiffness, opening=0.0) -> Gap:
     Raises
     ------
     ValueError
-        If k is not greater than zero, g is not a finite number, or their shapes differ.
+        If k is not greater than zero, g is not a finite number, or both are arrays of different shapes.
     """
     _check("stiffness", stiffness, 0.0, strict=True)
     _check("opening", opening, -np.inf, strict=True)
@@ -243,7 +243,7 @@ def gap(stiffness, opening=0.0) -> Gap:
 
 
 class _Elements(eqx.Module):
-    """Common part of springs of one material in a structure."""
+    """Base class of the forces of springs of one material in a structure."""
 
     material: Any
     elongations: Callable
@@ -287,8 +287,8 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
     Parameters
     ----------
     material
-        A material of this module, whose parameters are numbers or arrays (count,), or a function of your own: q(e),
-        q(e, ė), or with an attribute ``history`` q(e, ė, history).
+        A material of this module, whose parameters are numbers or arrays (count,), or your own function q(e) or
+        q(e, ė). A function q(e, ė, history) needs an attribute ``history``.
     elongations
         e(u), of shape (count,), written with ``jax.numpy``.
     count
@@ -297,16 +297,16 @@ def elements(material: Callable, elongations: Callable[[Vector], Vector], count:
     Returns
     -------
     Callable
-        A force for :class:`study.Problem` with the arguments of the material; with ``potential`` if the material has
-        one, and with the ``history`` of all elements if it has a history.
+        A force for :class:`study.Problem` with the arguments of the material. It has a ``potential`` if the material
+        has one, and the ``history`` of all elements if the material has a history.
 
     Raises
     ------
     TypeError
         If the material or the elongations are not functions.
     ValueError
-        If the number of elements is not a whole number of at least one, or the material has a history of another number
-        of elements.
+        If ``count`` is not a whole number of at least one, or the history of the material belongs to another number of
+        elements.
     """
     if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 1:
         raise ValueError(f"count must be a whole number of at least 1, not {count!r}.")

@@ -22,8 +22,8 @@ def _plain(word: str) -> str:
 def nearest(word: str, known: Iterable[str]) -> list[str]:
     """Known names that a misspelt or shortened word may mean, the likeliest first; empty if no name is near.
 
-    Up to five names that contain the word are returned, whatever the case and the separators; otherwise the name with
-    the most similar spelling.
+    If one to five names contain the word, these are returned; otherwise the name with the most similar spelling. Case
+    and separators do not matter.
     """
     names = {str(name): _plain(name) for name in known}
     wanted = _plain(word)
@@ -35,17 +35,17 @@ def nearest(word: str, known: Iterable[str]) -> list[str]:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """End of a sentence that suggests the nearest known names, or lists all of them if none is near."""
+    """End of a sentence that suggests the nearest known names, or lists all known names if none is near."""
     known = list(known)
     near = nearest(word, known)
     return f"did you mean {' or '.join(map(repr, near))}?" if near else f"known are {', '.join(known)}."
 
 
 class UnknownName(KeyError):
-    """A name that is not known; the message suggests the nearest one."""
+    """A name that is not known; the message suggests the nearest known names."""
 
     def __str__(self) -> str:
-        # KeyError shows its message in quotation marks
+        # KeyError would show its message in quotation marks
         return str(self.args[0])
 
 
@@ -59,12 +59,12 @@ class Registry(Mapping[str, T], Generic[T]):
     entries
         The entries by name.
     aliases
-        Further names of entries, which can be looked up and are not listed. Case and separators do not matter.
+        Further names, each with the name of its entry. They can be looked up, and are not listed.
     renamed
-        Names of earlier versions, each with its present name, which the message for an unknown name suggests.
+        Names of earlier versions, each with its present name. The error for an earlier name states the present one.
     made_by
-        Functions that make entries, by name, for entries that take a while to make. Each is called at the first access
-        of its entry.
+        Functions that make entries, by name, for entries that take a while to make. Each function is called at the
+        first access of its entry.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class Registry(Mapping[str, T], Generic[T]):
                 )
 
     def resolve(self, name: str) -> str:
-        """The name under which an entry is listed.
+        """The name under which an entry is listed, from this name or an alias; case and separators do not matter.
 
         Raises
         ------
@@ -99,7 +99,7 @@ class Registry(Mapping[str, T], Generic[T]):
             return entry
         if name in self._renamed:
             raise UnknownName(f"the {self.kind} {name!r} is now called {self._renamed[name]!r}.")
-        for known in (*self._names, *self._aliases):  # in another case, or with other separators
+        for known in (*self._names, *self._aliases):  # another case or other separators
             if _plain(known) == _plain(str(name)):
                 return self._aliases.get(known, known)
         raise UnknownName(f"there is no {self.kind} {name!r}; {did_you_mean(str(name), self)}")
@@ -110,8 +110,8 @@ class Registry(Mapping[str, T], Generic[T]):
         Raises
         ------
         ValueError
-            If the name is taken, does not begin with a small letter, or has other characters than small letters, digits
-            and underscores.
+            If the name is taken, does not begin with a small letter, or contains other characters than small letters,
+            digits and underscores.
         """
         if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9_]*", name):
             raise ValueError(f"a {self.kind} has a name of small letters, digits and underscores, not {name!r}.")
@@ -146,10 +146,10 @@ def variables_of_modules(package: ModuleType, kind: type[T], first: Iterable[str
     """
     found: dict[str, T] = {}
     for module in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
-        if module.name.endswith(".named"):  # the module that makes the registry
+        if module.name.endswith(".named"):  # skip the module that makes the registry
             continue
         for name, value in vars(importlib.import_module(module.name)).items():
-            # isinstance checks every abstract class, which takes a twentieth of a second in all
+            # isinstance would also check abstract classes, which takes a twentieth of a second in all
             if kind in type(value).__mro__ and not name.startswith("_") and found.setdefault(name, value) is not value:
                 raise ValueError(f"{module.name} gives the name '{name}' a second time; choose another name.")
     return {name: found[name] for name in first} | found

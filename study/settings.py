@@ -5,18 +5,18 @@
 ``compiler``
     An option is added to ``XLA_FLAGS``, unless the user has set it. XLA compiles a loop natively only if its body is
     small, and otherwise executes it operation by operation, which is up to ten times slower. The option raises the
-    threshold, so that a whole march is one native loop. A loop with calls of LAPACK, as for several unknowns, is never
-    native. XLA reads ``XLA_FLAGS`` when JAX first computes; if JAX has already computed, a warning says so.
+    allowed size, so that a whole march is one native loop. A loop with calls of LAPACK, as for several unknowns, is
+    never native. XLA reads ``XLA_FLAGS`` when JAX first computes; if JAX has already computed, a warning says so.
 ``cache``
-    Compiled programs are kept for the next process, unless the user has set a cache for JAX. They lie in the user's
-    cache folder, in a folder named after this machine, since another processor may lack instructions. When the folder
-    exceeds 1 GiB, the older half of its programs is removed.
+    Compiled programs are stored for later processes, unless the user has set a cache for JAX. They are stored in the
+    user's cache folder, in a folder named after this machine, since another processor may lack instructions. If the
+    folder exceeds 1 GiB, the older half of its programs is removed; this is checked once a day.
 
-The environment variable ``STUDY_SETTINGS`` names the settings to make, for instance ``precision,cache``; ``none`` makes
-none. Without the variable all three are made. JAX's own switches keep working:
+The environment variable ``STUDY_SETTINGS`` names the settings to make, for instance ``precision,cache``. With ``none``
+no setting is made. Without the variable all three settings are made. JAX's own switches keep working:
 ``with jax.enable_x64(False): study.run(...)`` computes in single precision.
 
-This module does not import JAX, which takes half a second. Where JAX is not imported yet, its settings are made as
+This module does not import JAX, which takes half a second. If JAX is not imported yet, its settings are made as
 environment variables, which JAX reads when it is imported, and which child processes inherit.
 """
 
@@ -32,8 +32,8 @@ import platformdirs
 
 _OPTION = "xla_cpu_small_while_loop_byte_threshold"
 
-#: Largest size in bytes of a loop that XLA compiles natively. A run that is compared with a reference carries a table
-#: of some megabytes.
+#: Largest size in bytes of a loop that XLA compiles natively. The loop of a run that is compared with a reference
+#: carries a table of some megabytes.
 _THRESHOLD = 1 << 24
 
 #: Size of the cache in bytes above which the older half of its programs is removed.
@@ -52,7 +52,7 @@ def _set(option: str, value: bool | float | str) -> None:
 
 
 def _wanted(variable: str | None) -> tuple[str, ...]:
-    """The settings that a value of ``STUDY_SETTINGS`` names; all of them if it is not set."""
+    """The settings that the value of ``STUDY_SETTINGS`` names; all settings if the value is None or empty."""
     if not variable:
         return tuple(_SETTINGS)
     if variable == "none":
@@ -67,7 +67,7 @@ def _wanted(variable: str | None) -> tuple[str, ...]:
 
 
 def _with_option(flags: str) -> str:
-    """A value of ``XLA_FLAGS`` with our option added; backend options share one flag, which is extended."""
+    """The value of ``XLA_FLAGS`` with the option added; a flag for backend options that is present is extended."""
     if _OPTION in flags:
         return flags
     option, extra = f"{_OPTION}={_THRESHOLD}", "--xla_backend_extra_options="
@@ -79,8 +79,8 @@ def _with_option(flags: str) -> str:
 def _has_computed() -> bool:
     """Whether JAX has computed something in this process.
 
-    After its first computation JAX refuses to change the number of CPU devices. No public function reports this
-    directly.
+    No public function of JAX reports this. It follows from a change of the number of CPU devices, which JAX refuses
+    after its first computation.
     """
     if "jax" not in sys.modules:
         return False
@@ -107,7 +107,7 @@ def _set_compiler() -> None:
 
 
 def _prune(cache: Path) -> None:
-    """Remove the older half of the programs if the cache exceeds its largest size, once a day.
+    """Remove the older half of the programs if the cache exceeds ``_CACHE_SIZE``; this is checked once a day.
 
     JAX's own limit is not used, because it inspects every file whenever a program is added; with ten thousand files
     that takes a third of a second.
@@ -128,8 +128,8 @@ def _set_cache() -> None:
     if getattr(sys.modules["jax"].config, option) if "jax" in sys.modules else os.environ.get(option.upper()):
         return
     cache = platformdirs.user_cache_path("time-integration-study") / platform.node()
-    # the folder may not exist yet, be pruned by another process too, or belong to another user; JAX reports a folder
-    # that it cannot use
+    # The folder may not exist yet, may belong to another user, or another process may be removing programs from it. JAX
+    # reports a folder that it cannot use.
     with suppress(OSError):
         _prune(cache)
     _set(option, str(cache))
@@ -139,7 +139,7 @@ def _set_cache() -> None:
 
 
 def cores() -> int:
-    """Cores that a run may use: ``OMP_NUM_THREADS`` if set (Snakemake sets it for its jobs), otherwise all of them."""
+    """Number of cores that a run may use: ``OMP_NUM_THREADS``, which Snakemake sets for its jobs, or all cores."""
     granted = os.environ.get("OMP_NUM_THREADS", "")
     if granted.isdigit() and int(granted):
         return int(granted)

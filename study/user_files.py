@@ -1,4 +1,4 @@
-"""Problems and schemes in files of a user."""
+"""Loading of problems, schemes and other objects from Python files of a user."""
 
 import importlib.util
 import sys
@@ -19,12 +19,13 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
     Parameters
     ----------
     kinds
-        Allowed classes of the object. A function without arguments that returns such an object is called.
+        Allowed classes of the object. ``NAME`` may also be a function without arguments that returns such an object;
+        the function is then called.
 
     Raises
     ------
     Unloadable
-        If there is no such file or name, if running the file fails, or if the object is of another kind.
+        If there is no such file or name, if running the file or the function fails, or if the object has another class.
     """
     file, separator, name = place.rpartition(":")
     wanted = " or ".join(kind.__name__ if kind.__module__ == "builtins" else f"study.{kind.__name__}" for kind in kinds)
@@ -36,7 +37,7 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
     spec = importlib.util.spec_from_file_location(path.stem, path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    sys.path.insert(0, str(path.parent.resolve()))  # for modules next to it
+    sys.path.insert(0, str(path.parent.resolve()))  # so that the file can import modules next to it
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # a user's file may raise anything
@@ -58,7 +59,7 @@ def load(place: str, kinds: tuple[type, ...]) -> Any:
 
 
 def _where(error: BaseException, path: Path) -> str:
-    """File of a user's code, with the innermost of its lines in which an error arose, if there is one."""
+    """Path of a user's file, with ``:`` and the number of its innermost line in the traceback of an error, if any."""
     lines = [
         frame.lineno
         for frame in traceback.extract_tb(error.__traceback__)

@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-#: Digits and a minus as exponents.
+#: Translation of digits and a hyphen into superscripts, for exponents.
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-# digits within a word, such as the hash of a commit, are not a number
+# a power such as 5e-05; digits within a word, such as the hash of a commit, are not a number
 _POWER = re.compile(r"(?<![\w.])(\d(?:\.\d+)?)e([+-]?)0*(\d{1,3})(?!\w)")
-#: Largest fraction that counts as zero, for round-off.
+#: Largest fraction that :func:`percent` prints as zero, for round-off.
 _ZERO = 1e-6
 
 
@@ -29,7 +29,7 @@ def printed(text: str) -> str:
 
 
 def number(value: float, digits: int = 3) -> str:
-    """A number with some significant digits, ∞, or a dash for NaN."""
+    """A number with ``digits`` significant digits, ∞ for infinity, or a dash for NaN."""
     if math.isnan(value):
         return "–"
     # rounded first: with three digits, the format ``g`` alone would write 123,456 as 1.23 × 10⁵, not as 123000
@@ -44,7 +44,7 @@ def percent(fraction: float) -> str:
 
 
 def span(values: Any, form: str = ".2f") -> str:
-    """The smallest and the largest of some values, or one number if both are printed alike."""
+    """The range of some values, such as ``0.10 to 0.25``, or one number if both ends are printed alike."""
     low, high = format(float(values.min()), form), format(float(values.max()), form)
     return low if low == high else f"{low} to {high}"
 
@@ -61,7 +61,7 @@ def text_of(value: object) -> str:
 
 
 def document(title: str, parts: Iterable[str], style: str) -> str:
-    """A page of HTML with its style sheet within it; the page loads nothing else."""
+    """A page of HTML that contains its style sheet and loads no other file."""
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,">'

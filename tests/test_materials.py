@@ -182,7 +182,7 @@ def test_a_force_that_forgets_is_refused(force, history, sentence):
     ],
 )
 def test_an_argument_with_a_default_that_the_motion_would_never_give_is_refused(force, name):
-    with pytest.raises(ValueError, match=f"gives '{name}' a default, so that it would never receive it"):
+    with pytest.raises(ValueError, match=f"gives '{name}' a default, and would never be called with another value"):
         study.Problem(force, u0=1.0, title="own")
 
 

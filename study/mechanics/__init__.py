@@ -1,1 +1,1 @@
-"""The equation of motion: its terms, its tangent, and the balance that every step solves."""
+"""The equation of motion: its terms, its tangent, and the balance of forces that every implicit step solves."""

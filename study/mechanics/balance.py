@@ -1,4 +1,4 @@
-r"""The balance of forces that every scheme solves, and the Newton-Raphson iteration that solves it.
+r"""The balance of forces that every implicit scheme solves, and the Newton-Raphson iteration that solves it.
 
 In every implicit scheme the new displacement and velocity are affine in one unknown acceleration a,
 
@@ -14,13 +14,13 @@ stiffness K, so that its internal force is K u + p; then only p is differentiate
 Newton corrections are not shortened if the force is smooth. If the slope of the force may jump, the iteration could
 oscillate between two branches without end. With one unknown the iterate is then kept in a bracket, between two
 accelerations with residuals of opposite signs. The bracket is bisected if Newton's correction leaves it or is longer
-than half of the last change. With several unknowns a correction that is too long is shortened to where the residual
-along it is nearly zero.
+than half of the last change. With several unknowns a correction that is too long is shortened to a point where the
+component of the residual along the correction is nearly zero.
 
-An iteration of a problem that is ``safeguarded`` starts again if it fails. With one unknown it seeks a bracket,
-which finds a root of every continuous residual that changes its sign. With several unknowns a correction is halved
-until the next one with the same tangent is shorter (Deuflhard, 2004, section 3.3). A test for a smaller residual would
-stall where stiff members rotate.
+If the problem is ``safeguarded``, an iteration that fails is started again with a safeguard. With one unknown this is a
+bracket, which finds a root of every continuous residual that changes its sign. With several unknowns a correction is
+halved until the next correction with the same tangent is shorter (Deuflhard, 2004, section 3.3). A test for a smaller
+residual would stall where stiff members rotate.
 
 References
 ----------
@@ -68,7 +68,7 @@ class System(Protocol):
 
     @property
     def linear(self) -> bool:
-        """Whether there is no p."""
+        """Whether the internal force is K u alone, without p."""
 
     @property
     def stiffness(self) -> Matrix:
@@ -100,7 +100,7 @@ class System(Protocol):
 
 
 def _inertia(problem: System, c_v: Matrix, n: int) -> Matrix:
-    """M + c_v C; M itself if c_v is zero, so that M keeps its form, such as a diagonal next to a banded C."""
+    """M + c_v C, or M itself if c_v is zero: a diagonal M then stays diagonal although C is banded."""
     mass = 1.0 if problem.mass is None else problem.mass
     without = problem.damping is None or (isinstance(c_v, float) and c_v == 0)
     return mass if without else add(mass, product(problem.damping, c_v, n), n=n)
@@ -112,12 +112,12 @@ def _less_damping(problem: System, rhs, v: Vector):
 
 
 def load(problem: Problem, t: ScalarLike) -> Vector | float:
-    """f(t), or without a load the constant zero, which the compiler drops."""
+    """f(t); for a problem without a load the constant zero, which the compiler drops."""
     return 0.0 if problem.load is None else problem.load(jnp.asarray(t))
 
 
 def acceleration(problem: Problem, t: ScalarLike, u: Vector, v: Vector, c_v: ScalarLike = 0.0) -> Vector:
-    """Acceleration a with M a + C (v + c_v a) + p(u, v) = f(t): one force, one linear solve, no iteration."""
+    """Acceleration a with M a + C (v + c_v a) + p(u, v) = f(t), by one evaluation of the force and one linear solve."""
     rhs = _less_damping(problem, load(problem, t) - problem.internal_force(u, v), v)
     return solve(_inertia(problem, c_v, u.size), rhs)
 
@@ -127,7 +127,7 @@ def acceleration_within(
 ) -> tuple[Vector, Effort]:
     """Acceleration a with M a + C (v + c_v a) + p(u, v + c_v a) = f(t), and the effort to find it.
 
-    Where the internal force does not depend on the velocity this is :func:`acceleration`, without iteration.
+    If the internal force does not depend on the velocity, this is :func:`acceleration`, without iteration.
     """
     if not problem.takes_velocity:
         return acceleration(problem, t, u, v, c_v), Effort()
@@ -168,12 +168,13 @@ def balance(
 
         M a + C (v + c_v a) + w\,p(u + c_u a, v + c_v a) = r
 
-    The tangent is the derivative of the force from its committed history.
+    If the problem has a constant stiffness K, the internal force is K u + p. A force with a history, and its tangent,
+    start from the committed history.
 
     Parameters
     ----------
     problem
-        The terms M, C and p.
+        The terms M, C, K and p, and the form of the tangent.
     rhs
         r, of the shape of ``u``.
     u, v
@@ -190,15 +191,15 @@ def balance(
     symmetric
         Whether the tangent is symmetric if M and C are.
     tolerance
-        Relative change of the displacement, or of the velocity if the force depends on it, below which a correction is
-        the last one; by default the value in ``TOLERANCES``, which also holds the tolerances of further criteria.
+        Tolerance of the last correction, relative to the displacement, or to the velocity if the force depends on it.
+        The default is ``displacement`` in ``TOLERANCES``, which also holds the tolerances of further criteria.
 
     Returns
     -------
     tuple
-        The acceleration, and the :class:`Effort` with its flag of convergence within ``MAX_ITERATIONS``, or with a
-        safeguard ``MAX_SAFEGUARDED`` more. A value that is not finite ends the iteration at once and remains in the
-        acceleration.
+        The acceleration and the :class:`Effort`. Its flag ``converged`` is false if the iteration has not ended within
+        ``MAX_ITERATIONS``; a safeguard adds up to ``MAX_SAFEGUARDED`` iterations. A value that is not finite ends the
+        iteration at once and remains in the acceleration.
     """
     force, whole = (problem.varying_force, problem.internal_force) if force is None else (force, force)
     n, tolerances = u.size, tolerances_of(u.dtype)
@@ -206,9 +207,9 @@ def balance(
     inertia = _inertia(problem, c_v, n)
     rhs = _less_damping(problem, rhs, v)
     weighted = product(weight, c_u, n)
-    # assembled once; Newton's iterations add what varies
+    # constant part of the effective matrix, assembled once; each iteration adds the tangent of p
     constant = inertia if problem.stiffness is None else add(inertia, product(problem.stiffness, weighted, n), n=n)
-    # scale of a correction
+    # a correction is measured by the norm of its product with reach, relative to |start| + |reach a|
     start, reach = (v, c_v) if problem.takes_velocity else (u, c_u)
 
     def internal_force(of, a):
@@ -241,7 +242,7 @@ def balance(
         out_of_balance = inertial + internal - rhs
         correction = solved(effective, out_of_balance)
         if halved:
-            # measured before it is halved: a correction that was halved many times is short without convergence
+            # the whole correction is measured: one that was halved many times is short without convergence
             moved = norm(times(reach, correction))
             a = a - backtracked(residual, a, correction, partial(solved, effective))
         else:
@@ -284,8 +285,8 @@ def balance(
     given = lax.stop_gradient(given)
     found, unfinished, iterations = first, jnp.ones((), bool), jnp.zeros((), int)
     if not jnp.ndim(first) and tolerances.near > 0:
-        # most steps need two iterations, one to correct and one to confirm. These two are written out before the loop,
-        # which for several unknowns would double the program and save little
+        # Most steps need two iterations, one to correct and one to confirm. These two are written out before the loop.
+        # With several unknowns this would double the program and save little.
         once, _, moved = opened((first, nothing), given)
         (found, unfinished, _), iterations = opened((once, moved), given), jnp.full((), 2)
     found, unfinished, iterations = iterated(opened, given, (found, unfinished, iterations))
@@ -302,5 +303,5 @@ def balance(
 
 
 def _coupled(form: FormOfTangent, c_u: Matrix) -> FormOfTangent:
-    """Form of a tangent after multiplication by ``c_u``."""
+    """Form of the product of a tangent with ``c_u``."""
     return form + c_u.half_bandwidth if isinstance(form, int) and isinstance(c_u, Banded) else form

@@ -1,6 +1,6 @@
 """Checks of the numbers of a problem, made once when the problem is made.
 
-Each check refuses invalid values, with a sentence that names the argument, the received value and the expected one.
+Each check raises an error for invalid values. Its message names the argument, and the expected and received values.
 Values that JAX is tracing have a shape but no numbers: only their shape is checked.
 """
 
@@ -16,17 +16,21 @@ from study.algebra.sparse import SYMMETRY, Sparse, as_sparse, is_sparse, is_spar
 from study.mechanics.ground import GroundMotion
 from study.mechanics.terms import Rayleigh
 
-#: Arguments of a problem that are matrices.
+#: Arguments of a problem that may be matrices.
 MATRICES = ("stiffness", "mass", "damping")
 
 
 def numbers_or_matrix(name: str, value):
-    """The value as a float64 array; None, matrices in a special form and traced values are returned unchanged."""
+    """The value as a float64 array, or as a sparse matrix if it is sparse.
+
+    None, :class:`study.Rayleigh`, traced values and matrices that are already in a form of this package are returned
+    unchanged.
+    """
     if value is None or isinstance(value, jax.core.Tracer | Rayleigh | Banded | Sparse | MatrixFree):
         return value
     if is_sparse_of_jax(value):
         if isinstance(value.indices, jax.core.Tracer):
-            raise ValueError(f"{name}: JAX may trace the entries of a sparse matrix, not their places.")
+            raise ValueError(f"{name}: JAX may trace the entries of a sparse matrix, but not their positions.")
         return of_jax(value)
     if is_sparse(value):
         if value.ndim != 2:
@@ -64,8 +68,8 @@ def check_shapes(problem) -> None:
         or np.size(problem.positions) != np.size(problem.u0)
     ):
         raise ValueError(
-            f"positions must be of shape (points, directions), at most three directions, with one number for each "
-            f"of u0's {np.size(problem.u0)}, not {np.shape(problem.positions)}."
+            f"positions must be of shape (points, directions), at most three directions, with as many numbers as u0, "
+            f"{np.size(problem.u0)}, not {np.shape(problem.positions)}."
         )
 
 
@@ -96,9 +100,10 @@ def check_symmetry(name: str, matrix) -> None:
 
 
 def is_singular(mass) -> bool:
-    """Whether the mass is singular; a mass that is negative or zero everywhere is refused.
+    """Whether the mass is singular.
 
-    A sparse mass may be singular only because some unknowns have no mass.
+    A mass with a negative value or eigenvalue, or one that is zero everywhere, is refused. A sparse mass must be
+    positive definite among the unknowns that have mass.
     """
     if is_sparse(mass):
         return _is_singular(mass)
@@ -133,7 +138,7 @@ def check_rayleigh(damping: Rayleigh, title: str) -> None:
 
 
 def finite_damping(damping: Matrix, title: str) -> Matrix:
-    """Rayleigh damping, after a check that the stiffness on which it is based is finite."""
+    """The given matrix of Rayleigh damping, after a check that the stiffness on which it is based is finite."""
     parts = jax.tree.leaves(eqx.filter(damping, eqx.is_array))
     if not all(isinstance(part, jax.core.Tracer) or np.isfinite(part).all() for part in parts):
         raise ValueError(f"the stiffness of '{title}' at u = 0, on which its Rayleigh damping is based, is not finite.")

@@ -19,7 +19,7 @@ from study.mechanics.ground import GroundLoad, GroundMotion
 from study.mechanics.internal_force import as_history, depends_on_last, may_have_kinks, number_of_arguments
 from study.mechanics.terms import Rayleigh, gradient, rayleigh_matrix
 
-#: Arguments of a problem that are numbers.
+#: Arguments of a problem that are numbers or arrays of numbers.
 NUMBERS = ("u0", "v0", *checks.MATRICES, "positions", "influence")
 
 
@@ -36,39 +36,39 @@ class Problem(eqx.Module):
     Parameters
     ----------
     force
-        Internal force p(u), written with ``jax.numpy``; returns the shape of ``u``. Without it, the force is the
-        gradient of the potential, if there is one. A function of two arguments is p(u, u̇). One of three takes a
-        history too, and returns the force and the new history: see ``history``. If it branches, as contact does,
-        Newton's iteration brackets the root or shortens its corrections.
+        Internal force p(u), written with ``jax.numpy`` and of the shape of ``u``. Without it, the force is the
+        gradient of the potential, if there is one. A function of two arguments is p(u, u̇). A function of three
+        arguments also takes a history, and returns the force and the new history: see ``history``. If the force
+        branches, as contact does, Newton's iteration brackets the root or shortens its corrections.
     u0, v0
         Displacement and velocity at t = 0, both of shape () or (n,). The default velocity is zero.
     history
         Memory of a force, at rest: any arrays of real numbers, in any containers. By default the attribute ``history``
-        of the force, as in :mod:`study.materials`. ``force(u, u̇, history)`` returns the force, and the new history,
-        after a motion to u and u̇ from the end of the last step, where the history was committed. Newton's iterations
+        of the force, as in :mod:`study.materials`. ``force(u, u̇, history)`` returns the force and the new history
+        after a motion to u and u̇ from the end of the last step, where ``history`` was committed. Newton's iterations
         and the stages of a scheme start from the committed history; the end of the step commits the new one. Called
-        again with the same u and u̇ and the new history, the force must return the same force and the same history.
+        again with the same u and u̇ and the new history, the function must return the same force and history.
     stiffness
-        K, the constant part of the internal force, which is K u + p then: a number, a diagonal (n,), or a symmetric
-        matrix (n, n), dense, of :mod:`scipy.sparse`, or a ``BCOO`` of :mod:`jax.experimental.sparse`, whose entries may
-        depend on parameters that JAX differentiates or on the lane of a family. Only p is differentiated. A problem
-        with a stiffness and no force is linear, and takes one linear solve per step. With sparse matrices
-        p should act on few unknowns or couple neighbours; the factorisation is suited to the pattern, and is reused
-        while the matrix stays the same.
+        Constant stiffness K, with which the internal force is K u + p: a number, a diagonal (n,), or a symmetric
+        matrix (n, n), dense, of :mod:`scipy.sparse`, or a ``BCOO`` of :mod:`jax.experimental.sparse`. The entries of a
+        ``BCOO`` may depend on parameters that JAX differentiates, or differ between the problems of an ensemble. Only p
+        is differentiated. A problem with a stiffness and no force is linear, and takes one linear solve per step. With
+        sparse matrices p should act on few unknowns or couple neighbours. The factorisation of a sparse matrix is
+        suited to its pattern, and is reused while the matrix stays the same.
     potential
         V(u) with p = ∂V/∂u, a scalar, or a :class:`study.StrainEnergy`; V(u, history) for a force with a history. For a
         force that dissipates it is the stored energy. Only energies and conserving schemes need it.
     mass
         M: a number, a diagonal (n,) or a symmetric matrix (n, n), dense or sparse; the identity by default. An unknown
-        without mass makes M singular. Implicit schemes that are stable at infinite frequency can step such a problem;
-        ``u0`` and ``v0`` should leave the unknown in balance, because schemes that do not damp make it oscillate from
-        step to step otherwise.
+        without mass makes M singular. Implicit schemes that are stable at infinite frequency can step such a problem.
+        ``u0`` and ``v0`` should satisfy the equation of motion of this unknown; otherwise schemes without numerical
+        damping make it oscillate from step to step.
     damping
         C: a number, a diagonal, a matrix (dense or sparse; symmetric if the tangent is matrix-free) or
         :class:`study.Rayleigh`; zero by default.
     load
-        f(t), of the shape of ``u``. If its slope jumps, an attribute ``kinks`` may hold the times of the jumps, on
-        which the steps of references and of runs with a tolerance then end.
+        f(t), of the shape of ``u``. If its slope jumps, an attribute ``kinks`` may hold the times of the jumps. The
+        steps of references and of runs with a tolerance then end at these times.
     ground, influence
         Motion of the ground, and the displacement ι (of the shape of ``u``) of the unknowns for a unit displacement of
         the ground, by default one for each unknown. The unknowns are then relative to the ground, whose acceleration a
@@ -77,13 +77,13 @@ class Problem(eqx.Module):
         Form of ∂p/∂u with several unknowns: ``diagonal``, ``tridiagonal``, ``dense``, ``matrix_free`` (for symmetric
         tangents), the half bandwidth as a number, or a sparse matrix with an entry wherever ∂p/∂u has one. By default
         it is dense for at most four unknowns, sparse for more than a thousand, and otherwise a band or dense, as the
-        tangent near u₀ and at zero requires. Declare it if the force couples other unknowns later, as in contact. Bands
-        are eliminated without pivoting between rows that are far apart; declare ``dense`` for a saddle point, which
-        needs such pivoting. Number the joints of a mesh along its short side: a narrow band is much faster. For sparse
-        matrices the order does not matter.
+        tangent near u₀ and at zero requires. Declare the form if the force couples other unknowns later, as in contact.
+        Bands are eliminated without pivoting between rows that are far apart; declare ``dense`` for a saddle point,
+        which needs such pivoting. Number the joints of a mesh along its short side: a narrow band is much faster. For
+        sparse matrices the order of the unknowns does not matter.
     positions
-        Positions of the masses at u = 0, of shape (points, directions); u is their change, point by point. Only
-        momenta need them.
+        Positions of the masses at u = 0, of shape (points, directions). u holds the displacements of the points, one
+        point after the other. Only observers of momentum need positions.
     title
         Name of the problem in figures and datasets.
 
@@ -108,7 +108,7 @@ class Problem(eqx.Module):
     tangent: Any = eqx.field(default=None, kw_only=True, static=True)
     positions: PositionsLike = eqx.field(default=None, kw_only=True)
     title: str = eqx.field(default="unnamed problem", kw_only=True, static=True)
-    #: History at rest, which remains when a step commits another history.
+    #: The history at rest; it stays the same when a step commits another history.
     _at_rest: Any = eqx.field(default=None, kw_only=True, repr=False)
     #: Whether M is singular.
     massless: bool = eqx.field(init=False, static=True)
@@ -147,7 +147,7 @@ class Problem(eqx.Module):
         if self.linear:
             self.potential = _nothing
         elif self.potential is not None and not derived and not traced:
-            with suppress(*function_checks.NOT_TRACEABLE):  # numbers that JAX traces have no values to compare
+            with suppress(*function_checks.NOT_TRACEABLE):  # traced numbers cannot be compared
                 if self.history is None:
                     function_checks.check_gradient(self._without_velocity(), self.potential, self.u0, self.title)
                 else:
@@ -169,7 +169,7 @@ class Problem(eqx.Module):
             self.damping = self._rayleigh(self.damping)
 
     def _count_arguments(self) -> None:
-        """The number of arguments of the force, and its history at rest."""
+        """Set the number of arguments of the force and its history at rest, and check that they fit each other."""
         function_checks.check_arguments(self.force, self.load, self.title)
         self.arguments = number_of_arguments(self.force) if callable(self.force) else 1
         if self.history is None:
@@ -192,7 +192,7 @@ class Problem(eqx.Module):
         return self.force if not self.dissipative else lambda u: self.varying_force(u, self.v0 + (u - self.u0))
 
     def _with(self, ground: GroundMotion) -> GroundLoad:
-        """The load, including the load of the moving ground."""
+        """The sum of the load f(t) and the load of the moving ground."""
         checks.check_ground(ground, self.load, self.title)
         if self.influence is None:
             self.influence = np.ones(np.shape(self.u0))
@@ -200,7 +200,7 @@ class Problem(eqx.Module):
         return GroundLoad(as_float64(moved), ground, self.load)
 
     def _rayleigh(self, damping: Rayleigh) -> Matrix:
-        """C of Rayleigh damping, from the tangent at u = 0."""
+        """The matrix C of Rayleigh damping, from the tangent at u = 0."""
         checks.check_rayleigh(damping, self.title)
         mass = 1.0 if self.mass is None else self.mass
 
@@ -228,7 +228,7 @@ class Problem(eqx.Module):
         return copy
 
     def at(self, state: Any) -> "Problem":
-        """The problem with the history that a state has committed; without a history the problem itself."""
+        """The problem with the committed history of a state; a problem without a history is returned unchanged."""
         return self if self.history is None else self.remembering(state.history)
 
     def at_rest(self) -> "Problem":
@@ -236,11 +236,11 @@ class Problem(eqx.Module):
         return self if self.history is None else self.remembering(self._at_rest)
 
     def remembering(self, history: Any) -> "Problem":
-        """The problem with another history."""
+        """The problem with the given history as the committed one."""
         return self._changed("history", history)
 
     def committed(self, u: VectorLike, v: VectorLike) -> "Problem":
-        """The problem with the history after a motion to u and u̇; without a history the problem itself."""
+        """The problem with the history after a motion to u and u̇; a problem without a history is returned unchanged."""
         return self if self.history is None else self.remembering(self.force(u, v, self.history)[1])
 
     def stiffness_at(self, u: VectorLike) -> Matrix:
@@ -279,7 +279,7 @@ class Problem(eqx.Module):
 
     @property
     def conservative(self) -> bool:
-        """Whether the energy is constant: no damping, no load, and a force of the displacement alone."""
+        """Whether the energy is constant: there is no damping, no load, and the force takes the displacement alone."""
         return self.damping is None and self.load is None and not self.dissipative
 
     def internal_force(self, u: VectorLike, v: VectorLike) -> Vector:

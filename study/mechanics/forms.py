@@ -20,7 +20,9 @@ from study.mechanics.tangent import FormOfTangent
 def form_of_tangent(
     force: Callable | None, u0: np.ndarray, declared: Any, massless: bool, others: list[ScipySparse], title: str
 ) -> FormOfTangent:
-    """The form of the tangent, found or as declared; None for one unknown, and 0, a diagonal, without a force.
+    """The form of the tangent, as declared or as found near u₀.
+
+    It is None for one unknown. It is 0, a diagonal, for a problem without a force whose matrices are not sparse.
 
     Parameters
     ----------
@@ -36,7 +38,8 @@ def form_of_tangent(
     Raises
     ------
     ValueError
-        If the declared form does not exist or does not fit the tangent, or the derivative is not finite near u₀.
+        If the declared form does not exist, does not fit the tangent, or is declared for one unknown; if the derivative
+        is not finite near u₀; or if no form is declared for a force with numbers that JAX traces.
     """
     if np.ndim(u0) == 0:
         if declared is not None:
@@ -52,13 +55,13 @@ def form_of_tangent(
     if known == "dense" or (known is None and not next_to_sparse and len(u0) <= SMALL):
         return "dense"
     try:
-        with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
+        with jax.ensure_compile_time_eval():  # JAX may be tracing while the problem is made
             if next_to_sparse or (declared is None and len(u0) > tangent.FINDABLE):
                 return _next_to_sparse(force, u0, coupling, others, title)
             if declared is None:
                 return tangent.found(force, u0, massless, title)  # type: ignore[arg-type]
             tangent.check_declared_form(force, u0, declared, title)  # type: ignore[arg-type]
-    except NOT_TRACEABLE:  # the force has numbers that JAX traces, so the tangent has no values
+    except NOT_TRACEABLE:  # JAX traces numbers of the force, so that the values of the tangent are unknown
         if declared is None:
             forms = (
                 "diagonal, tridiagonal, a half bandwidth, or a sparse matrix with an entry wherever it has one"
@@ -75,9 +78,10 @@ def form_of_tangent(
 
 
 def entries_of(matrix: Matrix, name: str) -> ScipySparse | None:
-    """A sparse matrix with the pattern and symmetry of stiffness, mass or damping; None if that is not sparse.
+    """A sparse matrix with the pattern and symmetry of ``matrix``; None if ``matrix`` is not sparse.
 
-    The positions of entries are known even if JAX traces their values. Stiffness and mass are symmetric.
+    If JAX traces the values, the positions of the entries are still known, and the values are replaced. The replacement
+    is symmetric for a stiffness or a mass, and unsymmetric for a damping.
     """
     if is_sparse(matrix):
         return matrix
@@ -89,7 +93,7 @@ def entries_of(matrix: Matrix, name: str) -> ScipySparse | None:
 
 
 def stored(matrix: Matrix, form: FormOfTangent) -> Matrix:
-    """Stiffness, mass or damping in the smallest form that holds it, next to a tangent of this form."""
+    """Stiffness, mass or damping in the smallest form in which it can be added to a tangent of the given form."""
     if isinstance(matrix, Sparse):
         if isinstance(form, SparseTangent):
             return matrix.within(form.pattern)
@@ -105,7 +109,7 @@ def stored(matrix: Matrix, form: FormOfTangent) -> Matrix:
 
 
 def _declared_coupling(declared: Any, n: int, title: str) -> ScipySparse:
-    """A matrix (n, n) with an entry at each place that a declaration names."""
+    """A matrix (n, n) with an entry at each position of the declared form: a sparse matrix or a half bandwidth."""
     if is_sparse(declared):
         if declared.shape != (n, n):
             raise ValueError(f"tangent of '{title}' must be a matrix of shape {(n, n)}, not {declared.shape}.")
@@ -124,7 +128,7 @@ def _declared_coupling(declared: Any, n: int, title: str) -> ScipySparse:
 def _next_to_sparse(
     force: Callable | None, u0: np.ndarray, coupling: ScipySparse | None, others: list[ScipySparse], title: str
 ) -> SparseTangent | int:
-    """The form of a tangent that is added to sparse matrices: a half bandwidth of 0 or 1 if possible, else sparse."""
+    """The form of a tangent that is added to sparse matrices: a half bandwidth of 0 or 1 if possible, or sparse."""
     n = len(u0)
     states = [] if force is None else tangent.probed_states(force, u0, title)
     declared = coupling is not None

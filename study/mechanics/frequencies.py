@@ -29,7 +29,8 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
     Returns
     -------
     numpy.ndarray or None
-        Of shape (n,), and (1,) for one unknown; None if a full matrix would be too large, or the tangent is not finite.
+        Of shape (n,), and (1,) for one unknown; None for more than ``FINDABLE`` unknowns, since the matrices would be
+        too large, or if the tangent is not finite.
     """
     n = np.size(problem.u0)
     if n > FINDABLE:
@@ -39,7 +40,7 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
     mass = np.eye(n) if problem.mass is None else np.asarray(dense(problem.mass, n))
     if not np.isfinite(stiffness).all():
         return None
-    # if the mass is singular, the eigenvalues of K⁻¹ M are found, which are 1/ω²: zero means an infinite frequency
+    # a singular mass has no inverse; the eigenvalues of K⁻¹ M are 1/ω², zero for an infinite frequency
     if problem.massless:
         flexibility = np.linalg.lstsq(stiffness, mass, rcond=None)[0]
         periods_squared = np.clip(np.linalg.eigvals(flexibility).real, 0, None)
@@ -49,6 +50,9 @@ def frequencies(problem: Problem, u: VectorLike | None = None) -> np.ndarray | N
 
 
 def highest_frequency(problem: Problem, displacements: Iterable[VectorLike]) -> float:
-    """The highest circular frequency of small motions at some displacements, NaN if none has a finite tangent."""
+    """The highest circular frequency of small motions about the given displacements.
+
+    It is NaN if the tangent is finite at none of them, or if the problem has more than ``FINDABLE`` unknowns.
+    """
     found = (frequencies(problem, u) for u in displacements)
     return max((float(one[-1]) for one in found if one is not None), default=np.nan)

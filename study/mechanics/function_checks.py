@@ -1,7 +1,7 @@
 """Checks of a problem's functions, made once when the problem is made.
 
-Each check calls the functions as a run does, and refuses an invalid result with a sentence that names the function, the
-received value and the expected one.
+Each check calls the functions as a run does, and raises an error for an invalid result. Its message names the function,
+and the expected and received results.
 """
 
 import inspect
@@ -21,14 +21,14 @@ NEVER_OPTIONAL = ("v", "velocity", "history")
 #: Parameter names that suggest the time, which a force does not take.
 TIME = ("t", "time")
 
-#: Parameter names that can only mean the motion.
+#: Parameter names that can only mean the motion, which a load does not take.
 MOTION = ("u", "v", "displacement", "velocity")
 
-#: Relative tolerance between the slope of a potential and its force: the error of a central difference.
+#: Relative tolerance between the force and the slope of its potential, for the error of a central difference.
 GRADIENT_AGREEMENT = 1e-5
 
 
-#: Exceptions of a function that JAX cannot trace.
+#: Exceptions that a function raises if JAX cannot trace it.
 NOT_TRACEABLE = (
     jax.errors.ConcretizationTypeError,
     jax.errors.TracerArrayConversionError,
@@ -37,7 +37,7 @@ NOT_TRACEABLE = (
 
 
 class AsArrays(eqx.Module):
-    """A function whose numbers and lists are converted to arrays."""
+    """A function whose returned numbers and lists are converted to arrays."""
 
     function: Callable
 
@@ -52,11 +52,11 @@ class AsArrays(eqx.Module):
 
 
 def index_beyond(function: Callable, *arguments) -> str | None:
-    """Error of an index beyond the end of its arrays; None if there is none.
+    """Message on an index beyond the end of an array in the function; None if there is no such index.
 
-    JAX would silently take the last entry, or drop what is added to an entry that does not exist. With arrays of NumPy,
-    reading such an entry raises an error. Only a function that cannot take arrays of NumPy, such as one with
-    ``u.at[i]``, is compiled with checks.
+    JAX would silently read the last entry instead, or drop a value that is added to an entry that does not exist. With
+    arrays of NumPy, reading such an entry raises an error. Only a function that cannot take arrays of NumPy, such as
+    one with ``u.at[i]``, is compiled with checks.
     """
     try:
         # within `eval_shape` JAX computes nothing
@@ -70,18 +70,21 @@ def index_beyond(function: Callable, *arguments) -> str | None:
 
 
 def _index_beyond_of_jax(function: Callable, arguments: tuple) -> str | None:
-    """As :func:`index_beyond`, for a function that takes arrays of JAX only; None if the values are traced."""
+    """As :func:`index_beyond`, for a function that takes arrays of JAX only.
+
+    None is also returned if JAX traces the values, or if the checks do not support the function.
+    """
     checked = jax.jit(checkify.checkify(function, errors=checkify.index_checks))
     try:
         with jax.ensure_compile_time_eval():
             wrong = checked(*jax.tree.map(jnp.asarray, arguments))[0].get()
-    except (*NOT_TRACEABLE, NotImplementedError):  # of a traced parameter, or unsupported by the checks
+    except (*NOT_TRACEABLE, NotImplementedError):  # JAX traces a value, or the checks do not support the function
         return None
     return wrong and wrong.rstrip(". ")
 
 
 def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
-    """For each function of a problem: its arguments, in words and as arrays, and the shape of its result."""
+    """For each function of a problem: its arguments in words, its arguments as arrays, and the shape of its result."""
     shape = np.shape(problem.u0)
     u, v, history = ("the displacement", problem.u0), ("the velocity", problem.v0), ("the history", problem.history)
     memory = () if problem.history is None else (history,)
@@ -103,7 +106,7 @@ def _calls(problem) -> dict[str, tuple[str, tuple, tuple[int, ...]]]:
 def _parameters(function: Callable | None) -> list[inspect.Parameter]:
     try:
         return [] if function is None else list(inspect.signature(function).parameters.values())
-    except (TypeError, ValueError):  # no function, or a built-in one without a signature
+    except (TypeError, ValueError):  # not a function, or a built-in function without a signature
         return []
 
 
@@ -117,7 +120,7 @@ def check_arguments(force: Callable, load: Callable | None, title: str) -> None:
             )
         if parameter.default is not parameter.empty and parameter.name in NEVER_OPTIONAL:
             raise ValueError(
-                f"force of '{title}' gives '{parameter.name}' a default, so that it would never receive it: "
+                f"force of '{title}' gives '{parameter.name}' a default, and would never be called with another value: "
                 f"drop the default."
             )
     for parameter in _parameters(load):
@@ -131,7 +134,8 @@ def check_arguments(force: Callable, load: Callable | None, title: str) -> None:
 def check_functions(problem) -> None:
     """Refuse functions that JAX cannot trace, or whose values have the wrong shape or type.
 
-    Each function is called as a run calls it, with an array that JAX traces.
+    Each function is called as a run calls it, with an array that JAX traces. If a force without a history, or a load,
+    returns a number or a list, the problem gets a function that returns an array instead.
     """
     for name, (given, arguments, expected) in _calls(problem).items():
         function = getattr(problem, name)
@@ -167,7 +171,7 @@ def check_functions(problem) -> None:
 
 
 def _without_history(returned, history, title: str):
-    """The force in the result of a force with a history, after a check of the new history."""
+    """The force in the result (force, new history), after a check that the new history has the form of the old one."""
     if not (isinstance(returned, tuple) and len(returned) == 2):
         raise ValueError(f"force of '{title}' must return the force and its new history, a tuple of two.")
     start, new = (
@@ -203,7 +207,7 @@ def _kind(array) -> str:
 
 
 def check_history(force: Callable, u0, v0, history, title: str) -> None:
-    """Refuse a force whose new history does not give the same force again and return itself."""
+    """Refuse a force that returns another force or another history when it is called again with its new history."""
     u, _, _ = _near(u0)
 
     @jax.jit
@@ -227,10 +231,10 @@ def check_history(force: Callable, u0, v0, history, title: str) -> None:
 
 
 def check_stored_energy(force: Callable, potential: Callable, u0, history, title: str) -> None:
-    """Refuse a stored energy whose slope is not the force where a motion does not change the history.
+    """Refuse a stored energy whose slope differs from the force along a motion that does not change the history.
 
-    After a reversal, a spring that yields keeps its history. If the history changes in both directions, nothing is
-    compared.
+    Two opposite small motions are tried, since a spring that has yielded keeps its history when the motion reverses.
+    If both motions change the history, nothing is compared.
     """
     u, direction, h = _near(u0)
 
@@ -256,7 +260,7 @@ def check_stored_energy(force: Callable, potential: Callable, u0, history, title
 
 
 def _near(u0):
-    """A displacement near u₀, a direction, and a small distance."""
+    """A displacement near u₀, the direction of a small motion, and its small distance h."""
     scale = max(np.abs(u0).max(), 1.0)
     direction, offset = np.random.default_rng(0).uniform(0.5, 1.5, (2, *np.shape(u0)))
     return u0 + 0.05 * scale * offset, direction, 1e-5 * scale
@@ -267,7 +271,7 @@ def _compare(force: Callable, potential: Callable, u, direction, h, title: str) 
     def values(ahead, behind, u):
         return potential(ahead), potential(behind), jnp.vdot(direction, force(u))
 
-    with jax.ensure_compile_time_eval():  # a problem may be made while JAX traces
+    with jax.ensure_compile_time_eval():  # JAX may be tracing while the problem is made
         ahead, behind, expected = map(float, values(u + h * direction, u - h * direction, u))
     slope = (ahead - behind) / (2 * h)
     round_off = 1e-14 * max(abs(ahead), abs(behind)) / h

@@ -14,25 +14,25 @@ from jaxtyping import Float
 
 from study.algebra.arrays import Scalar, Vector, VectorLike, as_float64
 
-#: Metres per second squared in one unit of acceleration.
+#: Size of each unit of acceleration in metres per second squared.
 UNITS = {"g": 9.80665, "m/s2": 1.0, "cm/s2": 0.01, "mm/s2": 0.001, "in/s2": 0.0254, "ft/s2": 0.3048}
 
-#: Smallest and largest plausible peak of a record in g; otherwise its unit is wrong. The largest recorded is near 4 g.
+#: Smallest and largest plausible peak of a record in g; a peak outside means a wrong unit. The largest is near 4 g.
 PEAKS = (1e-6, 20.0)
 
-#: Relative tolerance of the spacing of samples, for the digits of a file.
+#: Relative tolerance of the spacing of samples, since a file holds few digits of their times.
 UNIFORM = 1e-2
 
 #: Accelerations, shape (samples,).
 Samples = Float[np.ndarray, "samples"]
 
-#: Straight lines, shape (samples - 1, 2).
+#: Coefficients of the straight lines between neighbouring samples, shape (samples - 1, 2).
 Lines = Float[np.ndarray, "lines two"]
 
 _RECORDS = Path(__file__).parent / "records"
 
 _NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
-#: Formats of the last header line of an AT2 file, current and older.
+#: Current and older format of the last header line of an AT2 file.
 _HEADERS = [
     re.compile(rf"NPTS\s*=\s*(\d+).*?DT\s*=\s*{_NUMBER}", re.IGNORECASE),
     re.compile(rf"(\d+)\s+{_NUMBER}\s+NPTS,\s*DT", re.IGNORECASE),
@@ -40,11 +40,11 @@ _HEADERS = [
 
 
 class GroundMotion(eqx.Module):
-    """Acceleration of the ground along time: samples a constant time apart, and linear between them.
+    """Acceleration of the ground along time: linear between samples a constant time apart.
 
-    This is the convention of the field. From the time of the last sample on the acceleration is zero. The kinks at the
-    samples limit the order of every scheme, unless its steps end there. The value at a time is found by its place among
-    the samples, without a search.
+    This is the convention of the field. From the time of the last sample on, the acceleration is zero. The kinks at the
+    samples limit the order of every scheme whose steps do not end there. The samples around a time t follow from t/Δt,
+    without a search.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class GroundMotion(eqx.Module):
     dt
         Time between two samples.
     title, source
-        Name of the record, and where it comes from, such as the header of its file; empty if that is unknown.
+        Name of the record, and its origin, such as the header of its file; ``source`` is empty if it is unknown.
 
     Raises
     ------
@@ -65,7 +65,7 @@ class GroundMotion(eqx.Module):
     dt: float
     title: str = eqx.field(static=True)
     source: str = eqx.field(static=True)
-    #: The straight line c + s (t/Δt) between every two samples, as rows (c, s).
+    #: Coefficients of the straight lines c + s (t/Δt) between neighbouring samples, as rows (c, s).
     _lines: Lines
 
     def __init__(self, acceleration: Samples, dt: float, *, title: str = "ground motion", source: str = ""):
@@ -125,16 +125,16 @@ class GroundMotion(eqx.Module):
         return float(self.dt) * (len(self.acceleration) - 1)
 
     def scaled(self, factor: float) -> "GroundMotion":
-        """The motion multiplied by a factor; all factors share the compiled program."""
+        """The motion multiplied by a factor. Motions that differ in the factor share one compiled program."""
         return GroundMotion(factor * self.acceleration, self.dt, title=self.title, source=self.source)
 
     @classmethod
     def read(cls, path: str | Path, unit: str) -> "GroundMotion":
-        """Read a record, in metres per second squared.
+        """Read a record of acceleration and convert it to metres per second squared.
 
         Two formats are read. An AT2 file of the PEER ground motion database has four lines of header; the last one
-        holds ``NPTS`` and ``DT``. Its first sample belongs to t = DT, and the motion starts from zero at t = 0. A file
-        of two columns holds times and accelerations; lines that begin with ``#`` or ``%`` are skipped.
+        holds ``NPTS`` and ``DT``. The first sample of an AT2 file belongs to t = DT, and the motion starts from zero
+        at t = 0. A file of two columns holds times and accelerations. Lines that begin with ``#`` or ``%`` are skipped.
 
         Parameters
         ----------
@@ -202,7 +202,7 @@ class GroundMotion(eqx.Module):
         seed
             Seed of the noise; each seed gives its own motion.
         duration, dt
-            Length and time between two samples, in s.
+            Length of the record and time between two samples, in s.
         frequency, damping
             ω_g in rad/s and ζ_g of the soil.
         density
@@ -233,8 +233,8 @@ def _check_numbers(acceleration: Any, dt: Any, title: str) -> None:
         except ValueError:  # rows of different lengths
             numbers = np.asarray(None)
         if numbers.ndim != ndim or np.dtype(numbers.dtype).kind not in "fiu":
-            shape = "of shape (samples,)" if ndim else "that is a number"
-            raise ValueError(f"'{title}' needs {what} {shape}, of real numbers, not {reprlib.repr(value)}.")
+            shape = "real numbers of shape (samples,)" if ndim else "a real number"
+            raise ValueError(f"'{title}' needs {what} as {shape}, not {reprlib.repr(value)}.")
 
 
 def _numbers(path: Path, words: list[str]) -> np.ndarray:
@@ -248,13 +248,13 @@ def _numbers(path: Path, words: list[str]) -> np.ndarray:
 
 
 def _unit_of(word: str) -> str | None:
-    """The unit that a header states, None if it is not known."""
+    """The unit of ``UNITS`` that a word of a header means; None if there is no such unit."""
     plain = re.sub(r"[\s*^.,;:()]", "", word.lower()).replace("sec", "s").replace("/s/s", "/s2")
     return {"gal": "cm/s2"}.get(plain, plain if plain in UNITS else None)
 
 
 def _of_peer(path: Path, lines: list[str], header: re.Match, unit: str) -> tuple[np.ndarray, float]:
-    """Samples and the time between them, of an AT2 file."""
+    """Samples from t = 0 on, and the time between them, of an AT2 file."""
     text = " ".join(lines[:4])
     other = re.search(r"velocity|displacement", text, re.IGNORECASE)
     if other and not re.search("acceleration", text, re.IGNORECASE):
@@ -274,7 +274,7 @@ def _of_peer(path: Path, lines: list[str], header: re.Match, unit: str) -> tuple
 
 
 def _of_columns(path: Path, lines: list[str]) -> tuple[np.ndarray, float]:
-    """Samples from t = 0 on and the time between them, of a file with times and accelerations."""
+    """Samples from t = 0 on, and the time between them, of a file with times and accelerations."""
     rows = [words for line in lines if (words := line.replace(",", " ").split()) and words[0][0] not in "#%"]
     if len(rows) < 2 or any(len(row) != 2 for row in rows):
         raise ValueError(f"'{path}' is neither an AT2 file with NPTS and DT in its header nor one of two columns.")

@@ -10,7 +10,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.extend import core  # JAX promises no stability here, but has no other way to read a traced program
+from jax.extend import core  # this interface of JAX may change; there is no other to read a traced program
 from jaxtyping import Array, Float
 
 #: Operations whose slope jumps at some values of their argument.
@@ -18,12 +18,12 @@ KINKS = {"abs", "sign", "max", "min", "clamp", "floor", "ceil", "round", "rem", 
 KINKS |= {"reduce_max", "reduce_min", "cummax", "cummin", "sort", "top_k"}
 #: Operations that turn the result of a comparison into a number, as in ``u * (u > 0)``.
 CONVERSION = "convert_element_type"
-#: Operations that branch on their first argument.
+#: Operations that select one of several values or branches by their first argument.
 BRANCHES = {"select_n", "cond"}
 
 
 def number_of_arguments(force: Callable) -> int:
-    """Number of arguments that a force must be given: 1 for p(u), 2 for p(u, u̇), 3 for a force with a history."""
+    """Number of arguments without a default of a force: 1 for p(u), 2 for p(u, u̇), 3 for a force with a history."""
     try:
         parameters = inspect.signature(force).parameters.values()
     except (TypeError, ValueError):  # built-in functions have no signature
@@ -38,7 +38,7 @@ def as_history(start: Any, title: str) -> Any:
     Raises
     ------
     ValueError
-        If it holds values other than finite real numbers, or nothing.
+        If it holds no arrays, or values other than finite real numbers.
     """
     leaves, structure = jax.tree.flatten(start)
     arrays = [np.asarray(leaf) if not isinstance(leaf, jax.core.Tracer) else leaf for leaf in leaves]
@@ -57,7 +57,10 @@ def _inner(equation: core.JaxprEqn) -> list[core.Jaxpr]:
 
 
 def _kinked(jaxpr: core.Jaxpr, depends: list[bool]) -> tuple[bool, list[bool]]:
-    """Whether a program has a kink in those arguments that ``depends`` marks, and which results depend on them."""
+    """Whether a program has a kink in the marked arguments, and for each result whether it depends on them.
+
+    ``depends`` marks the arguments.
+    """
     marked = {variable for variable, does in zip(jaxpr.invars, depends, strict=True) if does}
     kinked = False
     for equation in jaxpr.eqns:
@@ -81,24 +84,24 @@ def _program(force: Callable, arguments: tuple) -> core.Jaxpr:
 
 
 def may_have_kinks(force: Callable, *arguments: Any) -> bool:
-    """Whether the force branches on an argument, or applies one of ``KINKS`` to it, such as a maximum.
+    """Whether the force branches on an argument, multiplies by a comparison, or applies an operation of ``KINKS``.
 
-    A root counts as smooth, as in the length of a bar, although it has a kink where its argument is zero.
+    A square root, as in the length of a bar, counts as smooth, although it has a kink where its argument is zero.
     """
     program = _program(force, arguments)
     return _kinked(program, [True] * len(program.invars))[0]
 
 
-#: Differences whose sign decides on which side of a kink an operation is, by its operands.
+#: For each operation with a kink: a function of its operands, whose results change their sign at the kink.
 _SWITCHES: dict[str, Callable] = dict.fromkeys(("lt", "le", "gt", "ge", "max", "min"), lambda a, b: [a - b])
 _SWITCHES |= dict.fromkeys(("abs", "sign"), lambda a: [a])
 _SWITCHES["clamp"] = lambda low, a, high: [a - low, a - high]
-#: Operations that contain a program, with the name of the parameter that holds it.
+#: Operations that contain a program, each with the name of its parameter that holds the program.
 _CALLS = {"jit": "jaxpr", "custom_jvp_call": "call_jaxpr"}
 
 
 def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array) -> list[Array]:
-    """The switches of a program in those arguments that ``depends`` marks."""
+    """As :func:`switches`, for a traced program and the arguments of it that ``depends`` marks."""
     jaxpr = program.jaxpr
     marked = {variable for variable, does in zip(jaxpr.invars, depends, strict=True) if does}
     wanted = []
@@ -107,12 +110,12 @@ def _switches(program: core.ClosedJaxpr, depends: list[bool], *arguments: Array)
         name = equation.primitive.name
         if any(given):
             marked.update(equation.outvars)
-            # integers, such as indices into a table, jump, so that no change of sign locates the kink
+            # integers, such as indices into a table, are left out: they jump, and no change of sign locates the kink
             if name in _SWITCHES and all(jnp.issubdtype(x.aval.dtype, jnp.floating) for x in equation.invars):
                 wanted.append((_SWITCHES[name], equation.invars))
             elif name in _CALLS:
                 wanted.append((partial(_switches, equation.params[_CALLS[name]], given), equation.invars))
-    # the same program, but with the operands as its results
+    # the same program, with the operands of these operations as its results
     operands = [operand for _, operands in wanted for operand in operands]
     to_operands = core.ClosedJaxpr(jaxpr.replace(outvars=operands), program.consts)
     values = iter(core.jaxpr_as_fun(to_operands)(*arguments))

@@ -40,7 +40,8 @@ class _Scaled(eqx.Module):
 def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem:
     """The problem with its initial velocity, its load and its ground motion multiplied by ``factor``.
 
-    With ``displaced``, its initial displacement is multiplied too. All factors share one program.
+    With ``displaced``, its initial displacement is multiplied too. Problems that differ in the factor share one
+    compiled program.
     """
     problem = eqx.tree_at(lambda p: p.v0, problem, factor * problem.v0)
     if displaced:
@@ -54,7 +55,10 @@ def excited(problem: Problem, factor: float, displaced: bool = False) -> Problem
 
 
 def record_of(load: Callable | None) -> dict[str, str]:
-    """Name and source of the ground motion in a load, as attributes of a dataset; empty if no source is known."""
+    """Name and source of the ground motion in a load, as attributes of a dataset.
+
+    The dict is empty if the load has no ground motion, or if the source is not known.
+    """
     load = load.load if isinstance(load, _Scaled) else load
     if not isinstance(load, GroundLoad) or not load.ground.source:
         return {}
@@ -73,5 +77,5 @@ class HalfSine(eqx.Module):
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """The time at which the slope jumps."""
+        """The time ``duration``, at which the slope jumps."""
         return (self.duration,)

@@ -21,16 +21,17 @@ class Tolerances(NamedTuple):
     Parameters
     ----------
     displacement
-        The iteration ends when a correction changes the displacement by less than this part of it. Convergence is
-        quadratic, so the remaining error is of the order of the square of this part, which is below round-off.
+        The iteration ends when a correction changes the displacement, or the velocity if the force depends on it, by
+        less than this fraction. Convergence is quadratic, so the remaining error is of the order of the square of this
+        fraction, which is below round-off.
     near, predicted
-        With one unknown it also ends after the second correction if that is smaller than ``near`` and predicts that the
-        third would be smaller than ``predicted``, both as parts of the displacement. Corrections of the sizes d₁ and d₂
-        are followed by one of about :math:`d_2^3/d_1^2` (Deuflhard, 2004, section 2.1).
+        With one unknown the iteration also ends after the second correction, if this correction is smaller than
+        ``near`` and the third would be smaller than ``predicted``, both as fractions of the displacement. After
+        corrections of the sizes d₁ and d₂ the third is about :math:`d_2^3/d_1^2` (Deuflhard, 2004, section 2.1).
     force, round_off
-        With several unknowns the residual before the last correction must also be less than the part ``force`` of the
-        forces in balance, unless the correction was smaller than the part ``round_off`` of the displacement: the force
-        of a stiff member is not known more accurately.
+        With several unknowns the residual before the last correction must also be smaller than the fraction ``force``
+        of the forces in balance. This is not required if the correction was smaller than the fraction ``round_off`` of
+        the displacement, since the force of a stiff member is not known more accurately.
     """
 
     displacement: float
@@ -50,7 +51,7 @@ _LOOSE: ContextVar[float | None] = ContextVar("loose", default=None)
 
 @contextmanager
 def ending_at(tolerance: float) -> Iterator[None]:
-    """Within this context, traced iterations end at one tolerance of displacement and forces, as in other codes."""
+    """Within this context, traced iterations end at one tolerance of displacement and force, as in other codes."""
     token = _LOOSE.set(tolerance)
     try:
         yield
@@ -59,22 +60,23 @@ def ending_at(tolerance: float) -> Iterator[None]:
 
 
 def tolerances_of(dtype: np.dtype) -> Tolerances:
-    """Tolerances of a precision, or within :func:`ending_at` its tolerance alone, without the prediction."""
+    """Tolerances of a precision; within :func:`ending_at` its tolerance for all criteria, without the prediction."""
     loose = _LOOSE.get()
     return TOLERANCES[dtype] if loose is None else Tolerances(loose, 0.0, 0.0, loose, loose)
 
 
-#: Largest numbers of Newton iterations, without and with a safeguard.
+#: Largest number of Newton iterations, and of further iterations with a safeguard.
 MAX_ITERATIONS, MAX_SAFEGUARDED = 50, 1000
 
-#: Largest residual along a correction, relative to the residual before it, that may remain if it changes its sign.
+#: Fraction of the residual before a correction. The correction is shortened if the component of the residual along it
+#: changes its sign and exceeds this fraction.
 OVERSHOOT = 0.1
 
 #: Largest number of halvings of a correction.
 HALVINGS = 20
 
-#: Largest number of residuals evaluated to shorten a correction. Every second one bisects the bracket, so that the
-#: slopes of a force may differ by a factor of up to 2⁵⁰.
+#: Largest number of residuals evaluated to shorten a correction. Every second evaluation bisects the bracket, so that
+#: the slopes of a force may differ by a factor of up to 2⁵⁰.
 MOST_RESIDUALS = 100
 
 
@@ -89,7 +91,7 @@ def _goes_on(carry, most):
 
 
 def _any(flags):
-    """Whether any flag (lanes,) is set, by repeated halving: XLA's own reduction takes one flag at a time."""
+    """Whether any flag (lanes,) is set, by joining halves of the array: XLA's reduction takes one flag at a time."""
     lanes = len(flags)
     while lanes > 8 and lanes % 2 == 0:
         lanes //= 2
@@ -100,8 +102,8 @@ def _any(flags):
 def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS) -> tuple:
     """Repeat ``a, unfinished, _ = iterate((a, 0), given)`` while ``unfinished``, up to ``most`` iterations.
 
-    ``carry`` is ``(a, unfinished, iterations)`` before and after. The zero in place of the last correction disables the
-    prediction of the next one: carrying the last correction costs more than it saves.
+    ``carry`` is ``(a, unfinished, iterations)``, and the result is its final value. The zero in place of the size of
+    the last correction disables the prediction of the next correction: carrying this size costs more than it saves.
     """
     goes_on = partial(_goes_on, most=most)
 
@@ -115,7 +117,7 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
         def loop(carry):
             return lax.while_loop(goes_on, partial(again, given=given), carry)
 
-        # after two iterations that are written out, most steps skip the loop
+        # one unknown: two iterations precede the loop, so that most steps skip it
         return loop(carry) if carry[0].ndim else lax.cond(goes_on(carry), loop, lambda carry: carry, carry)
 
     @to_the_end.def_vmap
@@ -135,12 +137,12 @@ def iterated(iterate: Callable, given, carry: tuple, most: int = MAX_ITERATIONS)
 
 
 def narrowed(bracket: Vector, residual: Vector, correction: Vector) -> Vector:
-    """The next acceleration of one unknown: Newton's, or by bisection if that leaves the bracket or converges slowly.
-
-    Until both signs of the residual have occurred, a correction longer than half of the last one is replaced by twice
-    the last one, against the sign of the residual. Far from the root the inertia sets this sign.
+    """The bracket of one unknown after the next iteration.
 
     ``bracket`` (4,) holds the acceleration, the accelerations with negative and positive residual, and the last change.
+    The next acceleration is Newton's, or the middle of the bracket if Newton's leaves it or converges slowly. Until
+    both signs of the residual have occurred, a correction longer than half of the last change is replaced by twice the
+    last change, against the sign of the residual. Far from the root the inertia sets this sign.
     """
     a, negative, positive, last = bracket
     negative, positive = jnp.where(residual < 0, a, negative), jnp.where(residual < 0, positive, a)
@@ -174,11 +176,11 @@ def backtracked(residual: Callable, a: Vector, correction: Vector, solved: Calla
 
 
 def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance: Vector) -> Vector:
-    """A Newton correction of several unknowns, shortened to a point where the residual along it is nearly zero.
+    """A Newton correction of several unknowns, shortened until the component of the residual along it nearly vanishes.
 
-    If the tangent is symmetric and positive definite, the energy along the correction is least there, and every
-    correction reduces the distance to the solution. Secants (Illinois: the value at a fixed end is halved) and
-    bisection alternate to find the point.
+    If the tangent is symmetric and positive definite, the correction ends where the energy along it is least, and every
+    correction reduces the distance to the solution. Its length is found by secants and bisections in turn. The secants
+    use the Illinois method: the value at an end that stays is halved.
     """
 
     def along(part):
@@ -208,7 +210,7 @@ def shortened(residual: Callable, a: Vector, correction: Vector, out_of_balance:
 def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:
     """The function with its captured arrays as further arguments, and these arrays.
 
-    Batching covers the lanes of arguments, but not the lanes of captured arrays.
+    In an ensemble, JAX batches the arguments of the function over the lanes, but not its captured arrays.
     """
     closed, structure = jax.tree.flatten(eqx.filter_closure_convert(function, *examples))
     arrays, rest = eqx.partition(closed, eqx.is_array)
@@ -221,7 +223,10 @@ def opened_closure(function: Callable, *examples) -> tuple[Callable, list]:
 
 @partial(jax.custom_jvp, nondiff_argnums=(0, 1))
 def root(residual: Callable, solution: Callable, a: Vector, given, fixed) -> Vector:
-    """The root a of ``residual((a,), given)``; ``solution((r, a), fixed)`` is Newton's correction for a residual r."""
+    """The given root ``a`` of ``residual((a,), given)``, with its derivative with respect to ``given``.
+
+    ``solution((r, a), fixed)`` is Newton's correction for a residual r.
+    """
     return a
 
 

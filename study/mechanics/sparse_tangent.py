@@ -1,6 +1,6 @@
 """The form of a sparse tangent: its pattern, and the products with the derivative of the force that give its entries.
 
-Columns without a common row share a product: they have the same colour (Curtis, Powell and Reid, 1974). A force that
+Columns of one colour have no row in common and share a product (Curtis, Powell and Reid, 1974). A force that
 acts on few unknowns, next to a constant stiffness, needs few products.
 
 References
@@ -19,7 +19,7 @@ import scipy
 from study.algebra.arrays import Matrix, ScipySparse, Vector
 from study.algebra.sparse import Pattern, SparseEntries, union
 
-#: Maximum number of values in the products with a derivative that are computed at once.
+#: Maximum number of values of the products with a derivative that are computed at once.
 ROOM = 2**22
 
 
@@ -33,7 +33,7 @@ class SparseTangent:
     others
         Matrices to which the tangent is added.
     symmetric
-        Whether the tangent and the others are symmetric.
+        Whether the tangent and the matrices ``others`` are symmetric.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ def coloured(coupling: ScipySparse) -> np.ndarray:
 
 
 def coupling_of(force: Callable, states: Iterable[np.ndarray]) -> ScipySparse:
-    """A matrix (n, n) with an entry wherever ∂p/∂u is not zero at one of the displacements (n,)."""
+    """A matrix (n, n) with an entry wherever ∂p/∂u is not zero at one or more of the displacements (n,)."""
 
     @jax.jit
     def columns_with_entries(u, direction):

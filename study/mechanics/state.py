@@ -13,7 +13,7 @@ class Effort(NamedTuple):
     Attributes
     ----------
     iterations, converged
-        Newton iterations, each with one tangent and one solution, and whether they converged.
+        Number of Newton iterations, each with one tangent and one linear solve, and whether they converged.
     committed
         History of the force from which the last sub-step started, if the step commits it between sub-steps; see
         :class:`study.scheme.wrapper.with_history.WithHistory`.
@@ -27,7 +27,7 @@ class Effort(NamedTuple):
     restarts: jax.Array | int = 0
 
     def then(self, other: "Effort", committed: Any = None) -> "Effort":
-        """Effort of two balances one after the other."""
+        """Sum of the efforts of two balances, one after the other, with the history that was committed between them."""
         return Effort(
             self.iterations + other.iterations,
             self.converged & other.converged,

@@ -14,7 +14,7 @@ from study.mechanics.sparse_tangent import SparseTangent
 #: Declarable forms of a tangent. A whole number is a half bandwidth.
 FORMS: dict[str, int | str] = {"diagonal": 0, "tridiagonal": 1, "dense": "dense", "matrix_free": "matrix_free"}
 
-#: Largest number of unknowns for which the form is detected, from the full tangent.
+#: Largest number of unknowns for which the form is found from the full tangent; a larger tangent is sparse.
 FINDABLE = 1000
 
 #: Number of vectors that estimate the diagonal of a matrix-free tangent.
@@ -23,11 +23,11 @@ PROBES = 8
 #: Largest number of products with the tangent that are written out one by one.
 WRITTEN_OUT = 3
 
-#: Candidate distances from u₀, relative to its size or to one if it is smaller, at which the tangent is examined. The
-#: first distance with a finite tangent is used.
+#: Candidate distances from u₀ at which the tangent is examined, relative to the larger of max |u₀| and one. The first
+#: distance with a finite tangent is used.
 PROBED = (0.05, 1e-3, 1e-6, 1e-9)
 
-#: Distance from u₀, relative to the same scale, within which springs have not yet yielded.
+#: Distance from u₀, relative to the larger of max |u₀| and one, within which springs have not yet yielded.
 ELASTIC = 1e-6
 
 #: Relative tolerance between the true tangent and the tangent in the declared form, for round-off.
@@ -35,7 +35,7 @@ AGREEMENT = 1e-8
 
 
 def _directions(count: int, n: int):
-    """Vectors (count, n) of zeros and ones: vector k has ones at the places k, k + count, k + 2 count, ..."""
+    """Vectors (count, n) of zeros and ones: vector k has ones at k, k + count, k + 2 count, ..."""
     return (jnp.arange(n, dtype=jnp.int32)[None] % count == jnp.arange(count, dtype=jnp.int32)[:, None]).astype(float)
 
 
@@ -43,7 +43,7 @@ def _bands(slope: Callable, half_bandwidth: int, n: int) -> Banded:
     """All bands from 2k + 1 products: columns 2k + 1 apart share no row (Curtis, Powell and Reid, 1974)."""
     count = 2 * half_bandwidth + 1
     directions = _directions(count, n)
-    # written out, because XLA then merges the loops of a few products
+    # few products are written out one by one, because XLA then merges their loops
     place, offset = jnp.arange(n, dtype=jnp.int32), range(-half_bandwidth, half_bandwidth + 1)
     if count <= WRITTEN_OUT:
         products = [slope(d) for d in directions]
@@ -89,7 +89,8 @@ def probed_states(force: Callable, u0: np.ndarray, title: str) -> list[np.ndarra
     """Displacements at which the derivative of the force is examined, and is finite.
 
     Two of them lie around u₀, scattered so that no entry of the derivative is zero by chance. Springs may already
-    yield or slip there. A third displacement closer to u₀, u₀ itself and zero then show how springs couple unknowns.
+    yield or slip there. A third displacement closer to u₀, u₀ itself and zero show how springs couple unknowns before
+    they yield; these are left out where the derivative is not finite.
     """
     scatter = np.random.default_rng(0).uniform(0.5, 1.5, (2, len(u0)))
     slope = jax.jit(lambda u: jax.jvp(force, (u,), (jnp.ones_like(u),))[1])
@@ -126,7 +127,7 @@ def found(force: Callable, u0: np.ndarray, massless: bool, title: str) -> int | 
 
 
 def form_named(declared: int | str, n: int, title: str) -> int | str:
-    """The form that a problem declares for its n unknowns.
+    """The form that a problem declares for its n unknowns: a half bandwidth, ``"dense"`` or ``"matrix_free"``.
 
     Raises
     ------
@@ -147,7 +148,7 @@ def form_named(declared: int | str, n: int, title: str) -> int | str:
 
 
 def check_declared_form(force: Callable, u0: np.ndarray, declared: int | str, title: str) -> None:
-    """Refuse a form, other than dense, in which the tangent is not the derivative of the force.
+    """Refuse a declared form that cannot hold the derivative of the force, as ``"dense"`` always can.
 
     Raises
     ------

@@ -14,7 +14,7 @@ from study.algebra.matrices import add, product
 class StrainEnergy(eqx.Module):
     """A potential V(u) = Σ w(ε(u)) of strains ε.
 
-    A conserving scheme needs the strains: a rigid motion leaves them unchanged.
+    A conserving scheme needs the strains, which a rigid motion leaves unchanged.
 
     Parameters
     ----------

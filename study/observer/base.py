@@ -12,17 +12,17 @@ from study.mechanics.state import Effort
 class Observer(eqx.Module):
     """A quantity to observe during a run: a :class:`Reduction` or a :class:`Record`."""
 
-    #: Attributes of the variables that the observer returns, by name: ``long_name`` and ``units``.
+    #: Attributes ``long_name`` and ``units`` of each variable that the observer returns, by the variable's name.
     variables: ClassVar[dict[str, dict[str, str]]]
     #: Whether the problem must have a potential.
     needs_energy: ClassVar[bool] = False
     #: Whether the problem must have positions.
     needs_positions: ClassVar[bool] = False
-    #: Whether the problem must have moving ground.
+    #: Whether the problem must have ground motion.
     needs_ground: ClassVar[bool] = False
     #: Whether all steps must have one size.
     needs_equal_steps: ClassVar[bool] = False
-    #: Whether the run must carry a neighbour of the motion (:class:`study.scheme.wrapper.linearised.Linearised`).
+    #: Whether the run must carry a perturbed motion, as by :class:`study.scheme.wrapper.linearised.Linearised`.
     needs_neighbour: ClassVar[bool] = False
 
     def marched(self) -> "Observer":
@@ -30,7 +30,7 @@ class Observer(eqx.Module):
         return self
 
     def refusal(self, problem: Problem) -> str | None:
-        """Why the problem cannot be observed, in one sentence; None if it can."""
+        """One sentence on why the problem cannot be observed; None if it can."""
         for needed, argument in (
             (self.needs_energy, "potential"),
             (self.needs_positions, "positions"),
@@ -43,7 +43,7 @@ class Observer(eqx.Module):
 
 
 class Reduction(Observer):
-    """One value per run, updated with every step.
+    """A quantity with one value per run, which is updated with every step.
 
     The three methods are pure functions that JAX compiles into the march. A state has at least the fields ``u`` and
     ``v``, each of shape () or (n,).
@@ -55,16 +55,16 @@ class Reduction(Observer):
 
     @abc.abstractmethod
     def update(self, carried: Any, problem: Problem, state: Any, t: Any, effort: Effort) -> Any:
-        """State of the reduction after a step that ended at the time ``t`` and took that effort."""
+        """State of the reduction after a step to ``state`` at the time ``t``, which took the given effort."""
 
     @abc.abstractmethod
     def result(self, carried: Any, problem: Problem, state: Any) -> dict[str, Any]:
-        """Values of ``variables`` at the end of the run, where ``state`` is the last one."""
+        """Values of ``variables`` at the end of the run; ``state`` is the last state of the motion."""
 
 
 class Record(Observer):
-    """Values that are stored along time."""
+    """A quantity whose values are stored along time."""
 
     @abc.abstractmethod
     def sample(self, problem: Problem, initial: Any, state: Any, t: Any) -> dict[str, Any]:
-        """Values of ``variables`` for the state at time ``t``, given the initial one as well."""
+        """Values of ``variables`` for the state at the time ``t``; ``initial`` is the state at t = 0."""

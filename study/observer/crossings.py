@@ -14,7 +14,7 @@ def crosses_upwards(before, after, level):
 
 
 def _crossing(before, after, dt, level):
-    """Part 0 < s ≤ 1 of a step after which u reaches the level, for each unknown.
+    """Fraction 0 < s ≤ 1 of a step after which u reaches the level, for each unknown.
 
     Time as a function of u is interpolated by the cubic with the times and slopes 1/u̇ at both ends of the step. The
     slopes are limited so that the cubic is monotonic (Fritsch and Carlson, 1980). The error of s is of fourth order in
@@ -30,15 +30,15 @@ def _crossing(before, after, dt, level):
 class Oscillations(Reduction):
     r"""Upward crossings of a level by each unknown: their number, the last one, and their mean period.
 
-    Crossing i comes at the time (k_i + s_i) Δt, where k_i is a whole number of steps and 0 < s_i ≤ 1 a part of one,
-    interpolated by a cubic with the displacements and velocities at both ends of the step. The mean period is
+    Crossing i comes at the time (k_i + s_i) Δt, where k_i is a whole number of steps. The fraction 0 < s_i ≤ 1 of a
+    step is interpolated by a cubic, from the displacements and velocities at both ends of the step. The mean period is
 
     .. math::
 
         T = \frac{(k_n - k_1) + (s_n - s_1)}{n - 1}\,\Delta t
 
-    and NaN with fewer than two crossings. The error of interpolation does not grow with the length of the run. Counting
-    whole steps apart from parts of a step keeps the digits of long runs, also in single precision.
+    and NaN with fewer than two crossings. The error of interpolation does not grow with the length of the run. Whole
+    steps are counted apart from fractions of a step, so that long runs lose no digits, also in single precision.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Oscillations(Reduction):
         (step, dt), before, crossings, first, last = carried
         dt, now = jnp.where(step == 0, t, dt), (state.u, state.v)
         crossed = crosses_upwards(before[0], state.u, self.level)
-        # keep both ends of the step; only the first and the last crossing are interpolated, after the run
+        # both ends of the step are kept; only the first and the last crossing are interpolated, after the run
         last = jax.tree.map(partial(jnp.where, crossed), (step, before, now), last)
         first = jax.tree.map(partial(jnp.where, crossings == 0), last, first)
         return (step + 1, dt), now, crossings + crossed.astype(int), first, last

@@ -7,7 +7,7 @@ from study.observer.base import Reduction
 
 
 class NewtonIterations(Reduction):
-    """Newton iterations of a run: their sum, and the largest number in one step."""
+    """Number of Newton iterations of a run, and the largest number in one step."""
 
     variables = {
         "newton_iterations": {"long_name": "Newton iterations in all steps", "units": "1"},
@@ -26,7 +26,7 @@ class NewtonIterations(Reduction):
 
 
 class Restarts(Reduction):
-    """How often Newton's iteration failed and was started again with a safeguard."""
+    """Number of times that Newton's iteration failed and was started again with a safeguard, over the run."""
 
     variables = {"newton_restarts": {"long_name": "Newton iterations started again with a safeguard", "units": "1"}}
 
@@ -45,11 +45,11 @@ APART = 33
 
 
 class LyapunovExponent(Reduction):
-    r"""Largest Lyapunov exponent of the numerical map, and the time from which on neighbours are far apart.
+    r"""Largest Lyapunov exponent of the numerical map, and the time from which on neighbouring motions are far apart.
 
-    It is :math:`\lambda = \ln|\delta(t)|/t`, where δ is the distance in displacement and velocity that
-    :class:`study.scheme.wrapper.linearised.Linearised` carries; at the start, its displacement has length one. For
-    regular motions λ is of the order of ln t/t. Neighbours are far apart if a component of δ has grown to 2³³ = 8.6e9.
+    The exponent is :math:`\lambda = \ln|\delta(t)|/t`, where δ is the distance in displacement and velocity that
+    :class:`study.scheme.wrapper.linearised.Linearised` carries. At the start, the displacement in δ has length one. For
+    regular motions λ is of the order of ln t/t. Motions are far apart once a component of δ has grown to 2³³ = 8.6e9.
     """
 
     variables = {
@@ -83,9 +83,10 @@ def _momenta(problem: Problem, state):
 
 
 class MomentumErrors(Reduction):
-    """Largest changes of total linear and angular momentum, relative to the sums of their sizes over the points.
+    """Largest change of the total linear momentum and of the total angular momentum, both relative.
 
-    The divisor is the largest such sum along the run. NaN if no point has momentum.
+    Each change is divided by the sum of the sizes of the momenta of all points, at the time when this sum is largest.
+    It is NaN if no point has momentum.
     """
 
     variables = {
@@ -114,5 +115,5 @@ class MomentumErrors(Reduction):
 
 
 def _sizes(momenta):
-    """Sum over points of |momentum|."""
+    """Sum of the sizes of the momenta (points, ...) over all points."""
     return jnp.linalg.norm(momenta, axis=1).sum()

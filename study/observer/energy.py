@@ -42,7 +42,7 @@ class MeanEnergyError(Reduction):
     """Mean of the signed relative error of the energy over all steps of the run, by a compensated sum.
 
     Oscillations of the energy along the orbit cancel in the mean; drifts do not. The mean of a drift linear in time is
-    half of its final value. The standard deviation of the mean of a random walk is 1/√3 of the final one.
+    half of its final value. For a random walk, the standard deviation of the mean is 1/√3 of that of the final value.
     """
 
     variables = {"mean_energy_error": {"long_name": "mean signed relative error of the total energy", "units": "1"}}
@@ -81,8 +81,8 @@ class EnergyDrift(Reduction):
 class EnergyBalance(Reduction):
     r"""Largest error of the balance E + D − W = E₀ of energy E, dissipation D and work of the load W.
 
-    The error is the largest :math:`|E + D - W - E_0|` relative to :math:`|E_0| + \max|W|`; it is zero if all of these
-    are zero. The work over a step follows from the mean of the forces at both ends,
+    The error is the largest :math:`|E + D - W - E_0|` relative to :math:`|E_0| + \max|W|`, and zero if the balance
+    holds exactly. Dissipation and work over a step follow from the mean of the forces at both ends,
 
     .. math::
 
@@ -92,8 +92,8 @@ class EnergyBalance(Reduction):
     velocity or a history dissipates too, :math:`\Delta D = \tfrac12 (u_1 - u_0)^T (p_0 + p_1) - \Delta V`. Without a
     potential the stored energy counts as dissipated, V = 0, and the error is relative to
     :math:`|E_0| + \max(\max|W|, \max|D|)`. If the force takes a velocity or a history, the formulas of the trapezoidal
-    rule for u and u̇ imply this balance to round-off at any step size, and it does not measure the accuracy of that
-    rule.
+    rule for u and u̇ imply this balance to round-off at any step size. The balance then does not measure the accuracy
+    of the trapezoidal rule.
 
     References
     ----------
@@ -116,7 +116,7 @@ class EnergyBalance(Reduction):
         return super().refusal(problem)
 
     def _at(self, problem, state, t):
-        """Values at one time that the balance uses: u, u̇, f, and for a dissipative force p and V."""
+        """Values at one time that the balance uses: u, u̇, f, and for a dissipative force also (p, V)."""
         if not problem.dissipative:
             return state.u, state.v, load(problem, t), ()
         stored = jnp.zeros(()) if problem.potential is None else problem.stored_energy(state.u)

@@ -1,6 +1,6 @@
-"""Errors of a run against the exact solution, observed without storing either trajectory.
+"""Errors of a run against the exact solution, observed without storing the trajectory of the run.
 
-These observers need a reference. They are made by :func:`study.analysis.comparison.against` and have no names.
+These observers need a reference dataset. :func:`study.analysis.comparison.against` makes them; they have no names.
 """
 
 from functools import partial
@@ -34,17 +34,19 @@ def _root(coefficients):
 
 
 def _chosen(condition, value, other):
-    """Choose one of two steps. Its root is found after the run, as in most steps of an ensemble some lane has a root.
+    """The step ``value`` in the lanes where ``condition`` holds, and the step ``other`` in the other lanes.
 
-    The choice is made one step later; otherwise XLA would compute the force of the step once more for every choice.
+    The root within the chosen step is found after the run: most steps of an ensemble have a root in some lane, so that
+    a search during the run would take time in almost every step. The choice is made one step later; otherwise XLA would
+    compute the force of the step once more for every choice.
     """
     return jax.tree.map(partial(jnp.where, condition), value, other)
 
 
 def _quintic(problem: Problem, before, now, dt, of_v: bool = False):
-    """Quintic of a step between two pairs of u and u̇, with the accelerations of the free motion there.
+    """Coefficients of the quintic through u, u̇ and the acceleration of the free motion at both ends of a step.
 
-    With ``of_v``, its derivative.
+    With ``of_v``, the coefficients of its derivative.
     """
     start, end = ((u, v, acceleration(problem, 0.0, u, v)) for u, v in (before, now))
     return quintic(start, end, dt, of_v)
@@ -58,9 +60,9 @@ class TrajectoryError(Reduction):
     u, v
         Exact displacement and velocity at the ``steps`` phases of one period, padded at the end to any length.
     steps
-        Steps per period.
+        Steps per exact period.
     lag
-        Δt − T/``steps`` with the exact period T: the rounding error of Δt, which shifts the time of every step.
+        Δt − T/``steps`` with the exact period T: the rounding error of Δt, by which each step shifts the time.
     """
 
     u: jax.Array
@@ -99,16 +101,16 @@ class PeriodError(Reduction):
     Within a step, the displacement is interpolated by the quintic with displacement, velocity and acceleration at both
     ends, which is exact enough for schemes up to fifth order. The elongation is T̄/T − 1, with T̄ the mean time between
     crossings and T the exact period. The phase error is the delay of the last crossing in exact periods. Both are NaN
-    once the motion has stopped crossing the level; the elongation is NaN with fewer than two crossings.
+    if the motion has stopped crossing the level. The elongation is also NaN with fewer than two crossings.
 
     Attributes
     ----------
     level
         Displacement that is crossed.
     crossing
-        Time of the exact solution's first crossing, in periods.
+        Time of the first crossing of the exact solution, in exact periods.
     steps
-        Steps per period.
+        Steps per exact period.
     dt
         Step size.
     """
@@ -145,7 +147,7 @@ class PeriodError(Reduction):
         first, last = (self._crossing(problem, *end) for end in ends)
         between = crossings.astype(float) - 1
         mean_period = jnp.where(crossings > 1, (last - first) / between, self.steps)
-        # a motion without a crossing for one and a half periods has come to rest at another place, and has no phase
+        # a motion without a crossing for one and a half mean periods has settled elsewhere and has no phase
         swings = (crossings > 0) & (step.astype(float) - last < 1.5 * mean_period)
         return {
             "period_elongation": jnp.where(swings & (crossings > 1), mean_period / self.steps - 1, jnp.nan),
@@ -158,15 +160,15 @@ class PeriodError(Reduction):
 
 
 class AmplitudeDecay(Reduction):
-    """Relative loss of amplitude per period over the n maxima after the start, NaN with fewer than two.
+    """Relative loss of amplitude per oscillation over the n maxima after the start, NaN with fewer than two maxima.
 
-    It is :math:`1 - (A_n/A_1)^{1/(n - 1)}`, the geometric mean per oscillation of the numerical motion. The maxima are
-    those of the quintics of :class:`PeriodError`.
+    The loss is :math:`1 - (A_n/A_1)^{1/(n - 1)}`, the geometric mean per oscillation of the numerical motion. Maxima
+    are found on the same quintics as the crossings of :class:`PeriodError`.
 
     Attributes
     ----------
     rest
-        Displacement of equilibrium, from which the amplitudes A are measured.
+        Displacement at equilibrium, from which the amplitudes A are measured.
     dt
         Step size.
     """

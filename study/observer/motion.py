@@ -14,7 +14,7 @@ from study.mechanics.definition import Problem
 from study.mechanics.function_checks import NOT_TRACEABLE, index_beyond
 from study.observer.base import Observer, Record, Reduction
 
-#: Arguments that the function of a quantity may have.
+#: Arguments that the function of a quantity may have, each with its meaning.
 ARGUMENTS = {
     "t": "time",
     "u": "displacement",
@@ -65,8 +65,8 @@ class AbsoluteAcceleration(Record):
 class AbsoluteMotion(Record):
     """u + ι u_g(t) and u̇ + ι u̇_g(t) along time: displacement and velocity in a frame at rest.
 
-    The ground starts at rest, and its motion is the exact integral of its acceleration: a drift of the record's
-    baseline shows in it.
+    The ground starts at rest, and its motion is the exact integral of its acceleration. A drift of the record's
+    baseline therefore shows in the motion.
     """
 
     variables = {
@@ -99,16 +99,17 @@ class Quantity(Record):
     Parameters
     ----------
     function
-        Function of some of the arguments ``t``, ``u``, ``v``, ``a`` and ``ground``, which it gets by these names: the
-        time, and displacement, velocity and acceleration, each of shape () or (n,). It returns a number or a vector and
-        must be written with ``jax.numpy``. The acceleration follows from the equation of motion,
-        :math:`M^{-1} (f - C \dot u - p(u))`, whatever the scheme carries. On moving ground it is relative: ``ground``
-        is ι a(t), the ground's acceleration at each unknown, and ``lambda a, ground: a + ground`` is the absolute one.
+        Function of some of the arguments ``t``, ``u``, ``v``, ``a`` and ``ground``, which must have these names: the
+        time, and displacement, velocity, acceleration and acceleration of the ground, each of shape () or (n,). It
+        returns a number or a vector and must be written with ``jax.numpy``. The acceleration follows from the equation
+        of motion, :math:`M^{-1} (f - C \dot u - p(u))`, whatever the scheme carries. On moving ground it is relative to
+        the ground, and ``ground`` is ι a(t), the acceleration of the ground at each unknown. The absolute acceleration
+        is ``lambda a, ground: a + ground``.
     name, long_name, units
         Name and attributes of the variable in the dataset.
     reduce
-        ``"peak"`` for the largest size over all steps, ``"final"`` for the last value, ``"rms"`` for the root mean
-        square over time by the trapezoidal rule, each by component; None for the record along time.
+        ``"peak"`` for the largest absolute value over all steps, ``"final"`` for the last value, ``"rms"`` for the root
+        mean square over time by the trapezoidal rule, each for every component; None for the record along time.
 
     Raises
     ------
@@ -162,7 +163,7 @@ class Quantity(Record):
         return None
 
     def _at_start(self, u, v):
-        """The quantity at t = 0 from NumPy arrays, with zeros as accelerations."""
+        """The quantity at t = 0, with NumPy arrays as arguments and zeros in place of the accelerations."""
         given = {"t": 0.0, "u": u, "v": v, "a": np.zeros_like(u), "ground": np.zeros_like(u)}
         return self.function(**{name: given[name] for name in _arguments_of(self.function)})
 
@@ -174,7 +175,8 @@ class Quantity(Record):
         if "a" in names:
             given["a"] = acceleration(problem, t, u, v)
         if "ground" in names:
-            given["ground"] = problem.influence * problem.ground(t)  # type: ignore[misc]  # a problem without one is refused
+            # a problem without ground motion is refused
+            given["ground"] = problem.influence * problem.ground(t)  # type: ignore[misc]
         return jnp.asarray(self.function(**{name: given[name] for name in names}))
 
     def sample(self, problem, initial, state, t):

@@ -1,4 +1,4 @@
-"""Events that decide the outcome of a run: its energy becomes inaccurate, decays or grows, or it crosses a barrier."""
+"""Events that decide the outcome of a run: its energy becomes inaccurate, decays or grows, or u crosses a barrier."""
 
 from typing import NamedTuple
 
@@ -11,21 +11,21 @@ from study.mechanics.definition import Problem
 from study.observer.base import Record, Reduction
 from study.problem.named import problems
 
-#: Largest |H − H₀|/H₀ of an accurate run, and largest H/H₀ of one at rest.
+#: Largest |H − H₀|/H₀ of an accurate run, and largest H/H₀ of a run at rest, with the energy H above that of rest.
 ACCURATE = AT_REST = 0.01
 
-#: Smallest H/H₀ of a run that has grown.
+#: Smallest H/H₀ of a run that has grown, with the energy H above that of rest.
 GROWN = 100.0
 
-#: Minima farther than this multiple of max(|u₀|, 1) are rejected.
+#: Minima at a distance from zero of more than this multiple of max(|u₀|, 1) are rejected.
 FARTHEST = 1e6
 
-#: Relative errors of the height H whose first times :class:`Excursions` observes.
+#: Relative errors of the height of the energy; :class:`Excursions` observes the first time beyond each of them.
 LEVELS = (0.01, 0.05, 0.1)
 
 
 def _refusal(problem: Problem) -> str | None:
-    """Why the outcome of runs of the problem is undefined, in one sentence; None if it is defined."""
+    """One sentence on why the outcome of runs of the problem is undefined; None if it is defined."""
     if np.ndim(problem.u0):
         return f"the outcome of '{problem.title}' is undefined: it has more than one unknown."
     if problem.damping is not None or problem.load is not None:
@@ -36,7 +36,7 @@ def _refusal(problem: Problem) -> str | None:
 
 
 class _Events(NamedTuple):
-    """Times of the events, infinite for those that did not happen."""
+    """Times of the events; the time of an event that did not happen is infinite."""
 
     inaccurate: jax.Array
     at_rest: jax.Array
@@ -45,24 +45,26 @@ class _Events(NamedTuple):
 
 
 class OutcomeObserver(Reduction):
-    r"""Times at which a run becomes inaccurate, comes to rest, grows or crosses a barrier; infinite for never.
+    r"""Times at which a run becomes inaccurate, comes to rest, grows or crosses a barrier.
 
-    All follow from the height H = E − E_rest of the energy above the energy of the rest position:
+    The time of an event that does not happen is infinite. The events are defined by the height H = E − E_rest of the
+    energy above the energy of the rest position. A run is
 
     - inaccurate from the first time with :math:`|H - H_0| > 0.01 H_0`;
     - at rest from the last time at which H falls below 0.01 H₀ and stays there;
     - grown from the last time at which H exceeds :math:`100 \max(H_0, H_\text{barrier})` and stays there;
-    - crossed at the first time on the other side of u = 0, if H₀ < H_barrier.
+    - across the barrier from the first time on the other side of u = 0, if H₀ < H_barrier.
 
     The problem must have one unknown, a potential, and neither damping nor load, which change the energy. For a run
-    that starts at rest, H₀ = 0 and the error is NaN.
+    that starts at rest, H₀ = 0 and the relative error of H is NaN.
 
     Parameters
     ----------
     rest
         E_rest, the potential energy of the rest position about which the run oscillates.
     barrier
-        Potential energy at u = 0 if that is a barrier between two wells. No run that starts below it should cross it.
+        Potential energy at u = 0 if there is a barrier between two wells, which no run that starts below this energy
+        should cross; None without a barrier.
     rest_at
         Displacement of the rest position.
     """
@@ -85,19 +87,21 @@ class OutcomeObserver(Reduction):
 
     @classmethod
     def of(cls, problem: str | Problem) -> "OutcomeObserver":
-        """The observer of a problem: rest at the minimum of the potential downhill of u₀, barrier at a hill at u = 0.
+        """The observer of a problem, with the rest position in the minimum of the potential downhill of u₀.
+
+        The barrier is the potential at u = 0, if it lies above the minimum by more than 1 % of the height of u₀.
 
         Raises
         ------
         KeyError
             If there is no problem of that name.
         TypeError
-            If it is neither a problem nor a name.
+            If ``problem`` is neither a problem nor a name.
         ValueError
             If the problem has several unknowns, damping, a load or no potential, or if the potential has no minimum
             downhill of u₀.
         """
-        from scipy import optimize  # here, because importing it takes a third of the time to import the study
+        from scipy import optimize  # here, as this import takes a third of the time of importing the study
 
         if not isinstance(problem, str | Problem):
             raise TypeError(f"OutcomeObserver.of takes a problem or its name, not {problem!r}.")
@@ -158,7 +162,9 @@ class OutcomeObserver(Reduction):
 
 
 class Excursions(Reduction):
-    """Times at which the relative error of the height H first exceeds 1, 5 and 10 percent, infinite for never.
+    """Times at which the relative error of the height H = E − E_rest of the energy first exceeds 1, 5 and 10 percent.
+
+    A time is infinite if the error never exceeds the percentage.
 
     Parameters
     ----------

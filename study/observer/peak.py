@@ -1,4 +1,4 @@
-"""The largest displacement, between the steps too."""
+"""The largest displacement of a run, at the steps and between them."""
 
 import jax.numpy as jnp
 
@@ -6,7 +6,7 @@ from study.observer.base import Reduction
 
 
 class Peak(Reduction):
-    r"""Largest displacement in size of each unknown, at the steps and between them.
+    r"""Largest absolute displacement of each unknown, at the steps and between them.
 
     Within a step the displacement is the cubic with the displacements and velocities at both ends,
 
@@ -32,7 +32,7 @@ class Peak(Reduction):
         # both roots of start + 2 square s + 3 cube s², without cancellation
         q = -square - jnp.copysign(jnp.sqrt(jnp.maximum(square**2 - 3 * cube * start, 0.0)), square)
         for root in (q / (3 * cube), start / q):
-            # any place within the step is valid; for a step at rest the formula gives NaN
+            # every s within the step is a valid candidate, so that NaN, as from a step at rest, may become zero
             s = jnp.clip(jnp.nan_to_num(root), 0.0, 1.0)
             peak = jnp.maximum(peak, jnp.abs(u + s * (start + s * (square + s * cube))))
         return (t, state.u, state.v), jnp.maximum(peak, jnp.abs(state.u))

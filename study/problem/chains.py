@@ -1,4 +1,4 @@
-"""Chains of masses: Fermi, Pasta and Ulam's, Toda's, and bars under impact and under a step load."""
+"""Chains of masses: Fermi, Pasta and Ulam's chain, Toda's chain, and bars under impact and under a step load."""
 
 import jax.numpy as jnp
 import numpy as np
@@ -27,7 +27,7 @@ def fpu_chain(separate: bool = False) -> Problem:
     with x₀₁ = 1, ẋ₀₁ = 1, x₁₁ = 1/ω, ẋ₁₁ = 1 and zero elsewhere. The stiff springs exchange their oscillatory energies
     :math:`I_i = (\dot x_{1,i}^2 + \omega^2 x_{1,i}^2)/2` over times of order ω. The sum I of these energies is nearly
     constant over very long times. With ``separate`` the stiff springs are the stiffness of the problem, and the soft
-    ones its force.
+    springs are its force.
 
     References
     ----------
@@ -76,7 +76,7 @@ def toda_soliton(n: int, t: float, kappa: float = 1.0) -> tuple[np.ndarray, np.n
 
 @named(time_scale=np.pi)  # the shortest period of a linear chain
 def toda_chain(n: int = 200) -> Problem:
-    r"""Toda's chain of n masses between fixed ends, with the elongations r_j.
+    r"""Toda's chain of n masses between fixed ends; its springs have the elongations r_j.
 
     .. math::
 
@@ -107,7 +107,7 @@ def impact_bar(n: int = 200) -> Problem:
         V = \sum h\,(\varepsilon^2/2 + \kappa\,\varepsilon^4/4), \quad \varepsilon = \Delta u/h, \quad h = 1/n,
             \quad \kappa = 10
 
-    Young's modulus, density, length and cross section are one: small waves cross the bar in unit time, large ones
+    Young's modulus, density, length and cross section are one. Small waves cross the bar in unit time; large waves
     steepen. The mass is lumped. The pulse has an amplitude of ½ and a duration of 0.2.
 
     References
@@ -135,7 +135,7 @@ def impact_bar(n: int = 200) -> Problem:
     )
 
 
-#: Elements of the bar under a step load.
+#: Number of elements of the bar under a step load.
 _ELEMENTS = 64
 
 
@@ -149,7 +149,7 @@ def loaded_bar() -> Problem:
     Young's modulus, density, length and cross section are one, and the mass is lumped. By d'Alembert's solution of the
     wave equation a strain of one travels to the fixed end and comes back doubled, so that at t = 2 the displacement at
     the distance x from the loaded end is 2 (1 − x), twice the static one. Central difference gives this exactly at the
-    step 1/64, the time in which a wave crosses an element. At smaller steps the error of the elements remains.
+    step size 1/64, the time in which a wave crosses an element. At smaller step sizes an error of the elements remains.
 
     References
     ----------

@@ -11,21 +11,22 @@ from study.mechanics.ground import GroundMotion
 from study.mechanics.loads import HalfSine
 from study.problem.naming import Known, named
 
-#: Period in seconds of small motions of all of them except the bouncing mass, and their stiffness.
+#: Period in seconds of small motions of all these oscillators except the bouncing mass.
 PERIOD = 1.0
+#: Stiffness of a unit mass with this period.
 _STIFFNESS = (2 * np.pi / PERIOD) ** 2
-#: Displacement at yield, and initial speed: four times the speed that brings the undamped mass to yield.
+#: Displacement at yield. Initial speed, four times the speed at which the undamped mass just reaches yield.
 _YIELD, _SPEED = 0.1, 4 * 0.1 * 2 * np.pi / PERIOD
-#: Damping c of two percent of the critical one.
+#: Damping coefficient c, two percent of the critical damping.
 _DAMPING = 0.02 * 2 * 2 * np.pi / PERIOD
 
-#: Time in s between two samples of the records.
+#: Time in s between two samples of the ground motions.
 SPACING = 0.02
 
 
 @named()
 def yielding() -> Problem:
-    """A mass thrown onto an elastoplastic spring: k = 4π², u_y = 0.1, b = 0.05, u̇₀ = 2.51, two percent of damping."""
+    """A mass thrown onto an elastoplastic spring: k = 4π², u_y = 0.1, b = 0.05, u̇₀ = 2.51, damping ratio 0.02."""
     spring = elastoplastic(_STIFFNESS, _STIFFNESS * _YIELD, hardening=0.05)
     return Problem(spring, 0.0, _SPEED, potential=spring.potential, damping=_DAMPING, title="yielding oscillator")
 
@@ -45,7 +46,7 @@ def bouncing() -> Problem:
     return Problem(stop, -0.5, 0.0, potential=stop.potential, ground=weight, title="bouncing mass")
 
 
-#: Speed of the belt, and the time at which the mass first turns after it has stuck to the belt.
+#: Speed of the belt, and time at which the mass first turns back after it has stuck to the belt.
 BELT, TURN = _YIELD * np.pi, (2 * np.pi / 3 + np.sqrt(3)) / (2 * np.pi)
 
 
@@ -59,9 +60,9 @@ def belt() -> Problem:
 
     x = u − Vt is the displacement relative to the belt, k = 4π², u_s = 0.1, V = 0.1π, and p the friction of a contact
     of stiffness 10⁶ k. From rest the mass slips, u = u_s (1 − cos ωt), until it has the speed of the belt at ωt = π/6.
-    It sticks until its spring overcomes the friction at u = u_s and :math:`\omega t = \pi/6 + \sqrt3`, and swings about
-    u_s with the amplitude V/ω = u_s/2. It turns at u = 0.15, :math:`\omega t = 2\pi/3 + \sqrt3`. The motion with the
-    stiff contact differs from this motion with rigid friction by less than 1e-5 of its size.
+    It sticks until its spring overcomes the friction at u = u_s and :math:`\omega t = \pi/6 + \sqrt3`. Then it swings
+    about u_s with the amplitude V/ω = u_s/2, and turns back at u = 0.15 and :math:`\omega t = 2\pi/3 + \sqrt3`. The
+    motion with the stiff contact differs from this motion with rigid friction by less than 1e-5 of its size.
 
     References
     ----------
@@ -87,12 +88,12 @@ def belt() -> Problem:
 
 
 def ground_motions(number: int) -> list[GroundMotion]:
-    """The requested number of motions: El Centro, 1940, and stochastic ones with the same spacing of samples."""
+    """A list of ``number`` ground motions: El Centro, 1940, and stochastic motions with the same spacing of samples."""
     return [GroundMotion.el_centro(), *(GroundMotion.kanai_tajimi(seed, dt=SPACING) for seed in range(1, number))]
 
 
 def yielding_under_record(ground, period, yield_force) -> Problem:
-    """A unit mass that yields, with two percent of hardening and five percent of damping, on moving ground.
+    """A unit mass on an elastoplastic spring and moving ground, with hardening b = 0.02 and damping ratio 0.05.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def yielding_under_record(ground, period, yield_force) -> Problem:
 
 @named()
 def shaken() -> Problem:
-    """A linear oscillator with five percent of damping on ground that moves as in El Centro, 1940."""
+    """A linear oscillator with damping ratio 0.05 under the ground motion of El Centro, 1940."""
     return Problem(
         lambda u: _STIFFNESS * u,
         0.0,
@@ -130,7 +131,7 @@ def pulse() -> Problem:
         u = \frac{\sin(\pi t/t_d) - r \sin \omega t}{1 - r^2} \quad\text{for } t \le t_d, \quad
         r = \frac{\pi}{\omega t_d}
 
-    The motion is free afterwards.
+    After t_d the motion is free.
 
     References
     ----------

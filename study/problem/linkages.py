@@ -11,7 +11,7 @@ from study.algebra.matrices import Banded, shifted, times
 from study.mechanics.definition import Problem
 from study.problem.naming import Known, named
 
-#: Angles of the double pendulum after ten units of time.
+#: Angles of the double pendulum at t = 10.
 _TEN = Known(10.0, "Taylor series of 30 digits", u=np.array([1.679122797382449963, 0.993117806437825879]))
 
 
@@ -62,11 +62,11 @@ def elastic_beam() -> Problem:
         \ddot\theta &= C g + D w, \quad C w = D g + \dot\theta^2 \\
         g_k &= n^4 (\theta_{k-1} - 2\theta_k + \theta_{k+1}) + n^2 (F_y \cos\theta_k - F_x \sin\theta_k)
 
-    with n = 40, θ₀ = −θ₁ and θ₄₁ = θ₄₀. The tridiagonal C has the entries −cos(θ_k − θ_{k−1}) next to its diagonal
-    (1, 2, ..., 2, 3), and D has ∓sin(θ_k − θ_{k−1}) there, the negative ones below. The force at the end is
-    F_y = −F_x = 1.5 sin²t up to t = π and zero after. The links start in a row at rest. Their fastest small motion has
-    the circular frequency 6400. The force depends on the angles, their velocities and time. Time is therefore the last
-    unknown, with zero acceleration and unit velocity.
+    with n = 40, θ₀ = −θ₁ and θ₄₁ = θ₄₀. The tridiagonal C has the diagonal (1, 2, ..., 2, 3) and the entries
+    −cos(θ_k − θ_{k−1}) at (k, k − 1) and (k − 1, k). D has a zero diagonal, −sin(θ_k − θ_{k−1}) at (k, k − 1) and
+    +sin(θ_k − θ_{k−1}) at (k − 1, k). The force at the end is F_y = −F_x = 1.5 sin²t up to t = π and zero after. The
+    links start in a row at rest. The highest circular frequency of their small motions is 6400. The force depends on
+    the angles, their velocities and time. Time is therefore the last unknown, with zero acceleration and unit velocity.
 
     References
     ----------

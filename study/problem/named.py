@@ -1,4 +1,4 @@
-"""Every problem that can be called by name.
+"""All problems that can be used by name.
 
 A problem has the name of a variable in a module of this package: the function ``pendulum`` in ``oscillators.py``,
 decorated with :func:`study.problem.naming.named`, makes ``study.problems["pendulum"]``.
@@ -13,13 +13,13 @@ _ENTRIES = variables_of_modules(
     problem, NamedProblem, first=("hardening", "softening", "softening_large", "double_well")
 )
 
-#: Problems are made and checked on first use.
+#: Problems by name. Each problem is made and checked on first use.
 problems: Registry[Problem] = Registry("problem", {}, made_by=_ENTRIES)
 
 #: The functions that make the problems; their docstrings have equations, parameters and sources.
 makers = {name: getattr(entry.make, "func", entry.make) for name, entry in _ENTRIES.items()}
 
-#: Time scale of each structure, in which step sizes are measured.
+#: Time scale of each problem that has one, in which its step sizes are measured.
 time_scales = {name: entry.time_scale for name, entry in _ENTRIES.items() if entry.time_scale is not None}
 
 #: Approximate period of each spring.
@@ -28,5 +28,5 @@ approximate_periods = {name: entry.period for name, entry in _ENTRIES.items() if
 #: Periods that Xie (1996) prints (sections 3.1, 3.2 and 4).
 printed_periods = {name: period for name, period in approximate_periods.items() if _ENTRIES[name].printed}
 
-#: Displacements for comparison, printed by a source or exact.
+#: Displacement of each problem for which one is known: printed by a source, or exact.
 known = {name: entry.known for name, entry in _ENTRIES.items() if entry.known is not None}

@@ -15,13 +15,13 @@ class Known(NamedTuple):
     Attributes
     ----------
     time
-        Time at which it is reached.
+        Time at which the displacement is reached.
     source
-        Source that prints it, or method that gives it exactly.
+        Source that prints the displacement, or method that gives it exactly.
     u
-        The displacement, or a quantity of it.
+        The displacement, or a quantity that is linear in the displacement.
     weights
-        Matrix that gives this quantity by a product with the displacement; None for the displacement itself.
+        Matrix whose product with the displacement is this quantity; None for the displacement itself.
     """
 
     time: float
@@ -37,16 +37,16 @@ class NamedProblem:
     Attributes
     ----------
     make
-        Returns the problem; its arguments, if it has any, have defaults.
+        Function that returns the problem. All its arguments have defaults.
     time_scale
         Time that measures the step sizes of a structure: a period of its load or of its motion.
     period
         Approximate period of a free oscillator with one unknown. A problem with a period is one of the springs: its
-        step sizes are parts of the period, and the reference finds the exact period nearby.
+        step sizes are fractions of the period, and the reference finds the exact period near it.
     printed
-        Whether Xie (1996) prints this period, in two or three digits.
+        Whether Xie (1996) prints ``period``, in two or three digits.
     known
-        A displacement to compare with.
+        A displacement with which runs are compared.
     """
 
     make: Callable[..., Problem]
@@ -63,8 +63,8 @@ class NamedProblem:
 def named(
     *, time_scale: float | None = None, period: float | None = None, printed: bool = False, known: Known | None = None
 ) -> Callable[[Callable[..., Problem]], NamedProblem]:
-    """Decorate a function that makes a problem; the problem takes the name of the variable.
+    """Decorate a function that makes a problem. The problem gets the name of the variable that holds the result.
 
-    The arguments are the other attributes of :class:`NamedProblem`.
+    The arguments are the attributes of :class:`NamedProblem`, except ``make``.
     """
     return lambda make: NamedProblem(make, time_scale, period, printed, known)

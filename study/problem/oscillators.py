@@ -29,7 +29,7 @@ def pendulum() -> Problem:
 def duffing(amplitude: float, title: str) -> Problem:
     """Duffing's oscillator with two wells, damped and forced: ü + 0.3 u̇ − u + u³ = γ cos 1.2t, u₀ = 1, u̇₀ = 0.
 
-    With the amplitude γ = 0.2 the motion settles to the period of the load, with γ = 0.5 it is chaotic.
+    With the amplitude γ = 0.2 the motion settles to the period of the load; with γ = 0.5 it is chaotic.
 
     References
     ----------
@@ -46,13 +46,13 @@ def duffing(amplitude: float, title: str) -> Problem:
     )
 
 
-#: Period of the load.
+#: Period of the load of Duffing's oscillator.
 _LOAD_PERIOD = 2 * np.pi / 1.2
 duffing_periodic = named(time_scale=_LOAD_PERIOD)(partial(duffing, 0.2, "Duffing, periodic"))
 duffing_chaotic = named(time_scale=_LOAD_PERIOD)(partial(duffing, 0.5, "Duffing, chaotic"))
 
 
-#: Largest Lyapunov exponent of Ueda's oscillator as printed.
+#: Largest Lyapunov exponent of Ueda's oscillator, as Sprott (2003) prints it.
 UEDA_EXPONENT = 0.1034
 
 
@@ -61,7 +61,7 @@ def ueda(damping: float = 0.05, amplitude: float = 7.5) -> Problem:
     """Ueda's oscillator ü + k u̇ + u³ = B cos t with k = 0.05 and B = 7.5, whose motion is chaotic: u₀ = 2.5, u̇₀ = 0.
 
     Its largest Lyapunov exponent is 0.1034 per unit of time (Sprott, 2003). For k = 0.1 and B = 10, 11, 12 and 13 Ueda
-    (1979) gives 0.102, 0.114, 0.149 and 0.182. Exponents computed with fine steps differ from these by up to 10 %.
+    (1979) gives 0.102, 0.114, 0.149 and 0.182. Exponents computed with small steps differ from these by up to 10 %.
 
     References
     ----------
@@ -103,7 +103,7 @@ def _arch_turn() -> tuple[float, float]:
     """Time from rest to the farthest deflection of the shallow arch, and that deflection.
 
     From u³/4 − u² + u − P = (u − b)|u − c|²/4 follows u̇² = u (b − u) |u − c|²/2. With u = b sin²φ the time is the
-    integral of 2√2/|u − c| over φ, whose integrand is periodic, so that the trapezoidal rule converges geometrically.
+    integral of 2√2/|u − c| over φ. The integrand is periodic, so that the trapezoidal rule converges geometrically.
     """
     roots = np.roots([1 / 4, -1.0, 1.0, -ARCH_LOAD])
     farthest, pair = roots[np.abs(roots.imag).argmin()].real, roots[np.abs(roots.imag).argmax()]

@@ -13,7 +13,7 @@ from study.problem.naming import named
 class CubicSpring(eqx.Module):
     """The Duffing spring p(u) = S1 u (1 + S2 u²) of Xie (1996), eqs (2) and (4)."""
 
-    # NumPy numbers are arguments of a compiled program, which several springs share; Python numbers are constants in it
+    # NumPy numbers are arguments of a compiled program, which all springs share; Python numbers would be constants
     S1: float = eqx.field(converter=np.float64)
     S2: float = eqx.field(converter=np.float64)
 
@@ -30,11 +30,11 @@ def _log_cosh(u):
     """Ln cosh u = |u| − ln(1 + t) with t = tanh |u|, which does not overflow.
 
     ln(1 + t) = 2 artanh s = 2 (s + s³/3 + s⁵/5 + ...) with s = t/(2 + t) ≤ 1/3. The terms up to s³¹ leave an error of
-    round-off. They take a seventh of the time of XLA's logarithm, which would dominate the cost of a step.
+    round-off. This sum takes a seventh of the time of XLA's logarithm, which would dominate the cost of a step.
     """
     t = jnp.abs(jnp.tanh(u))
     s = t / (2 + t)
-    # two Horner schemes in s⁴, for every other term each: the chain of dependent operations is half as long
+    # two Horner schemes in s⁴, each for every other term: the chain of dependent operations is half as long
     z = s * s
     even: Any = 0.0
     odd: Any = 0.0

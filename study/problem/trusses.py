@@ -9,7 +9,10 @@ from study.problem.naming import named
 
 
 def _mesh(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Joints (joints, 2) of a mesh of unit cells, numbered along the short side, and bars (bars, 2)."""
+    """Joints of a mesh of unit cells, numbered along its short side.
+
+    Returns the coordinates of the joints (joints, 2), and the numbers of both joints of each bar (bars, 2).
+    """
     x, y = np.meshgrid(np.arange(columns + 1.0), np.arange(rows + 1.0), indexing="ij")
     number = np.arange(x.size).reshape(x.shape)
     pairs = [
@@ -46,8 +49,8 @@ def spinning_truss() -> Problem:
 
     Its cells are unit squares with both diagonals. Every joint has unit mass, and every bar EA = 10⁴ and Green's
     strain. The force is assembled from the energies of the bars by automatic differentiation. The truss starts
-    undeformed, as a rigid body that turns at one radian per unit time. It conserves energy, linear and angular
-    momentum.
+    undeformed, as a rigid body that turns at one radian per unit time. Its motion conserves energy, linear momentum and
+    angular momentum.
 
     References
     ----------
