@@ -105,10 +105,7 @@ class March:
         return x
 
     def move(self, u: np.ndarray, v: np.ndarray, a: np.ndarray | None = None) -> None:
-        """Advance to t₁ with the given motion there, commit the history and store the motion.
-
-        Without ``a`` the acceleration follows from the equation of motion.
-        """
+        """Advance to t₁, commit the history there and store the motion; the equation of motion gives a missing a."""
         self.u, self.v, self.t = u, v, self.t + self.dt
         self.a = self.acceleration(0, u, v) if a is None or "rederived" in self.words else a
         if not {"no commit", "commit at balance", "commit in iterations"} & set(self.words):
