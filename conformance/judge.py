@@ -184,7 +184,10 @@ def _explained(case: Mapping[str, Any], pairs: list[_Compared], places: list[int
 
 
 def _met_later(case: Mapping[str, Any], pairs: list[_Compared], places: list[int]) -> tuple[str, str] | None:
-    """Verdict and text of the change that gives the code's values and is not in the case; None if there is none."""
+    """Verdict and text of a change that gives the code's values; None if there is no such change.
+
+    Only changes are tried whose values are not in the case.
+    """
     (dt, steps), scheme = times(case), case["scheme"]
     changes = [("fail", text, words, changed(case["problem"]), scheme) for text, words, changed in LATER]
     if "sizes" in case["run"]:

@@ -1,7 +1,8 @@
 """Formulas of the schemes, in double precision or with mpmath, which give the values of the cases.
 
-The implicit schemes solve for the displacement, as textbooks on finite elements do. No code that is judged shares these
-formulas. Words such as ``no load`` change a scheme into a legitimate alternative or into a scheme with a mistake.
+The implicit schemes solve for the displacement, as textbooks on finite elements do. All schemes are separate from every
+code that is judged. Words such as ``no load`` change a scheme into a legitimate alternative or into a scheme with a
+mistake.
 """
 
 from collections.abc import Collection, Mapping
@@ -16,7 +17,7 @@ ITERATIONS = 60
 
 
 class March:
-    """A run: its state t, u, v and carried acceleration a, and a method for a step of each scheme."""
+    """State of a run, which is t, u, v and the carried acceleration a, with one method for each scheme's step."""
 
     def __init__(self, problem: Problem, scheme: Mapping[str, Any], dt: Any, words: Collection[str]):
         self.problem, self.dt, self.words = problem, dt, words

@@ -1,10 +1,10 @@
-"""Time of ``study.assess`` for a model of many unknowns, in seconds and in multiples of the time of a recommended run.
+"""Time of ``study.assess`` for a model of many unknowns, in seconds and as a multiple of the time of one run.
 
 python tools/large_model.py COLUMNS ROWS [SECONDS]
 
 The model is a membrane of COLUMNS by ROWS unknowns on a unit square with twenty cubic stops, Rayleigh damping and a
-harmonic load. Two implicit schemes are assessed for errors of 10 and 1 % over five seconds of motion. A recommended run
-has the recommended step size.
+harmonic load. Two implicit schemes are assessed for errors of 10 and 1 % over five seconds of motion. The one
+run has a recommended step size.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Number of random step sizes, below one that ``study.assess`` recommends, at which a run exceeds the allowed error.
+"""Number of random step sizes, below a step size that ``study.assess`` recommends, at which a run exceeds the error.
 
     python tools/recommended_steps.py [NAME ...]
 

@@ -1,4 +1,4 @@
-"""Kill the pipeline at random moments, and compare the products of the next calls with an undisturbed run.
+"""Kill the pipeline at random moments, and compare the products of the next calls with those of an undisturbed run.
 
 ``python tools/torture.py KILLS OUTPUT`` works in copies of the project. Before every kill some products are removed, so
 that the pipeline has work. After every kill a plain call must succeed. OUTPUT is a table of kills, restarts and
@@ -95,7 +95,7 @@ def _hashes(folder: Path) -> dict[str, str]:
 
 
 def _killed(folder: Path, mode: str, moment: float) -> bool:
-    """Start the pipeline, kill it in a way of ``MODES``, and return whether the kill met it at work."""
+    """Start the pipeline, kill it in a way of ``MODES``, and return whether it was still at work."""
     command = [sys.executable, "-m", "snakemake", *_targets(), "--configfile", str(SMALL)]
     environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
     with (folder / "torture.log").open("a") as log:

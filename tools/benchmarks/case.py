@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from study.problem.named import printed_periods
 
-#: Steps of a single run.
+#: Number of steps of a single run.
 STEPS = 100_000
 
 

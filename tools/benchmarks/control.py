@@ -11,7 +11,7 @@ from study.problem.named import approximate_periods
 
 
 def cases() -> Iterator[Case]:
-    """All timed cases of controlled steps, with schemes whose error estimate evaluates no further forces."""
+    """All timed cases of controlled steps, with schemes whose error estimate needs no further force evaluation."""
     for problem, duration, tolerance in (
         ("hardening", 200 * approximate_periods["hardening"], 1e-6),
         ("fpu_chain", 60.0, 1e-6),

@@ -1,4 +1,4 @@
-"""Single runs: compared with C, heyoka and OpenSees, and of one scheme compared with another."""
+"""Single runs compared with C, heyoka and OpenSees, and single runs of schemes compared with each other."""
 
 from collections.abc import Iterator
 
@@ -54,7 +54,7 @@ def against_c(folder: str) -> Iterator[Case]:
 
 
 def tangents() -> Iterator[Case]:
-    """Every implicit scheme compared with average acceleration, by time per solution with a tangent."""
+    """Every implicit scheme compared with average acceleration, by time per solution of a linear system."""
 
     def timed(spring, name):
         scheme, dt = study.schemes[name], step_size(spring)
@@ -145,7 +145,7 @@ def many_steps() -> Iterator[Case]:
 
 
 def observers() -> Iterator[Case]:
-    """Every scheme with all observers compared with one observer; XLA must still compile the larger loops natively."""
+    """Every scheme with all observers compared with one observer; XLA must still compile the longer loops natively."""
 
     def run(spring, name, **more):
         return timed(lambda: study.run(spring, name, dt=step_size(spring), steps=STEPS * 10, **more))
@@ -177,7 +177,7 @@ def observers() -> Iterator[Case]:
 
 
 def against_opensees() -> Iterator[Case]:
-    """A run of ours compared with the same scheme in OpenSees, if the extra ``opensees`` is installed."""
+    """Schemes of the study compared with the same schemes in OpenSees, if the extra ``opensees`` is installed."""
     try:
         opensees.load()
     except opensees.NotInstalled as reason:
